@@ -1,0 +1,1 @@
+"""Teamformer: decentralised team formation for heterogeneous multi-robot teams."""

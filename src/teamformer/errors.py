@@ -1,0 +1,41 @@
+"""What can go wrong at the boundary: each error says where, what and what to do next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class TeamformerError(Exception):
+    """A user's mistake or a broken file; the command line prints it without a traceback.
+
+    `hint` is the next step to take; empty when the message already says it.
+    """
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.hint = hint
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong with a scenario.
+
+    `where` is the path into the scenario's tree, such as `("tasks", 3, "needs")`; a reader of
+    files turns it into a line number.
+    """
+
+    where: tuple[str | int, ...]
+    message: str
+
+
+class ScenarioError(TeamformerError):
+    """A scenario that cannot be run; `problems` holds everything wrong with it at once."""
+
+    def __init__(self, problems: Sequence[Problem], lines: Sequence[str] = ()) -> None:
+        super().__init__("\n".join(lines or [problem.message for problem in problems]))
+        self.problems = tuple(problems)
+
+
+class ReplayError(TeamformerError):
+    """A replay file that cannot be read."""

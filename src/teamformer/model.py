@@ -1,0 +1,334 @@
+"""The words of the project: world, robot, task and scenario, checked when built."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from teamformer.capabilities import covers, describe, missing, total
+from teamformer.errors import Problem, ScenarioError
+
+Place = tuple[int, int]
+"""A cell, as `(x, y)`."""
+
+FREE = "."
+BLOCKED = "@"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A 4-connected map of cells; one cell is one unit and takes one step at speed 1.
+
+    `rows[y][x]` is `FREE` or `BLOCKED`; no rows at all means that nothing is blocked. `y_axis`
+    says only which way a drawing turns the map, never what a coordinate means.
+    """
+
+    width: int
+    height: int
+    rows: tuple[str, ...] = ()
+    y_axis: Literal["up", "down"] = "up"
+
+    def is_inside(self, place: Place) -> bool:
+        """Say whether a place is on the map at all."""
+        x, y = place
+        return 0 <= x < self.width and 0 <= y < self.height
+
+    def is_free(self, place: Place) -> bool:
+        """Say whether a robot can be at a place."""
+        x, y = place
+        return self.is_inside(place) and (not self.rows or self.rows[y][x] == FREE)
+
+    def neighbours(self, place: Place) -> Iterator[Place]:
+        """Return the free cells that one step leads to."""
+        x, y = place
+        for beside in ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)):
+            if self.is_free(beside):
+                yield beside
+
+    def reachable(self, place: Place) -> frozenset[Place]:
+        """Return every cell that can be walked to from a place, itself included."""
+        reached, frontier = {place}, deque([place])
+        while frontier:
+            for beside in self.neighbours(frontier.popleft()):
+                if beside not in reached:
+                    reached.add(beside)
+                    frontier.append(beside)
+        return frozenset(reached)
+
+    @cached_property
+    def regions(self) -> Mapping[Place, int]:
+        """Number the connected parts of a map with obstacles: free cell -> region."""
+        numbers: dict[Place, int] = {}
+        count = 0
+        for y in range(self.height):
+            for x in range(self.width):
+                if self.is_free((x, y)) and (x, y) not in numbers:
+                    numbers.update(dict.fromkeys(self.reachable((x, y)), count))
+                    count += 1
+        return numbers
+
+    def region(self, place: Place) -> int:
+        """Return the connected part that a free place lies in; without obstacles there is one."""
+        return self.regions[place] if self.rows else 0
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot: where it starts, what it can do, how fast it is.
+
+    `speed` is in cells a step. `lost` is the step from which the robot counts for nothing
+    (the first step of a trial is step 1); None means never.
+    """
+
+    name: str
+    at: Place
+    can: Mapping[str, int]
+    speed: float = 1.0
+    lost: int | None = None
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task: where it is and which capabilities one team must bring there together.
+
+    `duration` is how many steps the team must stay. `appears` is how many steps have been made
+    when everybody learns of the task; 0 means known from the start.
+    """
+
+    name: str
+    at: Place
+    needs: Mapping[str, int]
+    duration: int = 0
+    appears: int = 0
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A world with its robots, tasks and rules: what a scenario file holds.
+
+    `teams` are the starting teams, as robot numbers; robots named in none start alone.
+    Distances (`sensing_radius`, `join_radius`) are Euclidean, in cells. Building an impossible
+    scenario raises `ScenarioError` with every problem found.
+    """
+
+    name: str
+    world: Grid
+    capabilities: tuple[str, ...]
+    robots: tuple[Robot, ...]
+    tasks: tuple[Task, ...]
+    teams: tuple[tuple[int, ...], ...] = ()
+    sensing_radius: float = 1.0
+    join_radius: float = 0.0
+    forming_steps: int = 1
+    step_limit: int = 0  # 0: a generous limit is worked out, see default_step_limit
+    order: str = "tsp"
+    new_tasks: str = "resolve"
+    allocation: str = "paper"
+
+    def __post_init__(self) -> None:
+        problems = list(find_problems(self))
+        if problems:
+            raise ScenarioError(problems)
+        if self.step_limit == 0:
+            object.__setattr__(self, "step_limit", default_step_limit(self))
+
+    @property
+    def starting_teams(self) -> tuple[tuple[int, ...], ...]:
+        """Return every starting team, lone robots included, by lowest robot number."""
+        together = {robot for team in self.teams for robot in team}
+        alone = ((robot,) for robot in range(len(self.robots)) if robot not in together)
+        return tuple(sorted((*(tuple(sorted(team)) for team in self.teams), *alone)))
+
+
+ORDERS = ("tsp",)
+NEW_TASKS = ("resolve", "nearest")
+ALLOCATIONS = ("paper",)
+
+
+def default_step_limit(scenario: Scenario) -> int:
+    """Return a limit that no sensible policy reaches: four walks across the map for each task.
+
+    The slowest robot's pace, every duration and the latest arrival are added.
+    """
+    slowest = min(robot.speed for robot in scenario.robots)
+    walks = 4 * (len(scenario.tasks) + 1) * (scenario.world.width + scenario.world.height)
+    if scenario.world.rows:
+        walks *= 2  # walls make detours
+    waits = sum(task.duration for task in scenario.tasks)
+    return math.ceil(walks / slowest) + waits + max(task.appears for task in scenario.tasks)
+
+
+def find_problems(scenario: Scenario) -> Iterator[Problem]:
+    """Return everything that makes a scenario impossible to run, in file order."""
+    yield from _problems_of_world(scenario.world)
+    yield from _problems_of_names(scenario)
+    yield from _problems_of_rules(scenario)
+    placed = list(_problems_of_places(scenario))
+    yield from placed
+    yield from _problems_of_robots(scenario)
+    yield from _problems_of_teams(scenario)
+    yield from _problems_of_tasks(scenario, places_are_good=not placed)
+
+
+def _problems_of_world(world: Grid) -> Iterator[Problem]:
+    if world.width < 1 or world.height < 1:
+        size = f"{world.width} x {world.height}"
+        yield Problem(("world",), f"the grid is {size}; make it 1 x 1 or more")
+    if world.rows and {len(row) for row in world.rows} != {world.width}:
+        yield Problem(("world",), f"the rows of the map are not all {world.width} cells long")
+    if world.rows and len(world.rows) != world.height:
+        yield Problem(("world",), f"the map has {len(world.rows)} rows, not {world.height}")
+
+
+def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
+    if not scenario.robots:
+        yield Problem(("robots",), "there is no robot; add one")
+    if not scenario.tasks:
+        yield Problem(("tasks",), "there is no task; add one")
+    lists = {
+        "capabilities": scenario.capabilities,
+        "robots": tuple(robot.name for robot in scenario.robots),
+        "tasks": tuple(task.name for task in scenario.tasks),
+    }
+    for key, names in lists.items():
+        seen: set[str] = set()
+        for number, name in enumerate(names):
+            if name in seen:
+                yield Problem((key, number), f"the name '{name}' is used twice; rename one")
+            seen.add(name)
+
+
+def _problems_of_rules(scenario: Scenario) -> Iterator[Problem]:
+    for key in ("sensing_radius", "join_radius"):
+        radius = getattr(scenario, key)
+        if not radius >= 0:  # NaN too; infinity is allowed, it means everybody
+            yield Problem((key,), f"{key} is {radius}; it must be 0 or more")
+    if scenario.join_radius > scenario.sensing_radius:
+        yield Problem(
+            ("join_radius",),
+            f"join_radius {scenario.join_radius:g} is larger than sensing_radius "
+            f"{scenario.sensing_radius:g}; a team joins only what it senses, so raise the latter",
+        )
+    if scenario.forming_steps not in (0, 1):
+        yield Problem(("forming_steps",), f"forming_steps is {scenario.forming_steps}; use 0 or 1")
+    if scenario.step_limit < 0:
+        yield Problem(("step_limit",), f"step_limit is {scenario.step_limit}; use 1 or more")
+    for key, known in (("order", ORDERS), ("new_tasks", NEW_TASKS), ("allocation", ALLOCATIONS)):
+        if getattr(scenario, key) not in known:
+            choices = " or ".join(known)
+            yield Problem((key,), f"{key} '{getattr(scenario, key)}' is unknown; use {choices}")
+
+
+def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
+    world = scenario.world
+    groups: dict[str, tuple[Robot | Task, ...]] = {
+        "robots": scenario.robots,
+        "tasks": scenario.tasks,
+    }
+    for key, things in groups.items():
+        for number, thing in enumerate(things):
+            where, what = (key, number, "at"), f"{key[:-1]} '{thing.name}'"
+            x, y = thing.at
+            if not world.is_inside(thing.at):
+                yield Problem(
+                    where,
+                    f"{what} is at [{x}, {y}], outside the map; "
+                    f"x goes from 0 to {world.width - 1} and y from 0 to {world.height - 1}",
+                )
+            elif not world.is_free(thing.at):
+                yield Problem(where, f"{what} is at [{x}, {y}], inside an obstacle; move it")
+
+
+def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
+    for number, robot in enumerate(scenario.robots):
+        where = ("robots", number)
+        yield from _problems_of_counts(
+            robot.can, scenario.capabilities, (*where, "can"), f"robot '{robot.name}' can"
+        )
+        if not 0 < robot.speed < math.inf:
+            yield Problem(
+                (*where, "speed"), f"robot '{robot.name}' has speed {robot.speed}; use more than 0"
+            )
+        if robot.lost is not None and robot.lost < 1:
+            yield Problem(
+                (*where, "lost"),
+                f"robot '{robot.name}' is lost at step {robot.lost}; the first step is 1",
+            )
+
+
+def _problems_of_counts(
+    counts: Mapping[str, int], known: tuple[str, ...], where: tuple[str | int, ...], what: str
+) -> Iterator[Problem]:
+    if not counts:
+        yield Problem(where, f"{what} nothing; name at least one capability")
+    for name, count in counts.items():
+        if name not in known:
+            yield Problem(where, f"{what} '{name}', which is not under capabilities; add it there")
+        if count < 1:
+            yield Problem(where, f"{what} '{name}' {count} times; use 1 or more")
+
+
+def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
+    seen: set[int] = set()
+    for number, team in enumerate(scenario.teams):
+        where = ("teams", number)
+        if not team:
+            yield Problem(where, "this starting team has no robot; remove it")
+        for robot in team:
+            if not 0 <= robot < len(scenario.robots):
+                yield Problem(where, f"there is no robot number {robot}")
+                continue
+            if robot in seen:
+                name = scenario.robots[robot].name
+                yield Problem(where, f"robot '{name}' is in two starting teams; keep one")
+            seen.add(robot)
+        places = {scenario.robots[r].at for r in team if 0 <= r < len(scenario.robots)}
+        if len(places) > 1:
+            yield Problem(where, "the robots of a starting team must start in the same place")
+
+
+def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Problem]:
+    everybody = total(robot.can for robot in scenario.robots)
+    for number, task in enumerate(scenario.tasks):
+        where, what = ("tasks", number), f"task '{task.name}'"
+        yield from _problems_of_counts(
+            task.needs, scenario.capabilities, (*where, "needs"), f"{what} needs"
+        )
+        for key in ("duration", "appears"):
+            if getattr(task, key) < 0:
+                steps = getattr(task, key)
+                yield Problem((*where, key), f"{what} has {key} {steps}; use 0 or more")
+        if not covers(everybody, task.needs):
+            yield Problem((*where, "needs"), _impossible(what, everybody, task.needs))
+        elif places_are_good:
+            region = scenario.world.region(task.at)
+            near = total(r.can for r in scenario.robots if scenario.world.region(r.at) == region)
+            if not covers(near, task.needs):
+                yield Problem(
+                    (*where, "at"),
+                    f"{what} cannot be reached by robots that bring "
+                    f"{describe(missing(near, task.needs))}; move it or open the map",
+                )
+
+
+def _impossible(what: str, have: Mapping[str, int], need: Mapping[str, int]) -> str:
+    short = missing(have, need)
+    nobody = [name for name in short if not have.get(name)]
+    if nobody:
+        names, them = _quoted(nobody), "it" if len(nobody) == 1 else "them"
+        return (
+            f"{what} needs {names} but no robot has {them}; "
+            "add such a robot or drop the requirement"
+        )
+    return (
+        f"{what} needs {describe(need)} but all robots together lack {describe(short)}; "
+        "add such a robot or lower the requirement"
+    )
+
+
+def _quoted(names: list[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

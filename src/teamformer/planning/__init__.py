@@ -1,0 +1,1 @@
+"""Plans made before anybody moves: distances, tours, schedules and bounds."""

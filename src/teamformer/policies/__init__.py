@@ -1,0 +1,1 @@
+"""What turns views into decisions, behind one seam."""

@@ -1,0 +1,1 @@
+"""Scenario files, map importers and random scenarios."""

@@ -28,7 +28,7 @@ def distance_fields(grid: Grid, places: Sequence[Place]) -> Distances:
     blocked = blocked_cells(grid)
     fields = np.full((len(places), grid.height, grid.width), UNREACHABLE, dtype=np.int32)
     for field, (x, y) in zip(fields, places, strict=True):
-        _fill_field(blocked, x, y, field)
+        fill_field(blocked, x, y, field)
     return fields
 
 
@@ -48,13 +48,13 @@ def travel_matrix(grid: Grid, origins: Sequence[Place], goals: Sequence[Place]) 
     field = np.empty(blocked.shape, dtype=np.int32)
     for goal in range(len(goals)):
         field[:] = UNREACHABLE
-        _fill_field(blocked, to_x[goal], to_y[goal], field)
+        fill_field(blocked, to_x[goal], to_y[goal], field)
         distances[:, goal] = field[from_y, from_x]
     return distances
 
 
 @nb.njit(cache=True, nogil=True)
-def _fill_field(blocked, x, y, field):  # type: ignore[no-untyped-def]
+def fill_field(blocked, x, y, field):  # type: ignore[no-untyped-def]
     """Fill in the distance from each cell to (x, y), breadth first; leave the unreachable."""
     height, width = blocked.shape
     queue = np.empty(height * width, dtype=np.int32)

@@ -1,0 +1,37 @@
+"""Pairing off: how teams in one place become one in few steps without talking it over."""
+
+from __future__ import annotations
+
+from teamformer.jit import kernel
+from teamformer.sim.arrays import NOBODY
+
+
+@kernel
+def pair_by_slot(view, row, for_same_task):  # type: ignore[no-untyped-def]
+    """Return the column of the team that pairs off with this one, or NOBODY.
+
+    Teams in one place pair off in the order of their slots, first with second, third with fourth.
+    Where a view is cut to the nearest slots a team in the middle takes the one after it, which
+    comes to the same, since joins are made in slot order.
+    """
+    before = after = NOBODY  # the columns of the next lower and the next higher slot here
+    lower_slots = 0
+    for other in range(view.seen_slot.shape[1]):
+        if not is_partner(view, row, other, for_same_task):
+            continue
+        slot = view.seen_slot[row, other]
+        if slot < view.slot[row]:
+            lower_slots += 1
+            if before == NOBODY or slot > view.seen_slot[row, before]:
+                before = other
+        elif after == NOBODY or slot < view.seen_slot[row, after]:
+            after = other
+    return after if lower_slots % 2 == 0 else before
+
+
+@kernel
+def is_partner(view, row, other, for_same_task):  # type: ignore[no-untyped-def]
+    """Say whether a seen team stands here and can be joined, and heads for the same task."""
+    if not (view.is_here[row, other] and view.can_join[row, other]):
+        return False
+    return not for_same_task or view.seen_task[row, other] == view.task[row]

@@ -1,0 +1,160 @@
+"""Writes down a trial while it runs: what each step changed, as a replay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from teamformer.capabilities import covers, total
+from teamformer.model import Scenario
+from teamformer.sim.arrays import NOBODY, Array
+from teamformer.sim.env import Tally, TeamFormation
+from teamformer.sim.replay import Ending, Replay, Step, TeamAt
+
+Groups = dict[int, tuple[int, ...]]
+"""The robots of each team, by slot."""
+
+
+@dataclass(frozen=True)
+class _Snapshot:
+    teams: Array
+    groups: Groups
+
+
+class Recorder:
+    """Records the first world of an environment; call `step()` after each of its steps."""
+
+    def __init__(self, env: TeamFormation) -> None:
+        self._env = env
+        self._scenario = env.scenarios[0]
+        self._steps: list[Step] = []
+        self._orders: list[tuple[int, tuple[int, ...]]] = []
+        self._before = self._snapshot()
+        self._start = tuple(
+            (slot, robots, *self._scenario.robots[slot].at)
+            for slot, robots in sorted(self._before.groups.items())
+        )
+        self._write_order(0)
+
+    def step(self) -> None:
+        """Write down what the step just made has changed."""
+        before, self._before = self._before, self._snapshot()
+        steps = len(self._steps) + 1
+        robots, tasks = self._env.worlds.robots[0], self._env.worlds.tasks[0]
+        formed = _groups(robots["formed"])
+        is_lost = (robots["formed"] != NOBODY) & (robots["team"] == NOBODY)
+        done = np.flatnonzero(tasks["done_at"] == steps)
+        self._steps.append(
+            Step(
+                joins=self._joins(before.groups, formed),
+                splits=_splits(before.groups, formed, robots["stays"]),
+                lost=tuple(np.flatnonzero(is_lost).tolist()),
+                teams=_changed_teams(before, self._before),
+                done=tuple((int(k), int(tasks["done_by"][k])) for k in done),
+            )
+        )
+        if (tasks["appears"] == steps).any():
+            self._write_order(steps)
+
+    def finish(
+        self, policy: str, seed: int, lower_bound: int | None, is_interrupted: bool = False
+    ) -> Replay:
+        """Return the whole record."""
+        tally = self._env.tally()
+        return Replay(
+            scenario=self._scenario,
+            policy=policy,
+            seed=seed,
+            orders=tuple(self._orders),
+            start=self._start,
+            steps=tuple(self._steps),
+            end=self._ending(tally, is_interrupted),
+            lower_bound=lower_bound,
+        )
+
+    def _snapshot(self) -> _Snapshot:
+        groups = _groups(self._env.worlds.robots["team"][0])
+        return _Snapshot(self._env.worlds.teams[0].copy(), groups)
+
+    def _write_order(self, steps: int) -> None:
+        count = self._env.worlds.count["open"][0]
+        self._orders.append((steps, tuple(self._env.worlds.order[0, :count].tolist())))
+
+    def _joins(self, before: Groups, formed: Groups) -> tuple[tuple[int, int], ...]:
+        """Return (joiner, partner) for each team that holds two earlier teams."""
+        slot_of = {robot: slot for slot, robots in before.items() for robot in robots}
+        partners = self._env.worlds.teams["partner"][0]
+        joins = []
+        for robots in formed.values():
+            slots = sorted({slot_of[robot] for robot in robots})
+            if len(slots) == 2:
+                lower, higher = slots
+                joins.append((lower, higher) if partners[lower] == higher else (higher, lower))
+        return tuple(sorted(joins, key=min))
+
+    def _ending(self, tally: Tally, is_interrupted: bool) -> Ending:
+        is_completed = tally.status == "completed"
+        return Ending(
+            status="interrupted" if is_interrupted else tally.status,
+            makespan=tally.steps if is_completed else None,
+            steps=tally.steps,
+            tasks_done=tally.tasks_done,
+            joins=tally.joins,
+            splits=tally.splits,
+            illegal_decisions=tally.illegal_decisions,
+            blocked_tasks=self._blocked_tasks() if tally.status == "infeasible" else (),
+        )
+
+    def _blocked_tasks(self) -> tuple[str, ...]:
+        """Name the tasks that the robots left can never do."""
+        left = [robot for robots in self._before.groups.values() for robot in robots]
+        return tuple(
+            task.name
+            for k, task in enumerate(self._scenario.tasks)
+            if self._env.worlds.tasks["done_at"][0, k] == NOBODY
+            and not _can_be_done(self._scenario, k, left)
+        )
+
+
+def _can_be_done(scenario: Scenario, task: int, robots: list[int]) -> bool:
+    world, wanted = scenario.world, scenario.tasks[task]
+    near = (
+        scenario.robots[r].can
+        for r in robots
+        if world.region(scenario.robots[r].at) == world.region(wanted.at)
+    )
+    return covers(total(near), wanted.needs)
+
+
+def _groups(slots: Array) -> Groups:
+    """Gather robots by the slot of their team; `slots` is (robots,)."""
+    groups: dict[int, list[int]] = {}
+    for robot, slot in enumerate(slots.tolist()):
+        if slot != NOBODY:
+            groups.setdefault(slot, []).append(robot)
+    return {slot: tuple(robots) for slot, robots in groups.items()}
+
+
+def _splits(
+    before: Groups, formed: Groups, stays: Array
+) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
+    """Return (robots that stay, robots that leave) for each team that is two now."""
+    splits = []
+    for robots in before.values():
+        parts = [part for part in formed.values() if set(part) < set(robots)]
+        if len(parts) == 2:
+            one, other = parts
+            splits.append((one, other) if stays[one[0]] else (other, one))
+    return tuple(sorted(splits, key=lambda split: min(*split[0], *split[1])))
+
+
+def _changed_teams(before: _Snapshot, after: _Snapshot) -> tuple[TeamAt, ...]:
+    changed = []
+    for slot in sorted(after.groups):
+        was, now = before.teams[slot], after.teams[slot]
+        same = all(was[field] == now[field] for field in ("x", "y", "task"))
+        if slot not in before.groups or not same:
+            task = None if now["task"] == NOBODY else int(now["task"])
+            changed.append(TeamAt(slot, int(now["x"]), int(now["y"]), task))
+    return tuple(changed)

@@ -1,0 +1,80 @@
+"""A trial: one scenario, one policy, one seed, run to its end; alone or many side by side."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from teamformer.model import Scenario
+from teamformer.policies.protocol import Policy
+from teamformer.policies.recorder import Recorder
+from teamformer.sim.env import Tally, TeamFormation
+from teamformer.sim.replay import Replay
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A finished trial: its record, and what the clock said (which the record never holds)."""
+
+    replay: Replay
+    decision_seconds: float
+    total_seconds: float
+
+
+def run_trial(
+    scenario: Scenario,
+    policy: Policy,
+    name: str,
+    seed: int = 0,
+    lower_bound: int | None = None,
+    on_step: Callable[[Tally], None] | None = None,
+) -> Trial:
+    """Run one trial and record it; Ctrl-C ends it with what was done so far.
+
+    `on_step` is called after each step, for a display of progress.
+    """
+    begun = time.perf_counter()
+    deciding = 0.0
+    env = TeamFormation([scenario])
+    recorder = Recorder(env)
+    is_interrupted = False
+    try:
+        deciding += _seconds(lambda: _begin(policy, [scenario], seed))
+        while env.is_running[0]:
+            view = env.view()
+            asked = time.perf_counter()
+            decision = policy.decide(view)
+            deciding += time.perf_counter() - asked
+            env.step(decision)
+            recorder.step()
+            if on_step is not None:
+                on_step(env.tally())
+    except KeyboardInterrupt:
+        is_interrupted = True
+    replay = recorder.finish(name, seed, lower_bound, is_interrupted)
+    return Trial(replay, deciding, time.perf_counter() - begun)
+
+
+def run_trials(
+    scenarios: Sequence[Scenario], policy: Policy, seed: int = 0, threads: int = 1
+) -> list[Tally]:
+    """Run one trial of each scenario side by side, unrecorded, and return how each ended."""
+    env = TeamFormation(scenarios, threads=threads)
+    _begin(policy, scenarios, seed)
+    while env.is_running.any():
+        env.step(policy.decide(env.view()))
+    return [env.tally(w) for w in range(len(scenarios))]
+
+
+def _begin(policy: Policy, scenarios: Sequence[Scenario], seed: int) -> None:
+    """Start a policy; only one that says so is told more than its views."""
+    policy.begin(scenarios if policy.needs_everything else None, np.random.default_rng(seed))
+
+
+def _seconds(work: Callable[[], None]) -> float:
+    begun = time.perf_counter()
+    work()
+    return time.perf_counter() - begun

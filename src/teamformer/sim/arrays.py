@@ -1,0 +1,281 @@
+"""The arrays that the kernels work on: a batch of worlds, and one world in it.
+
+Everything about one robot, team, task or cell is one record, so that a kernel reads
+`world.teams[team].task`. Worlds of different sizes share a batch by padding: a padded robot is in
+no team, a padded task is never open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.model import Scenario
+from teamformer.planning.travel import blocked_cells, distance_fields
+
+Array = npt.NDArray[Any]
+
+NEVER = 2**30
+NOBODY = -1
+"""No team, no task, no robot."""
+
+RUNNING, COMPLETED, STEP_LIMIT, INFEASIBLE = 0, 1, 2, 3
+STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
+
+RESOLVE, NEAREST = 0, 1
+"""What happens to the order when tasks appear: a new tour, or each after its nearest."""
+
+RULES = np.dtype(
+    [
+        ("robots", np.int32),  # how many there are
+        ("tasks", np.int32),
+        ("width", np.int32),  # cells
+        ("height", np.int32),
+        ("forming_steps", np.int32),
+        ("step_limit", np.int32),
+        ("new_tasks", np.int32),  # RESOLVE or NEAREST
+        ("has_walls", np.bool_),
+        ("sensing_radius", np.float64),  # cells
+        ("join_radius", np.float64),
+        ("start_x", np.float64),  # the cell at the robots' centroid, where the first tour begins
+        ("start_y", np.float64),
+    ],
+    align=True,
+)
+COUNT = np.dtype(
+    [
+        ("steps", np.int32),
+        ("open", np.int32),  # released tasks that are not done
+        ("arrived", np.int32),  # of these, tasks that the order does not know yet
+        ("done", np.int32),
+        ("joins", np.int32),
+        ("splits", np.int32),
+        ("illegal", np.int32),
+        ("status", np.int32),
+    ],
+    align=True,
+)
+ROBOT = np.dtype(
+    [
+        ("team", np.int32),  # slot of its team, or NOBODY once lost
+        ("formed", np.int32),  # the same after this step's formations, before its losses
+        ("region", np.int32),  # connected part of the map
+        ("lost", np.int32),  # the step it counts for nothing from, or NEVER
+        ("stays", np.bool_),  # in the split being made
+        ("speed", np.float64),  # cells a step
+    ],
+    align=True,
+)
+TEAM = np.dtype(
+    [
+        ("x", np.float64),
+        ("y", np.float64),
+        ("pace", np.float64),  # speed of the slowest member
+        ("credit", np.float64),  # fraction of a cell walked
+        ("size", np.int32),  # robots; 0 where the slot has no team
+        ("task", np.int32),  # assignment, or NOBODY
+        ("serves", np.int32),  # how many tasks it is serving
+        ("is_detour", np.bool_),  # the assignment was taken out of order
+        # What follows lasts for one step.
+        ("has_formed", np.bool_),
+        ("is_commanded", np.bool_),  # its decision names tasks: the allocator leaves it alone
+        ("intent", np.int32),  # MAINTAIN, SPLIT or JOIN
+        ("partner", np.int32),  # whom it wants to join
+        ("row", np.int32),  # of its decision
+        ("pursued", np.int32),  # assignment during the step
+        ("next_here", np.int32),  # the next team in the same cell
+    ],
+    align=True,
+)
+TASK = np.dtype(
+    [
+        ("x", np.float64),
+        ("y", np.float64),
+        ("duration", np.int32),  # steps
+        ("appears", np.int32),  # steps made when it becomes known
+        ("region", np.int32),
+        ("next_here", np.int32),  # the next task in the same cell
+        ("rank", np.int32),  # place in the order while open
+        ("server", np.int32),  # team that serves it, or NOBODY
+        ("remaining", np.int32),  # steps of service
+        ("done_at", np.int32),  # step, or NOBODY
+        ("done_by", np.int32),  # slot
+        ("is_open", np.bool_),  # released and not done
+    ],
+    align=True,
+)
+CELL = np.dtype([("first_task", np.int32), ("first_team", np.int32)], align=True)
+
+
+class Worlds(NamedTuple):
+    """A batch of worlds: what they are and how they stand.
+
+    A team is kept at its slot, the lowest robot number in it.
+    """
+
+    rules: Array  # (worlds,) RULES
+    count: Array  # type: ignore[assignment]  # (worlds,) COUNT
+    robots: Array  # (worlds, robots) ROBOT
+    teams: Array  # (worlds, robots) TEAM
+    tasks: Array  # (worlds, tasks) TASK
+    cells: Array  # (worlds, cells) CELL
+    brings: Array  # (worlds, robots, caps) counts of each robot
+    has: Array  # (worlds, robots, caps) counts of each team
+    needs: Array  # (worlds, tasks, caps)
+    demand: Array  # (worlds, caps) open tasks that need each capability
+    order: Array  # (worlds, tasks) open tasks in order, the first count.open of them
+    blocked: Array  # (worlds, height, width), or (worlds, 0, 0) if no world has walls
+    fields: Array  # (worlds, tasks, height, width) distances to tasks, or (worlds, 0, 0, 0)
+    near: Array  # (worlds, robots) teams found nearby
+    room: Array  # (worlds, caps) what still fits into a split
+
+
+World = Worlds
+"""The same fields for one world, without the leading axis."""
+
+
+@nb.njit(inline="always")
+def world_at(worlds, w):  # type: ignore[no-untyped-def]
+    """Return one world of a batch; writing to it writes to the batch."""
+    return Worlds(
+        worlds.rules[w],
+        worlds.count[w],
+        worlds.robots[w],
+        worlds.teams[w],
+        worlds.tasks[w],
+        worlds.cells[w],
+        worlds.brings[w],
+        worlds.has[w],
+        worlds.needs[w],
+        worlds.demand[w],
+        worlds.order[w],
+        worlds.blocked[w],
+        worlds.fields[w],
+        worlds.near[w],
+        worlds.room[w],
+    )
+
+
+def pack_worlds(scenarios: Sequence[Scenario]) -> Worlds:
+    """Lay scenarios out as they stand before the first step, padded to the largest of them."""
+    worlds = _empty_worlds(scenarios)
+    for w, scenario in enumerate(scenarios):
+        _pack_rules(worlds, w, scenario)
+        _pack_robots(worlds, w, scenario)
+        _pack_tasks(worlds, w, scenario)
+        if scenario.world.rows:
+            _pack_map(worlds, w, scenario)
+    return worlds
+
+
+def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
+    count = len(scenarios)
+    robots = max(len(s.robots) for s in scenarios)
+    tasks = max(len(s.tasks) for s in scenarios)
+    caps = max(len(s.capabilities) for s in scenarios)
+    width = max(s.world.width for s in scenarios)
+    height = max(s.world.height for s in scenarios)
+    walls = (height, width) if any(s.world.rows for s in scenarios) else (0, 0)
+    worlds = Worlds(
+        rules=np.zeros(count, dtype=RULES),
+        count=np.zeros(count, dtype=COUNT),
+        robots=np.zeros((count, robots), dtype=ROBOT),
+        teams=np.zeros((count, robots), dtype=TEAM),
+        tasks=np.zeros((count, tasks), dtype=TASK),
+        cells=np.zeros((count, width * height), dtype=CELL),
+        brings=np.zeros((count, robots, caps), dtype=np.int16),
+        has=np.zeros((count, robots, caps), dtype=np.int16),
+        needs=np.zeros((count, tasks, caps), dtype=np.int16),
+        demand=np.zeros((count, caps), dtype=np.int32),
+        order=np.full((count, tasks), NOBODY, dtype=np.int32),
+        blocked=np.zeros((count, *walls), dtype=np.bool_),
+        fields=np.zeros((count, tasks if walls[0] else 0, *walls), dtype=np.int32),
+        near=np.zeros((count, robots), dtype=np.int32),
+        room=np.zeros((count, caps), dtype=np.int32),
+    )
+    worlds.robots["team"] = NOBODY
+    worlds.robots["lost"] = NEVER
+    worlds.teams["task"] = NOBODY
+    worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
+    worlds.tasks["appears"] = NEVER
+    for field in ("next_here", "server", "done_at", "done_by"):
+        worlds.tasks[field] = NOBODY
+    return worlds
+
+
+def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
+    start_x, start_y = _centroid(scenario)
+    worlds.rules[w] = (
+        len(scenario.robots),
+        len(scenario.tasks),
+        scenario.world.width,
+        scenario.world.height,
+        scenario.forming_steps,
+        scenario.step_limit,
+        NEAREST if scenario.new_tasks == "nearest" else RESOLVE,
+        bool(scenario.world.rows),
+        scenario.sensing_radius,
+        scenario.join_radius,
+        start_x,
+        start_y,
+    )
+
+
+def _centroid(scenario: Scenario) -> tuple[int, int]:
+    """Return the cell at the robots' centroid; where that is blocked, the nearest robot's."""
+    places = [robot.at for robot in scenario.robots]
+    x = sum(x for x, _ in places) / len(places)
+    y = sum(y for _, y in places) / len(places)
+    cell = (int(x + 0.5), int(y + 0.5))
+    if scenario.world.is_free(cell):
+        return cell
+    return min(places, key=lambda at: (at[0] - x) ** 2 + (at[1] - y) ** 2)
+
+
+def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
+    column = {name: c for c, name in enumerate(scenario.capabilities)}
+    for r, robot in enumerate(scenario.robots):
+        record = worlds.robots[w, r]
+        record["speed"] = robot.speed
+        record["lost"] = NEVER if robot.lost is None else robot.lost
+        record["region"] = scenario.world.region(robot.at)
+        for name, count in robot.can.items():
+            worlds.brings[w, r, column[name]] = count
+    for members in scenario.starting_teams:
+        slot, robots = members[0], list(members)
+        team = worlds.teams[w, slot]
+        team["x"], team["y"] = scenario.robots[slot].at
+        team["size"] = len(members)
+        team["pace"] = worlds.robots[w, robots]["speed"].min()
+        worlds.robots["team"][w, robots] = slot
+        worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
+
+
+def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario) -> None:
+    column = {name: c for c, name in enumerate(scenario.capabilities)}
+    for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
+        task, record = scenario.tasks[k], worlds.tasks[w, k]
+        record["x"], record["y"] = task.at
+        record["duration"] = task.duration
+        record["appears"] = task.appears
+        record["region"] = scenario.world.region(task.at)
+        record["is_open"] = task.appears == 0
+        cell = worlds.cells[w, task.at[1] * scenario.world.width + task.at[0]]
+        record["next_here"], cell["first_task"] = cell["first_task"], k
+        for name, count in task.needs.items():
+            worlds.needs[w, k, column[name]] = count
+    known = np.flatnonzero(worlds.tasks["is_open"][w])
+    worlds.order[w, : len(known)] = known
+    worlds.demand[w] = (worlds.needs[w, known] > 0).sum(axis=0)
+    worlds.count["open"][w] = worlds.count["arrived"][w] = len(known)
+
+
+def _pack_map(worlds: Worlds, w: int, scenario: Scenario) -> None:
+    grid = scenario.world
+    places = [task.at for task in scenario.tasks]
+    worlds.blocked[w, : grid.height, : grid.width] = blocked_cells(grid)
+    worlds.fields[w, : len(places), : grid.height, : grid.width] = distance_fields(grid, places)

@@ -1,0 +1,155 @@
+"""Completion: which tasks are done, and what that changes for everybody."""
+
+from __future__ import annotations
+
+from teamformer.jit import kernel
+from teamformer.sim.allocation import can_do_alone
+from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NOBODY, STEP_LIMIT
+from teamformer.sim.neighbours import cell_of
+
+
+@kernel
+def complete_tasks(world, step):  # type: ignore[no-untyped-def]
+    """Phase 6: teams do the tasks they stand at and cover; services go on, begin or break off."""
+    done_before = world.count.done
+    for team in range(world.rules.robots):
+        if world.teams[team].serves > 0:
+            _serve(world, team, step)
+    for team in range(world.rules.robots):
+        if world.teams[team].size == 0:
+            continue
+        task = _first_task_here(world, team)
+        while task != NOBODY:
+            if _is_free(world, task) and can_do_alone(world, team, task):
+                _begin(world, team, task, step)
+            task = world.tasks[task].next_here
+    if world.count.done > done_before:
+        _close_gaps_in_order(world)
+        _drop_assignments_to_done(world)
+
+
+@kernel
+def _first_task_here(world, team):  # type: ignore[no-untyped-def]
+    return world.cells[cell_of(world, world.teams[team].x, world.teams[team].y)].first_task
+
+
+@kernel
+def _is_free(world, task):  # type: ignore[no-untyped-def]
+    return world.tasks[task].is_open and world.tasks[task].server == NOBODY
+
+
+@kernel
+def _serve(world, team, step):  # type: ignore[no-untyped-def]
+    """One step of service; a team that has lost what the task needs breaks it off."""
+    task = _first_task_here(world, team)
+    while task != NOBODY:
+        if world.tasks[task].server == team and world.tasks[task].is_open:
+            world.tasks[task].remaining -= 1
+            if not can_do_alone(world, team, task):
+                _end_service(world, team, task)
+            elif world.tasks[task].remaining == 0:
+                _end_service(world, team, task)
+                _finish(world, team, task, step)
+        task = world.tasks[task].next_here
+
+
+@kernel
+def _end_service(world, team, task):  # type: ignore[no-untyped-def]
+    world.tasks[task].server = NOBODY
+    world.teams[team].serves -= 1
+
+
+@kernel
+def _begin(world, team, task, step):  # type: ignore[no-untyped-def]
+    if world.tasks[task].duration == 0:
+        _finish(world, team, task, step)
+    else:
+        world.tasks[task].server = team
+        world.tasks[task].remaining = world.tasks[task].duration
+        world.teams[team].serves += 1
+        world.teams[team].credit = 0.0
+
+
+@kernel
+def _finish(world, team, task, step):  # type: ignore[no-untyped-def]
+    world.tasks[task].is_open = False
+    world.tasks[task].done_at = step
+    world.tasks[task].done_by = team
+    world.count.done += 1
+    for cap in range(world.has.shape[1]):
+        world.demand[cap] -= world.needs[task, cap] > 0
+
+
+@kernel
+def _close_gaps_in_order(world):  # type: ignore[no-untyped-def]
+    kept = 0
+    for position in range(world.count.open):
+        task = world.order[position]
+        if world.tasks[task].is_open:
+            world.order[kept] = task
+            world.tasks[task].rank = kept
+            kept += 1
+    world.count.open = kept
+
+
+@kernel
+def _drop_assignments_to_done(world):  # type: ignore[no-untyped-def]
+    for team in range(world.rules.robots):
+        task = world.teams[team].task
+        if task != NOBODY and not world.tasks[task].is_open:
+            world.teams[team].task = NOBODY
+            world.teams[team].is_detour = False
+
+
+@kernel
+def drop_assignments(world):  # type: ignore[no-untyped-def]
+    """Free every team that is not serving: what everybody knows has changed."""
+    for team in range(world.rules.robots):
+        if world.teams[team].serves == 0:
+            world.teams[team].task = NOBODY
+            world.teams[team].is_detour = False
+
+
+@kernel
+def release_tasks(world, steps_made):  # type: ignore[no-untyped-def]
+    """Make known the tasks that appear now, at the end of the order; say whether any do."""
+    arrived = 0
+    for task in range(world.rules.tasks):
+        if world.tasks[task].appears == steps_made:
+            world.tasks[task].is_open = True
+            world.order[world.count.open] = task
+            world.count.open += 1
+            arrived += 1
+            for cap in range(world.has.shape[1]):
+                world.demand[cap] += world.needs[task, cap] > 0
+    world.count.arrived = arrived
+    return arrived > 0
+
+
+@kernel
+def is_possible(world, task):  # type: ignore[no-untyped-def]
+    """Say whether the robots that are left and can get there cover a task together."""
+    for cap in range(world.needs.shape[1]):
+        short = world.needs[task, cap]
+        for robot in range(world.rules.robots):
+            is_there = world.robots[robot].region == world.tasks[task].region
+            if short > 0 and is_there and world.robots[robot].team != NOBODY:
+                short -= world.brings[robot, cap]
+        if short > 0:
+            return False
+    return True
+
+
+@kernel
+def judge_status(world, any_lost):  # type: ignore[no-untyped-def]
+    """Say how the trial stands after a step: done, impossible, out of steps, or running."""
+    if world.count.done == world.rules.tasks:
+        world.count.status = COMPLETED
+        return
+    if any_lost:
+        for task in range(world.rules.tasks):
+            if world.tasks[task].done_at == NOBODY and not is_possible(world, task):
+                world.count.status = INFEASIBLE
+                return
+    if world.count.steps >= world.rules.step_limit:
+        world.count.status = STEP_LIMIT

@@ -1,0 +1,135 @@
+"""The Team Formation Environment: a batch of worlds that are viewed and stepped together."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from teamformer.model import Scenario
+from teamformer.sim.arrays import NOBODY, RUNNING, STATUS_NAMES, Array, Worlds, pack_worlds
+from teamformer.sim.order import order_tasks
+from teamformer.sim.reward import Reward
+from teamformer.sim.step import step_worlds
+from teamformer.sim.view import View, fill_views, lay_out_rows, make_view
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What each deciding team wants: one row for each row of the view it answers.
+
+    `wanted` (teams, caps) are the counts the team wants to have: its own to maintain, fewer to
+    split, more to join. `task` (teams,), if given, names the task to head for; -1 leaves that to
+    the allocator.
+    """
+
+    wanted: Array
+    task: Array | None = None
+
+
+@dataclass(frozen=True)
+class Tally:
+    """How a trial stands."""
+
+    status: str  # running, completed, step limit or infeasible
+    steps: int
+    tasks_done: int
+    joins: int
+    splits: int
+    illegal_decisions: int
+
+
+class TeamFormation:
+    """Many worlds in one: `view()` what the teams know, `step(decision)` what they want.
+
+    Scenarios of different sizes may be mixed. The same scenarios and decisions give the same
+    results with any number of threads. `rewards` (worlds, robots) holds the rewards of the last
+    step, by slot.
+    """
+
+    def __init__(
+        self, scenarios: Sequence[Scenario], reward: Reward | None = None, threads: int = 1
+    ) -> None:
+        self.scenarios = tuple(scenarios)
+        self._start = pack_worlds(self.scenarios)
+        order_tasks(self._start)
+        self.worlds = Worlds(*(array.copy() for array in self._start))
+        reward = reward or Reward()
+        self._weights = (reward.done, reward.step, reward.fit)
+        count, robots, caps = self.worlds.has.shape
+        self._room = make_view(count, robots, self.worlds.needs.shape[1], caps)
+        self._first_row = np.zeros(count + 1, dtype=np.int64)
+        self._first_member = np.zeros(count + 1, dtype=np.int64)
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        edges = [count * thread // threads for thread in range(threads + 1)]
+        self._chunks = list(itertools.pairwise(edges))
+        self.rewards = np.zeros((count, robots))
+
+    def reset(self) -> None:
+        """Put every world back to its start."""
+        for array, start in zip(self.worlds, self._start, strict=True):
+            if array is not self.worlds.fields:
+                array[:] = start
+        self.rewards[:] = 0.0
+
+    def view(self) -> View:
+        """Return the views of all teams of the running worlds.
+
+        The arrays are reused: they hold until the next call.
+        """
+        lay_out_rows(self.worlds, self._first_row, self._first_member)
+        self._in_chunks(self._fill_views)
+        rows, members = int(self._first_row[-1]), int(self._first_member[-1])
+        short = {
+            "first_member": self._room.first_member[: rows + 1],
+            "member": self._room.member[:members],
+            "member_counts": self._room.member_counts[:members],
+        }
+        return View(*(short.get(f, getattr(self._room, f)[:rows]) for f in View._fields))
+
+    def step(self, decision: Decision) -> None:
+        """Make one step in every running world, with a row for each row of the latest view."""
+        rows, caps = int(self._first_row[-1]), self.worlds.has.shape[2]
+        task = np.full(rows, NOBODY) if decision.task is None else decision.task
+        wanted = np.ascontiguousarray(decision.wanted, dtype=np.int16)
+        named = np.ascontiguousarray(task, dtype=np.int32)
+        if wanted.shape != (rows, caps) or named.shape != (rows,):
+            raise ValueError(
+                f"the latest view asks for wanted ({rows}, {caps}) and task ({rows},); "
+                f"the decision has {wanted.shape} and {named.shape}"
+            )
+        self._in_chunks(lambda begin, end: self._step_worlds(wanted, named, begin, end))
+        order_tasks(self.worlds)
+
+    @property
+    def is_running(self) -> Array:
+        """Return which worlds go on, as (worlds,)."""
+        return np.asarray(self.worlds.count["status"] == RUNNING)
+
+    def tally(self, w: int = 0) -> Tally:
+        """Return how one world stands."""
+        count = self.worlds.count[w]
+        return Tally(
+            status=STATUS_NAMES[count["status"]],
+            steps=int(count["steps"]),
+            tasks_done=int(count["done"]),
+            joins=int(count["joins"]),
+            splits=int(count["splits"]),
+            illegal_decisions=int(count["illegal"]),
+        )
+
+    def _fill_views(self, begin: int, end: int) -> None:
+        fill_views(self.worlds, self._room, self._first_row, self._first_member, begin, end)
+
+    def _step_worlds(self, wanted: Array, named: Array, begin: int, end: int) -> None:
+        rows, weights = self._first_row, self._weights
+        step_worlds(self.worlds, wanted, named, rows, weights, self.rewards, begin, end)
+
+    def _in_chunks(self, work: Callable[[int, int], None]) -> None:
+        if self._pool is None:
+            work(0, len(self.scenarios))
+        else:
+            list(self._pool.map(work, *zip(*self._chunks, strict=True)))

@@ -1,0 +1,265 @@
+"""Formation: what the teams' decisions mean, and the splits and joins that follow."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.jit import kernel
+from teamformer.sim.arrays import NEVER, NOBODY
+from teamformer.sim.neighbours import distance_squared, find_near
+
+MAINTAIN, SPLIT, JOIN = 0, 1, 2
+
+
+@kernel
+def read_decisions(world, wanted, named, first_row):  # type: ignore[no-untyped-def]
+    """Phase 1: what each team's decision means in the state at the start of the step.
+
+    `wanted` is (teams, caps) and `named` is (teams,), one row for each team in slot order from
+    `first_row` on. What is illegal counts as maintain, and is counted.
+    """
+    row = first_row
+    for team in range(world.rules.robots):
+        world.teams[team].has_formed = False
+        world.teams[team].intent = MAINTAIN
+        world.teams[team].partner = NOBODY
+        world.teams[team].row = NOBODY
+        world.teams[team].is_commanded = False
+        if world.teams[team].size == 0:
+            continue
+        world.teams[team].row = row
+        intent, is_legal = _intent(world, team, wanted[row])
+        task = named[row]
+        if task != NOBODY:
+            if 0 <= task < world.rules.tasks and world.tasks[task].is_open:
+                world.teams[team].is_commanded = True
+            else:
+                is_legal = False
+        world.teams[team].intent = intent
+        world.count.illegal += not is_legal
+        row += 1
+
+
+@kernel
+def _intent(world, team, wanted):  # type: ignore[no-untyped-def]
+    """Return what a team is about to do and whether it asked for something legal."""
+    asks_more = asks_less = False
+    for cap in range(len(wanted)):
+        asks_more |= wanted[cap] > world.has[team, cap]
+        asks_less |= wanted[cap] < world.has[team, cap]
+    if not asks_more and not asks_less:
+        return MAINTAIN, True
+    if (asks_more and asks_less) or world.teams[team].serves > 0:
+        return MAINTAIN, False
+    if asks_less:
+        if choose_stayers(world, team, wanted) == 0:
+            return MAINTAIN, False
+        return SPLIT, True
+    world.teams[team].partner = _find_partner(world, team, wanted)
+    if world.teams[team].partner == NOBODY:
+        return MAINTAIN, False
+    return JOIN, True
+
+
+@kernel
+def choose_stayers(world, team, wanted):  # type: ignore[no-untyped-def]
+    """Mark the members that stay: in robot order while they fit into `wanted`; return how many."""
+    stayers = 0
+    for cap in range(len(wanted)):
+        world.room[cap] = wanted[cap]
+    for robot in range(team, world.rules.robots):
+        if world.robots[robot].team != team:
+            continue
+        fits = True
+        for cap in range(len(wanted)):
+            fits &= world.brings[robot, cap] <= world.room[cap]
+        world.robots[robot].stays = fits
+        if fits:
+            stayers += 1
+            for cap in range(len(wanted)):
+                world.room[cap] -= world.brings[robot, cap]
+    return stayers
+
+
+@kernel
+def _find_partner(world, team, wanted):  # type: ignore[no-untyped-def]
+    """Return the nearest team within the join radius that has exactly what is wanted more.
+
+    Ties: the same assignment first, then the lower slot.
+    """
+    partner, partner_away, partner_shares = NOBODY, 0.0, False
+    for i in range(find_near(world, team, world.rules.join_radius)):
+        other = world.near[i]
+        if world.teams[other].serves > 0 or not _completes(world, team, other, wanted):
+            continue
+        away = distance_squared(world, team, other)
+        task = world.teams[team].task
+        shares = task != NOBODY and task == world.teams[other].task
+        is_better = partner == NOBODY or away < partner_away
+        if not is_better and away == partner_away:
+            is_better = shares > partner_shares or (shares == partner_shares and other < partner)
+        if is_better:
+            partner, partner_away, partner_shares = other, away, shares
+    return partner
+
+
+@kernel
+def _completes(world, team, other, wanted):  # type: ignore[no-untyped-def]
+    for cap in range(len(wanted)):
+        if world.has[team, cap] + world.has[other, cap] != wanted[cap]:
+            return False
+    return True
+
+
+@kernel
+def split_teams(world, wanted):  # type: ignore[no-untyped-def]
+    """Phase 2: the robots that stay and the rest become two teams without assignment."""
+    for team in range(world.rules.robots):
+        if world.teams[team].intent == SPLIT and not world.teams[team].has_formed:
+            choose_stayers(world, team, wanted[world.teams[team].row])
+            _split_team(world, team)
+            world.count.splits += 1
+
+
+@kernel
+def _split_team(world, team):  # type: ignore[no-untyped-def]
+    x, y = world.teams[team].x, world.teams[team].y
+    clear_slot(world, team)
+    stay_slot = rest_slot = NOBODY
+    for robot in range(team, world.rules.robots):
+        if world.robots[robot].team != team:
+            continue
+        slot = stay_slot if world.robots[robot].stays else rest_slot
+        if slot == NOBODY:
+            slot = robot
+            clear_slot(world, slot)
+            world.teams[slot].x, world.teams[slot].y = x, y
+            if world.robots[robot].stays:
+                stay_slot = robot
+            else:
+                rest_slot = robot
+        add_robot(world, slot, robot)
+    world.teams[stay_slot].has_formed = world.teams[rest_slot].has_formed = True
+    is_commanded = world.teams[team].is_commanded
+    world.teams[stay_slot].is_commanded = world.teams[rest_slot].is_commanded = is_commanded
+    world.teams[stay_slot].row, world.teams[rest_slot].row = world.teams[team].row, NOBODY
+
+
+@kernel
+def form_joins(world):  # type: ignore[no-untyped-def]
+    """Phase 3: joins in slot order, of teams in the same place that have not formed in this step.
+
+    A join whose partner has formed becomes maintain; a partner elsewhere is walked to later.
+    """
+    for team in range(world.rules.robots):
+        if world.teams[team].intent != JOIN or world.teams[team].has_formed:
+            continue
+        partner = world.teams[team].partner
+        if world.teams[partner].has_formed:
+            world.teams[team].intent = MAINTAIN
+        elif is_in_same_place(world, team, partner):
+            join_teams(world, team, partner)
+            world.count.joins += 1
+
+
+@kernel
+def is_in_same_place(world, team, other):  # type: ignore[no-untyped-def]
+    """Say whether two teams stand in the same cell."""
+    return (
+        world.teams[team].x == world.teams[other].x and world.teams[team].y == world.teams[other].y
+    )
+
+
+@kernel
+def join_teams(world, joiner, partner):  # type: ignore[no-untyped-def]
+    """Make one team of two; it gets the lower slot, and the joiner's command if there is one."""
+    slot, other = min(joiner, partner), max(joiner, partner)
+    task = _task_of_union(world, joiner, partner)
+    world.teams[slot].is_detour = False
+    world.teams[slot].task = task
+    world.teams[slot].credit = 0.0
+    for robot in range(other, world.rules.robots):
+        if world.robots[robot].team == other:
+            add_robot(world, slot, robot)
+    clear_slot(world, other)
+    world.teams[slot].has_formed = world.teams[other].has_formed = True
+    world.teams[slot].intent = MAINTAIN
+    commanding = joiner if world.teams[joiner].is_commanded else partner
+    world.teams[slot].is_commanded = world.teams[commanding].is_commanded
+    world.teams[slot].row = world.teams[commanding].row
+
+
+@kernel
+def _task_of_union(world, team, other):  # type: ignore[no-untyped-def]
+    """Return the earlier assignment in the order.
+
+    If one of the two is free or on a detour, none: the union is allocated anew, from the first
+    open task on, since tasks that the free one would have been given are waiting for it.
+    """
+    task, other_task = world.teams[team].task, world.teams[other].task
+    any_free = task == NOBODY or other_task == NOBODY
+    if any_free or world.teams[team].is_detour or world.teams[other].is_detour:
+        return np.int32(NOBODY)
+    return task if world.tasks[task].rank <= world.tasks[other_task].rank else other_task
+
+
+@kernel
+def lose_robots(world, step):  # type: ignore[no-untyped-def]
+    """Take the robots that are lost in this step out of their teams; say whether any was."""
+    any_lost = False
+    for robot in range(world.rules.robots):
+        world.robots[robot].formed = world.robots[robot].team
+    for robot in range(world.rules.robots):
+        if world.robots[robot].lost == step and world.robots[robot].team != NOBODY:
+            any_lost = True
+            _take_out(world, robot)
+    return any_lost
+
+
+@kernel
+def _take_out(world, robot):  # type: ignore[no-untyped-def]
+    """Found the robot's team anew without it, at its new lowest robot; keep all else."""
+    old = world.robots[robot].team
+    world.robots[robot].team = NOBODY
+    slot = NOBODY
+    for member in range(old, world.rules.robots):
+        if world.robots[member].team == old:
+            slot = member
+            break
+    team = world.teams[old]
+    x, y, credit, serves = team.x, team.y, team.credit, team.serves
+    task, is_detour = team.task, team.is_detour
+    clear_slot(world, old)
+    if slot != NOBODY:
+        world.teams[slot].x, world.teams[slot].y = x, y
+        for member in range(slot, world.rules.robots):
+            if world.robots[member].team == old:
+                add_robot(world, slot, member)
+        world.teams[slot].task, world.teams[slot].is_detour = task, is_detour
+        world.teams[slot].serves, world.teams[slot].credit = serves, credit
+    for served in range(world.rules.tasks):
+        if world.tasks[served].server == old:
+            world.tasks[served].server = slot
+
+
+@kernel
+def clear_slot(world, slot):  # type: ignore[no-untyped-def]
+    """Leave no team at a slot."""
+    world.teams[slot].size = 0
+    for cap in range(world.has.shape[1]):
+        world.has[slot, cap] = 0
+    world.teams[slot].pace = NEVER
+    world.teams[slot].credit = 0.0
+    world.teams[slot].task = NOBODY
+    world.teams[slot].is_detour = False
+    world.teams[slot].serves = 0
+
+
+@kernel
+def add_robot(world, slot, robot):  # type: ignore[no-untyped-def]
+    """Put a robot into the team at a slot."""
+    world.robots[robot].team = slot
+    world.teams[slot].size += 1
+    world.teams[slot].pace = min(world.teams[slot].pace, world.robots[robot].speed)
+    for cap in range(world.has.shape[1]):
+        world.has[slot, cap] += world.brings[robot, cap]

@@ -1,0 +1,138 @@
+"""Motion: one step of a team towards its assignment or its partner.
+
+The seam between the step and the world it happens in: `travel`, `travel_between`, `advance` and
+`approach` are all that the other phases know about walking.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.travel import UNREACHABLE, fill_field
+from teamformer.sim.arrays import NOBODY
+from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
+
+ROUNDING = 1e-9
+"""Speeds are binary fractions: ten steps at 0.1 must make one cell."""
+
+
+@entry
+def move_teams(world):  # type: ignore[no-untyped-def]
+    """Phase 5: teams that maintain walk first, then joiners walk to their partner's new place."""
+    for team in range(world.rules.robots):
+        if _can_walk(world, team) and world.teams[team].intent != JOIN:
+            _walk_to_task(world, team)
+    for team in range(world.rules.robots):
+        if _can_walk(world, team) and world.teams[team].intent == JOIN:
+            _walk_to_partner(world, team)
+
+
+@kernel
+def _can_walk(world, team):  # type: ignore[no-untyped-def]
+    if world.teams[team].size == 0 or world.teams[team].serves > 0:
+        return False
+    return world.rules.forming_steps == 0 or not world.teams[team].has_formed
+
+
+@kernel
+def _walk_to_task(world, team):  # type: ignore[no-untyped-def]
+    task = world.teams[team].task
+    if task == NOBODY:
+        world.teams[team].credit = 0.0
+        return
+    to_go = travel(world, world.teams[team].x, world.teams[team].y, task)
+    for _ in range(_cells_to_walk(world, team, to_go)):
+        x, y = advance(world, world.teams[team].x, world.teams[team].y, task)
+        world.teams[team].x, world.teams[team].y = x, y
+
+
+@entry
+def _walk_to_partner(world, team):  # type: ignore[no-untyped-def]
+    partner = world.robots[world.teams[team].partner].team
+    field = field_towards(world, world.teams[partner].x, world.teams[partner].y)
+    to_go = field[int(world.teams[team].y), int(world.teams[team].x)]
+    goal_x, goal_y = world.teams[partner].x, world.teams[partner].y
+    for _ in range(_cells_to_walk(world, team, to_go)):
+        x, y = downhill(field, world.teams[team].x, world.teams[team].y, goal_x, goal_y)
+        world.teams[team].x, world.teams[team].y = x, y
+    formed = world.teams[team].has_formed or world.teams[partner].has_formed
+    if world.rules.forming_steps == 0 and not formed and is_in_same_place(world, team, partner):
+        join_teams(world, team, partner)
+        world.count.joins += 1
+
+
+@kernel
+def _cells_to_walk(world, team, to_go):  # type: ignore[no-untyped-def]
+    """Spend the team's speed: whole cells to cross now; the fraction is kept for the next step."""
+    if to_go == 0 or to_go >= UNREACHABLE:
+        world.teams[team].credit = 0.0
+        return 0
+    world.teams[team].credit += world.teams[team].pace
+    cells = int(world.teams[team].credit + ROUNDING)
+    if cells >= to_go:
+        world.teams[team].credit = 0.0
+        return to_go
+    world.teams[team].credit -= cells
+    return cells
+
+
+@kernel
+def travel(world, x, y, task):  # type: ignore[no-untyped-def]
+    """Return the walking distance in cells from a place to a task."""
+    if world.rules.has_walls:
+        return np.int64(world.fields[task, int(y), int(x)])
+    away_x = abs(world.tasks[task].x - x)
+    return np.int64(away_x + abs(world.tasks[task].y - y))
+
+
+@kernel
+def travel_between(world, task, other):  # type: ignore[no-untyped-def]
+    """Return the walking distance in cells between two tasks."""
+    return travel(world, world.tasks[other].x, world.tasks[other].y, task)
+
+
+@kernel
+def advance(world, x, y, task):  # type: ignore[no-untyped-def]
+    """Return the next cell on a shortest way from (x, y) to a task that is not there."""
+    goal_x, goal_y = world.tasks[task].x, world.tasks[task].y
+    if world.rules.has_walls:
+        return downhill(world.fields[task], x, y, goal_x, goal_y)
+    away_x, away_y = goal_x - x, goal_y - y
+    if abs(away_x) >= abs(away_y):
+        return x + np.sign(away_x), y
+    return x, y + np.sign(away_y)
+
+
+@kernel
+def downhill(field, x, y, goal_x, goal_y):  # type: ignore[no-untyped-def]
+    """Return a neighbouring cell that is one nearer to the goal.
+
+    Of several, one on the axis with more left to go, as `advance` does where nothing is in the way.
+    """
+    column, row = int(x), int(y)
+    along_x = abs(goal_x - x) >= abs(goal_y - y)
+    nearer = field[row, column] - 1
+    best_x, best_y = x, y
+    for side in range(4):
+        to_x = column + (1 if side == 0 else -1 if side == 1 else 0)
+        to_y = row + (1 if side == 2 else -1 if side == 3 else 0)
+        is_inside = 0 <= to_y < field.shape[0] and 0 <= to_x < field.shape[1]
+        if is_inside and field[to_y, to_x] == nearer:
+            if (side < 2) == along_x:
+                return np.float64(to_x), np.float64(to_y)
+            if best_x == x and best_y == y:
+                best_x, best_y = np.float64(to_x), np.float64(to_y)
+    return best_x, best_y
+
+
+@entry
+def field_towards(world, x, y):  # type: ignore[no-untyped-def]
+    """Return every cell's distance to a place, as (height, width); for partners, who move."""
+    if world.rules.has_walls:
+        blocked = world.blocked
+    else:
+        blocked = np.zeros((world.rules.height, world.rules.width), dtype=np.bool_)
+    field = np.full(blocked.shape, UNREACHABLE, dtype=np.int32)
+    fill_field(blocked, int(x), int(y), field)
+    return field

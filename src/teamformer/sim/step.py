@@ -1,0 +1,54 @@
+"""One step of one world, phase by phase, and the loop over a batch of worlds."""
+
+from __future__ import annotations
+
+from teamformer.jit import entry
+from teamformer.sim.allocation import allocate_tasks
+from teamformer.sim.arrays import RUNNING, world_at
+from teamformer.sim.completion import (
+    complete_tasks,
+    drop_assignments,
+    judge_status,
+    release_tasks,
+)
+from teamformer.sim.formation import form_joins, lose_robots, read_decisions, split_teams
+from teamformer.sim.motion import move_teams
+from teamformer.sim.neighbours import forget_cells, list_teams_by_cell
+from teamformer.sim.reward import reward_teams
+
+
+@entry
+def step_world(world, wanted, named, first_row, weights, rewards):  # type: ignore[no-untyped-def]
+    """Make one step; the order of the phases alone decides that nothing blocks for ever."""
+    step = world.count.steps + 1
+    list_teams_by_cell(world)
+    read_decisions(world, wanted, named, first_row)
+    forget_cells(world)
+    split_teams(world, wanted)
+    form_joins(world)
+    list_teams_by_cell(world)
+    allocate_tasks(world, named)
+    forget_cells(world)
+    move_teams(world)
+    any_lost = lose_robots(world, step)
+    complete_tasks(world, step)
+    world.count.steps = step
+    reward_teams(world, weights, rewards)
+    any_released = release_tasks(world, step)
+    if any_lost or any_released:
+        drop_assignments(world)
+    judge_status(world, any_lost)
+
+
+@entry
+def step_worlds(worlds, wanted, named, first_row, weights, rewards, begin, end):  # type: ignore[no-untyped-def]
+    """Step the running worlds from `begin` to `end` of a batch.
+
+    `wanted` is (teams, caps) and `named` (teams,): one row for each team of each running world, in
+    world and slot order; `first_row` (worlds + 1,) is where each world's rows begin.
+    """
+    for w in range(begin, end):
+        if worlds.count[w].status == RUNNING:
+            step_world(world_at(worlds, w), wanted, named, first_row[w], weights, rewards[w])
+        else:
+            rewards[w, :] = 0.0

@@ -1,0 +1,253 @@
+"""Views: what each team may know now, for all teams that decide, and nothing else."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.sim.arrays import NOBODY, RUNNING, Array, world_at
+from teamformer.sim.formation import is_in_same_place
+from teamformer.sim.neighbours import (
+    distance_squared,
+    find_near,
+    forget_cells,
+    list_teams_by_cell,
+)
+
+NEAREST_TEAMS = 16
+NEXT_TASKS = 16
+"""How many teams and tasks a view holds at most, so that a decision's cost stays constant."""
+
+
+class View(NamedTuple):
+    """What the deciding teams know, one row each; rows are in world and slot order.
+
+    Padding (fewer teams or tasks than columns) has slot or task NOBODY (-1) and zeros. Places are
+    cells, counts are how often each capability is there. Teams are the nearest within the sensing
+    radius: of those equally far, first the ones that bring what the own task still needs, then
+    those with the nearest slots. Tasks are the own assignment, then the open tasks in their shared
+    order.
+    """
+
+    world: Array  # (teams,) int32, index into the batch
+    slot: Array  # (teams,) int32, the team's lowest robot
+    place: Array  # (teams, 2) float64
+    counts: Array  # (teams, caps) int16
+    size: Array  # (teams,) int32, robots
+    task: Array  # (teams,) int32, own assignment or NOBODY
+    is_at_task: Array  # (teams,) bool, stands where its assignment is
+    is_serving: Array  # (teams,) bool, must maintain until the service ends
+    seen_slot: Array  # (teams, seen) int32
+    seen_place: Array  # (teams, seen, 2) float64
+    seen_counts: Array  # (teams, seen, caps) int16
+    seen_task: Array  # (teams, seen) int32
+    is_here: Array  # (teams, seen) bool, in the same place
+    can_join: Array  # (teams, seen) bool, wanting its counts more is legal
+    task_number: Array  # (teams, tasks) int32
+    task_place: Array  # (teams, tasks, 2) float64
+    task_needs: Array  # (teams, tasks, caps) int16
+    task_rank: Array  # (teams, tasks) int32, 0 is the first open task in the order
+    first_member: Array  # (teams + 1,) int32, where each team's rows in the next two begin
+    member: Array  # (members,) int32, robot numbers, ascending in a team
+    member_counts: Array  # (members, caps) int16
+
+
+@entry
+def lay_out_rows(worlds, first_row, first_member):  # type: ignore[no-untyped-def]
+    """Fill in where each world's rows and members begin, as (worlds + 1,)."""
+    first_row[0] = first_member[0] = 0
+    for w in range(len(worlds.rules)):
+        teams = members = 0
+        if worlds.count[w].status == RUNNING:
+            for slot in range(worlds.rules[w].robots):
+                teams += worlds.teams[w, slot].size > 0
+                members += worlds.teams[w, slot].size
+        first_row[w + 1] = first_row[w] + teams
+        first_member[w + 1] = first_member[w] + members
+
+
+@entry
+def fill_views(worlds, view, first_row, first_member, begin, end):  # type: ignore[no-untyped-def]
+    """Write the views of the running worlds from `begin` to `end`."""
+    for w in range(begin, end):
+        if worlds.count[w].status != RUNNING:
+            continue
+        world = world_at(worlds, w)
+        list_teams_by_cell(world)
+        _write_members(world, view, first_row[w], first_member[w])
+        row = first_row[w]
+        for team in range(world.rules.robots):
+            if world.teams[team].size > 0:
+                view.world[row] = w
+                _write_own(world, view, row, team)
+                _write_seen(world, view, row, team)
+                _write_tasks(world, view, row, team)
+                row += 1
+        forget_cells(world)
+    view.first_member[first_row[end]] = first_member[end]
+
+
+@kernel
+def _write_members(world, view, row, member):  # type: ignore[no-untyped-def]
+    """Write every team's robots: first where each team's begin, then robot by robot."""
+    for team in range(world.rules.robots):
+        if world.teams[team].size > 0:
+            world.teams[team].row = view.first_member[row] = member
+            member += world.teams[team].size
+            row += 1
+    for robot in range(world.rules.robots):
+        team = world.robots[robot].team
+        if team != NOBODY:
+            member = world.teams[team].row
+            world.teams[team].row += 1
+            view.member[member] = robot
+            for cap in range(view.counts.shape[1]):
+                view.member_counts[member, cap] = world.brings[robot, cap]
+
+
+@kernel
+def _write_own(world, view, row, team):  # type: ignore[no-untyped-def]
+    view.slot[row] = team
+    view.place[row, 0] = world.teams[team].x
+    view.place[row, 1] = world.teams[team].y
+    for cap in range(view.counts.shape[1]):
+        view.counts[row, cap] = world.has[team, cap]
+    view.size[row] = world.teams[team].size
+    task = world.teams[team].task
+    view.task[row] = task
+    view.is_at_task[row] = (
+        task != NOBODY
+        and world.tasks[task].x == world.teams[team].x
+        and world.tasks[task].y == world.teams[team].y
+    )
+    view.is_serving[row] = world.teams[team].serves > 0
+
+
+@kernel
+def _write_seen(world, view, row, team):  # type: ignore[no-untyped-def]
+    found = find_near(world, team, world.rules.sensing_radius)
+    kept = _nearest_first(world, team, found, view.seen_slot.shape[1])
+    reach = world.rules.join_radius * world.rules.join_radius
+    for column in range(view.seen_slot.shape[1]):
+        if column >= kept:
+            _pad_seen(view, row, column)
+            continue
+        other = world.near[column]
+        view.seen_slot[row, column] = other
+        view.seen_place[row, column, 0] = world.teams[other].x
+        view.seen_place[row, column, 1] = world.teams[other].y
+        for cap in range(view.counts.shape[1]):
+            view.seen_counts[row, column, cap] = world.has[other, cap]
+        view.seen_task[row, column] = world.teams[other].task
+        view.is_here[row, column] = is_in_same_place(world, team, other)
+        is_busy = world.teams[team].serves > 0 or world.teams[other].serves > 0
+        view.can_join[row, column] = not is_busy and distance_squared(world, team, other) <= reach
+
+
+@kernel
+def _pad_seen(view, row, column):  # type: ignore[no-untyped-def]
+    view.seen_slot[row, column] = NOBODY
+    view.seen_place[row, column, 0] = view.seen_place[row, column, 1] = 0.0
+    for cap in range(view.counts.shape[1]):
+        view.seen_counts[row, column, cap] = 0
+    view.seen_task[row, column] = NOBODY
+    view.is_here[row, column] = False
+    view.can_join[row, column] = False
+
+
+@kernel
+def _nearest_first(world, team, found, most):  # type: ignore[no-untyped-def]
+    """Bring the first `most` of the teams in `world.near` to its front; return how many."""
+    kept = 0
+    for i in range(found):
+        other = world.near[i]
+        position = min(kept, most)
+        while position > 0 and _comes_before(world, team, other, world.near[position - 1]):
+            position -= 1
+        if position < most:
+            for shifted in range(min(kept, most - 1), position, -1):
+                world.near[shifted] = world.near[shifted - 1]
+            world.near[position] = other
+            kept = min(kept + 1, most)
+    return kept
+
+
+@kernel
+def _comes_before(world, team, one, other):  # type: ignore[no-untyped-def]
+    away, other_away = distance_squared(world, team, one), distance_squared(world, team, other)
+    if away != other_away:
+        return away < other_away
+    helps, other_helps = _helps(world, team, one), _helps(world, team, other)
+    if helps != other_helps:
+        return helps
+    return (abs(one - team), one) < (abs(other - team), other)
+
+
+@kernel
+def _helps(world, team, other):  # type: ignore[no-untyped-def]
+    """Say whether another team brings something that this team's task still needs."""
+    task = world.teams[team].task
+    if task == NOBODY:
+        return False
+    for cap in range(world.has.shape[1]):
+        if world.has[other, cap] > 0 and world.needs[task, cap] > world.has[team, cap]:
+            return True
+    return False
+
+
+@kernel
+def _write_tasks(world, view, row, team):  # type: ignore[no-untyped-def]
+    own, column, columns = world.teams[team].task, 0, view.task_number.shape[1]
+    if own != NOBODY:
+        _write_task(world, view, row, column, own)
+        column += 1
+    for position in range(min(columns, world.count.open)):
+        if column < columns and world.order[position] != own:
+            _write_task(world, view, row, column, world.order[position])
+            column += 1
+    for padded in range(column, columns):
+        view.task_number[row, padded] = NOBODY
+        view.task_place[row, padded, 0] = view.task_place[row, padded, 1] = 0.0
+        for cap in range(view.counts.shape[1]):
+            view.task_needs[row, padded, cap] = 0
+        view.task_rank[row, padded] = 0
+
+
+@kernel
+def _write_task(world, view, row, column, task):  # type: ignore[no-untyped-def]
+    view.task_number[row, column] = task
+    view.task_place[row, column, 0] = world.tasks[task].x
+    view.task_place[row, column, 1] = world.tasks[task].y
+    for cap in range(view.counts.shape[1]):
+        view.task_needs[row, column, cap] = world.needs[task, cap]
+    view.task_rank[row, column] = world.tasks[task].rank
+
+
+def make_view(worlds: int, robots: int, tasks: int, caps: int) -> View:
+    """Return room for the views of so many worlds of up to these sizes."""
+    teams, seen, shown = worlds * robots, min(NEAREST_TEAMS, robots - 1), min(NEXT_TASKS, tasks)
+    return View(
+        world=np.zeros(teams, dtype=np.int32),
+        slot=np.zeros(teams, dtype=np.int32),
+        place=np.zeros((teams, 2)),
+        counts=np.zeros((teams, caps), dtype=np.int16),
+        size=np.zeros(teams, dtype=np.int32),
+        task=np.zeros(teams, dtype=np.int32),
+        is_at_task=np.zeros(teams, dtype=np.bool_),
+        is_serving=np.zeros(teams, dtype=np.bool_),
+        seen_slot=np.zeros((teams, seen), dtype=np.int32),
+        seen_place=np.zeros((teams, seen, 2)),
+        seen_counts=np.zeros((teams, seen, caps), dtype=np.int16),
+        seen_task=np.zeros((teams, seen), dtype=np.int32),
+        is_here=np.zeros((teams, seen), dtype=np.bool_),
+        can_join=np.zeros((teams, seen), dtype=np.bool_),
+        task_number=np.zeros((teams, shown), dtype=np.int32),
+        task_place=np.zeros((teams, shown, 2)),
+        task_needs=np.zeros((teams, shown, caps), dtype=np.int16),
+        task_rank=np.zeros((teams, shown), dtype=np.int32),
+        first_member=np.zeros(teams + 1, dtype=np.int32),
+        member=np.zeros(teams, dtype=np.int32),
+        member_counts=np.zeros((teams, caps), dtype=np.int16),
+    )

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.jit import entry
 from teamformer.model import BLOCKED, Grid, Place
 
 UNREACHABLE = np.int32(2**30)
@@ -53,7 +53,7 @@ def travel_matrix(grid: Grid, origins: Sequence[Place], goals: Sequence[Place]) 
     return distances
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def fill_field(blocked, x, y, field):  # type: ignore[no-untyped-def]
     """Fill in the distance from each cell to (x, y), breadth first; leave the unreachable."""
     height, width = blocked.shape

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.model import Scenario
-from teamformer.planning.travel import blocked_cells, distance_fields
+from teamformer.planning.travel import UNREACHABLE, blocked_cells, distance_fields
 
 Array = npt.NDArray[Any]
 
@@ -192,8 +192,8 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         needs=np.zeros((count, tasks, caps), dtype=np.int16),
         demand=np.zeros((count, caps), dtype=np.int32),
         order=np.full((count, tasks), NOBODY, dtype=np.int32),
-        blocked=np.zeros((count, *walls), dtype=np.bool_),
-        fields=np.zeros((count, tasks if walls[0] else 0, *walls), dtype=np.int32),
+        blocked=np.ones((count, *walls), dtype=np.bool_),
+        fields=np.full((count, tasks if walls[0] else 0, *walls), UNREACHABLE, dtype=np.int32),
         near=np.zeros((count, robots), dtype=np.int32),
         room=np.zeros((count, caps), dtype=np.int32),
     )

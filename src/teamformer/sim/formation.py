@@ -231,6 +231,7 @@ def _take_out(world, robot):  # type: ignore[no-untyped-def]
     task, is_detour = team.task, team.is_detour
     clear_slot(world, old)
     if slot != NOBODY:
+        clear_slot(world, slot)
         world.teams[slot].x, world.teams[slot].y = x, y
         for member in range(slot, world.rules.robots):
             if world.robots[member].team == old:

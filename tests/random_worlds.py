@@ -1,0 +1,92 @@
+"""Random worlds with everything in them, and random legal decisions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.errors import ScenarioError
+from teamformer.model import BLOCKED, FREE, Grid, Robot, Scenario, Task
+from teamformer.sim.env import Decision
+from teamformer.sim.view import View
+
+
+def random_world(
+    rng: np.random.Generator, with_losses: bool = True, with_arrivals: bool = True
+) -> Scenario:
+    """Return a small possible world: walls, counts, durations, speeds, radii, late tasks, losses."""
+    while True:
+        try:
+            return _draw(rng, with_losses, with_arrivals)
+        except ScenarioError:  # an island, or a task too hard: draw another
+            continue
+
+
+def _draw(rng: np.random.Generator, with_losses: bool, with_arrivals: bool) -> Scenario:
+    grid = _grid(rng)
+    free = [(x, y) for y in range(grid.height) for x in range(grid.width) if grid.is_free((x, y))]
+    caps = tuple(f"c{i}" for i in range(rng.integers(1, 5)))
+
+    def counts() -> dict[str, int]:
+        chosen = rng.choice(caps, rng.integers(1, min(3, len(caps)) + 1), replace=False)
+        return {str(c): int(rng.choice([1, 1, 1, 2])) for c in chosen}
+
+    def place() -> tuple[int, int]:
+        x, y = free[rng.integers(len(free))]
+        return x, y
+
+    home, robots = place(), []
+    together = rng.random() < 0.6
+    for r in range(rng.integers(1, 8)):
+        lost = int(rng.integers(1, 30)) if with_losses and rng.random() < 0.1 else None
+        speed = float(rng.choice([1.0, 1.0, 1.0, 0.5, 0.3, 1.7]))
+        robots.append(Robot(f"r{r}", home if together else place(), counts(), speed, lost))
+    tasks = []
+    for k in range(rng.integers(1, 8)):
+        appears = int(rng.integers(0, 20)) if with_arrivals and rng.random() < 0.3 else 0
+        tasks.append(Task(f"t{k}", place(), counts(), int(rng.choice([0, 0, 0, 1, 3])), appears))
+    sensing = float(rng.choice([0, 1, 1, 2.5, np.inf]))
+    return Scenario(
+        "random",
+        grid,
+        caps,
+        tuple(robots),
+        tuple(tasks),
+        teams=_teams(rng, len(robots)) if together else (),
+        sensing_radius=sensing,
+        join_radius=float(min(sensing, rng.choice([0, 0, 1, 2.5]))),
+        forming_steps=int(rng.integers(0, 2)),
+        new_tasks=str(rng.choice(["resolve", "nearest"])),
+    )
+
+
+def _grid(rng: np.random.Generator) -> Grid:
+    width, height = (int(n) for n in rng.integers(1, 8, size=2))
+    if rng.random() < 0.5:
+        return Grid(width, height)
+    is_blocked = rng.random((height, width)) < 0.25
+    is_blocked[rng.integers(height), rng.integers(width)] = False
+    rows = tuple("".join(BLOCKED if cell else FREE for cell in row) for row in is_blocked)
+    return Grid(width, height, rows)
+
+
+def _teams(rng: np.random.Generator, robots: int) -> tuple[tuple[int, ...], ...]:
+    labels = rng.integers(0, robots, size=robots)
+    return tuple(tuple(np.flatnonzero(labels == label).tolist()) for label in set(labels.tolist()))
+
+
+def random_decision(view: View, rng: np.random.Generator, eagerness: float = 0.3) -> Decision:
+    """Return a random legal decision for each team: mostly maintain, else a split or a join."""
+    wanted = view.counts.copy()
+    for row in range(len(wanted)):
+        if view.is_serving[row] or rng.random() > eagerness:
+            continue
+        joinable = np.flatnonzero(view.can_join[row])
+        members = slice(view.first_member[row], view.first_member[row + 1])
+        if len(joinable) and rng.random() < 0.6:
+            wanted[row] += view.seen_counts[row, rng.choice(joinable)]
+        elif view.size[row] > 1:
+            stay = rng.random(view.size[row]) < 0.5
+            stay[rng.integers(view.size[row])] = True
+            if not stay.all():
+                wanted[row] = view.member_counts[members][stay].sum(axis=0)
+    return Decision(wanted)

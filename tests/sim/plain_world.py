@@ -1,0 +1,293 @@
+"""A slow twin of the simulator: the step rules in plain Python, without any of its kernels."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+
+from teamformer.model import Grid, Place, Scenario
+
+NEVER = 10**9
+
+
+def walk(grid: Grid, goal: Place) -> dict[Place, int]:
+    """Return the distance of every cell that reaches the goal."""
+    away, frontier = {goal: 0}, deque([goal])
+    while frontier:
+        cell = frontier.popleft()
+        for beside in grid.neighbours(cell):
+            if beside not in away:
+                away[beside] = away[cell] + 1
+                frontier.append(beside)
+    return away
+
+
+@dataclass
+class PlainTeam:
+    robots: list[int]
+    at: Place
+    task: int | None = None
+    is_detour: bool = False
+    credit: float = 0.0
+    serving: dict[int, int] = field(default_factory=dict)  # task -> steps left
+    formed: bool = False
+
+
+class PlainWorld:
+    """Teams by slot, and one method for each phase."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.s = scenario
+        self.steps = 0
+        self.done: dict[int, int] = {}
+        self.open = [k for k, task in enumerate(scenario.tasks) if task.appears == 0]
+        self.fields = [walk(scenario.world, task.at) for task in scenario.tasks]
+        self.teams = {
+            team[0]: PlainTeam(list(team), scenario.robots[team[0]].at)
+            for team in scenario.starting_teams
+        }
+        self.joins = self.splits = self.illegal = 0
+
+    def has(self, team: PlainTeam) -> list[int]:
+        return self.sum_of(team.robots)
+
+    def sum_of(self, robots: list[int]) -> list[int]:
+        return [sum(self.s.robots[r].can.get(c, 0) for r in robots) for c in self.s.capabilities]
+
+    def needs(self, task: int) -> list[int]:
+        return [self.s.tasks[task].needs.get(c, 0) for c in self.s.capabilities]
+
+    def travel(self, at: Place, task: int) -> int:
+        return self.fields[task].get(at, NEVER)
+
+    # One step. `wanted` is a list of counts for each slot; `order` is the shared order.
+
+    def step(self, wanted: dict[int, list[int]], order: list[int]) -> None:
+        for team in self.teams.values():
+            team.formed = False
+        split, join = self.read(wanted)
+        for slot in sorted(split):
+            self.split(slot, split[slot])
+        walkers = self.join(join)
+        for slot in sorted(self.teams):
+            self.allocate(slot, order)
+        self.move(walkers)
+        any_lost = self.lose()
+        self.complete()
+        self.steps += 1
+        news = [k for k, task in enumerate(self.s.tasks) if task.appears == self.steps]
+        self.open += news
+        if news or any_lost:
+            for team in self.teams.values():
+                if not team.serving:
+                    team.task, team.is_detour = None, False
+
+    def read(self, wanted: dict[int, list[int]]) -> tuple[dict[int, list[int]], dict[int, int]]:
+        split: dict[int, list[int]] = {}
+        join: dict[int, int] = {}
+        for slot, team in sorted(self.teams.items()):
+            want, have = wanted[slot], self.has(team)
+            if want == have:
+                continue
+            less = all(w <= h for w, h in zip(want, have, strict=True))
+            more = all(w >= h for w, h in zip(want, have, strict=True))
+            partner = self.partner(slot, want) if more else None
+            if team.serving or not (less or more):
+                self.illegal += 1
+            elif less and self.stayers(team, want):
+                split[slot] = self.stayers(team, want)
+            elif partner is not None:
+                join[slot] = partner
+            else:
+                self.illegal += 1
+        return split, join
+
+    def stayers(self, team: PlainTeam, want: list[int]) -> list[int]:
+        staying: list[int] = []
+        for robot in sorted(team.robots):
+            together = self.sum_of([*staying, robot])
+            if all(t <= w for t, w in zip(together, want, strict=True)):
+                staying.append(robot)
+        return staying
+
+    def partner(self, slot: int, want: list[int]) -> int | None:
+        team = self.teams[slot]
+        found = []
+        for other_slot, other in self.teams.items():
+            away = math.dist(team.at, other.at)
+            if other_slot == slot or other.serving or away > self.s.join_radius:
+                continue
+            if self.sum_of(team.robots + other.robots) == want:
+                shares = team.task is not None and team.task == other.task
+                found.append((away, not shares, other_slot))
+        return min(found)[2] if found else None
+
+    def split(self, slot: int, stay: list[int]) -> None:
+        team = self.teams.pop(slot)
+        rest = [r for r in team.robots if r not in stay]
+        for robots in (stay, rest):
+            self.teams[min(robots)] = PlainTeam(sorted(robots), team.at, formed=True)
+        self.splits += 1
+
+    def join(self, join: dict[int, int]) -> dict[int, int]:
+        """Make the joins of teams that are together; return who walks to whom instead."""
+        walkers = {}
+        gone: set[int] = set()
+        for slot, partner in sorted(join.items()):
+            if slot in gone or self.teams[slot].formed:
+                continue
+            if partner in gone or self.teams[partner].formed:
+                continue
+            if self.teams[slot].at == self.teams[partner].at:
+                gone.add(max(slot, partner))
+                self.unite(slot, partner, order_rank=self.rank)
+            else:
+                walkers[slot] = partner
+        return {slot: p for slot, p in walkers.items() if slot not in gone}
+
+    def unite(self, slot: int, partner: int, order_rank: dict[int, int]) -> None:
+        one, other = self.teams.pop(slot), self.teams.pop(partner)
+        task = None
+        if one.task is not None and other.task is not None:
+            if not one.is_detour and not other.is_detour:
+                task = min(one.task, other.task, key=lambda k: order_rank[k])
+        robots = sorted(one.robots + other.robots)
+        self.teams[robots[0]] = PlainTeam(robots, one.at, task, formed=True)
+        self.joins += 1
+
+    @property
+    def rank(self) -> dict[int, int]:
+        return {task: i for i, task in enumerate(self.order)}
+
+    order: list[int] = []
+
+    def allocate(self, slot: int, order: list[int]) -> None:
+        self.order = order
+        team = self.teams[slot]
+        if team.task is not None or team.serving:
+            return
+        for i, task in enumerate(order):
+            if self.contributes(team, task) and not self.is_covered(slot, task):
+                detour = self.detour(slot, order, i)
+                team.task = task if detour is None else detour
+                team.is_detour = detour is not None
+                return
+
+    def contributes(self, team: PlainTeam, task: int) -> bool:
+        can_reach = self.travel(team.at, task) < NEVER
+        pairs = zip(self.has(team), self.needs(task), strict=True)
+        return can_reach and any(h > 0 and n > 0 for h, n in pairs)
+
+    def covers(self, have: list[int], task: int) -> bool:
+        return all(h >= n for h, n in zip(have, self.needs(task), strict=True))
+
+    def is_covered(self, slot: int, task: int) -> bool:
+        team = self.teams[slot]
+        helpers: list[int] = []
+        for other_slot, other in self.teams.items():
+            senses = math.dist(team.at, other.at) <= self.s.sensing_radius
+            if other_slot != slot and senses and other.task == task:
+                mine = (self.travel(team.at, task), slot)
+                if (self.travel(other.at, task), other_slot) < mine:
+                    helpers += other.robots
+        return bool(helpers) and self.covers(self.sum_of(helpers), task)
+
+    def detour(self, slot: int, order: list[int], i: int) -> int | None:
+        team = self.teams[slot]
+        best, best_change = None, 0
+        for j in range(i + 1, len(order)):
+            task = order[j]
+            if not self.covers(self.has(team), task) or self.travel(team.at, task) >= NEVER:
+                continue
+            now = [team.at, *(self.s.tasks[k].at for k in order[i:])]
+            then = [now[0], now[j - i + 1], *now[1 : j - i + 1], *now[j - i + 2 :]]
+            change = self.tour(then) - self.tour(now)
+            if change < best_change and not self.is_covered(slot, task):
+                best, best_change = task, change
+        return best
+
+    def tour(self, places: list[Place]) -> int:
+        length = 0
+        for here, there in zip(places[:-1], places[1:], strict=True):
+            length += walk(self.s.world, there).get(here, 2**30)
+        return length
+
+    def move(self, walkers: dict[int, int]) -> None:
+        waits = self.s.forming_steps == 1
+        for slot, team in sorted(self.teams.items()):
+            if slot in walkers or team.serving or (team.formed and waits):
+                continue
+            if team.task is None:
+                team.credit = 0.0
+            else:
+                self.walk_towards(team, self.s.tasks[team.task].at)
+        for slot, partner in sorted(walkers.items()):
+            team = self.teams.get(slot)
+            if team is None or team.formed:
+                continue  # it was joined on the way
+            other_slot = next(s for s, t in self.teams.items() if partner in t.robots)
+            other = self.teams[other_slot]
+            self.walk_towards(team, other.at)
+            if not waits and not other.formed and team.at == other.at:
+                self.unite(slot, other_slot, self.rank)
+
+    def walk_towards(self, team: PlainTeam, goal: Place) -> None:
+        away = walk(self.s.world, goal)
+        if team.at not in away or away[team.at] == 0:
+            team.credit = 0.0
+            return
+        team.credit += min(self.s.robots[r].speed for r in team.robots)
+        cells = math.floor(team.credit + 1e-9)
+        team.credit -= cells
+        for _ in range(min(cells, away[team.at])):
+            gap = (abs(goal[0] - team.at[0]), abs(goal[1] - team.at[1]))
+            nearer = [c for c in self.s.world.neighbours(team.at) if away[c] == away[team.at] - 1]
+            x_first = gap[0] >= gap[1]
+            nearer.sort(key=lambda cell: (cell[1] == team.at[1]) != x_first)
+            team.at = nearer[0]
+        if team.at == goal:
+            team.credit = 0.0
+
+    def lose(self) -> bool:
+        lost = [
+            r
+            for team in self.teams.values()
+            for r in team.robots
+            if self.s.robots[r].lost == self.steps + 1
+        ]
+        for robot in lost:
+            slot = next(s for s, t in self.teams.items() if robot in t.robots)
+            team = self.teams.pop(slot)
+            team.robots.remove(robot)
+            if team.robots:
+                self.teams[team.robots[0]] = team
+        return bool(lost)
+
+    def complete(self) -> None:
+        step = self.steps + 1
+        for _, team in sorted(self.teams.items()):
+            for task in sorted(team.serving):
+                team.serving[task] -= 1
+                if not self.covers(self.has(team), task):
+                    del team.serving[task]
+                elif team.serving[task] == 0:
+                    del team.serving[task]
+                    self.finish(task, step)
+        for _, team in sorted(self.teams.items()):
+            for task in sorted(self.open):
+                is_free = not any(task in t.serving for t in self.teams.values())
+                here = team.at == self.s.tasks[task].at
+                if here and is_free and self.covers(self.has(team), task):
+                    if self.s.tasks[task].duration == 0:
+                        self.finish(task, step)
+                    else:
+                        team.serving[task] = self.s.tasks[task].duration
+                        team.credit = 0.0
+
+    def finish(self, task: int, step: int) -> None:
+        self.done[task] = step
+        self.open.remove(task)
+        for team in self.teams.values():
+            if team.task == task:
+                team.task, team.is_detour = None, False

@@ -1,0 +1,161 @@
+"""The compiled step against its plain twin, and what worlds keep under random play."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from plain_world import PlainWorld
+from random_worlds import random_decision, random_world
+
+from teamformer.model import Scenario
+from teamformer.policies.heuristic import Heuristic
+from teamformer.policies.protocol import Policy
+from teamformer.policies.scripted import JoinAll
+from teamformer.sim.arrays import NOBODY
+from teamformer.sim.env import Decision, TeamFormation
+from teamformer.sim.view import View
+
+
+def compare(env: TeamFormation, twin: PlainWorld) -> None:
+    teams = env.worlds.teams[0]
+    assert sorted(np.flatnonzero(teams["size"]).tolist()) == sorted(twin.teams)
+    for slot, team in twin.teams.items():
+        record = teams[slot]
+        assert np.flatnonzero(env.worlds.robots["team"][0] == slot).tolist() == team.robots
+        assert (int(record["x"]), int(record["y"])) == team.at
+        assert record["task"] == (NOBODY if team.task is None else team.task)
+        assert bool(record["is_detour"]) == team.is_detour
+        assert record["serves"] == len(team.serving)
+        assert record["credit"] == pytest.approx(team.credit, abs=1e-6)
+        assert env.worlds.has[0, slot].tolist() == twin.has(team)
+    done = {int(k): int(s) for k, s in enumerate(env.worlds.tasks["done_at"][0]) if s != NOBODY}
+    assert done == twin.done
+    tally = env.tally()
+    assert (tally.joins, tally.splits) == (twin.joins, twin.splits)
+    assert tally.illegal_decisions == twin.illegal
+
+
+def shared_order(env: TeamFormation) -> list[int]:
+    return [int(k) for k in env.worlds.order[0, : env.worlds.count["open"][0]]]
+
+
+def wanted_by_slot(view: View, decision: Decision) -> dict[int, list[int]]:
+    return dict(zip(view.slot.tolist(), decision.wanted.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_step_is_what_the_plain_twin_does(part: int) -> None:
+    rng = np.random.default_rng(part)
+    for _ in range(100):
+        scenario = random_world(rng)
+        env, twin = TeamFormation([scenario]), PlainWorld(scenario)
+        twin.order = shared_order(env)
+        compare(env, twin)
+        while env.is_running[0] and env.tally().steps < 40:
+            view = env.view()
+            if rng.random() < 0.05:  # nonsense now and then: it must count as maintain
+                nonsense = rng.integers(0, 4, size=view.counts.shape)
+                decision = Decision(nonsense)
+            else:
+                decision = random_decision(view, rng)
+            order = shared_order(env)
+            twin.order = order
+            twin.step(wanted_by_slot(view, decision), order)
+            env.step(decision)
+            compare(env, twin)
+
+
+def check_promises(env: TeamFormation, was_done: np.ndarray) -> None:
+    """Every robot in one team, counts add up, nobody in a wall, done stays done."""
+    worlds = env.worlds
+    for w in range(len(env.scenarios)):
+        slots = worlds.robots["team"][w]
+        sizes, lost = worlds.teams["size"][w], worlds.robots["lost"][w]
+        alive = np.flatnonzero(slots != NOBODY)
+        assert sizes.sum() == len(alive)
+        count = worlds.rules["robots"][w]
+        assert ((slots[:count] == NOBODY) == (lost[:count] <= worlds.count["steps"][w])).all()
+        for slot in np.flatnonzero(sizes):
+            members = np.flatnonzero(slots == slot)
+            assert members[0] == slot
+            assert len(members) == sizes[slot]
+            assert (worlds.has[w, slot] == worlds.brings[w, members].sum(axis=0)).all()
+            team = worlds.teams[w, slot]
+            assert env.scenarios[w].world.is_free((int(team["x"]), int(team["y"])))
+    done = worlds.tasks["done_at"] != NOBODY
+    assert (done | ~was_done).all()
+    assert not (done & worlds.tasks["is_open"]).any()
+    was_done[:] = done
+
+
+def test_worlds_keep_their_promises_under_random_decisions() -> None:
+    rng = np.random.default_rng(7)
+    env = TeamFormation([random_world(rng) for _ in range(150)])
+    was_done = env.worlds.tasks["done_at"] != NOBODY
+    for _ in range(40):
+        env.step(random_decision(env.view(), rng))
+        check_promises(env, was_done)
+    assert env.worlds.count["illegal"].sum() == 0
+
+
+@pytest.mark.parametrize("policy", [Heuristic(), JoinAll()], ids=["heuristic", "join-all"])
+def test_nothing_blocks_whatever_happened_before(policy: Policy) -> None:
+    """2,500 worlds, some in a state that random decisions have brought about."""
+    assert blocked_worlds(policy, count=2500, seed=11) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("policy", [Heuristic(), JoinAll()], ids=["heuristic", "join-all"])
+def test_nothing_blocks_in_ten_thousand_worlds(policy: Policy) -> None:
+    assert blocked_worlds(policy, count=10_000, seed=12) == []
+
+
+def blocked_worlds(policy: Policy, count: int, seed: int) -> list[Scenario]:
+    rng = np.random.default_rng(seed)
+    blocked = []
+    for _ in range(count // 500):
+        env = TeamFormation([random_world(rng) for _ in range(500)])
+        for _ in range(int(rng.integers(0, 25))):
+            if env.is_running.any():
+                env.step(random_decision(env.view(), rng))
+        policy.begin(None, rng)
+        while env.is_running.any():
+            env.step(policy.decide(env.view()))
+        assert env.worlds.count["illegal"].sum() == 0
+        blocked += [s for w, s in enumerate(env.scenarios) if env.tally(w).status == "step limit"]
+    return blocked
+
+
+def test_threads_and_batches_change_nothing() -> None:
+    rng = np.random.default_rng(3)
+    scenarios = [random_world(rng) for _ in range(37)]
+    batch, threaded = TeamFormation(scenarios), TeamFormation(scenarios, threads=4)
+    alone = [TeamFormation([scenario]) for scenario in scenarios]
+    policy = JoinAll()
+    while batch.is_running.any():
+        batch.step(policy.decide(batch.view()))
+        threaded.step(policy.decide(threaded.view()))
+        for env in alone:
+            if env.is_running[0]:
+                env.step(policy.decide(env.view()))
+    for w, env in enumerate(alone):
+        assert batch.tally(w) == threaded.tally(w) == env.tally()
+        tasks = len(scenarios[w].tasks)
+        for env_tasks in (threaded.worlds.tasks[w], env.worlds.tasks[0]):
+            assert (env_tasks["done_at"][:tasks] == batch.worlds.tasks["done_at"][w, :tasks]).all()
+
+
+def test_reset_brings_the_start_back() -> None:
+    rng = np.random.default_rng(4)
+    env = TeamFormation([random_world(rng) for _ in range(20)])
+    policy = JoinAll()
+
+    def play() -> list[object]:
+        while env.is_running.any():
+            env.step(policy.decide(env.view()))
+        return [env.tally(w) for w in range(20)]
+
+    first = play()
+    env.reset()
+    assert env.is_running.all()
+    assert play() == first

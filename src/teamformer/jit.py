@@ -23,7 +23,7 @@ def _stamp_of_sources() -> str:
 _STAMP = _stamp_of_sources()
 
 
-def _compile(function: Callable[..., Any], **options: bool) -> Any:
+def _compile(function: Callable[..., Any], **options: Any) -> Any:
     """Compile on first use, and keep the result until any source of the package changes.
 
     numba looks only at a function's own file, so that code inlined from another file would stay

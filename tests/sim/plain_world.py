@@ -80,7 +80,7 @@ class PlainWorld:
         self.open += news
         if news or any_lost:
             for team in self.teams.values():
-                if not team.serving:
+                if team.task not in team.serving:
                     team.task, team.is_detour = None, False
 
     def read(self, wanted: dict[int, list[int]]) -> tuple[dict[int, list[int]], dict[int, int]]:

@@ -103,9 +103,10 @@ def _drop_assignments_to_done(world):  # type: ignore[no-untyped-def]
 
 @kernel
 def drop_assignments(world):  # type: ignore[no-untyped-def]
-    """Free every team that is not serving: what everybody knows has changed."""
+    """Free every team that is not serving its assignment: what everybody knows has changed."""
     for team in range(world.rules.robots):
-        if world.teams[team].serves == 0:
+        task = world.teams[team].task
+        if task != NOBODY and world.tasks[task].server != team:
             world.teams[team].task = NOBODY
             world.teams[team].is_detour = False
 

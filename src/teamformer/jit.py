@@ -49,3 +49,11 @@ def kernel(function: Callable[..., Any]) -> Any:
     Without a wrapper for Python and without reference counts it compiles and runs much faster.
     """
     return _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+
+
+def needs_compiling(function: Any) -> bool:
+    """Say whether calling a compiled function for the first time will take its time."""
+    if not hasattr(function, "_cache"):
+        return False
+    index = function._cache._cache_file
+    return not index._load_index()

@@ -1,1 +1,20 @@
-"""What turns views into decisions, behind one seam."""
+"""What turns views into decisions, behind one seam.
+
+A new policy is one file and one line in `POLICIES`.
+"""
+
+from teamformer.policies.registry import Listing
+
+POLICIES = (
+    Listing("heuristic", "teamformer.policies.heuristic:Heuristic", "the paper's heuristic"),
+    Listing(
+        "join-all",
+        "teamformer.policies.scripted:JoinAll",
+        "joins whom it helps to join, never splits",
+    ),
+    Listing(
+        "central",
+        "teamformer.policies.central:Central",
+        "knows everything, plans with OR-Tools CP-SAT",
+    ),
+)

@@ -131,6 +131,7 @@ class Worlds(NamedTuple):
     blocked: Array  # (worlds, height, width), or (worlds, 0, 0) if no world has walls
     fields: Array  # (worlds, tasks, height, width) distances to tasks, or (worlds, 0, 0, 0)
     near: Array  # (worlds, robots) teams found nearby
+    near_key: Array  # (worlds, robots) what these are sorted by
     room: Array  # (worlds, caps) what still fits into a split
 
 
@@ -156,6 +157,7 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.blocked[w],
         worlds.fields[w],
         worlds.near[w],
+        worlds.near_key[w],
         worlds.room[w],
     )
 
@@ -195,6 +197,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         blocked=np.ones((count, *walls), dtype=np.bool_),
         fields=np.full((count, tasks if walls[0] else 0, *walls), UNREACHABLE, dtype=np.int32),
         near=np.zeros((count, robots), dtype=np.int32),
+        near_key=np.zeros((count, robots), dtype=np.int64),
         room=np.zeros((count, caps), dtype=np.int32),
     )
     worlds.robots["team"] = NOBODY

@@ -159,30 +159,29 @@ def _pad_seen(view, row, column):  # type: ignore[no-untyped-def]
 
 @kernel
 def _nearest_first(world, team, found, most):  # type: ignore[no-untyped-def]
-    """Bring the first `most` of the teams in `world.near` to its front; return how many."""
+    """Sort the first `most` of the teams in `world.near` to its front; return how many."""
     kept = 0
     for i in range(found):
         other = world.near[i]
-        position = min(kept, most)
-        while position > 0 and _comes_before(world, team, other, world.near[position - 1]):
+        key = _sort_key(world, team, other)
+        if kept == most and (most == 0 or key >= world.near_key[most - 1]):
+            continue
+        position = min(kept, most - 1)
+        while position > 0 and key < world.near_key[position - 1]:
+            world.near[position] = world.near[position - 1]
+            world.near_key[position] = world.near_key[position - 1]
             position -= 1
-        if position < most:
-            for shifted in range(min(kept, most - 1), position, -1):
-                world.near[shifted] = world.near[shifted - 1]
-            world.near[position] = other
-            kept = min(kept + 1, most)
+        world.near[position], world.near_key[position] = other, key
+        kept = min(kept + 1, most)
     return kept
 
 
 @kernel
-def _comes_before(world, team, one, other):  # type: ignore[no-untyped-def]
-    away, other_away = distance_squared(world, team, one), distance_squared(world, team, other)
-    if away != other_away:
-        return away < other_away
-    helps, other_helps = _helps(world, team, one), _helps(world, team, other)
-    if helps != other_helps:
-        return helps
-    return (abs(one - team), one) < (abs(other - team), other)
+def _sort_key(world, team, other):  # type: ignore[no-untyped-def]
+    """Return a number that is less for what comes first: near, of help, with a slot close by."""
+    away = int(distance_squared(world, team, other) * 1024)
+    slots_apart = 2 * abs(other - team) + (other > team)
+    return (away << 24) + (int(not _helps(world, team, other)) << 23) + slots_apart
 
 
 @kernel

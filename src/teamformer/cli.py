@@ -1,0 +1,155 @@
+"""The command line: verbs and flags; what a verb needs is imported inside it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from teamformer.errors import TeamformerError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    help="Teams of robots that form, split and share out tasks by themselves.",
+)
+
+ScenarioPath = Annotated[Path, typer.Argument(metavar="SCENARIO", help="a scenario file")]
+ReplayPath = Annotated[Path, typer.Argument(metavar="REPLAY", help="a replay.json")]
+AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
+Seed = Annotated[int, typer.Option(min=0, help="of all randomness")]
+Order = Annotated[str | None, typer.Option(help="the shared task order: tsp")]
+Allocation = Annotated[str | None, typer.Option(help="how teams are given tasks: paper")]
+StepLimit = Annotated[int | None, typer.Option(min=1, help="give up after so many steps")]
+TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may plan")]
+
+
+@app.command()
+def run(
+    scenario: ScenarioPath,
+    policy: Annotated[str, typer.Option(help="who decides; see `policies`")] = "join-all",
+    order: Order = None,
+    allocation: Allocation = None,
+    seed: Seed = 0,
+    step_limit: StepLimit = None,
+    time_limit: TimeLimit = 10.0,
+    out: Annotated[Path | None, typer.Option(help="folder for replay.json")] = None,
+    html: Annotated[bool, typer.Option("--html", help="write replay.html there too")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Run one trial of a scenario."""
+    from teamformer.commands.run import Changes
+    from teamformer.commands.run import run as command
+
+    if html and out is None:
+        raise TeamformerError("--html needs a folder for the page", "add --out FOLDER")
+    changes = Changes(order, allocation, step_limit)
+    raise typer.Exit(command(scenario, policy, seed, changes, time_limit, out, html, as_json))
+
+
+@app.command()
+def compare(
+    scenario: ScenarioPath,
+    policies: Annotated[
+        str, typer.Option(help="names, with commas")
+    ] = "heuristic,join-all,central",
+    seeds: Annotated[int, typer.Option(min=1, help="trials of each policy")] = 1,
+    order: Order = None,
+    allocation: Allocation = None,
+    step_limit: StepLimit = None,
+    time_limit: TimeLimit = 10.0,
+    as_json: AsJson = False,
+) -> None:
+    """Run a scenario under several policies, side by side."""
+    from teamformer.commands.compare import compare as command
+    from teamformer.commands.run import Changes
+
+    changes = Changes(order, allocation, step_limit)
+    names = [name.strip() for name in policies.split(",")]
+    raise typer.Exit(command(scenario, names, seeds, changes, time_limit, as_json))
+
+
+@app.command()
+def generate(
+    out: Annotated[Path, typer.Option("-o", "--out", help="the file to write")],
+    robots: Annotated[int, typer.Option(min=1)] = 4,
+    tasks: Annotated[int, typer.Option(min=1)] = 4,
+    capabilities: Annotated[int, typer.Option(min=1)] = 4,
+    requirements: Annotated[int | None, typer.Option(min=1, help="of each task")] = None,
+    late_tasks: Annotated[int, typer.Option(min=0, help="tasks that appear later")] = 0,
+    grid: Annotated[str | None, typer.Option(help="WIDTHxHEIGHT, 10x10 by default")] = None,
+    map_path: Annotated[Path | None, typer.Option("--map", help="a .map or a ROS map")] = None,
+    cell: Annotated[float | None, typer.Option(help="metres a cell, for a ROS map")] = None,
+    seed: Seed = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Write a random scenario."""
+    from teamformer.commands.generate import generate as command
+    from teamformer.scenarios.generate import Spec
+
+    spec = Spec(robots, tasks, capabilities, requirements, late_tasks=late_tasks)
+    raise typer.Exit(command(spec, grid, map_path, cell, seed, out, as_json))
+
+
+@app.command()
+def check(replay: ReplayPath, as_json: AsJson = False) -> None:
+    """Judge the record of a trial by the rules alone."""
+    from teamformer.commands.records import check as command
+
+    raise typer.Exit(command(replay, as_json))
+
+
+@app.command()
+def view(
+    replay: ReplayPath,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="the page to write")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write the page of a recorded trial."""
+    from teamformer.commands.records import view as command
+
+    raise typer.Exit(command(replay, out, as_json))
+
+
+@app.command()
+def policies(as_json: AsJson = False) -> None:
+    """List what can be named with --policy."""
+    from teamformer.commands.policies import policies as command
+
+    raise typer.Exit(command(as_json))
+
+
+@app.command()
+def bench(
+    suite: Annotated[str, typer.Argument(metavar="SUITE", help="speed")],
+    as_json: AsJson = False,
+) -> None:
+    """Measure: `speed` times the simulator."""
+    from teamformer.commands.bench import bench as command
+
+    raise typer.Exit(command(suite, as_json))
+
+
+def main() -> None:
+    """Run the command line: exit 0 is good, 1 failed, 2 misused."""
+    try:
+        app()
+    except TeamformerError as error:
+        print(f"error: {error}", file=sys.stderr)
+        if error.hint:
+            print(f"hint: {error.hint}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        sys.exit(1)
+    except BrokenPipeError:  # the reader of our output has left
+        sys.stderr.close()
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

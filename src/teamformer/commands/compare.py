@@ -1,0 +1,66 @@
+"""`teamformer compare`: the same scenario under several policies, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.table import Table
+from rich.text import Text
+
+from teamformer.commands.console import announce_compiling, out, print_json, say
+from teamformer.commands.run import Changes, best_known, ready_policy, result_row, watch_trial
+from teamformer.jit import needs_compiling
+from teamformer.policies.trial import Trial
+from teamformer.scenarios.files import read_scenario
+from teamformer.sim.step import step_worlds
+
+
+def compare(
+    path: Path,
+    policy_names: Sequence[str],
+    seeds: int,
+    changes: Changes,
+    time_limit: float,
+    as_json: bool,
+) -> int:
+    """Run every policy with every seed and show them together; return the exit status."""
+    scenario = changes.apply(read_scenario(path))
+    policies = {name: ready_policy(name, time_limit) for name in policy_names}
+    announce_compiling(lambda: needs_compiling(step_worlds))
+    trials = []
+    for name, policy in policies.items():
+        for seed in range(seeds):
+            say(f"{name}, seed {seed} ...")
+            trials.append(watch_trial(scenario, policy, name, seed))
+    best = best_known(trials)
+    if as_json:
+        for trial in trials:
+            print_json(result_row(trial, best))
+    else:
+        out.print(Text(scenario.name, style="bold"))
+        out.print(_table(trials, best))
+        bound = trials[0].replay.lower_bound
+        out.print(f"best known {best or '-'}, lower bound {bound or '-'}")
+    return 0 if all(trial.replay.end.status == "completed" for trial in trials) else 1
+
+
+def _table(trials: Sequence[Trial], best: int | None) -> Table:
+    table = Table(box=None, header_style="dim")
+    for column in ("policy", "seed", "makespan", "to best", "tasks", "joins", "splits", "deciding"):
+        table.add_column(column, justify="left" if column == "policy" else "right")
+    for trial in trials:
+        replay, end = trial.replay, trial.replay.end
+        makespan = end.status if end.makespan is None else str(end.makespan)
+        behind = "" if end.makespan is None or not best else f"+{end.makespan / best - 1:.0%}"
+        table.add_row(
+            Text(replay.policy),
+            str(replay.seed),
+            makespan,
+            behind,
+            f"{end.tasks_done}/{len(replay.scenario.tasks)}",
+            str(end.joins),
+            str(end.splits),
+            f"{trial.decision_seconds:.3f} s",
+        )
+    return table

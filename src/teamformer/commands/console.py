@@ -1,0 +1,82 @@
+"""What the commands share: where words go, folders to write to, progress."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn
+
+from teamformer.errors import TeamformerError
+
+out = Console(highlight=False, soft_wrap=True)
+err = Console(stderr=True, highlight=False, soft_wrap=True)
+
+PATIENCE = 1.0  # seconds before progress is shown
+
+
+def say(message: str) -> None:
+    """Tell the person something that is not data."""
+    err.print(message, markup=False)
+
+
+def print_json(row: Mapping[str, Any]) -> None:
+    """Print one JSON object on one line."""
+    print(json.dumps(row, ensure_ascii=False))
+
+
+def prepare_folder(folder: Path) -> None:
+    """Make a folder, and make sure that files can be written there before any work is done."""
+    probe = folder / ".teamformer-writes-here"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        hint = "name another folder with --out"
+        raise TeamformerError(f"{folder}: cannot be written: {error.strerror}", hint) from None
+
+
+def prepare_file(path: Path) -> None:
+    """Make sure that a file can be written before any work is done."""
+    if path.is_dir():
+        raise TeamformerError(f"{path}: this is a folder", "name a file in it")
+    prepare_folder(path.parent)
+
+
+class StepProgress:
+    """A bar of tasks done that appears once a trial has taken a while."""
+
+    def __init__(self, total: int) -> None:
+        self._begun = time.monotonic()
+        self._bar = Progress(
+            TextColumn("step {task.fields[steps]}"),
+            BarColumn(),
+            TextColumn("{task.completed}/{task.total} tasks done"),
+            console=err,
+            transient=True,
+        )
+        self._task = self._bar.add_task("", total=total, steps=0)
+
+    def update(self, steps: int, tasks_done: int) -> None:
+        """Show how far the trial is."""
+        if not self._bar.live.is_started and time.monotonic() - self._begun > PATIENCE:
+            self._bar.start()
+        self._bar.update(self._task, completed=tasks_done, steps=steps)
+
+    def __enter__(self) -> StepProgress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar.live.is_started:
+            self._bar.stop()
+
+
+def announce_compiling(is_needed: Callable[[], bool]) -> None:
+    """Say that the first run compiles, so that nobody takes the wait for a fault."""
+    if is_needed():
+        say("compiling the simulator, on the first run only (about 15 s) ...")

@@ -1,0 +1,208 @@
+"""`teamformer run`: one scenario, one policy, one trial."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+from rich.text import Text
+
+from teamformer.capabilities import describe
+from teamformer.commands.console import (
+    StepProgress,
+    announce_compiling,
+    out,
+    prepare_folder,
+    print_json,
+    say,
+)
+from teamformer.jit import needs_compiling
+from teamformer.model import Scenario
+from teamformer.planning.bounds import lower_bound
+from teamformer.policies import POLICIES
+from teamformer.policies.protocol import Policy
+from teamformer.policies.registry import load_policy
+from teamformer.policies.trial import Trial, run_trial
+from teamformer.scenarios.files import read_scenario
+from teamformer.sim.replay import Replay, replay_to_tree, write_replay
+from teamformer.sim.step import step_worlds
+
+LONGEST_TABLE = 40  # tasks
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What the command line changes in a scenario; None leaves what the file says."""
+
+    order: str | None = None
+    allocation: str | None = None
+    step_limit: int | None = None
+
+    def apply(self, scenario: Scenario) -> Scenario:
+        """Return the changed scenario."""
+        changed = {key: value for key, value in vars(self).items() if value is not None}
+        return replace(scenario, **changed)
+
+
+def run(
+    path: Path,
+    policy_name: str,
+    seed: int,
+    changes: Changes,
+    time_limit: float,
+    folder: Path | None,
+    with_page: bool,
+    as_json: bool,
+) -> int:
+    """Run a trial, write its record and show what came of it; return the exit status."""
+    scenario = changes.apply(read_scenario(path))
+    policy = ready_policy(policy_name, time_limit)
+    if folder is not None:
+        prepare_folder(folder)
+    announce_compiling(lambda: needs_compiling(step_worlds))
+    trial = watch_trial(scenario, policy, policy_name, seed)
+    if folder is not None:
+        _write(trial.replay, folder, with_page)
+    if as_json:
+        print_json(result_row(trial, best_known=best_known([trial])))
+    else:
+        _show(trial, policy)
+    return 0 if trial.replay.end.status == "completed" else 1
+
+
+def ready_policy(name: str, time_limit: float) -> Policy:
+    """Return a policy by name; a planner is given its time."""
+    policy = load_policy(name, POLICIES)
+    if hasattr(policy, "time_limit"):
+        policy.time_limit = time_limit
+    return policy
+
+
+def watch_trial(scenario: Scenario, policy: Policy, name: str, seed: int) -> Trial:
+    """Run a trial with its lower bound, and a display of progress if it takes long."""
+    bound = lower_bound(scenario)
+    with StepProgress(len(scenario.tasks)) as progress:
+        return run_trial(
+            scenario,
+            policy,
+            name,
+            seed,
+            bound,
+            on_step=lambda tally: progress.update(tally.steps, tally.tasks_done),
+        )
+
+
+def best_known(trials: Sequence[Trial]) -> int | None:
+    """Return the fastest of several trials of one scenario; None if none was completed."""
+    makespans = [t.replay.end.makespan for t in trials if t.replay.end.makespan is not None]
+    return min(makespans, default=None)
+
+
+def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
+    """Return what `--json` prints of a trial."""
+    replay, end = trial.replay, trial.replay.end
+    return {
+        "scenario": replay.scenario.name,
+        "policy": replay.policy,
+        "seed": replay.seed,
+        "completed": end.status == "completed",
+        "status": end.status,
+        "makespan": end.makespan,
+        "steps": end.steps,
+        "tasks_done": end.tasks_done,
+        "tasks": len(replay.scenario.tasks),
+        "robots": len(replay.scenario.robots),
+        "capabilities": len(replay.scenario.capabilities),
+        "joins": end.joins,
+        "splits": end.splits,
+        "illegal_decisions": end.illegal_decisions,
+        "blocked_tasks": list(end.blocked_tasks),
+        "decision_seconds": round(trial.decision_seconds, 6),
+        "total_seconds": round(trial.total_seconds, 6),
+        "best_known": best_known,
+        "lower_bound": replay.lower_bound,
+    }
+
+
+def _write(replay: Replay, folder: Path, with_page: bool) -> None:
+    write_replay(replay, folder / "replay.json")
+    say(f"record: {folder / 'replay.json'}")
+    if with_page:
+        from teamformer.viewer.html import write_page
+
+        write_page(replay_to_tree(replay), folder / "replay.html")
+        say(f"page:   {folder / 'replay.html'}")
+
+
+def _show(trial: Trial, policy: Policy) -> None:
+    replay, end = trial.replay, trial.replay.end
+    scenario = replay.scenario
+    out.print(Text(f"{scenario.name}: {replay.policy}, seed {replay.seed}", style="bold"))
+    if len(scenario.tasks) <= LONGEST_TABLE:
+        out.print(_task_table(replay))
+    out.print(_verdict(replay), style="green" if end.status == "completed" else "red")
+    for plan in getattr(policy, "plans", []):
+        solution = plan.solution
+        out.print(
+            f"schedule with free joining: {solution.schedule.makespan} ({solution.status}, "
+            f"bound {solution.bound}); played by {plan.played_by}"
+        )
+    out.print(
+        f"{end.tasks_done} of {len(scenario.tasks)} tasks, {end.joins} joins, {end.splits} splits, "
+        f"{end.illegal_decisions} illegal decisions; deciding took {trial.decision_seconds:.3f} s "
+        f"of {trial.total_seconds:.3f} s"
+    )
+
+
+def _verdict(replay: Replay) -> str:
+    end = replay.end
+    if end.makespan is not None:
+        bound = replay.lower_bound
+        if not bound:
+            return f"all done after {end.makespan} steps"
+        ratio = 100 * (end.makespan / bound - 1)
+        best = f"no plan can take less than {bound} (+{ratio:.0f}%)"
+        return f"all done after {end.makespan} steps; {best}"
+    if end.status == "infeasible":
+        return f"given up at step {end.steps}: {', '.join(end.blocked_tasks)} can never be done"
+    if end.status == "interrupted":
+        return f"interrupted at step {end.steps}; what was done so far is recorded"
+    return f"not done within the limit of {end.steps} steps"
+
+
+def _task_table(replay: Replay) -> Table:
+    """Return who did what when, in the order it was done."""
+    scenario = replay.scenario
+    table = Table("step", "task", "needs", "done by", box=None, header_style="dim")
+    undone = set(range(len(scenario.tasks)))
+    for step, task, robots in completions(replay):
+        undone.discard(task)
+        names = ", ".join(scenario.robots[r].name for r in robots)
+        needs = describe(scenario.tasks[task].needs)
+        table.add_row(str(step), Text(scenario.tasks[task].name), Text(needs), Text(names))
+    for task in sorted(undone):
+        needs = describe(scenario.tasks[task].needs)
+        table.add_row("-", Text(scenario.tasks[task].name), Text(needs), "")
+    return table
+
+
+def completions(replay: Replay) -> list[tuple[int, int, tuple[int, ...]]]:
+    """Return (step, task, robots) of every task done, from the record alone."""
+    members = {slot: set(robots) for slot, robots, _, _ in replay.start}
+    found: list[tuple[int, int, tuple[int, ...]]] = []
+    for number, step in enumerate(replay.steps, start=1):
+        for stay, leave in step.splits:
+            members.pop(min(*stay, *leave))
+            members[min(stay)], members[min(leave)] = set(stay), set(leave)
+        for joiner, partner in step.joins:
+            members[min(joiner, partner)] = members.pop(joiner) | members.pop(partner)
+        lost = set(step.lost)
+        if lost:
+            left = defaultdict(set, {min(m - lost): m - lost for m in members.values() if m - lost})
+            members = dict(left)
+        found += [(number, task, tuple(sorted(members[slot]))) for task, slot in step.done]
+    return found

@@ -1,0 +1,61 @@
+"""Policies by name: the listed ones, and a user's own class."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from teamformer.errors import TeamformerError
+from teamformer.policies.protocol import Policy
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A policy that can be named: where its class is, and what to say of it."""
+
+    name: str
+    where: str  # module:Class
+    summary: str
+    trained_on: str = "nothing to train"
+
+
+def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
+    """Return a policy by its listed name or as `module:Class`.
+
+    Raises `TeamformerError` for a name that is unknown and for a class that is no policy.
+    """
+    for listing in listings:
+        if listing.name == name:
+            return _instance(listing.where)
+    if ":" in name:
+        return _instance(name)
+    known = [listing.name for listing in listings]
+    near = difflib.get_close_matches(name, known, 1)
+    hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
+    raise TeamformerError(f"there is no policy '{name}'", f"{hint}; your own is module:Class")
+
+
+def _instance(where: str) -> Policy:
+    module_name, _, class_name = where.partition(":")
+    if str(Path.cwd()) not in sys.path:
+        sys.path.append(str(Path.cwd()))
+    try:
+        made: Any = getattr(importlib.import_module(module_name), class_name)()
+    except (ImportError, ValueError) as error:
+        hint = "run from the folder that holds the module"
+        raise TeamformerError(f"policy '{where}' cannot be imported: {error}", hint) from None
+    except AttributeError:
+        raise TeamformerError(f"module '{module_name}' has no class '{class_name}'") from None
+    except TypeError as error:
+        raise TeamformerError(f"'{where}' cannot be made without arguments: {error}") from None
+    for part in ("needs_everything", "begin", "decide"):
+        if not hasattr(made, part):
+            hint = "see docs/policies.md for what a policy offers"
+            raise TeamformerError(f"'{where}' is no policy: it has no '{part}'", hint)
+    policy: Policy = made
+    return policy

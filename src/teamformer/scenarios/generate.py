@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -28,6 +28,9 @@ class Spec:
     late_between: tuple[int, int] = (10, 25)  # the steps in which they may, both included
     step_limit: int = 0
     new_tasks: str = "resolve"
+    sensing_radius: float = 1.0
+    join_radius: float = 0.0
+    starts_in_teams: bool = False  # False: every robot starts alone
 
     def __post_init__(self) -> None:
         least = {"robots": 1, "tasks": 1, "capabilities": 1, "late_tasks": 0}
@@ -40,36 +43,32 @@ class Spec:
                 f"requirements is {self.requirements}; "
                 f"{self.robots} robots with {self.capabilities} capabilities allow 1 to {present}"
             )
+        if not 0 <= self.late_between[0] <= self.late_between[1]:
+            raise TeamformerError(f"late_between is {self.late_between}; use (first, last) step")
 
 
 def generate(spec: Spec, rng: np.random.Generator, name: str = "generated") -> Scenario:
     """Return a random scenario; the same spec and generator state give the same one.
 
-    Robots start alone around a random spawn point, capabilities are dealt out evenly, and task
-    places are uniform. Each task draws its requirements from the capabilities present; the last
-    takes every capability that no other requires.
+    Robots start around a random spawn point, capabilities are dealt out evenly, and task places
+    are uniform; on maps all lie in the largest connected part.
     """
-    free = _free_places(spec.world)
-    dealt = _deal(spec.capabilities, spec.robots, rng)
+    caps = tuple(f"c{number}" for number in range(1, spec.capabilities + 1))
+    dealt = _deal(spec, rng)
+    labels = _draw_teams(spec, rng)
+    places = _spawn(spec, rng)
     robots = tuple(
-        Robot(f"r{number}", place, {cap: 1})
-        for number, (place, cap) in enumerate(
-            zip(_spawn(spec.world, free, spec.robots, rng), dealt, strict=True), start=1
-        )
-    )
-    needs = _draw_needs(spec, sorted(set(dealt), key=_number), rng)
-    appears = int(rng.integers(spec.late_between[0], spec.late_between[1] + 1))
-    places = rng.integers(len(free), size=len(needs))
-    tasks = tuple(
-        Task(f"t{k + 1}", free[places[k]], need, appears=0 if k < spec.tasks else appears)
-        for k, need in enumerate(needs)
+        Robot(f"r{r + 1}", places[labels[r]], {caps[dealt[r]]: 1}) for r in range(spec.robots)
     )
     return Scenario(
         name=name,
         world=spec.world,
-        capabilities=_capability_names(spec.capabilities),
+        capabilities=caps,
         robots=robots,
-        tasks=tasks,
+        tasks=_draw_tasks(spec, [caps[c] for c in sorted(set(dealt))], rng),
+        teams=_teams(labels),
+        sensing_radius=spec.sensing_radius,
+        join_radius=spec.join_radius,
         step_limit=spec.step_limit,
         new_tasks=spec.new_tasks,
     )
@@ -81,76 +80,69 @@ def training_scenario(capabilities: int, rng: np.random.Generator) -> Scenario:
     Four robots with distinct capabilities, in random starting teams that each share a place, and
     one to four tasks, on 10 x 10 cells and for 128 steps.
     """
-    count = min(4, capabilities)
-    spec = Spec(count, int(rng.integers(1, 5)), capabilities, step_limit=128)
-    scenario = generate(spec, rng, "training")
-    labels = rng.integers(count, size=count)
-    teams = [np.flatnonzero(labels == label).tolist() for label in sorted(set(labels.tolist()))]
-    together = {robot: scenario.robots[team[0]].at for team in teams for robot in team}
-    caps = rng.choice(capabilities, count, replace=False)
-    robots = tuple(
-        Robot(robot.name, together[r], {_capability(int(caps[r])): 1})
-        for r, robot in enumerate(scenario.robots)
-    )
-    present = [_capability(int(c)) for c in sorted(caps.tolist())]
-    needs = _draw_needs(spec, present, rng)
-    tasks = tuple(
-        Task(task.name, task.at, need) for task, need in zip(scenario.tasks, needs, strict=True)
-    )
-    return Scenario(
-        name="training",
-        world=scenario.world,
-        capabilities=scenario.capabilities,
-        robots=robots,
-        tasks=tasks,
-        teams=tuple(tuple(team) for team in teams),
+    spec = Spec(
+        robots=min(4, capabilities),
+        tasks=int(rng.integers(1, 5)),
+        capabilities=capabilities,
         step_limit=128,
+        starts_in_teams=True,
     )
+    return generate(spec, rng, "training")
 
 
-def _capability(number: int) -> str:
-    return f"c{number + 1}"
+def _deal(spec: Spec, rng: np.random.Generator) -> list[int]:
+    """Return a capability for each robot, none more often than any other by more than one."""
+    shuffled = rng.permutation(spec.capabilities)  # (caps,)
+    dealt: list[int] = np.resize(shuffled, spec.robots).tolist()  # again from the start if short
+    return dealt
 
 
-def _number(name: str) -> int:
-    return int(name[1:])
+def _draw_teams(spec: Spec, rng: np.random.Generator) -> list[int]:
+    """Return a team's label for each robot, each robot's own unless they start in teams."""
+    if not spec.starts_in_teams:
+        return list(range(spec.robots))
+    labels: list[int] = rng.integers(spec.robots, size=spec.robots).tolist()
+    return labels
 
 
-def _capability_names(count: int) -> tuple[str, ...]:
-    return tuple(_capability(number) for number in range(count))
+def _teams(labels: list[int]) -> tuple[tuple[int, ...], ...]:
+    """Return the robots that share a label, without those that are alone."""
+    members: dict[int, list[int]] = {}
+    for robot, label in enumerate(labels):
+        members.setdefault(label, []).append(robot)
+    return tuple(tuple(team) for team in members.values() if len(team) > 1)
 
 
-def _free_places(world: Grid) -> list[Place]:
-    """Return the free cells of the largest connected part of a map."""
+def _spawn(spec: Spec, rng: np.random.Generator) -> list[Place]:
+    """Return a place for each robot within `SPAWN_RADIUS` of a random point; on maps, of steps."""
+    [(x, y)] = _random_places(spec.world, 1, rng)
+    if spec.world.rows:
+        near = _within_steps(spec.world, (x, y), SPAWN_RADIUS)
+        return [near[i] for i in rng.integers(len(near), size=spec.robots).tolist()]
+    low = np.maximum((x - SPAWN_RADIUS, y - SPAWN_RADIUS), 0)
+    high = np.minimum((x + SPAWN_RADIUS + 1, y + SPAWN_RADIUS + 1), _size(spec.world))
+    return [(to_x, to_y) for to_x, to_y in rng.integers(low, high, (spec.robots, 2)).tolist()]
+
+
+def _random_places(world: Grid, count: int, rng: np.random.Generator) -> list[Place]:
+    """Return uniformly random free places, all of them connected."""
     if not world.rows:
-        return [(x, y) for y in range(world.height) for x in range(world.width)]
+        return [(x, y) for x, y in rng.integers(0, _size(world), (count, 2)).tolist()]
+    region = _largest_region(world)
+    return [region[i] for i in rng.integers(len(region), size=count).tolist()]
+
+
+def _size(world: Grid) -> tuple[int, int]:
+    return world.width, world.height
+
+
+@lru_cache(maxsize=8)
+def _largest_region(world: Grid) -> tuple[Place, ...]:
     sizes = Counter(world.regions.values())
     if not sizes:
-        raise TeamformerError("the map has no free cell")
+        raise TeamformerError("the map has no free cell", "use another map")
     largest = max(sizes, key=lambda region: (sizes[region], -region))
-    return sorted(place for place, region in world.regions.items() if region == largest)
-
-
-def _deal(capabilities: int, robots: int, rng: np.random.Generator) -> list[str]:
-    """Return a capability for each robot, none more often than any other by more than one."""
-    shuffled = rng.permutation(capabilities)
-    return [_capability(int(shuffled[robot % capabilities])) for robot in range(robots)]
-
-
-def _spawn(
-    world: Grid, free: Sequence[Place], robots: int, rng: np.random.Generator
-) -> list[Place]:
-    """Return places within `SPAWN_RADIUS` of a random point; on maps, within as many steps."""
-    x, y = free[rng.integers(len(free))]
-    if world.rows:
-        near = _within_steps(world, (x, y), SPAWN_RADIUS)
-    else:
-        near = [
-            (to_x, to_y)
-            for to_y in range(max(0, y - SPAWN_RADIUS), min(world.height, y + SPAWN_RADIUS + 1))
-            for to_x in range(max(0, x - SPAWN_RADIUS), min(world.width, x + SPAWN_RADIUS + 1))
-        ]
-    return [near[i] for i in rng.integers(len(near), size=robots).tolist()]
+    return tuple(sorted(place for place, region in world.regions.items() if region == largest))
 
 
 def _within_steps(world: Grid, place: Place, steps: int) -> list[Place]:
@@ -160,17 +152,46 @@ def _within_steps(world: Grid, place: Place, steps: int) -> list[Place]:
     return sorted(reached)
 
 
-def _draw_needs(
-    spec: Spec, present: Sequence[str], rng: np.random.Generator
-) -> list[dict[str, int]]:
-    """Return each task's requirements; the last task known at the start takes what is left over."""
-    needs = []
-    for _ in range(spec.tasks + spec.late_tasks):
-        count = spec.requirements or int(rng.integers(1, len(present) + 1))
-        chosen = rng.choice(len(present), count, replace=False)
-        needs.append({present[i]: 1 for i in sorted(chosen.tolist())})
-    required = {name for need in needs[: spec.tasks - 1] for name in need}
-    left_over = {name: 1 for name in present if name not in required}
-    last = needs[spec.tasks - 1]
-    needs[spec.tasks - 1] = {name: 1 for name in present if name in last or name in left_over}
-    return needs
+def _draw_tasks(spec: Spec, present: list[str], rng: np.random.Generator) -> tuple[Task, ...]:
+    """Return the tasks, those that come late last; they need only capabilities present."""
+    needs = _draw_needs(spec, len(present), rng)
+    places = _random_places(spec.world, len(needs), rng)
+    first, last = spec.late_between
+    late = int(rng.integers(first, last + 1)) if spec.late_tasks else 0
+    return tuple(
+        Task(
+            f"t{k + 1}",
+            places[k],
+            {present[cap]: 1 for cap in sorted(needs[k])},
+            appears=0 if k < spec.tasks else late,
+        )
+        for k in range(len(needs))
+    )
+
+
+def _draw_needs(spec: Spec, caps: int, rng: np.random.Generator) -> list[set[int]]:
+    """Return the capabilities that each task requires.
+
+    A fixed number of requirements is drawn from those that no earlier task requires, while there
+    are such, as the authors' code does. What no other task known at the start requires, if
+    anything, is what the last of them does.
+    """
+    count = spec.tasks + spec.late_tasks
+    priority = rng.random((count, caps))  # (tasks, caps) the lowest are required
+    if spec.requirements is None:
+        sizes = rng.integers(1, caps + 1, count).tolist()
+        drawn = [
+            set(row[:size])
+            for row, size in zip(priority.argsort(axis=1).tolist(), sizes, strict=True)
+        ]
+    else:
+        drawn = []
+        is_required = np.zeros(caps, dtype=np.bool_)
+        for row in priority:
+            chosen = (row + is_required).argsort()[: spec.requirements]
+            is_required[chosen] = True
+            drawn.append(set(chosen.tolist()))
+    left_over = set(range(caps)).difference(*drawn[: spec.tasks - 1])
+    if left_over:
+        drawn[spec.tasks - 1] = left_over
+    return drawn

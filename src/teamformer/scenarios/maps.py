@@ -4,46 +4,52 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import yaml
 
 from teamformer.errors import TeamformerError
 from teamformer.model import BLOCKED, FREE, Grid
+from teamformer.scenarios import yaml_tree
+from teamformer.scenarios.disk import read_bytes, read_text
+from teamformer.scenarios.pgm import Image, read_pgm
+from teamformer.scenarios.reading import Reader
 
-LARGEST_MAP = 4_000_000  # cells
-LARGEST_IMAGE = 100_000_000  # pixels
+LARGEST_MAP = 4_200_000  # cells: 2048 x 2048
+LARGEST_MOVINGAI = 10_000_000  # bytes
+LARGEST_DESCRIPTION = 100_000  # bytes
 
-MOVINGAI_FREE = ".GS"
-
-Image = npt.NDArray[np.float64]
+MOVINGAI_FREE = ".GS"  # ground, grass and swamp; trees, water and walls are not
+HINT = "write the name as it is seen from the folder of the scenario"
 
 
 def read_map(path: Path, cell: float | None = None) -> Grid:
-    """Read a map by its file name: MovingAI for `.map`, else ROS map_server YAML."""
-    return read_movingai(path) if path.suffix == ".map" else read_ros_map(path, cell)
+    """Read a map by its file name: MovingAI for `.map`, ROS map_server for `.yaml`."""
+    if path.suffix in (".yaml", ".yml"):
+        return read_ros_map(path, cell)
+    if path.suffix != ".map":
+        raise TeamformerError(f"{path}: this is no map; name a .map or a map_server .yaml file")
+    if cell is not None:
+        raise TeamformerError(f"{path}: a .map file has its cells already; remove 'cell'")
+    return read_movingai(path)
 
 
 def read_movingai(path: Path) -> Grid:
     """Read a MovingAI `.map`; the first row of the file is y = 0, as in its scenarios.
 
-    Ground, grass and swamp are free. Raises `TeamformerError` where the file is broken.
+    Raises `TeamformerError` where the file is broken.
     """
-    lines = _read_bytes(path).decode("ascii", errors="replace").splitlines()
-    head: dict[str, str] = {}
-    begin = 0
-    for begin, line in enumerate(lines, start=1):  # noqa: B007
-        if line.strip() == "map":
-            break
-        key, _, value = line.strip().partition(" ")
-        head[key] = value.strip()
-    width, height = (_size(path, head, key) for key in ("width", "height"))
-    rows = lines[begin : begin + height]
+    text = read_bytes(path, LARGEST_MOVINGAI, HINT).decode("ascii", errors="replace")
+    lines = [line.rstrip() for line in text.split("\n")]
+    if "map" not in lines:
+        raise TeamformerError(f"{path}: this is no MovingAI map: it has no line 'map'")
+    begin = lines.index("map") + 1
+    width, height = (_announced(path, lines[:begin], key) for key in ("width", "height"))
     _check_size(path, width * height)
+    rows = lines[begin : begin + height]
     if len(rows) < height:
         raise TeamformerError(f"{path}: {height} rows are announced and {len(rows)} are there")
     for number, row in enumerate(rows, start=begin + 1):
@@ -53,106 +59,103 @@ def read_movingai(path: Path) -> Grid:
     return Grid(width, height, tuple(cells), "down")
 
 
-def _size(path: Path, head: Mapping[str, str], key: str) -> int:
-    text = head.get(key, "")
-    if not re.fullmatch(r"[1-9]\d{0,6}", text):
-        raise TeamformerError(f"{path}: this is no MovingAI map: it has no '{key}' above 'map'")
-    return int(text)
+def _announced(path: Path, head: list[str], key: str) -> int:
+    for line in head:
+        if found := re.fullmatch(rf"\s*{key}\s+([1-9]\d{{0,6}})", line):
+            return int(found.group(1))
+    raise TeamformerError(f"{path}: this is no MovingAI map: it has no '{key} N' above 'map'")
 
 
 def read_ros_map(path: Path, cell: float | None = None) -> Grid:
     """Read a map_server YAML and its PGM image, in cells of `cell` metres (default: one a pixel).
 
-    A cell is blocked if any pixel in it is occupied or unknown, by the map's thresholds (trinary
-    mode). The bottom row of the image is y = 0. Raises `TeamformerError` where a file is broken.
+    A cell is blocked if any pixel in it is occupied or unknown (trinary mode). The bottom row of
+    the image is y = 0. Raises `TeamformerError` where a file is broken.
     """
-    about = _read_description(path)
-    resolution = about["resolution"]
-    pixels_a_cell = 1 if cell is None else round(cell / resolution)
-    is_multiple = cell is None or math.isclose(cell, pixels_a_cell * resolution)
-    if pixels_a_cell < 1 or not is_multiple:
-        raise TeamformerError(
-            f"{path}: a cell of {cell} m is no multiple of the map's {resolution:g} m; "
-            f"use {max(1, pixels_a_cell) * resolution:g}"
-        )
-    shade = _read_pgm(path.parent / about["image"])  # (height, width), 0 is black
-    occupancy = shade if about["negate"] else 1 - shade
-    is_free = np.flipud(occupancy < about["free_thresh"])
-    return _grid_of(path, _downsampled(is_free, pixels_a_cell))
+    about = _read_about(path)
+    factor = 1 if cell is None else _pixels_a_cell(path, cell, about.resolution)
+    image = read_pgm(path.parent / about.image)
+    height, width = (math.ceil(pixels / factor) for pixels in image.shades.shape)
+    _check_size(path, width * height)
+    is_blocked = ~about.is_free(image)[::-1]  # (height, width) in pixels, row 0 at the bottom
+    for axis, pixels in enumerate(image.shades.shape):
+        is_blocked = np.logical_or.reduceat(is_blocked, np.arange(0, pixels, factor), axis=axis)
+    cells = np.where(is_blocked, ord(BLOCKED), ord(FREE)).astype(np.uint8)
+    return Grid(width, height, tuple(row.tobytes().decode() for row in cells), "up")
 
 
-def _read_description(path: Path) -> dict[str, Any]:
-    try:
-        about = yaml.safe_load(_read_bytes(path))
-    except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError):
-        raise TeamformerError(f"{path}: this is not a map_server YAML file") from None
-    if not isinstance(about, dict) or not isinstance(about.get("image"), str):
-        raise TeamformerError(f"{path}: this is no map: it does not say 'image: FILE.pgm'")
-    if about.get("mode", "trinary") != "trinary":
-        raise TeamformerError(f"{path}: the mode is {about['mode']!r}; only trinary is understood")
-    about.setdefault("negate", 0)
-    about.setdefault("free_thresh", 0.196)
-    about.setdefault("occupied_thresh", 0.65)
-    for key in ("resolution", "negate", "free_thresh", "occupied_thresh"):
-        value = about.get(key)
-        if not isinstance(value, int | float) or not math.isfinite(value):
-            raise TeamformerError(f"{path}: '{key}' is {value!r}; it must be a number")
-    if about["resolution"] <= 0:
-        raise TeamformerError(f"{path}: 'resolution' is {about['resolution']}; it must be positive")
+@dataclass(frozen=True)
+class About:
+    """What a map_server file says about its image."""
+
+    image: str
+    resolution: float  # metres a pixel
+    is_negated: bool  # white is occupied
+    occupied_thresh: float
+    free_thresh: float
+
+    def is_free(self, image: Image) -> npt.NDArray[np.bool_]:
+        """Say which pixels are free, by map_server's trinary rule; unknown ones are not."""
+        dark = (image.white - np.arange(image.white + 1)) / image.white  # (shades,)
+        occupancy = dark[::-1] if self.is_negated else dark
+        is_free = (occupancy <= self.occupied_thresh) & (occupancy < self.free_thresh)
+        return np.asarray(is_free[image.shades])
+
+
+def _read_about(path: Path) -> About:
+    tree = yaml_tree.parse(read_text(path, LARGEST_DESCRIPTION, HINT))
+    reader = Reader(tree)
+    known = tree.value
+    if isinstance(tree.value, dict):  # what else it says, such as the origin, does not matter here
+        known = {key: part for key, part in tree.value.items() if key in ABOUT_KEYS}
+    keys = {} if tree.problems else reader.mapping((), known, ABOUT_KEYS)
+    about = About(
+        image=reader.text(("image",), keys.get("image", "?")),
+        resolution=reader.number(("resolution",), keys.get("resolution", 1)),
+        is_negated=_read_negate(reader, keys.get("negate", 0)),
+        occupied_thresh=reader.number(("occupied_thresh",), keys.get("occupied_thresh", 0)),
+        free_thresh=reader.number(("free_thresh",), keys.get("free_thresh", 0)),
+    )
+    if not about.resolution >= FINEST:
+        reader.refuse(("resolution",), f"resolution is {about.resolution}; write {FINEST} or more")
+    if keys.get("mode", "trinary") not in ("trinary", "scale"):
+        reader.refuse(("mode",), f"the mode is {keys['mode']}; only trinary and scale are read")
+    if tree.problems:
+        found = sorted((line, problem.message) for line, problem in tree.problems)
+        raise TeamformerError("; ".join(f"{path}:{line}: {message}" for line, message in found))
     return about
 
 
-def _read_pgm(path: Path) -> Image:
-    """Read a PGM image, plain (P2) or raw (P5), as shades from 0 to 1, (height, width)."""
-    data = _read_bytes(path)
-    head = re.match(rb"(P[25])" + rb"(?:\s+|\s*#[^\n]*\n\s*)+(\d+)" * 3 + rb"\s", data)
-    if head is None:
-        raise TeamformerError(f"{path}: this is not a PGM image (P2 or P5)")
-    width, height, white = (int(head.group(i)) for i in (2, 3, 4))
-    if not 0 < white < 65536 or width < 1 or height < 1 or width * height > LARGEST_IMAGE:
-        raise TeamformerError(f"{path}: {width} x {height} pixels up to {white} is not possible")
-    body = data[head.end() :]
-    if head.group(1) == b"P5":
-        kind = "u1" if white < 256 else ">u2"
-        size = width * height * (1 if white < 256 else 2)
-        pixels = np.frombuffer(body[:size], dtype=kind).astype(np.float64)
-    else:
-        words = re.sub(rb"#[^\n]*", b"", body).split()[: width * height]
-        pixels = np.array([int(word) for word in words if word.isdigit()], dtype=np.float64)
-    if len(pixels) != width * height:
-        raise TeamformerError(f"{path}: {width * height} pixels are announced, {len(pixels)} there")
-    return np.asarray(pixels.reshape(height, width) / white)
+ABOUT_KEYS = {
+    "image": True,  # required
+    "resolution": True,
+    "negate": False,
+    "occupied_thresh": True,
+    "free_thresh": True,
+    "mode": False,
+}
+FINEST = 1e-6  # metres
 
 
-def _downsampled(is_free: npt.NDArray[np.bool_], factor: int) -> npt.NDArray[np.bool_]:
-    """Merge squares of pixels; a cell is free only if all its pixels are, as (height, width)."""
-    height, width = is_free.shape
-    padded = np.pad(is_free, ((0, -height % factor), (0, -width % factor)), constant_values=True)
-    squares = padded.reshape(padded.shape[0] // factor, factor, -1, factor)
-    return np.asarray(squares.all(axis=(1, 3)))
+def _read_negate(reader: Reader, value: Any) -> bool:
+    word = value.text.lower() if isinstance(value, yaml_tree.Misread) else value
+    if word not in (0, 1, "true", "false"):
+        reader.refuse(("negate",), f"negate is {yaml_tree.describe(value)}; write 0 or 1")
+    return word in (1, "true")
 
 
-def _grid_of(path: Path, is_free: npt.NDArray[np.bool_]) -> Grid:
-    height, width = is_free.shape
-    _check_size(path, width * height)
-    rows = tuple("".join(FREE if cell else BLOCKED for cell in row) for row in is_free)
-    return Grid(width, height, rows, "up")
+def _pixels_a_cell(path: Path, cell: float, resolution: float) -> int:
+    factor = round(cell / resolution)
+    if factor < 1 or not math.isclose(cell, factor * resolution):
+        raise TeamformerError(
+            f"{path}: a cell of {cell:g} m is no multiple of the map's {resolution:g} m; "
+            f"use {max(1, factor) * resolution:g}"
+        )
+    return factor
 
 
 def _check_size(path: Path, cells: int) -> None:
     if cells > LARGEST_MAP:
         raise TeamformerError(
-            f"{path}: {cells} cells; {LARGEST_MAP} are possible, use larger cells"
+            f"{path}: {cells:,} cells; {LARGEST_MAP:,} are possible, so use larger cells"
         )
-
-
-def _read_bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError:
-        raise TeamformerError(f"{path}: there is no such file") from None
-    except IsADirectoryError:
-        raise TeamformerError(f"{path}: this is a folder") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise TeamformerError(f"{path}: cannot be read: {reason}") from None

@@ -4,37 +4,45 @@ from __future__ import annotations
 
 import difflib
 import math
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
 from teamformer.model import Place
-from teamformer.scenarios.yaml_tree import Misread, Tree, Where, describe, misread
+from teamformer.scenarios.yaml_tree import Misread, Tree, Where, describe, kind_of, misread
 
-LARGEST_NUMBER = 1_000_000
-"""Counts, coordinates and steps beyond this are slips of the keyboard."""
+LARGEST_NUMBER = 1_000_000_000
+"""Coordinates and steps beyond this are slips of the keyboard; the simulator counts further."""
+LARGEST_COUNT = 1000
+INFINITE = ".inf"
+"""Infinity as text: JSON has no number for it."""
 
 
 class Reader:
-    """Checks values one by one and notes problems; a wrong value is replaced by a harmless one."""
+    """Checks values one by one and notes problems; a wrong value is replaced by a harmless one.
+
+    `is_faithful` tells whether everything that was read stands in the tree: it turns False when
+    a value is replaced.
+    """
 
     def __init__(self, tree: Tree) -> None:
         self.tree = tree
+        self.is_faithful = True
 
     def refuse(self, where: Where, message: str) -> None:
-        """Note that something is wrong at a place."""
-        self.tree.problems.append((self.tree.line(where), message))
+        """Note that a value at a place is wrong and has to be replaced."""
+        self.tree.refuse(where, message)
+        self.is_faithful = False
 
     def mapping(self, where: Where, value: Any, keys: Mapping[str, bool]) -> dict[str, Any]:
         """Return a mapping with only the known keys; True marks a key that must be there."""
-        what = _name(where)
+        what = name_of(where)
         if not isinstance(value, dict):
             self.refuse(where, f"{what} is {describe(value)}; write a mapping of {_list(keys)}")
             return {}
         for key in value:
             if key not in keys:
-                near = difflib.get_close_matches(str(key), list(keys), 1)
-                hint = f"did you mean '{near[0]}'?" if near else f"known are {_list(keys)}"
-                self.refuse((*where, key), f"{what} has no key '{key}'; {hint}")
+                self.tree.refuse((*where, key), f"{what} has no key {_suggest(key, keys)}")
         for key, is_required in keys.items():
             if is_required and key not in value:
                 self.refuse(where, f"{what} lacks '{key}'; add it")
@@ -44,7 +52,7 @@ class Reader:
         """Return a list."""
         if isinstance(value, list):
             return value
-        self.refuse(where, f"{_name(where)} is {describe(value)}; write a list")
+        self.refuse(where, f"{name_of(where)} is {describe(value)}; write a list")
         return []
 
     def text(self, where: Where, value: Any) -> str:
@@ -52,14 +60,12 @@ class Reader:
         if isinstance(value, str) and value.strip() and value.isprintable():
             return value
         if isinstance(value, str):
-            self.refuse(where, f"{_name(where)} is empty or cannot be printed; write a name")
-        elif isinstance(value, list | dict):
-            self.refuse(where, f"{_name(where)} is {describe(value)}; write a name")
-        elif isinstance(value, Misread):
-            self.refuse(where, misread(value.text, value.kind))
+            self.refuse(where, f"{name_of(where)} is empty or cannot be printed; write a name")
+        elif value is None or isinstance(value, list | dict):
+            self.refuse(where, f"{name_of(where)} is {kind_of(value)}; write a name")
         else:
-            word = "" if value is None else str(value).lower()
-            self.refuse(where, misread(word, describe(value)))
+            word = value.text if isinstance(value, Misread) else describe(value)
+            self.refuse(where, misread(word, kind_of(value)))
         return "?"
 
     def names(self, where: Where, value: Any) -> list[str]:
@@ -69,32 +75,36 @@ class Reader:
 
     def number(self, where: Where, value: Any, can_be_infinite: bool = False) -> float:
         """Return a number that is finite, or infinity where that has a meaning."""
-        if isinstance(value, int | float) and not isinstance(value, bool):
-            if abs(value) <= LARGEST_NUMBER or (can_be_infinite and value == math.inf):
-                return float(value)
-            self.refuse(where, f"{_name(where)} is {value}; write a number up to {LARGEST_NUMBER}")
+        if can_be_infinite and value in (math.inf, INFINITE):
+            return math.inf
+        if not _is_number(value):
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; write a number")
+        elif not abs(value) <= LARGEST_NUMBER:  # nan too
+            most = f"write a number up to {LARGEST_NUMBER:,}"
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; {most}")
         else:
-            self.refuse(where, f"{_name(where)} is {describe(value)}; write a number")
+            return float(value)
         return 1.0
 
-    def whole(self, where: Where, value: Any, least: int | None = None) -> int:
-        """Return a whole number, at least as large as given."""
-        if not isinstance(value, int | float) or isinstance(value, bool):
-            self.refuse(where, f"{_name(where)} is {describe(value)}; write a whole number")
-        elif value != value or value in (math.inf, -math.inf) or value != int(value):
-            self.refuse(where, f"{_name(where)} is {value}; write a whole number")
-        elif abs(value) > LARGEST_NUMBER:
-            self.refuse(where, f"{_name(where)} is {value}; write a number up to {LARGEST_NUMBER}")
+    def whole(
+        self, where: Where, value: Any, least: int | None = None, most: int = LARGEST_NUMBER
+    ) -> int:
+        """Return a whole number within bounds, both included."""
+        what = f"{name_of(where)} is {describe(value)}"
+        if not isinstance(value, int) or isinstance(value, bool):
+            self.refuse(where, f"{what}; write a whole number")
+        elif abs(value) > most:
+            self.refuse(where, f"{what}; write a number up to {most:,}")
         elif least is not None and value < least:
-            self.refuse(where, f"{_name(where)} is {value}; write {least} or more")
+            self.refuse(where, f"{what}; write {least} or more")
         else:
-            return int(value)
+            return value
         return 1 if least is None else max(least, 1)
 
     def place(self, where: Where, value: Any) -> Place:
         """Return a cell, `[x, y]`."""
         if not isinstance(value, list) or len(value) != 2:
-            self.refuse(where, f"{_name(where)} is {describe(value)}; write a cell as [x, y]")
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; write a cell as [x, y]")
             return (0, 0)
         x, y = (self.whole((*where, axis), part) for axis, part in enumerate(value))
         return (x, y)
@@ -103,11 +113,13 @@ class Reader:
         """Return capability counts: a list of names, once each, or a mapping to counts."""
         if isinstance(value, dict):
             return {
-                self.text((*where, name), name): self.whole((*where, name), count)
+                self.text((*where, name), name): self.whole(
+                    (*where, name), count, most=LARGEST_COUNT
+                )
                 for name, count in value.items()
             }
         if not isinstance(value, list):
-            what = f"{_name(where)} is {describe(value)}"
+            what = f"{name_of(where)} is {describe(value)}"
             self.refuse(where, f"{what}; write a list of capabilities or a mapping to counts")
             return {"?": 1}
         counts: dict[str, int] = {}
@@ -115,22 +127,32 @@ class Reader:
             if name in counts and name != "?":
                 self.refuse(
                     (*where, number),
-                    f"'{name}' stands twice in this list; to ask for two write {{{name}: 2}}",
+                    f"'{name}' stands twice in this list; to mean two write {{{name}: 2}}",
                 )
             counts[name] = 1
         return counts
 
 
-def _name(where: Where) -> str:
+def name_of(where: Where) -> str:
     """Name a place for people: `at of robot 3`."""
     if not where:
         return "the file"
-    if isinstance(where[-1], int):
-        around = str(where[-2]) if len(where) > 1 else "entry"
-        return f"{around.removesuffix('s')} {where[-1] + 1}"
-    if len(where) >= 2:
-        return f"{where[-1]} of {_name(where[:-1])}"
-    return str(where[-1])
+    *around, last = where
+    if not isinstance(last, int):
+        return f"{last} of {name_of(tuple(around))}" if around else last
+    if around in (["robots"], ["tasks"], ["teams"]):
+        return f"{str(around[0])[:-1]} {last + 1}"
+    return f"entry {last + 1} of {name_of(tuple(around))}"
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _suggest(key: Any, keys: Mapping[str, bool]) -> str:
+    shown = textwrap.shorten(str(key), 40)
+    near = difflib.get_close_matches(shown, list(keys), 1)
+    return f"'{shown}'; " + (f"did you mean '{near[0]}'?" if near else f"known are {_list(keys)}")
 
 
 def _list(keys: Mapping[str, bool]) -> str:

@@ -3,86 +3,108 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from teamformer.errors import TeamformerError
 from teamformer.model import BLOCKED, FREE, Grid
-from teamformer.scenarios.maps import LARGEST_MAP, read_movingai, read_ros_map
+from teamformer.scenarios.maps import LARGEST_MAP, read_map
 from teamformer.scenarios.reading import Reader
 
-FORMS = {"grid": {"grid"}, "rows": {"rows", "y_axis"}, "map": {"map", "cell"}, "plane": {"plane"}}
+FORMS = {
+    "grid": {"grid", "y_axis"},
+    "rows": {"rows", "y_axis"},
+    "map": {"map", "cell"},
+    "plane": {"plane", "step"},
+}
+KEYS = dict.fromkeys(sorted(set().union(*FORMS.values())), False)
 WHERE = ("world",)
-HARMLESS = Grid(1, 1)
+STAND_IN = Grid(1, 1)
+"""Read instead of a world that is wrong, so that reading can go on."""
 
 
 def read_world(reader: Reader, value: Any, folder: Path | None) -> Grid:
     """Return the map; problems are noted in the reader. `folder` is where map files lie."""
-    keys = dict.fromkeys(("grid", "rows", "y_axis", "map", "cell", "plane", "step"), False)
-    world = reader.mapping(WHERE, value, keys)
+    world = reader.mapping(WHERE, value, KEYS)
     forms = [form for form in FORMS if form in world]
-    if "plane" in forms:
-        reader.refuse((*WHERE, "plane"), "planes are not supported yet; use a grid or a map")
-    elif len(forms) != 1:
+    if len(forms) != 1:
         if isinstance(value, dict):
-            reader.refuse(WHERE, "the world needs one of grid: [w, h], rows: [...] and map: FILE")
-    elif set(world) - FORMS[forms[0]]:
-        extra = min(set(world) - FORMS[forms[0]])
+            choice = "grid: [width, height], rows: [...] and map: FILE"
+            reader.refuse(WHERE, f"the world needs exactly one of {choice}")
+        return STAND_IN
+    for extra in sorted(set(world) - FORMS[forms[0]]):
         reader.refuse((*WHERE, extra), f"'{extra}' does not go with '{forms[0]}'; remove it")
-    elif forms == ["grid"]:
-        return _read_grid(reader, world["grid"])
-    elif forms == ["rows"]:
+    if forms == ["grid"]:
+        return _read_grid(reader, world)
+    if forms == ["rows"]:
         return _read_rows(reader, world)
-    else:
+    if forms == ["map"]:
         return _read_map(reader, world, folder)
-    return HARMLESS
+    reader.refuse((*WHERE, "plane"), "planes are not supported yet; use a grid or a map")
+    return STAND_IN
 
 
-def _read_grid(reader: Reader, value: Any) -> Grid:
-    where = (*WHERE, "grid")
-    if not isinstance(value, list) or len(value) != 2:
+def _read_grid(reader: Reader, world: dict[str, Any]) -> Grid:
+    where, size = (*WHERE, "grid"), world["grid"]
+    if not isinstance(size, list) or len(size) != 2:
         reader.refuse(where, "the grid is not a pair; write it as [width, height]")
-        return HARMLESS
-    width, height = (reader.whole((*where, axis), part, 1) for axis, part in enumerate(value))
-    if width * height > LARGEST_MAP:
-        reader.refuse(where, f"the grid has {width * height} cells; {LARGEST_MAP} are possible")
-        return HARMLESS
-    return Grid(width, height)
+        return STAND_IN
+    width, height = (reader.whole((*where, axis), part, 1) for axis, part in enumerate(size))
+    if not _is_possible(reader, "grid", width * height):
+        return STAND_IN
+    return Grid(width, height, y_axis=_read_y_axis(reader, world, "up"))
 
 
 def _read_rows(reader: Reader, world: dict[str, Any]) -> Grid:
-    where = (*WHERE, "rows")
-    rows = tuple(row.replace("#", BLOCKED) for row in reader.names(where, world["rows"]))
-    y_axis = reader.text((*WHERE, "y_axis"), world.get("y_axis", "down"))
-    if y_axis not in ("up", "down"):
-        reader.refuse((*WHERE, "y_axis"), f"y_axis is '{y_axis}'; write up or down")
-        return HARMLESS
+    where, value = (*WHERE, "rows"), world["rows"]
+    y_axis = _read_y_axis(reader, world, "down")
+    parts = value.split() if isinstance(value, str) else value  # a block of text will do
+    rows = tuple(row.replace("#", BLOCKED) for row in reader.names(where, parts))
     if not rows:
         reader.refuse(where, "the map has no rows; write a text of cells for each")
-        return HARMLESS
+        return STAND_IN
     for number, row in enumerate(rows):
-        strange = sorted(set(row) - {FREE, BLOCKED})
+        strange = sorted(set(row) - {FREE, BLOCKED, "?"})
         if strange:
             what = f"'{strange[0]}' is no cell; use '{FREE}' for free and '{BLOCKED}' for blocked"
-            reader.refuse((*where, number), what)
+            reader.refuse((*where, number), f"row {number + 1}: {what}")
         elif len(row) != len(rows[0]):
-            what = f"this row has {len(row)} cells and the first {len(rows[0])}; make them alike"
-            reader.refuse((*where, number), what)
-    return Grid(len(rows[0]), len(rows), rows, "up" if y_axis == "up" else "down")
+            what = f"{len(row)} cells, but the first has {len(rows[0])}; make them alike"
+            reader.refuse((*where, number), f"row {number + 1} has {what}")
+    if not _is_possible(reader, "rows", sum(map(len, rows))):
+        return STAND_IN
+    return Grid(len(rows[0]), len(rows), rows, y_axis)
 
 
 def _read_map(reader: Reader, world: dict[str, Any], folder: Path | None) -> Grid:
     where = (*WHERE, "map")
     name = reader.text(where, world["map"])
-    cell = None if "cell" not in world else reader.number((*WHERE, "cell"), world["cell"])
+    cell = reader.number((*WHERE, "cell"), world["cell"]) if "cell" in world else None
     if folder is None:
         reader.refuse(where, "a map in another file cannot be read here; write its rows")
-        return HARMLESS
-    try:
-        if name.endswith(".map"):
-            if cell is not None:
-                reader.refuse((*WHERE, "cell"), "a .map file has cells already; remove 'cell'")
-            return read_movingai(folder / name)
-        return read_ros_map(folder / name, cell)
-    except TeamformerError as error:
-        reader.refuse(where, f"the map cannot be used: {error}")
-        return HARMLESS
+    elif reader.is_faithful:
+        try:
+            return read_map(folder / name, cell)
+        except TeamformerError as error:
+            hint = f"; {error.hint}" if error.hint else ""
+            reader.refuse(where, f"{error}{hint}")
+    return STAND_IN
+
+
+def _read_y_axis(
+    reader: Reader, world: dict[str, Any], usual: Literal["up", "down"]
+) -> Literal["up", "down"]:
+    match world.get("y_axis", usual):
+        case "up":
+            return "up"
+        case "down":
+            return "down"
+        case other:
+            reader.refuse((*WHERE, "y_axis"), f"y_axis is {other}; write up or down")
+            return usual
+
+
+def _is_possible(reader: Reader, key: str, cells: int) -> bool:
+    if cells > LARGEST_MAP:
+        most = f"{LARGEST_MAP:,} are possible, so use larger cells"
+        reader.refuse((*WHERE, key), f"the map has {cells:,} cells; {most}")
+    return cells <= LARGEST_MAP

@@ -1,30 +1,43 @@
 """YAML and JSON as plain trees that remember their lines, with what is wrong told by line.
 
-Nothing but mappings, lists and scalars is ever built, whatever the file says.
+Read from the parser's events, so that nothing but mappings, lists and scalars is ever built and a
+file that is deep, or refers to itself, is stopped before it costs anything.
 """
 
 from __future__ import annotations
 
-import datetime
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 import yaml
+from yaml import events as ev
+
+from teamformer.errors import Problem
 
 Where = tuple[str | int, ...]
 """The path to a place in a tree, such as `("tasks", 3, "needs")`."""
 
-DEEPEST = 20
+DEEPEST = 12
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml is ten times as fast
+
+HUGE = 10**15
+
+STRING = "tag:yaml.org,2002:str"
+WHOLE = re.compile(r"[-+]?(0|[1-9]\d{0,14})", re.ASCII)
+REAL = re.compile(r"[-+]?((0|[1-9]\d*)(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+SPECIAL = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+UNPRINTABLE = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 @dataclass
 class Tree:
-    """What a file says: plain values, and the line of each place."""
+    """What a file says: plain values, the line of each place, and what is wrong with it."""
 
     value: Any = None
     lines: dict[Where, int] = field(default_factory=dict)
-    problems: list[tuple[int, str]] = field(default_factory=list)
+    problems: list[tuple[int, Problem]] = field(default_factory=list)
 
     def line(self, where: Where) -> int:
         """Return the line of a place, or of the nearest place around it that is in the file."""
@@ -32,127 +45,179 @@ class Tree:
             where = where[:-1]
         return self.lines.get(where, 1)
 
+    def refuse(self, where: Where, message: str, line: int | None = None) -> None:
+        """Note that something is wrong at a place."""
+        self.problems.append((line or self.line(where), Problem(where, message)))
+
+
+@dataclass(frozen=True)
+class Misread:
+    """A plain word that YAML takes for something else than text: `no`, `12:30`, `0x1F`."""
+
+    text: str
+    kind: str
+
+
+class _TooDeepError(Exception):
+    """The rest of the file is not worth reading."""
+
 
 def parse(text: str) -> Tree:
-    """Read YAML (JSON is YAML too) into a tree; syntax errors become its problems."""
+    """Read YAML into a tree; syntax errors become its problems."""
     tree = Tree()
+    strange = UNPRINTABLE.search(text)
+    if strange:
+        line = text.count("\n", 0, strange.start()) + 1
+        code = f"U+{ord(strange.group()):04X}"
+        tree.refuse((), f"the character {code} cannot stand in a text file; remove it", line)
+        return tree
     try:
-        documents = list(yaml.compose_all(text, Loader=yaml.SafeLoader))
+        tree.value = _Builder(text, tree).document()
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = mark.line + 1 if mark else 1
-        tree.problems.append((line, f"this is not YAML: {error.problem or error.context}"))
-        return tree
+        tree.refuse((), *_syntax_problem(text, error))
     except yaml.YAMLError as error:
-        tree.problems.append((1, f"this is not YAML: {_first_line(error)}"))
-        return tree
-    except RecursionError:
-        tree.problems.append((1, f"this is nested deeper than {DEEPEST} levels; flatten it"))
-        return tree
-    if not documents or documents[0] is None:
-        tree.problems.append((1, "the file is empty; write a scenario into it"))
-    elif len(documents) > 1:
-        line = documents[1].start_mark.line + 1
-        tree.problems.append((line, "a second document begins here; keep one a file"))
-    else:
-        tree.value = _build(documents[0], (), tree, set())
+        tree.refuse((), " ".join(f"this is not YAML: {error}".split()))
+    except _TooDeepError:
+        pass
     return tree
 
 
+def parse_json(text: str) -> Tree:
+    """Read JSON into a tree: YAML but for tabs and for letters written as two halves."""
+    return parse(_SURROGATES.sub(_join_surrogates, text.replace("\t", " ")))
+
+
+_SURROGATES = re.compile(r"\\\\|\\u(d[89ab][0-9a-f]{2})\\u(d[c-f][0-9a-f]{2})", re.IGNORECASE)
+
+
+def _join_surrogates(match: re.Match[str]) -> str:
+    if match.group(1) is None:  # an escaped backslash: what follows is no escape
+        return match.group()
+    high, low = (int(match.group(half), 16) for half in (1, 2))
+    return chr(0x10000 + ((high - 0xD800) << 10) + low - 0xDC00)
+
+
 def from_value(value: Any) -> Tree:
-    """Return a tree of values that come from no file, all on line 1."""
+    """Return a tree of values that come from no file and so have no lines."""
     return Tree(value)
 
 
-def _first_line(error: Exception) -> str:
-    return str(error).splitlines()[0] if str(error) else type(error).__name__
+def _syntax_problem(text: str, error: yaml.MarkedYAMLError) -> tuple[str, int]:
+    mark = error.problem_mark or error.context_mark
+    row, column = (mark.line, mark.column) if mark else (0, 0)
+    lines = text.splitlines()
+    found = lines[row][column : column + 1] if row < len(lines) else ""
+    advice = "check quotes, brackets and indentation here and above"
+    if found == "\t":
+        advice = "indent with spaces, not tabs"
+    elif found and found in "@`%":
+        advice = f"put a text that begins with {found} in quotes"
+    begun = error.context_mark
+    since = f" ({error.context}, begun on line {begun.line + 1})" if begun and error.context else ""
+    return f"this is not YAML: {error.problem or error.context}{since}; {advice}", row + 1
 
 
-def _build(node: yaml.Node, where: Where, tree: Tree, around: set[int]) -> Any:
-    line = node.start_mark.line + 1
-    tree.lines[where] = line
-    if id(node) in around or len(where) > DEEPEST:
-        tree.problems.append((line, f"this is nested deeper than {DEEPEST} levels; flatten it"))
-        return None
-    inside = around | {id(node)}
-    if isinstance(node, yaml.MappingNode):
-        return dict(_pairs(node, where, tree, inside))
-    if isinstance(node, yaml.SequenceNode):
-        return [_build(part, (*where, i), tree, inside) for i, part in enumerate(node.value)]
-    return _scalar(node, line, tree)
+class _Builder:
+    """Turns the parser's events into values, noting lines and problems in the tree."""
 
+    def __init__(self, text: str, tree: Tree) -> None:
+        self.events: Iterator[Any] = yaml.parse(text, Loader=LOADER)
+        self.tree = tree
 
-def _pairs(
-    node: yaml.MappingNode, where: Where, tree: Tree, around: set[int]
-) -> Iterator[tuple[str, Any]]:
-    seen: dict[str, int] = {}
-    for key_node, value_node in node.value:
-        line = key_node.start_mark.line + 1
-        key = _key(key_node, line, tree)
-        if key is None:
-            continue
-        if key in seen:
-            tree.problems.append(
-                (line, f"'{key}' stands here a second time, first on line {seen[key]}; keep one")
+    def document(self) -> Any:
+        next(self.events)  # the stream begins
+        if isinstance(next(self.events), ev.StreamEndEvent):
+            self.tree.refuse((), "the file is empty; write a scenario into it")
+            return None
+        value = self.value(next(self.events), ())
+        next(self.events)  # the document ends
+        event = next(self.events)
+        if not isinstance(event, ev.StreamEndEvent):
+            line = event.start_mark.line + 1
+            self.tree.refuse((), "a second document begins here; keep one a file", line)
+        return value
+
+    def value(self, event: Any, where: Where) -> Any:
+        line = event.start_mark.line + 1
+        self.tree.lines.setdefault(where, line)
+        if len(where) > DEEPEST:
+            self.tree.refuse(
+                where, f"this is nested deeper than {DEEPEST} levels; flatten it", line
             )
-            continue
-        seen[key] = line
-        value = _build(value_node, (*where, key), tree, around)
-        tree.lines[(*where, key)] = line
-        yield key, value
+            raise _TooDeepError
+        if isinstance(event, ev.AliasEvent):
+            self.tree.refuse(where, f"*{event.anchor} is not followed; write the value out", line)
+            return None
+        if event.tag not in (None, "!", STRING):
+            self.tree.refuse(where, f"the tag {event.tag} is not understood; remove it", line)
+        if isinstance(event, ev.MappingStartEvent):
+            return self.mapping(where)
+        if isinstance(event, ev.SequenceStartEvent):
+            return self.sequence(where)
+        return _value_of(event)
+
+    def sequence(self, where: Where) -> list[Any]:
+        values: list[Any] = []
+        while not isinstance(event := next(self.events), ev.SequenceEndEvent):
+            values.append(self.value(event, (*where, len(values))))
+        return values
+
+    def mapping(self, where: Where) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        while not isinstance(event := next(self.events), ev.MappingEndEvent):
+            line = event.start_mark.line + 1
+            key = self.key(event, where)
+            is_repeated = key in values
+            if is_repeated:
+                first = self.tree.line((*where, key))
+                message = f"'{key}' stands here a second time, first on line {first}; keep one"
+                self.tree.refuse((*where, key), message, line)
+            self.tree.lines.setdefault((*where, key), line)
+            value = self.value(next(self.events), (*where, key))
+            if not is_repeated:
+                values[key] = value
+        return values
+
+    def key(self, event: Any, where: Where) -> str:
+        line = event.start_mark.line + 1
+        if not isinstance(event, ev.ScalarEvent):
+            self.tree.refuse(where, "a list or mapping stands where a name belongs", line)
+            self.value(event, (*where, "?"))  # skip it
+            return "?"
+        value = _value_of(event)
+        if not isinstance(value, str):
+            self.tree.refuse(where, misread(event.value, kind_of(value)), line)
+        return str(event.value)
 
 
-def _key(node: yaml.Node, line: int, tree: Tree) -> str | None:
-    if not isinstance(node, yaml.ScalarNode):
-        tree.problems.append((line, "a list or mapping stands where a name belongs"))
+def _value_of(event: ev.ScalarEvent) -> Any:
+    is_plain = event.tag is None and event.implicit[0]
+    return scalar(event.value) if is_plain else event.value
+
+
+def scalar(text: str) -> Any:
+    """Return what a word without quotes means: a text, a number, None, or a `Misread`."""
+    if WHOLE.fullmatch(text):
+        return int(text)
+    if REAL.fullmatch(text):
+        return float(text)
+    if SPECIAL.fullmatch(text):
+        return float(text.replace(".", ""))
+    kind = _KINDS.get(_RESOLVER.resolve(yaml.ScalarNode, text, (True, False)))
+    if kind == "nothing":
         return None
-    if node.tag != "tag:yaml.org,2002:str":
-        tree.problems.append((line, misread(node.value, _kind(node))))
-        return None
-    return str(node.value)
+    return Misread(text, kind) if kind else text
 
 
-def _scalar(node: yaml.Node, line: int, tree: Tree) -> Any:
-    try:
-        value = yaml.SafeLoader("").construct_object(node)
-    except (yaml.YAMLError, ValueError, OverflowError) as error:
-        tree.problems.append((line, f"'{node.value}' cannot be read: {_first_line(error)}"))
-        return None
-    if isinstance(value, str) or value is None or isinstance(value, bool | int | float):
-        return Misread(value, node.value) if _is_surprising(value, node) else value
-    return Misread(value, node.value)
-
-
-class Misread:
-    """A plain word that YAML takes for something else: `no` for false, `12:30` for 750."""
-
-    def __init__(self, value: Any, text: str) -> None:
-        self.value = value
-        self.text = text
-
-    def __repr__(self) -> str:
-        return self.text
-
-    @property
-    def kind(self) -> str:
-        """Say what YAML made of it."""
-        return describe(self.value)
-
-
-def _is_surprising(value: Any, node: yaml.Node) -> bool:
-    if isinstance(value, bool):
-        return node.value.lower() not in ("true", "false")
-    return isinstance(value, int | float) and not isinstance(value, bool) and ":" in node.value
-
-
-def _kind(node: yaml.ScalarNode) -> str:
-    return {
-        "tag:yaml.org,2002:bool": "true or false",
-        "tag:yaml.org,2002:int": "a number",
-        "tag:yaml.org,2002:float": "a number",
-        "tag:yaml.org,2002:null": "nothing",
-        "tag:yaml.org,2002:timestamp": "a date",
-    }.get(node.tag, "something else than text")
+_RESOLVER: Any = yaml.resolver.Resolver()
+_KINDS = {
+    "tag:yaml.org,2002:bool": "true or false",
+    "tag:yaml.org,2002:int": "a number",
+    "tag:yaml.org,2002:float": "a number",
+    "tag:yaml.org,2002:null": "nothing",
+    "tag:yaml.org,2002:timestamp": "a date",
+    "tag:yaml.org,2002:merge": "a merge",
+}
 
 
 def misread(text: str, kind: str) -> str:
@@ -160,22 +225,28 @@ def misread(text: str, kind: str) -> str:
     return f"YAML reads {text or 'an empty value'} as {kind}; put it in quotes to make it a name"
 
 
-def describe(value: Any) -> str:
+def kind_of(value: Any) -> str:
     """Name the kind of a value for people."""
     if isinstance(value, Misread):
+        return value.kind
+    kinds = {
+        type(None): "nothing",
+        bool: "true or false",
+        int: "a number",
+        float: "a number",
+        str: "a text",
+        list: "a list",
+        dict: "a mapping",
+    }
+    return kinds.get(type(value), type(value).__name__)
+
+
+def describe(value: Any) -> str:
+    """Show a value to people if it is short, else name its kind."""
+    if isinstance(value, Misread):
         return f"{value.text} (for YAML {value.kind})"
-    if isinstance(value, bool):
-        return "true or false"
-    if value is None:
-        return "nothing"
-    if isinstance(value, int | float):
-        return "a number"
-    if isinstance(value, str):
-        return "a text"
-    if isinstance(value, list):
-        return "a list"
-    if isinstance(value, dict):
-        return "a mapping"
-    if isinstance(value, datetime.date | datetime.datetime):
-        return "a date"
-    return type(value).__name__
+    if isinstance(value, str) and value.isprintable() and 0 < len(value) <= 40:
+        return f"the text '{value}'"
+    if isinstance(value, float) or (isinstance(value, int) and abs(value) < HUGE):
+        return str(value).lower()
+    return kind_of(value)

@@ -1,0 +1,200 @@
+"""Scenarios as the trees of their files, both ways (docs/scenarios.md)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from teamformer.errors import ScenarioError
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.scenarios.reading import INFINITE, Reader
+from teamformer.scenarios.worlds import read_world
+
+VERSION = 1
+
+TOP_KEYS = {
+    "teamformer": True,  # required
+    "name": False,
+    "world": True,
+    "capabilities": True,
+    "robots": True,
+    "tasks": True,
+    "teams": False,
+    "sensing_radius": False,
+    "join_radius": False,
+    "forming_steps": False,
+    "step_limit": False,
+    "order": False,
+    "new_tasks": False,
+    "allocation": False,
+}
+ROBOT_KEYS = {"name": False, "at": True, "can": True, "speed": False, "lost": False}
+TASK_KEYS = {"name": False, "at": True, "needs": True, "duration": False, "appears": False}
+
+
+def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
+    """Return the tree of a scenario's file, with maps written out as rows."""
+    tree: dict[str, Any] = {
+        "teamformer": VERSION,
+        "name": scenario.name,
+        "world": _world_to_tree(scenario.world),
+        "capabilities": list(scenario.capabilities),
+        "robots": [_robot_to_tree(robot) for robot in scenario.robots],
+        "tasks": [_task_to_tree(task) for task in scenario.tasks],
+    }
+    if scenario.teams:
+        tree["teams"] = [[scenario.robots[r].name for r in team] for team in scenario.teams]
+    return tree | {
+        "sensing_radius": _radius_to_tree(scenario.sensing_radius),
+        "join_radius": _radius_to_tree(scenario.join_radius),
+        "forming_steps": scenario.forming_steps,
+        "step_limit": scenario.step_limit,
+        "order": scenario.order,
+        "new_tasks": scenario.new_tasks,
+        "allocation": scenario.allocation,
+    }
+
+
+def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None:
+    """Return the scenario in a reader's tree, or None after noting what is wrong with it.
+
+    `name` is for a scenario without one; map files are looked for in `folder`.
+    """
+    top = reader.mapping((), reader.tree.value, TOP_KEYS)
+    if not _knows_version(reader, top):
+        return None
+    robots = _read_robots(reader, top.get("robots", []))
+    parts = {
+        "name": reader.text(("name",), top.get("name", name)),
+        "world": read_world(reader, top.get("world", {"grid": [1, 1]}), folder),
+        "capabilities": tuple(reader.names(("capabilities",), top.get("capabilities", []))),
+        "robots": robots,
+        "tasks": _read_tasks(reader, top.get("tasks", [])),
+        "teams": _read_teams(reader, top.get("teams", []), [robot.name for robot in robots]),
+        **_read_rules(reader, top),
+    }
+    if not reader.is_faithful:  # the model would complain about what stands in for the mistakes
+        return None
+    try:
+        return Scenario(**parts)
+    except ScenarioError as error:
+        for problem in error.problems:
+            reader.refuse(problem.where, problem.message)
+        return None
+
+
+def _world_to_tree(world: Grid) -> dict[str, Any]:
+    if world.rows:
+        return {"rows": list(world.rows), "y_axis": world.y_axis}
+    turned = {} if world.y_axis == "up" else {"y_axis": world.y_axis}
+    return {"grid": [world.width, world.height], **turned}
+
+
+def _robot_to_tree(robot: Robot) -> dict[str, Any]:
+    tree: dict[str, Any] = {
+        "name": robot.name,
+        "at": list(robot.at),
+        "can": _counts_to_tree(robot.can),
+    }
+    if robot.speed != 1:
+        tree["speed"] = robot.speed
+    if robot.lost is not None:
+        tree["lost"] = robot.lost
+    return tree
+
+
+def _task_to_tree(task: Task) -> dict[str, Any]:
+    tree: dict[str, Any] = {
+        "name": task.name,
+        "at": list(task.at),
+        "needs": _counts_to_tree(task.needs),
+    }
+    if task.duration:
+        tree["duration"] = task.duration
+    if task.appears:
+        tree["appears"] = task.appears
+    return tree
+
+
+def _counts_to_tree(counts: Mapping[str, int]) -> list[str] | dict[str, int]:
+    return list(counts) if set(counts.values()) == {1} else dict(counts)
+
+
+def _radius_to_tree(radius: float) -> float | str:
+    return INFINITE if radius == math.inf else radius
+
+
+def _knows_version(reader: Reader, top: Mapping[str, Any]) -> bool:
+    version = reader.whole(("teamformer",), top.get("teamformer", VERSION), least=1)
+    if version > VERSION:
+        reader.tree.problems.clear()  # keys unknown to us may be right there
+        reader.refuse(
+            ("teamformer",),
+            f"this is format {version}, and this teamformer knows up to {VERSION}; "
+            "install a newer one",
+        )
+    return version <= VERSION
+
+
+def _read_robots(reader: Reader, value: Any) -> tuple[Robot, ...]:
+    robots = []
+    for number, part in enumerate(reader.sequence(("robots",), value)):
+        where = ("robots", number)
+        keys = reader.mapping(where, part, ROBOT_KEYS)
+        robots.append(
+            Robot(
+                name=reader.text((*where, "name"), keys.get("name", f"r{number + 1}")),
+                at=reader.place((*where, "at"), keys.get("at", [0, 0])),
+                can=reader.counts((*where, "can"), keys.get("can", [])),
+                speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
+                lost=reader.whole((*where, "lost"), keys["lost"]) if "lost" in keys else None,
+            )
+        )
+    return tuple(robots)
+
+
+def _read_tasks(reader: Reader, value: Any) -> tuple[Task, ...]:
+    tasks = []
+    for number, part in enumerate(reader.sequence(("tasks",), value)):
+        where = ("tasks", number)
+        keys = reader.mapping(where, part, TASK_KEYS)
+        tasks.append(
+            Task(
+                name=reader.text((*where, "name"), keys.get("name", f"t{number + 1}")),
+                at=reader.place((*where, "at"), keys.get("at", [0, 0])),
+                needs=reader.counts((*where, "needs"), keys.get("needs", [])),
+                duration=reader.whole((*where, "duration"), keys.get("duration", 0)),
+                appears=reader.whole((*where, "appears"), keys.get("appears", 0)),
+            )
+        )
+    return tuple(tasks)
+
+
+def _read_teams(reader: Reader, value: Any, robots: list[str]) -> tuple[tuple[int, ...], ...]:
+    number_of = {name: number for number, name in reversed(list(enumerate(robots)))}
+    teams = []
+    for number, part in enumerate(reader.sequence(("teams",), value)):
+        where = ("teams", number)
+        names = reader.names(where, part)
+        for entry, name in enumerate(names):
+            if name not in number_of and name != "?":
+                reader.refuse((*where, entry), f"there is no robot '{name}'; write the name of one")
+        teams.append(tuple(number_of.get(name, 0) for name in names))
+    return tuple(teams)
+
+
+def _read_rules(reader: Reader, top: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the rules that the file sets; the others keep the model's defaults."""
+    rules: dict[str, Any] = {}
+    for key in ("sensing_radius", "join_radius"):
+        if key in top:
+            rules[key] = reader.number((key,), top[key], can_be_infinite=True)
+    for key, least in (("forming_steps", 0), ("step_limit", 1)):
+        if key in top:
+            rules[key] = reader.whole((key,), top[key], least)
+    for key in ("order", "new_tasks", "allocation"):
+        if key in top:
+            rules[key] = reader.text((key,), top[key])
+    return rules

@@ -1,0 +1,81 @@
+"""The replay page: one HTML file that holds the replay, its styles and its scripts."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import json
+import math
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+SCRIPTS = (
+    *("scenario", "counts", "history", "services", "scene", "story", "words"),
+    *("packing", "placing", "palette", "camera"),
+    *("draw_world", "draw_tasks", "draw_teams", "draw_extras", "draw_names", "map"),
+    *("dom", "chips", "waiting", "inspector", "rows", "lists"),
+    *("header", "player", "timeline", "controls", "app", "main"),
+)
+"""The scripts of the page in the order in which they are put together."""
+
+
+def replay_page(tree: Mapping[str, object]) -> str:
+    """Return the page of a replay, given as the JSON tree that `docs/replay.md` describes.
+
+    The page needs nothing else: it loads nothing, and its own policy forbids it to.
+    """
+    style = _read("page.css")
+    script = "\n".join(_read(f"{name}.js") for name in SCRIPTS)
+    return Template(_read("page.html")).substitute(
+        title=html.escape(_title(tree)),
+        policy=_content_policy(style, script),
+        style=style,
+        script=script,
+        replay=_json_for_html(tree),
+    )
+
+
+def write_page(tree: Mapping[str, object], path: Path) -> None:
+    """Write the page of a replay to a file."""
+    path.write_text(replay_page(tree), encoding="utf-8")
+
+
+def _read(name: str) -> str:
+    return (files("teamformer.viewer") / "page" / name).read_text(encoding="utf-8")
+
+
+def _title(tree: Mapping[str, object]) -> str:
+    scenario = tree["scenario"]
+    name = scenario.get("name") if isinstance(scenario, Mapping) else None
+    return f"{name or 'unnamed scenario'}, {tree['policy']}"
+
+
+def _content_policy(style: str, script: str) -> str:
+    """Return the Content-Security-Policy that allows this style and this script, nothing else."""
+    return (
+        f"default-src 'none'; img-src data:; base-uri 'none'; form-action 'none'; "
+        f"style-src {_fingerprint(style)}; script-src {_fingerprint(script)}"
+    )
+
+
+def _fingerprint(text: str) -> str:
+    digest = hashlib.sha256(text.encode("utf-8")).digest()
+    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
+
+
+def _json_for_html(tree: object) -> str:
+    """Write JSON that no HTML reader takes for markup: `<` and friends only as escapes."""
+    text = json.dumps(_without_infinity(tree), separators=(",", ":"), allow_nan=False)
+    return text.replace("&", r"\u0026").replace("<", r"\u003c").replace(">", r"\u003e")
+
+
+def _without_infinity(tree: object) -> object:
+    """Replace infinite radii, which JSON cannot say, by null; the page knows what it means."""
+    if not isinstance(tree, Mapping):
+        return tree
+    return {key: None if value == math.inf else value for key, value in tree.items()} | {
+        key: _without_infinity(value) for key, value in tree.items() if key == "scenario"
+    }

@@ -1,0 +1,54 @@
+// From cells to pixels and back: fit, pan, zoom. Only here does y turn.
+
+const MOST_PIXELS_PER_CELL = 96;
+const LEAST_PIXELS_PER_CELL = 1.5;
+
+class Camera {
+  constructor(world) {
+    this.world = world;
+    this.cell = 1; // pixels
+    this.left = 0;
+    this.top = 0;
+    this.isFitted = true;
+  }
+
+  fit(width, height) {
+    const { used } = this.world;
+    const wanted = Math.min((width - 60) / used.width, (height - 72) / used.height);
+    this.cell = Math.max(LEAST_PIXELS_PER_CELL, Math.min(wanted, MOST_PIXELS_PER_CELL));
+    const above = this.world.yIsUp ? this.world.height - used.low - used.height : used.low;
+    this.left = (width - this.cell * used.width) / 2 - this.cell * used.left;
+    this.top = (height - this.cell * used.height) / 2 - this.cell * above;
+    this.isFitted = true;
+  }
+
+  pan(right, down) {
+    this.left += right;
+    this.top += down;
+    this.isFitted = false;
+  }
+
+  zoom(factor, x, y) {
+    const wanted = this.cell * factor;
+    const cell = Math.max(LEAST_PIXELS_PER_CELL, Math.min(wanted, MOST_PIXELS_PER_CELL * 2));
+    this.left = x - ((x - this.left) * cell) / this.cell;
+    this.top = y - ((y - this.top) * cell) / this.cell;
+    this.cell = cell;
+    this.isFitted = false;
+  }
+
+  // The pixel of a place; whole numbers are the middles of cells.
+  x(x) {
+    return this.left + (x + 0.5) * this.cell;
+  }
+
+  y(y) {
+    return this.top + ((this.world.yIsUp ? this.world.height - 1 - y : y) + 0.5) * this.cell;
+  }
+
+  // The place under a pixel.
+  placeAt(px, py) {
+    const y = (py - this.top) / this.cell - 0.5;
+    return [(px - this.left) / this.cell - 0.5, this.world.yIsUp ? this.world.height - 1 - y : y];
+  }
+}

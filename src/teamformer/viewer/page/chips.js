@@ -1,0 +1,53 @@
+// Robots, tasks and capabilities as small labels that lead to their details.
+
+const CHIPS_SHOWN = 12;
+
+function chip(key, on, title, ...children) {
+  return element(
+    "button",
+    { type: "button", class: "chip", "data-key": key, on, title },
+    ...children,
+  );
+}
+
+function robotChips(app, robots, chosen) {
+  const chips = robots.map((robot) => robotChip(app, robot, robot === chosen));
+  return foldedList("robots", "chips", chips, CHIPS_SHOWN);
+}
+
+function robotChip(app, robot, isChosen) {
+  const { name, can } = app.history.scenario.robots[robot];
+  const title = `${name}: ${describeCounts(app.history.scenario, can)}`;
+  const discs = can.slice(0, 4).map(([cap]) => swatch(app, cap));
+  const text = isChosen ? element("b", {}, name) : name;
+  return chip(`robot ${robot}`, () => app.select({ robot }), title, ...discs, text);
+}
+
+function taskChip(app, task) {
+  const name = taskName(app.history.scenario, task);
+  return chip(`task ${task}`, () => app.select({ task }), name, taskMark(app, task), name);
+}
+
+// Those that are short come first and are marked.
+function capabilityChips(app, key, counts, short = []) {
+  const lacking = new Map(short);
+  const order = ([one], [other]) => lacking.has(other) - lacking.has(one) || one - other;
+  const chips = [...counts].sort(order).map(([cap, count]) => {
+    const text = describeCounts(app.history.scenario, [[cap, count]]);
+    const title = lacking.has(cap) ? `${text}: nobody assigned brings it` : text;
+    const node = chip(`${key} ${cap}`, () => app.select({ cap }), title, swatch(app, cap), text);
+    node.classList.toggle("short", lacking.has(cap));
+    return node;
+  });
+  return foldedList(key, "chips", chips, CHIPS_SHOWN);
+}
+
+function teamLink(app, team) {
+  const go = () => app.select({ robot: team.slot });
+  return link(nameOfTeam(app.history.scenario, team), go, `team ${team.slot}`);
+}
+
+function taskLink(app, task) {
+  const go = () => app.select({ task });
+  return element("p", {}, link(taskName(app.history.scenario, task), go, `task ${task}`));
+}

@@ -1,0 +1,151 @@
+// Buttons, keys and pointers.
+
+function connectControls(app) {
+  const { player, map } = app;
+  const click = (id, act) => byId(id).addEventListener("click", act);
+  click("play", () => player.toggle());
+  click("step-back", () => player.stepBy(-1));
+  click("step-on", () => player.stepBy(1));
+  click("event-back", () => app.goToNextEvent(-1));
+  click("event-on", () => app.goToNextEvent(1));
+  click("zoom-in", () => map.zoom(1.4));
+  click("zoom-out", () => map.zoom(1 / 1.4));
+  click("zoom-fit", () => map.fit());
+  click("help", () => byId("help-text").showModal());
+  for (const name of Object.keys(app.options)) click(name, () => app.toggle(name));
+  byId("scrub").max = String(player.last);
+  byId("scrub").addEventListener("input", (event) => app.go(Number(event.target.value)));
+  connectSpeed(player);
+  document.addEventListener("click", leaveButton);
+  document.addEventListener("keydown", (event) => pressKey(app, event));
+  connectPointer(app, map.canvas);
+}
+
+// After a click with the mouse the space bar is for playing, not for the button once more.
+function leaveButton(event) {
+  if (event.detail > 0) event.target.closest("button")?.blur();
+}
+
+function connectSpeed(player) {
+  const select = byId("speed");
+  select.append(...SPEEDS.map((speed) => element("option", { value: speed }, `${speed} steps/s`)));
+  select.addEventListener("change", () =>
+    player.faster(SPEEDS.indexOf(Number(select.value)) - SPEEDS.indexOf(player.speed)),
+  );
+}
+
+const KEYS = {
+  " ": (app) => app.player.toggle(),
+  ArrowLeft: (app) => app.player.stepBy(-1),
+  ArrowRight: (app) => app.player.stepBy(1),
+  Home: (app) => app.go(0),
+  End: (app) => app.go(app.history.last),
+  "[": (app) => app.goToNextEvent(-1),
+  "]": (app) => app.goToNextEvent(1),
+  "+": (app) => app.player.faster(1),
+  "=": (app) => app.player.faster(1),
+  "-": (app) => app.player.faster(-1),
+  f: (app) => app.map.fit(),
+  F: (app) => app.map.fit(),
+  Escape: (app) => app.select({}),
+  "?": () => byId("help-text").showModal(),
+};
+
+// Keys that the focused control uses itself are left to it.
+function pressKey(app, event) {
+  const at = event.target;
+  const isTyping = at.matches("input[type=search], select") || byId("help-text").open;
+  const isPressing = event.key === " " && at.closest("button, summary");
+  if (isTyping || isPressing || event.ctrlKey || event.metaKey || event.altKey) return;
+  const act = KEYS[event.key];
+  if (!act) return;
+  event.preventDefault();
+  act(app);
+}
+
+// One pointer drags or selects, two pinch.
+function connectPointer(app, canvas) {
+  const pointers = new Map();
+  let moved = 0;
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    if (pointers.size === 1) moved = 0;
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!pointers.has(event.pointerId)) return showTip(app, event);
+    const before = pointers.get(event.pointerId);
+    const after = [event.offsetX, event.offsetY];
+    moved += Math.abs(after[0] - before[0]) + Math.abs(after[1] - before[1]);
+    if (moved > 4) dragMap(app.map, pointers, event.pointerId, before, after);
+    pointers.set(event.pointerId, after);
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    pointers.delete(event.pointerId);
+    canvas.classList.remove("dragged");
+    if (moved <= 4) app.select(app.map.thingAt(event.offsetX, event.offsetY));
+  });
+  canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
+  canvas.addEventListener("pointerleave", () => (byId("tip").hidden = true));
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      app.map.zoom(
+        Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0016)),
+        event.offsetX,
+        event.offsetY,
+      );
+    },
+    { passive: false },
+  );
+}
+
+function dragMap(map, pointers, id, before, after) {
+  byId("tip").hidden = true;
+  map.canvas.classList.add("dragged");
+  if (pointers.size === 1) {
+    map.pan(after[0] - before[0], after[1] - before[1]);
+    return;
+  }
+  const [, other] = [...pointers].find(([key]) => key !== id);
+  const apart = ([x, y]) => Math.hypot(x - other[0], y - other[1]);
+  map.zoom(
+    apart(after) / Math.max(1, apart(before)),
+    (after[0] + other[0]) / 2,
+    (after[1] + other[1]) / 2,
+  );
+}
+
+function showTip(app, { offsetX, offsetY, pointerType }) {
+  const tip = byId("tip");
+  const thing = app.map.thingAt(offsetX, offsetY);
+  const lines = pointerType === "mouse" ? tipLines(app, thing) : null;
+  app.map.canvas.classList.toggle("over", Boolean(lines));
+  tip.hidden = !lines;
+  if (!lines) return;
+  tip.replaceChildren(element("strong", {}, lines[0]), lines[1]);
+  const left = Math.min(offsetX + 14, app.map.width - tip.offsetWidth - 8);
+  const top = Math.min(offsetY + 16, app.map.height - tip.offsetHeight - 8);
+  tip.style.left = `${Math.max(4, left)}px`;
+  tip.style.top = `${Math.max(4, top)}px`;
+}
+
+function tipLines(app, { robot, task }) {
+  const { history } = app;
+  const { scenario } = history;
+  if (task !== undefined) {
+    const needs = describeCounts(scenario, scenario.tasks[task].needs, 5);
+    return [
+      taskName(scenario, task),
+      `${describeStanding(history, task, app.scene())}; needs ${needs}`,
+    ];
+  }
+  if (robot === undefined) return null;
+  const team = teamOfRobot(app.scene(), robot);
+  const can = describeCounts(scenario, scenario.robots[robot].can, 5);
+  const title = `${robotName(scenario, robot)} (${can})`;
+  if (!team) return [title, `lost in step ${history.lostAt[robot]}`];
+  const who = team.robots.length > 1 ? `in ${nameOfTeam(scenario, team)}, which ` : "";
+  return [title, who + describeDoing(scenario, team, app.player.step)];
+}

@@ -1,0 +1,73 @@
+// Building the page: every name from a replay goes in as text, never as markup.
+
+function element(tag, properties = {}, ...children) {
+  const node = document.createElement(tag);
+  for (const [key, value] of Object.entries(properties)) {
+    if (key === "class") node.className = value;
+    else if (key === "on") node.addEventListener("click", value);
+    else if (key === "colour") node.style.background = value;
+    else if (key === "border") node.style.borderColor = value;
+    else node.setAttribute(key, value);
+  }
+  node.append(...children.filter((child) => child !== null && child !== undefined));
+  return node;
+}
+
+function byId(id) {
+  return document.getElementById(id);
+}
+
+function link(text, on, key) {
+  return element("button", { type: "button", class: "link", on, "data-key": key ?? text }, text);
+}
+
+// Fill a box anew; what had the focus keeps it if it is still there.
+function refill(box, nodes) {
+  const key = box.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;
+  box.replaceChildren(...nodes.filter(Boolean));
+  if (key === undefined) return;
+  const again = [...box.querySelectorAll("[data-key]")].find((node) => node.dataset.key === key);
+  again?.focus({ preventScroll: true });
+}
+
+const unfolded = new Set();
+
+// A part that opens and closes, and stays as it was when its box is filled anew.
+function foldout(key, title, content) {
+  const node = element("details", {}, element("summary", { "data-key": key }, title), content);
+  node.open = unfolded.has(key);
+  node.addEventListener("toggle", () => (node.open ? unfolded.add(key) : unfolded.delete(key)));
+  return node;
+}
+
+// A coloured disc with a capability's short label.
+function swatch(app, cap) {
+  const { fill, ink } = app.colours[cap];
+  const node = element(
+    "span",
+    { class: "swatch", colour: fill, "aria-hidden": "true" },
+    app.labels[cap],
+  );
+  node.style.color = ink;
+  return node;
+}
+
+function teamMark(app, team) {
+  return mark("mark", ringColour(team, app.map.isDark));
+}
+
+function taskMark(app, task) {
+  return mark("mark square", taskColour(task, app.map.isDark));
+}
+
+function mark(kind, border) {
+  return element("span", { class: kind, border, "aria-hidden": "true" });
+}
+
+// A list of which only the first are shown until the rest is asked for.
+function foldedList(key, kind, items, shown) {
+  const list = (part) => element(kind === "chips" ? "div" : "ul", { class: kind }, ...part);
+  if (items.length <= shown + 2) return list(items);
+  const rest = foldout(key, `${items.length - shown} more`, list(items.slice(shown)));
+  return element("div", {}, list(items.slice(0, shown)), rest);
+}

@@ -1,0 +1,123 @@
+// What can be switched on: lines to assignments, trails, the task order; and the selection.
+
+const TRAIL_STEPS = 12;
+
+// Only the selected team's line when the lines are off.
+function drawAssignments(view) {
+  const { ctx, scene, options, selectedTeam, selection } = view;
+  ctx.lineWidth = 1.5;
+  ctx.setLineDash([5, 4]);
+  for (const team of scene.teams.values()) {
+    if (team.assigned === NOBODY) continue;
+    const isChosen = team === selectedTeam || team.assigned === selection.task;
+    if (!options.lines && !isChosen) continue;
+    ctx.globalAlpha = isChosen ? 1 : 0.55;
+    drawAssignment(view, team);
+  }
+  ctx.setLineDash([]);
+  ctx.globalAlpha = 1;
+}
+
+function drawAssignment(view, team) {
+  const { ctx } = view;
+  const from = teamSpot(view, team);
+  const to = taskBox(view, team.assigned);
+  const apart = Math.hypot(to.x - from.x, to.y - from.y);
+  const stop = 1 - (to.half + 2) / apart;
+  if (apart < from.r + to.half + 4) return;
+  ctx.strokeStyle = ringColour(team, view.isDark);
+  ctx.beginPath();
+  ctx.moveTo(between(from.x, to.x, from.r / apart), between(from.y, to.y, from.r / apart));
+  ctx.lineTo(between(from.x, to.x, stop), between(from.y, to.y, stop));
+  ctx.stroke();
+}
+
+// A team's circle on the screen: the middle of its robots, and how far they reach.
+function teamSpot(view, team) {
+  const spots = team.robots.map((robot) => robotSpot(view, robot));
+  const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
+  const y = spots.reduce((sum, spot) => sum + spot.y, 0) / spots.length;
+  return { x, y, r: Math.max(...spots.map((s) => Math.hypot(s.x - x, s.y - y) + s.r)) };
+}
+
+function drawTrails(view) {
+  const { ctx, history, scene, camera, blended } = view;
+  ctx.lineWidth = Math.max(1.5, Math.min(4, camera.cell * 0.09));
+  ctx.lineJoin = "round";
+  ctx.globalAlpha = 0.35;
+  for (const team of scene.teams.values()) {
+    const robot = team.slot;
+    ctx.beginPath();
+    ctx.moveTo(camera.x(blended.x[robot]), camera.y(blended.y[robot]));
+    for (let back = 0; back <= Math.min(TRAIL_STEPS, scene.step); back++) {
+      const { x, y } = placeOf(history.at(scene.step - back), robot);
+      ctx.lineTo(camera.x(x), camera.y(y));
+    }
+    ctx.strokeStyle = ringColour(team, view.isDark);
+    ctx.stroke();
+  }
+  ctx.globalAlpha = 1;
+}
+
+// The order in which everybody would visit the open tasks.
+function drawOrder(view) {
+  const { ctx, camera, scenario, theme } = view;
+  const tasks = orderAt(view.history, view.scene.step);
+  ctx.beginPath();
+  for (const task of tasks) {
+    const [x, y] = scenario.tasks[task].at;
+    ctx.lineTo(camera.x(x), camera.y(y));
+  }
+  ctx.strokeStyle = theme.muted;
+  ctx.globalAlpha = 0.6;
+  ctx.lineWidth = 1.5;
+  ctx.setLineDash([1.5, 4]);
+  ctx.lineCap = "round";
+  ctx.stroke();
+  ctx.lineCap = "butt";
+  ctx.setLineDash([]);
+  ctx.globalAlpha = 1;
+}
+
+function drawSelection(view) {
+  const { ctx, theme, selection, selectedTeam, scenario } = view;
+  ctx.strokeStyle = theme.accent;
+  ctx.lineWidth = 2;
+  if (selection.task !== undefined) outlineTask(view, selection.task);
+  if (selection.cap !== undefined) outlineCapability(view, selection.cap);
+  if (!selectedTeam) return;
+  const { x, y, r } = teamSpot(view, selectedTeam);
+  outlineDisc(ctx, x, y, r + 4);
+  if (scenario.sensingRadius < Infinity) drawSensing(view, x, y);
+}
+
+function outlineTask(view, task) {
+  const { x, y, half } = taskBox(view, task);
+  tracedSquare(view.ctx, x, y, half + 5);
+  view.ctx.stroke();
+}
+
+function outlineDisc(ctx, x, y, r) {
+  ctx.beginPath();
+  ctx.arc(x, y, r, 0, 2 * Math.PI);
+  ctx.stroke();
+}
+
+// Who brings a capability and what still needs it.
+function outlineCapability(view, cap) {
+  const { history, scene } = view;
+  for (const robot of robotsWith(history, cap, scene.step)) {
+    const { x, y, r } = robotSpot(view, robot);
+    outlineDisc(view.ctx, x, y, r + 2);
+  }
+  for (const task of tasksNeeding(history, cap, scene.step)) outlineTask(view, task);
+}
+
+function drawSensing({ ctx, scenario, camera }, x, y) {
+  ctx.globalAlpha = 0.4;
+  ctx.lineWidth = 1;
+  ctx.setLineDash([3, 3]);
+  outlineDisc(ctx, x, y, scenario.sensingRadius * camera.cell);
+  ctx.setLineDash([]);
+  ctx.globalAlpha = 1;
+}

@@ -1,0 +1,98 @@
+// Names under tasks and over places with teams; one that would cover another is left out.
+
+const NAMES_FROM = 20; // pixels a cell
+const TEAMS_NAMED = 3; // in one place
+const BADGE_FROM = 12; // robots
+const LONGEST_NAME = 40; // letters
+
+function drawNames(view) {
+  const { ctx, theme, camera, options } = view;
+  const taken = [];
+  ctx.font = `500 11px ${theme.font}`;
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  const isRoomy = options.names && camera.cell >= NAMES_FROM;
+  view.scenario.tasks.forEach((_, task) => {
+    if (isRoomy || task === view.selection.task) drawTaskName(view, taken, task);
+  });
+  for (const teams of teamsByPlace(view.scene).values()) {
+    const named = isRoomy ? teams : teams.filter((team) => team === view.selectedTeam);
+    if (named.length) drawTeamNames(view, taken, named);
+    if (!isRoomy) drawBadges(view, teams);
+  }
+}
+
+function drawTaskName(view, taken, task) {
+  const { theme, scenario, history, scene } = view;
+  const standing = standingOf(history, task, scene.step);
+  if (standing === "hidden") return;
+  const { x, y, half } = taskBox(view, task);
+  const colour = standing === "done" ? theme.faint : theme.muted;
+  drawName(view, taken, taskName(scenario, task), { x, y: y + half + 10 }, colour);
+}
+
+function teamsByPlace(scene) {
+  const places = new Map();
+  for (const team of scene.teams.values()) {
+    const key = cellKey(team.x, team.y);
+    if (places.has(key)) places.get(key).push(team);
+    else places.set(key, [team]);
+  }
+  return places;
+}
+
+// One line over all that is in a place, or over the task that is there.
+function drawTeamNames(view, taken, teams) {
+  const { scenario, theme, camera } = view;
+  if (!isOnScreen(view, camera.x(teams[0].x), camera.y(teams[0].y), 2 * camera.cell)) return;
+  const texts = teams.slice(0, TEAMS_NAMED).map(({ slot, robots }) => {
+    const more = robots.length > 1 ? ` +${robots.length - 1}` : "";
+    return robotName(scenario, slot) + more;
+  });
+  if (teams.length > TEAMS_NAMED) texts.push(`${teams.length - TEAMS_NAMED} more`);
+  const spots = teams.map((team) => teamSpot(view, team));
+  const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
+  const top = Math.min(...spots.map((spot) => spot.y - spot.r));
+  const task = scenario.taskAt.get(cellKey(teams[0].x, teams[0].y));
+  const box = task === undefined || view.part > 0 ? null : taskBox(view, task);
+  const y = Math.min(top, box ? box.y - box.half : top) - 10;
+  drawName(view, taken, texts.join(", "), { x, y }, theme.ink);
+}
+
+function drawBadges(view, teams) {
+  for (const team of teams) if (team.robots.length >= BADGE_FROM) drawBadge(view, team);
+}
+
+// The number of robots of a large team, at its upper right.
+function drawBadge(view, team) {
+  const { ctx, theme } = view;
+  const spot = teamSpot(view, team);
+  const [x, y] = [spot.x + spot.r * 0.72, spot.y - spot.r * 0.72];
+  const text = String(team.robots.length);
+  const half = ctx.measureText(text).width / 2 + 5;
+  ctx.beginPath();
+  ctx.roundRect(x - half, y - 8, 2 * half, 16, 8);
+  ctx.fillStyle = theme.surface;
+  ctx.fill();
+  ctx.strokeStyle = ringColour(team, view.isDark);
+  ctx.lineWidth = 2;
+  ctx.stroke();
+  ctx.fillStyle = theme.ink;
+  ctx.fillText(text, x, y + 0.5);
+}
+
+function drawName(view, taken, name, { x, y }, colour) {
+  const { ctx, theme } = view;
+  if (!isOnScreen(view, x, y, 60)) return;
+  const text = name.length > LONGEST_NAME ? `${name.slice(0, LONGEST_NAME - 1)}…` : name;
+  const half = ctx.measureText(text).width / 2 + 2;
+  const covers = (box) => Math.abs(box.x - x) < box.half + half && Math.abs(box.y - y) < 13;
+  if (taken.some(covers)) return;
+  taken.push({ x, y, half });
+  ctx.lineWidth = 3;
+  ctx.lineJoin = "round";
+  ctx.strokeStyle = theme.ground;
+  ctx.strokeText(text, x, y);
+  ctx.fillStyle = colour;
+  ctx.fillText(text, x, y);
+}

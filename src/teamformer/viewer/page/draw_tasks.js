@@ -1,0 +1,211 @@
+// Tasks: a tinted square in the task's own colour, outlined in its requirements.
+
+function drawTasks(view) {
+  view.scenario.tasks.forEach((_, task) => {
+    const standing = standingOf(view.history, task, view.scene.step);
+    if (standing === "hidden") return;
+    const box = taskBox(view, task);
+    if (!isOnScreen(view, box.x, box.y, box.half + 20)) return;
+    if (isUnchanging(view, task, standing)) drawTaskImage(view, task, box, standing);
+    else drawTask(view, task, box, standing);
+  });
+}
+
+function drawTask(view, task, box, standing) {
+  if (standing === "done") drawDoneTask(view, task, box);
+  else drawOpenTask(view, task, box, standing);
+}
+
+// A task with no robots around looks the same from moment to moment.
+function isUnchanging({ history, scenario, scene, places, placesAfter }, task, standing) {
+  const cell = cellKey(...scenario.tasks[task].at);
+  if (places.cells.has(cell) || placesAfter.cells.has(cell)) return false;
+  return (
+    standing === "open" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS)
+  );
+}
+
+// Such a task is drawn once and then copied: with a thousand tasks this is most of the work.
+function drawTaskImage(view, task, box, standing) {
+  const { ctx, images, sharpness } = view;
+  const key = `${task} ${standing}`;
+  const reach = Math.ceil(box.half) + 4;
+  if (!images.has(key)) images.set(key, taskImage(view, task, box.half, reach, standing));
+  const left = Math.round((box.x - reach) * sharpness) / sharpness;
+  const top = Math.round((box.y - reach) * sharpness) / sharpness;
+  ctx.drawImage(images.get(key), left, top, 2 * reach, 2 * reach);
+}
+
+function taskImage(view, task, half, reach, standing) {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = Math.round(2 * reach * view.sharpness);
+  const ctx = canvas.getContext("2d");
+  ctx.scale(view.sharpness, view.sharpness);
+  drawTask({ ...view, ctx }, task, { x: reach, y: reach, half }, standing);
+  return canvas;
+}
+
+// The square of a task in pixels.
+function taskBox({ camera, scenario, places, placesAfter, part }, task) {
+  const { at } = scenario.tasks[task];
+  const half = between(
+    taskHalf(places, at, camera.cell),
+    taskHalf(placesAfter, at, camera.cell),
+    part,
+  );
+  return { x: camera.x(at[0]), y: camera.y(at[1]), half: half * camera.cell };
+}
+
+function isOnScreen({ width, height }, x, y, reach) {
+  return x > -reach && y > -reach && x < width + reach && y < height + reach;
+}
+
+function drawOpenTask(view, task, box, standing) {
+  const { ctx } = view;
+  const colour = taskColour(task, view.isDark);
+  tracedSquare(ctx, box.x, box.y, box.half);
+  ctx.globalAlpha = view.isDark ? 0.24 : 0.15;
+  ctx.fillStyle = colour;
+  ctx.fill();
+  ctx.globalAlpha = 1;
+  drawRequirements(view, task, box);
+  drawOwnOutline(view, task, box);
+  if (standing === "served") drawProgress(view, task, box);
+  if (standing === "blocked") drawCross(view, box, box.half * 0.5, view.theme.bad);
+  else if (!view.places.cells.has(cellKey(...view.scenario.tasks[task].at)))
+    drawNeeds(view, task, box);
+}
+
+function cornerOf(half) {
+  return Math.min(half * 0.35, 9);
+}
+
+function tracedSquare(ctx, x, y, half) {
+  ctx.beginPath();
+  ctx.roundRect(x - half, y - half, 2 * half, 2 * half, cornerOf(half));
+}
+
+function squareLength(half) {
+  return 8 * (half - cornerOf(half)) + 2 * Math.PI * cornerOf(half);
+}
+
+function outlineWidth(half) {
+  return Math.max(1.5, Math.min(5, half * 0.17));
+}
+
+// One piece of the outline for each count of each requirement, in the capability's colour.
+function drawRequirements(view, task, { x, y, half }) {
+  const { ctx } = view;
+  const { needs } = view.scenario.tasks[task];
+  const width = outlineWidth(half);
+  const inner = half - width * 0.5;
+  const length = squareLength(inner);
+  const piece = length / sumCounts(needs);
+  const gap = Math.min(2, piece * 0.2);
+  ctx.lineWidth = width;
+  tracedSquare(ctx, x, y, inner);
+  let start = 0;
+  for (const [cap, count] of needs) {
+    ctx.strokeStyle = view.colours[cap].fill;
+    for (let n = 0; n < count; n++, start += piece) {
+      ctx.setLineDash([piece - gap, length - piece + gap]);
+      ctx.lineDashOffset = -start;
+      ctx.stroke();
+    }
+  }
+  ctx.lineDashOffset = 0;
+  ctx.setLineDash([]);
+}
+
+// The thin line in the task's own colour.
+function drawOwnOutline(view, task, { x, y, half }) {
+  const { ctx } = view;
+  tracedSquare(ctx, x, y, half + 1);
+  ctx.strokeStyle = taskColour(task, view.isDark);
+  ctx.lineWidth = half > 10 ? 2 : 1;
+  ctx.stroke();
+}
+
+// How much of a service is made, as a thick line around the outline.
+function drawProgress(view, task, { x, y, half }) {
+  const { ctx } = view;
+  const service = serviceOf(view.history, task, view.scene.step);
+  const made = view.scene.step + view.part - service.from;
+  const outer = half + 4;
+  const length = squareLength(outer);
+  tracedSquare(ctx, x, y, outer);
+  ctx.strokeStyle = taskColour(task, view.isDark);
+  ctx.lineWidth = 5;
+  ctx.setLineDash([(length * made) / view.scenario.tasks[task].duration, length]);
+  ctx.stroke();
+  ctx.setLineDash([]);
+}
+
+// Short labels of what is needed, where there is room; otherwise how much.
+function drawNeeds(view, task, { x, y, half }) {
+  if (half < 9) return;
+  const { ctx, theme } = view;
+  const { needs } = view.scenario.tasks[task];
+  const lines = needsLines(view.labels, needs, half);
+  const wanted = Math.min(15, half * (lines.length > 1 ? 0.5 : 0.62));
+  ctx.font = `600 ${wanted}px ${theme.font}`;
+  const widest = Math.max(...lines.map((line) => ctx.measureText(line).width));
+  const size = wanted * Math.min(1, (half * 1.3) / widest);
+  ctx.font = `600 ${size}px ${theme.font}`;
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  ctx.fillStyle = theme.ink;
+  lines.forEach((line, index) => {
+    ctx.fillText(line, x, y + (index - (lines.length - 1) / 2) * size * 1.15 + size * 0.05);
+  });
+}
+
+function needsLines(labels, needs, half) {
+  if (needs.length > 4 || half < 14) return [String(sumCounts(needs))];
+  const parts = needs.map(([cap, count]) => (count > 1 ? `${count}${labels[cap]}` : labels[cap]));
+  if (parts.length < 3) return [parts.join(" ")];
+  return [parts.slice(0, 2).join(" "), parts.slice(2).join(" ")];
+}
+
+const FADE_STEPS = 3;
+
+function drawDoneTask(view, task, box) {
+  const { ctx } = view;
+  const since = view.scene.step + view.part - view.history.doneAt[task];
+  const strength = between(1, 0.34, Math.min(1, since / FADE_STEPS));
+  const colour = taskColour(task, view.isDark);
+  ctx.globalAlpha = strength;
+  tracedSquare(ctx, box.x, box.y, box.half);
+  ctx.strokeStyle = ctx.fillStyle = colour;
+  ctx.lineWidth = box.half > 10 ? 2 : 1;
+  ctx.stroke();
+  ctx.globalAlpha = strength * 0.2;
+  ctx.fill();
+  ctx.globalAlpha = Math.min(1, strength + 0.25);
+  if (!view.places.cells.has(cellKey(...view.scenario.tasks[task].at))) drawTick(view, box, colour);
+  ctx.globalAlpha = 1;
+}
+
+function drawTick({ ctx }, { x, y, half }, colour) {
+  ctx.beginPath();
+  ctx.moveTo(x - half * 0.42, y + half * 0.02);
+  ctx.lineTo(x - half * 0.1, y + half * 0.34);
+  ctx.lineTo(x + half * 0.44, y - half * 0.32);
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = Math.max(1.5, half * 0.15);
+  ctx.lineCap = ctx.lineJoin = "round";
+  ctx.stroke();
+  ctx.lineCap = "butt";
+  ctx.lineJoin = "miter";
+}
+
+function drawCross({ ctx }, { x, y }, reach, colour) {
+  ctx.beginPath();
+  ctx.moveTo(x - reach, y - reach);
+  ctx.lineTo(x + reach, y + reach);
+  ctx.moveTo(x + reach, y - reach);
+  ctx.lineTo(x - reach, y + reach);
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = Math.max(1.5, reach * 0.28);
+  ctx.stroke();
+}

@@ -1,0 +1,106 @@
+// Robots and teams: inner disc = capability, outer ring = team, in the task's colour once met.
+
+function drawTeams(view) {
+  for (const team of view.scene.teams.values()) drawTeam(view, team);
+  drawLostRobots(view);
+}
+
+function drawTeam(view, team) {
+  const ring = ringColour(team, view.isDark);
+  if (team.robots.length > 1) drawUnion(view, team, ring);
+  for (const robot of team.robots) drawRobot(view, robot, ring, team.isMet);
+}
+
+// The robots of one team lie on a common ground in its colour.
+function drawUnion(view, team, colour) {
+  const { ctx } = view;
+  ctx.beginPath();
+  for (const robot of team.robots) {
+    const { x, y, r } = robotSpot(view, robot);
+    ctx.moveTo(x + r * 1.35, y);
+    ctx.arc(x, y, r * 1.35, 0, 2 * Math.PI);
+  }
+  ctx.fillStyle = colour;
+  ctx.globalAlpha = team.isMet ? 0.45 : 0.28;
+  ctx.fill();
+  ctx.globalAlpha = 1;
+}
+
+// Where a robot is on the screen, in pixels.
+function robotSpot({ camera, blended }, robot) {
+  return {
+    x: camera.x(blended.x[robot]),
+    y: camera.y(blended.y[robot]),
+    r: blended.r[robot] * camera.cell,
+  };
+}
+
+function drawRobot(view, robot, ring, isMet) {
+  const { ctx, theme } = view;
+  const { x, y, r } = robotSpot(view, robot);
+  if (!isOnScreen(view, x, y, r)) return;
+  drawDisc(ctx, x, y, r, ring);
+  const inner = r * (isMet && r >= 5 ? 0.6 : 0.72);
+  if (r >= 5) drawDisc(ctx, x, y, inner + Math.min(1.5, r * 0.12), theme.ground);
+  drawCapabilities(view, robot, x, y, inner);
+}
+
+function drawDisc(ctx, x, y, r, colour) {
+  ctx.beginPath();
+  ctx.arc(x, y, r, 0, 2 * Math.PI);
+  ctx.fillStyle = colour;
+  ctx.fill();
+}
+
+// One sector for each capability, as wide as its count.
+function drawCapabilities(view, robot, x, y, r) {
+  const { ctx, colours } = view;
+  const { can } = view.scenario.robots[robot];
+  if (can.length === 1) {
+    drawDisc(ctx, x, y, r, colours[can[0][0]].fill);
+    drawLabel(view, can[0][0], x, y, r);
+    return;
+  }
+  const total = sumCounts(can);
+  let start = -Math.PI / 2;
+  for (const [cap, count] of can) {
+    const end = start + (2 * Math.PI * count) / total;
+    ctx.beginPath();
+    ctx.moveTo(x, y);
+    ctx.arc(x, y, r, start, end);
+    ctx.fillStyle = colours[cap].fill;
+    ctx.fill();
+    const middle = (start + end) / 2;
+    drawLabel(
+      view,
+      cap,
+      x + Math.cos(middle) * r * 0.55,
+      y + Math.sin(middle) * r * 0.55,
+      r * 0.55,
+    );
+    start = end;
+  }
+}
+
+function drawLabel({ ctx, labels, colours, theme }, cap, x, y, r) {
+  const label = labels[cap];
+  const size = Math.min(15, r * (label.length > 2 ? 0.85 : label.length > 1 ? 1.05 : 1.3));
+  if (size < 6.5) return;
+  ctx.font = `600 ${size}px ${theme.font}`;
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  ctx.fillStyle = colours[cap].ink;
+  ctx.fillText(label, x, y + size * 0.06);
+}
+
+function drawLostRobots(view) {
+  const { ctx, theme, history, scene } = view;
+  for (const robot of history.lostPlace.keys()) {
+    if (history.lostAt[robot] > scene.step) continue;
+    const { x, y, r } = robotSpot(view, robot);
+    ctx.globalAlpha = 0.8;
+    drawDisc(ctx, x, y, r * 0.86, theme.lost);
+    drawCross(view, { x, y }, r * 0.42, theme.ground);
+    ctx.globalAlpha = 1;
+  }
+}

@@ -1,0 +1,67 @@
+// The ground: grid lines, obstacles and the numbers along two sides.
+
+function drawWorld(view) {
+  const { ctx, camera, theme, scenario } = view;
+  const { world } = scenario;
+  const [width, height] = [camera.cell * world.width, camera.cell * world.height];
+  ctx.fillStyle = theme.ground;
+  ctx.fillRect(camera.left, camera.top, width, height);
+  if (camera.cell >= 9) drawGridLines(view, width, height);
+  if (world.rows.length) {
+    ctx.imageSmoothingEnabled = false;
+    ctx.drawImage(wallsImage(world, theme.wall), camera.left, camera.top, width, height);
+    ctx.imageSmoothingEnabled = true;
+  }
+  ctx.strokeStyle = theme.edge;
+  ctx.lineWidth = 1;
+  ctx.strokeRect(camera.left - 0.5, camera.top - 0.5, width + 1, height + 1);
+  drawNumbers(view);
+}
+
+function drawGridLines({ ctx, camera, theme, scenario }, width, height) {
+  ctx.beginPath();
+  for (let column = 1; column < scenario.world.width; column++) {
+    const x = Math.round(camera.left + column * camera.cell) + 0.5;
+    ctx.moveTo(x, camera.top);
+    ctx.lineTo(x, camera.top + height);
+  }
+  for (let row = 1; row < scenario.world.height; row++) {
+    const y = Math.round(camera.top + row * camera.cell) + 0.5;
+    ctx.moveTo(camera.left, y);
+    ctx.lineTo(camera.left + width, y);
+  }
+  ctx.strokeStyle = theme.grid;
+  ctx.lineWidth = 1;
+  ctx.stroke();
+}
+
+// One pixel for each cell, drawn once for each colour and scaled up.
+function wallsImage(world, colour) {
+  if (world.image?.colour === colour) return world.image.canvas;
+  const canvas = document.createElement("canvas");
+  canvas.width = world.width;
+  canvas.height = world.height;
+  const ctx = canvas.getContext("2d");
+  ctx.fillStyle = colour;
+  world.rows.forEach((row, y) => {
+    const top = world.yIsUp ? world.height - 1 - y : y;
+    for (let x = 0; x < world.width; x++) if (row[x] === "@") ctx.fillRect(x, top, 1, 1);
+  });
+  world.image = { canvas, colour };
+  return canvas;
+}
+
+// x along the bottom and y along the left, at a spacing that leaves room for the digits.
+function drawNumbers({ ctx, camera, theme, scenario }) {
+  const { world } = scenario;
+  const every = [1, 2, 5, 10, 20, 50, 100].find((step) => step * camera.cell >= 34) ?? 200;
+  ctx.fillStyle = theme.faint;
+  ctx.font = `10px ${theme.font}`;
+  ctx.textBaseline = "top";
+  ctx.textAlign = "center";
+  const below = camera.top + world.height * camera.cell + 18; // names of tasks come first
+  for (let x = 0; x < world.width; x += every) ctx.fillText(x, camera.x(x), below);
+  ctx.textBaseline = "middle";
+  ctx.textAlign = "right";
+  for (let y = 0; y < world.height; y += every) ctx.fillText(y, camera.left - 7, camera.y(y));
+}

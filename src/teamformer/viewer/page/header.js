@@ -1,0 +1,91 @@
+// What stands still around the map: the header, the legend, the notice of a trial that failed.
+
+const LEGEND_SHOWN = 10;
+
+function showHeader(app) {
+  const { history } = app;
+  const { scenario, replay } = history;
+  byId("name").textContent = scenario.name;
+  byId("about").textContent = [
+    `Policy ${replay.policy}`,
+    `seed ${replay.seed}`,
+    plural(scenario.robots.length, "robot"),
+    plural(scenario.tasks.length, "task"),
+    scenario.capabilities.length === 1
+      ? "1 capability"
+      : `${scenario.capabilities.length} capabilities`,
+  ].join(", ");
+  byId("status").textContent = capitalised(history.end.status);
+  byId("status").className = `status ${history.end.status.replace(" ", "-")}`;
+  byId("notice").textContent = noticeText(history);
+  byId("notice").hidden = !noticeText(history);
+  byId("legend").replaceChildren(...legend(app));
+}
+
+function noticeText({ end }) {
+  if (end.status !== "infeasible") return "";
+  const names = end.blocked_tasks;
+  const shown =
+    names.slice(0, 8).join(", ") + (names.length > 8 ? ` and ${names.length - 8} more` : "");
+  return `Can never be done: ${shown}. The robots that are left do not bring all that is needed.`;
+}
+
+function legend(app) {
+  const { capabilities } = app.history.scenario;
+  if (capabilities.length > LEGEND_SHOWN) {
+    const open = () => {
+      app.lists.open("capabilities");
+      byId("filter").focus();
+    };
+    return [
+      element(
+        "li",
+        {},
+        element(
+          "button",
+          { type: "button", class: "all", on: open },
+          `${capabilities.length} capabilities`,
+        ),
+      ),
+    ];
+  }
+  return capabilities.map((name, cap) => {
+    const on = () => app.select({ cap });
+    const title = "Show who brings it and what needs it";
+    return element(
+      "li",
+      {},
+      element("button", { type: "button", on, title }, swatch(app, cap), name),
+    );
+  });
+}
+
+function showFigures(app) {
+  const { history, player } = app;
+  const done = countDone(history, player.step);
+  const { makespan } = history.end;
+  byId("figures").replaceChildren(
+    figure("Tasks done", String(done), ` of ${history.doneAt.length}`),
+    figure("Makespan", makespan === null ? "none" : String(makespan), ratioText(history)),
+    figure("Lower bound", history.lowerBound === null ? "unknown" : String(history.lowerBound), ""),
+  );
+  byId("counter").replaceChildren(
+    "Step ",
+    element("b", {}, String(player.step)),
+    ` of ${history.last}`,
+  );
+}
+
+function ratioText({ end, lowerBound }) {
+  if (end.makespan === null || !lowerBound) return "";
+  return ` ${(end.makespan / lowerBound).toFixed(2)} x the bound`;
+}
+
+function figure(title, value, note) {
+  return element(
+    "div",
+    {},
+    element("dt", {}, title),
+    element("dd", {}, value, element("small", {}, note)),
+  );
+}

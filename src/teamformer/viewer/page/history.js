@@ -1,0 +1,219 @@
+// From the deltas of a replay to the state after any step, and to the list of what happened.
+
+const KEYFRAME_EVERY = 50;
+const STATES_KEPT = 40;
+const NOBODY = -1;
+
+// Read a replay once; then `at(step)` gives the state after that many steps. Memory stays bounded:
+// a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
+function frames(replay) {
+  const scenario = readScenario(replay.scenario);
+  const history = {
+    replay,
+    scenario,
+    last: replay.steps.length,
+    end: replay.end,
+    lowerBound: replay.lower_bound ?? null,
+    keyframes: [],
+    events: [],
+    services: scenario.tasks.map(() => []), // [{slot, from, to}], steps; `to` is open till it ends
+    doneAt: scenario.tasks.map(() => Infinity),
+    doneBy: scenario.tasks.map(() => NOBODY),
+    lostAt: scenario.robots.map(() => Infinity),
+    lostPlace: new Map(),
+    headings: scenario.robots.map(() => NOBODY), // by slot, the task last headed for
+  };
+  recordEverything(history);
+  history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
+  return history;
+}
+
+// A state holds, by robot, the slot of its team, and by slot the team's place and task.
+function startState(replay, scenario) {
+  const count = scenario.robots.length;
+  const state = {
+    team: new Int32Array(count).fill(NOBODY),
+    x: new Float64Array(count),
+    y: new Float64Array(count),
+    task: new Int32Array(count).fill(NOBODY),
+  };
+  for (const [slot, robots, x, y] of replay.start) {
+    for (const robot of robots) state.team[robot] = slot;
+    putTeam(state, [slot, x, y, null]);
+  }
+  return state;
+}
+
+function copyState(state) {
+  return {
+    team: state.team.slice(),
+    x: state.x.slice(),
+    y: state.y.slice(),
+    task: state.task.slice(),
+  };
+}
+
+function putTeam(state, [slot, x, y, task]) {
+  state.x[slot] = x;
+  state.y[slot] = y;
+  state.task[slot] = task ?? NOBODY;
+}
+
+// The order is the replay's own: splits, joins, then losses, then where everybody is.
+function applyStep(state, step) {
+  formTeams(state, step);
+  for (const robot of step.lost ?? []) loseRobot(state, robot);
+  placeTeams(state, step);
+}
+
+function formTeams(state, step) {
+  for (const parts of step.splits ?? []) splitTeam(state, parts);
+  if (step.joins) joinTeams(state, step.joins);
+}
+
+function placeTeams(state, step) {
+  for (const team of step.teams ?? []) putTeam(state, team);
+}
+
+function splitTeam(state, parts) {
+  const before = state.team[parts[0][0]];
+  for (const robots of parts) {
+    const slot = Math.min(...robots);
+    for (const robot of robots) state.team[robot] = slot;
+    if (slot !== before) putTeam(state, [slot, state.x[before], state.y[before], null]);
+  }
+}
+
+function placeOf(state, robot) {
+  const slot = state.team[robot];
+  return { x: state.x[slot], y: state.y[slot] };
+}
+
+// A team takes part in one formation a step at most, so one pass over the robots is enough.
+function joinTeams(state, joins) {
+  const renamed = new Map();
+  for (const pair of joins) renamed.set(Math.max(...pair), Math.min(...pair));
+  for (let robot = 0; robot < state.team.length; robot++) {
+    state.team[robot] = renamed.get(state.team[robot]) ?? state.team[robot];
+  }
+}
+
+// A team that loses its lowest robot is from then on known by the next.
+function loseRobot(state, robot) {
+  const slot = state.team[robot];
+  state.team[robot] = NOBODY;
+  if (slot !== robot) return;
+  const heir = state.team.indexOf(slot);
+  if (heir < 0) return;
+  putTeam(state, [heir, state.x[slot], state.y[slot], state.task[slot]]);
+  for (let mate = heir; mate < state.team.length; mate++) {
+    if (state.team[mate] === slot) state.team[mate] = heir;
+  }
+}
+
+// From the nearest keyframe, or from the state asked for last if that is on the way.
+function stateAt(history, step) {
+  const key = Math.floor(step / KEYFRAME_EVERY);
+  const keyframe = { step: key * KEYFRAME_EVERY, state: history.keyframes[key] };
+  const { latest } = history;
+  const near = latest && latest.step > keyframe.step && latest.step <= step ? latest : keyframe;
+  const state = copyState(near.state);
+  for (let done = near.step; done < step; done++) applyStep(state, history.replay.steps[done]);
+  history.latest = { step, state };
+  return state;
+}
+
+function rememberLast(kept, make) {
+  const known = new Map();
+  return (key) => {
+    if (!known.has(key)) {
+      if (known.size >= kept) known.delete(known.keys().next().value);
+      known.set(key, make(key));
+    }
+    return known.get(key);
+  };
+}
+
+// The one forward pass: keyframes, events, services, completions and losses.
+function recordEverything(history) {
+  const { replay, scenario } = history;
+  const keepServices = serviceKeeper(history);
+  const arrivals = arrivalsByStep(scenario);
+  const state = startState(replay, scenario);
+  history.keyframes.push(copyState(state));
+  replay.steps.forEach((change, index) => {
+    const step = index + 1;
+    recordStep(history, state, change, step);
+    keepServices(state, change, step);
+    recordCompletions(history, state, change, step);
+    for (const task of arrivals.get(step) ?? []) {
+      history.events.push({ step, kind: "appears", task });
+    }
+    if (step % KEYFRAME_EVERY === 0) history.keyframes.push(copyState(state));
+  });
+  history.events.push({ step: history.last, kind: "end" });
+}
+
+function arrivalsByStep(scenario) {
+  const arrivals = new Map();
+  scenario.tasks.forEach(({ appears }, task) => {
+    if (appears > 0) arrivals.set(appears, [...(arrivals.get(appears) ?? []), task]);
+  });
+  return arrivals;
+}
+
+function recordStep(history, state, change, step) {
+  if (change.splits || change.joins) recordFormations(history, state, change, step);
+  formTeams(state, change);
+  for (const robot of change.lost ?? []) recordLoss(history, state, robot, step);
+  placeTeams(state, change);
+  recordHeadings(history, state, change, step);
+}
+
+function recordFormations({ events }, state, change, step) {
+  const sizes = teamSizes(state);
+  for (const [stay, leave] of change.splits ?? []) {
+    events.push({ step, kind: "split", slot: state.team[stay[0]], stay, leave });
+  }
+  for (const [joiner, partner] of change.joins ?? []) {
+    const [joiners, partners] = [sizes[joiner], sizes[partner]];
+    events.push({ step, kind: "join", joiner, partner, joiners, partners });
+  }
+}
+
+// `heir` is the slot of the robot's team from then on.
+function recordLoss(history, state, robot, step) {
+  const slot = state.team[robot];
+  history.lostAt[robot] = step;
+  history.lostPlace.set(robot, [state.x[slot], state.y[slot]]);
+  const mate = state.team.findIndex((other, number) => other === slot && number !== robot);
+  loseRobot(state, robot);
+  history.events.push({ step, kind: "lost", robot, slot, heir: state.team[mate] ?? NOBODY });
+}
+
+// Teams that lose their assignment and get the same again have not changed their minds.
+function recordHeadings({ events, headings }, state, change, step) {
+  for (const [slot, , , task] of change.teams ?? []) {
+    if (task === null || headings[slot] === task) continue;
+    headings[slot] = task;
+    events.push({ step, kind: "heads", slot, task, size: sizeOf(state, slot) });
+  }
+}
+
+function recordCompletions(history, state, change, step) {
+  for (const [task, slot] of change.done ?? []) {
+    history.doneAt[task] = step;
+    history.doneBy[task] = slot;
+    history.events.push({ step, kind: "done", task, slot, size: sizeOf(state, slot) });
+  }
+}
+
+function sizeOf(state, slot) {
+  return state.team.reduce((sum, other) => sum + (other === slot), 0);
+}
+
+function teamSizes(state) {
+  const sizes = new Int32Array(state.team.length);
+  for (const slot of state.team) if (slot !== NOBODY) sizes[slot]++;
+  return sizes;
+}

@@ -1,0 +1,143 @@
+// The part of the side that says what the selected team, task or capability is about.
+
+const STORY_SHOWN = 40;
+
+function showDetails(app) {
+  refill(byId("details"), detailsOf(app));
+}
+
+function detailsOf(app) {
+  const { task, robot, cap } = app.selection;
+  if (task !== undefined) return taskDetails(app, task);
+  if (cap !== undefined) return capabilityDetails(app, cap);
+  if (robot === undefined) return overview(app);
+  return app.selectedTeam() ? teamDetails(app, app.selectedTeam(), robot) : lostDetails(app, robot);
+}
+
+const ACTIVITIES = {
+  walks: "on the way",
+  waits: "waiting",
+  serves: "at work",
+  done: "just done",
+  idle: "without assignment",
+};
+
+function overview(app) {
+  const scene = app.scene();
+  const counts = new Map();
+  for (const team of scene.teams.values()) {
+    const activity = activityOf(app.history.scenario, team);
+    counts.set(activity, (counts.get(activity) ?? 0) + 1);
+  }
+  const parts = Object.keys(ACTIVITIES)
+    .filter((activity) => counts.has(activity))
+    .map((activity) => `${counts.get(activity)} ${ACTIVITIES[activity]}`);
+  const hint =
+    "Click a team or a task, on the map or in the lists, to see what it does and waits for.";
+  return [
+    element("h2", {}, `${plural(scene.teams.size, "team")} at step ${scene.step}`),
+    lead(parts.join(", ") || "Nobody is left"),
+    element("p", { class: "muted" }, hint),
+  ];
+}
+
+// What a robot's team is doing; the robot is the one that the page follows.
+function teamDetails(app, team, robot) {
+  const { scenario } = app.history;
+  return [
+    heading(app, teamMark(app, team), titleOfTeam(scenario, team)),
+    lead(capitalised(describeDoing(scenario, team, app.player.step))),
+    waitingFor(app, team.goal, team.missing, team),
+    ...(team.robots.length > 1 ? titled("Robots", robotChips(app, team.robots, robot)) : []),
+    ...titled("Brings", capabilityChips(app, "brings", team.counts)),
+    ...(team.goal === NOBODY ? [] : titled("Task", taskLink(app, team.goal))),
+    ...titled(
+      `History of ${robotName(scenario, robot)}`,
+      storyList(app, robotStory(app.history, robot)),
+    ),
+  ];
+}
+
+function titleOfTeam(scenario, team) {
+  const { length } = team.robots;
+  if (length === 1) return robotName(scenario, team.slot);
+  return `Team ${robotName(scenario, team.slot)} of ${length} robots`;
+}
+
+function lostDetails(app, robot) {
+  const { history } = app;
+  const name = robotName(history.scenario, robot);
+  return [
+    heading(app, mark("mark", app.map.theme.lost), name),
+    lead(`Lost in step ${history.lostAt[robot]}`),
+    ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
+  ];
+}
+
+function taskDetails(app, task) {
+  const { history, player } = app;
+  const { name, at, needs, duration } = history.scenario.tasks[task];
+  const standing = standingOf(history, task, player.step);
+  const isOpen = standing === "open";
+  const steps = duration ? `, takes ${plural(duration, "step")}` : "";
+  return [
+    heading(app, taskMark(app, task), name),
+    lead(capitalised(describeStanding(history, task, app.scene()))),
+    element("p", { class: "muted" }, `At [${at[0]}, ${at[1]}]${steps}${orderText(app, task)}`),
+    ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
+    isOpen ? waitingFor(app, task, missingOfBest(app, task), null) : null,
+    isOpen || standing === "served" ? assignedTeams(app, task) : null,
+    ...titled("History", storyList(app, taskStory(history, task))),
+  ];
+}
+
+function orderText(app, task) {
+  const rank = orderAt(app.history, app.player.step).indexOf(task);
+  return rank < 0 ? "" : `, number ${rank + 1} in the order`;
+}
+
+function capabilityDetails(app, cap) {
+  const { history, player } = app;
+  const robots = robotsWith(history, cap, player.step);
+  const tasks = tasksNeeding(history, cap, player.step);
+  const links = tasks.map((task) => taskChip(app, task));
+  return [
+    heading(app, swatch(app, cap), history.scenario.capabilities[cap]),
+    lead(capitalised(describeCapability(app, cap))),
+    ...(robots.length ? titled("Robots", robotChips(app, robots)) : []),
+    ...(tasks.length ? titled("Open tasks", foldedList("open", "chips", links, CHIPS_SHOWN)) : []),
+  ];
+}
+
+function describeCapability({ history, player }, cap) {
+  const robots = robotsWith(history, cap, player.step).length;
+  const tasks = tasksNeeding(history, cap, player.step).length;
+  return `${plural(robots, "robot")}, needed by ${plural(tasks, "open task")}`;
+}
+
+function heading(app, sign, text) {
+  const clear = link("Close", () => app.select({}), "clear");
+  clear.title = "Select nothing (Esc)";
+  return element("h2", {}, sign, element("span", {}, text), clear);
+}
+
+function lead(text) {
+  return element("p", { class: "lead" }, text);
+}
+
+function titled(title, content) {
+  return [element("h3", {}, title), content];
+}
+
+// What has happened and, paler, what is still ahead.
+function storyList(app, events) {
+  const { step } = app.player;
+  if (!events.length) return element("p", { class: "muted" }, "Nothing yet.");
+  const items = events.map((event, number) => {
+    const text = describeEvent(app.history, event);
+    const go = link(text, () => app.go(event.step), `story ${number}`);
+    const when = element("span", { class: "when" }, String(event.step));
+    return element("li", { class: event.step > step ? "ahead" : "" }, when, go);
+  });
+  return foldedList("story", "story", items, STORY_SHOWN);
+}

@@ -1,0 +1,161 @@
+// The lists beside the map: events, tasks, teams, capabilities; each row leads somewhere.
+
+// What each list holds at a moment, how high its rows are and how one looks.
+const LISTS = {
+  events: { height: 32, items: listedEvents, row: eventRow, empty: "Nothing happens." },
+  tasks: { height: 48, items: listedTasks, row: taskRow, empty: "No such task." },
+  teams: { height: 48, items: listedTeams, row: teamRow, empty: "No such team." },
+  capabilities: {
+    height: 48,
+    items: listedCapabilities,
+    row: capabilityRow,
+    empty: "No such capability.",
+  },
+};
+
+class Lists {
+  constructor(app) {
+    this.app = app;
+    this.rows = new Rows(byId("rows"));
+    this.current = "events";
+    this.tabs = new Map(Object.keys(LISTS).map((name) => [name, this.tab(name)]));
+    byId("tabs").replaceChildren(...this.tabs.values());
+    byId("tabs").addEventListener("keydown", (event) => this.moveBetweenTabs(event));
+    byId("filter").addEventListener("input", () => this.update());
+  }
+
+  tab(name) {
+    const properties = { type: "button", role: "tab", id: `tab-${name}`, "aria-controls": "rows" };
+    const count = this.app.history.scenario[name]?.length; // teams and events come and go
+    const note = count === undefined ? null : element("small", {}, ` ${count}`);
+    return element("button", { ...properties, on: () => this.open(name) }, capitalised(name), note);
+  }
+
+  moveBetweenTabs(event) {
+    const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const names = Object.keys(LISTS);
+    const next = names[(names.indexOf(this.current) + by + names.length) % names.length];
+    this.open(next);
+    this.tabs.get(next).focus();
+  }
+
+  open(name) {
+    this.current = name;
+    byId("filter").value = "";
+    byId("rows").scrollTop = 0;
+    this.followed = undefined;
+    this.follow();
+  }
+
+  // Show the list as it is at this moment.
+  update() {
+    for (const [name, tab] of this.tabs) {
+      tab.setAttribute("aria-selected", String(name === this.current));
+      tab.tabIndex = name === this.current ? 0 : -1;
+    }
+    byId("rows").setAttribute("aria-labelledby", `tab-${this.current}`);
+    const { height, items, row, empty } = LISTS[this.current];
+    const wanted = byId("filter").value.trim().toLowerCase();
+    this.items = items(this.app, (text) => !wanted || text.toLowerCase().includes(wanted));
+    this.rows.show(this.items, height, (item) => row(this.app, item), empty);
+  }
+
+  // The same, and scroll to what happened last.
+  follow() {
+    this.update();
+    const { step } = this.app.player;
+    if (this.current !== "events" || step === this.followed) return;
+    this.followed = step;
+    const after = this.items.findIndex((event) => event.step > step);
+    this.rows.reveal(Math.max(0, (after < 0 ? this.items.length : after) - 1));
+  }
+}
+
+function listedEvents(app, isWanted) {
+  return app.events.filter((event) => isWanted(describeEvent(app.history, event)));
+}
+
+function eventRow(app, event) {
+  const { step } = app.player;
+  const text = describeEvent(app.history, event);
+  return {
+    class: event.step === step ? "now" : event.step > step ? "ahead" : "",
+    title: `Step ${event.step}: ${text}`,
+    on: () => app.goToEvent(event),
+    children: [
+      element("span", { class: "when" }, String(event.step)),
+      element("span", { class: "dot", colour: eventColour(app, event) }),
+      element("span", { class: "text" }, element("span", {}, text)),
+    ],
+  };
+}
+
+const EVENT_COLOURS = { join: "accent", split: "muted", lost: "bad", end: "ink" };
+
+function eventColour({ map }, { kind, task }) {
+  return task === undefined ? map.theme[EVENT_COLOURS[kind]] : taskColour(task, map.isDark);
+}
+
+function listedTasks(app, isWanted) {
+  const { tasks } = app.history.scenario;
+  return tasks.map((_, task) => task).filter((task) => isWanted(tasks[task].name));
+}
+
+function taskRow(app, task) {
+  const { history, selection } = app;
+  return {
+    class: selection.task === task ? "now" : "",
+    on: () => app.select({ task }),
+    children: [
+      taskMark(app, task),
+      twoLines(taskName(history.scenario, task), describeStanding(history, task, app.scene())),
+    ],
+  };
+}
+
+function twoLines(first, second) {
+  return element(
+    "span",
+    { class: "text" },
+    element("span", {}, first),
+    element("span", {}, second),
+  );
+}
+
+function listedTeams(app, isWanted) {
+  const { scenario } = app.history;
+  const teams = [...app.scene().teams.values()];
+  return teams.filter(({ robots }) => robots.some((robot) => isWanted(robotName(scenario, robot))));
+}
+
+function teamRow(app, team) {
+  const { scenario } = app.history;
+  const size = team.robots.length > 1 ? ` (${team.robots.length})` : "";
+  return {
+    class: app.selectedTeam() === team ? "now" : "",
+    on: () => app.select({ robot: team.slot }),
+    children: [
+      teamMark(app, team),
+      twoLines(nameOfTeam(scenario, team) + size, describeDoing(scenario, team, app.player.step)),
+    ],
+  };
+}
+
+function listedCapabilities(app, isWanted) {
+  const names = app.history.scenario.capabilities;
+  return names.map((_, cap) => cap).filter((cap) => isWanted(names[cap]));
+}
+
+function capabilityRow(app, cap) {
+  return {
+    class: app.selection.cap === cap ? "now" : "",
+    on: () => app.select({ cap }),
+    children: [
+      swatch(app, cap),
+      twoLines(app.history.scenario.capabilities[cap], describeCapability(app, cap)),
+    ],
+  };
+}

@@ -1,0 +1,26 @@
+// Opens the page.
+
+const app = new App(JSON.parse(byId("replay").textContent));
+app.start();
+
+// For tests and the curious: look, do not touch.
+window.teamformer = Object.freeze({
+  get step() {
+    return app.player.step;
+  },
+  get isPlaying() {
+    return app.player.isPlaying;
+  },
+  teams: () =>
+    [...app.scene().teams.values()].map((team) => ({
+      slot: team.slot,
+      robots: [...team.robots],
+      place: [team.x, team.y],
+      task: team.assigned === NOBODY ? null : team.assigned,
+      ring: ringColour(team, app.map.isDark),
+      doing: describeDoing(app.history.scenario, team, app.player.step),
+    })),
+  taskColour: (task) => taskColour(task, app.map.isDark),
+  robotSpot: (robot) => robotSpot(app.map.shown, robot),
+  taskBox: (task) => taskBox(app.map.shown, task),
+});

@@ -1,0 +1,161 @@
+// The map: a canvas as large as its box that shows a moment and knows what is under a pixel.
+
+class TrialMap {
+  constructor(app, canvas) {
+    this.app = app;
+    this.canvas = canvas;
+    this.camera = new Camera(app.history.scenario.world);
+    this.placed = new Map(); // step -> places, at one zoom
+    this.images = new Map(); // of tasks, at one zoom
+    this.keptFor = "";
+    this.readTheme();
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      this.readTheme();
+      app.redraw();
+    });
+  }
+
+  readTheme() {
+    const style = getComputedStyle(document.documentElement);
+    const names = [
+      "surface",
+      "ground",
+      "grid",
+      "wall",
+      "edge",
+      "ink",
+      "muted",
+      "faint",
+      "accent",
+      "bad",
+      "lost",
+    ];
+    this.theme = Object.fromEntries(names.map((n) => [n, style.getPropertyValue(`--${n}`).trim()]));
+    this.theme.font = getComputedStyle(document.body).fontFamily;
+    this.isDark = matchMedia("(prefers-color-scheme: dark)").matches;
+  }
+
+  resize() {
+    const { width, height } = this.canvas.getBoundingClientRect();
+    const sharpness = window.devicePixelRatio || 1;
+    this.width = width;
+    this.height = height;
+    this.canvas.width = Math.round(width * sharpness);
+    this.canvas.height = Math.round(height * sharpness);
+    if (this.camera.isFitted) this.camera.fit(width, height);
+    this.app.redraw();
+  }
+
+  fit() {
+    this.camera.fit(this.width, this.height);
+    this.app.redraw();
+  }
+
+  zoom(factor, x = this.width / 2, y = this.height / 2) {
+    this.camera.zoom(factor, x, y);
+    this.app.redraw();
+  }
+
+  pan(right, down) {
+    this.camera.pan(right, down);
+    this.app.redraw();
+  }
+
+  draw() {
+    if (!this.width) return;
+    const view = this.viewNow();
+    view.ctx.setTransform(view.sharpness, 0, 0, view.sharpness, 0, 0);
+    view.ctx.clearRect(0, 0, this.width, this.height);
+    drawWorld(view);
+    if (view.options.trails) drawTrails(view);
+    if (view.options.order) drawOrder(view);
+    drawTasks(view);
+    drawAssignments(view);
+    drawTeams(view);
+    drawSelection(view);
+    drawNames(view);
+    this.shown = view;
+  }
+
+  // All that the drawing functions need to know of this moment.
+  viewNow() {
+    const { app, camera } = this;
+    const { history } = app;
+    const sharpness = this.canvas.width / this.width;
+    this.forgetUnless(`${camera.cell} ${sharpness} ${this.isDark}`);
+    const part = app.player.part;
+    const scene = app.scene();
+    const places = this.placesAt(scene.step);
+    const placesAfter = part > 0 ? this.placesAt(scene.step + 1) : places;
+    return {
+      ctx: this.canvas.getContext("2d"),
+      width: this.width,
+      height: this.height,
+      camera,
+      history,
+      scene,
+      places,
+      placesAfter,
+      part,
+      sharpness,
+      images: this.images,
+      blended: blendPlaces(places, placesAfter, part),
+      scenario: history.scenario,
+      theme: this.theme,
+      isDark: this.isDark,
+      colours: app.colours,
+      labels: app.labels,
+      options: app.options,
+      selection: app.selection,
+      selectedTeam: app.selectedTeam(),
+    };
+  }
+
+  // What was worked out for another zoom or theme is of no use.
+  forgetUnless(key) {
+    if (this.keptFor === key) return;
+    this.keptFor = key;
+    this.placed.clear();
+    this.images.clear();
+  }
+
+  placesAt(step) {
+    if (this.placed.size > 8) this.placed.clear();
+    if (!this.placed.has(step)) {
+      this.placed.set(
+        step,
+        placeEverybody(this.app.history, this.app.sceneAt(step), this.camera.cell),
+      );
+    }
+    return this.placed.get(step);
+  }
+
+  // What is under a pixel: {robot}, {task} or {}.
+  thingAt(x, y) {
+    const view = this.shown;
+    return robotUnder(view, x, y) ?? taskUnder(view, x, y) ?? {};
+  }
+}
+
+function robotUnder(view, x, y) {
+  let best = null;
+  let nearest = Infinity;
+  for (let robot = 0; robot < view.scenario.robots.length; robot++) {
+    const spot = robotSpot(view, robot);
+    const away = Math.hypot(spot.x - x, spot.y - y);
+    if (away > Math.max(spot.r * 1.2, 5) || away >= nearest) continue;
+    nearest = away;
+    best = { robot };
+  }
+  return best;
+}
+
+function taskUnder(view, x, y) {
+  const task = view.scenario.tasks.findIndex((_, number) => {
+    if (standingOf(view.history, number, view.scene.step) === "hidden") return false;
+    const box = taskBox(view, number);
+    return Math.max(Math.abs(box.x - x), Math.abs(box.y - y)) <= box.half + 2;
+  });
+  return task < 0 ? null : { task };
+}

@@ -1,0 +1,92 @@
+// Where everything is drawn after a step: robots packed around the middles of their cells.
+
+const ROBOT_RADIUS = 0.33; // of a robot alone in its cell, in cells
+const TASK_HALF = 0.44; // half a task's side, in cells
+
+// By robot {x, y, r}, by slot {x, y, r} of the team, by cell the radius of all that is in it; in
+// cells, with y downwards on the screen turned by the camera. `cell` is a cell's side in pixels.
+function placeEverybody(history, scene, cell) {
+  const { robots } = history.scenario;
+  const places = {
+    x: new Float64Array(robots.length),
+    y: new Float64Array(robots.length),
+    r: new Float64Array(robots.length),
+    teams: new Map(),
+    cells: new Map(),
+  };
+  for (const groups of groupsByCell(history, scene).values()) placeCell(places, groups, cell);
+  return places;
+}
+
+// Robots lost in a cell lie there like a team of their own, with no slot.
+function groupsByCell(history, scene) {
+  const cells = new Map();
+  const add = (x, y, group) => {
+    const key = cellKey(x, y);
+    if (cells.has(key)) cells.get(key).push(group);
+    else cells.set(key, [group]);
+  };
+  for (const team of scene.teams.values()) add(team.x, team.y, team);
+  for (const [key, robots] of lostByCell(history, scene.step)) {
+    const [x, y] = history.lostPlace.get(robots[0]);
+    add(x, y, { key, slot: NOBODY, robots, x, y });
+  }
+  return cells;
+}
+
+function lostByCell(history, step) {
+  const cells = new Map();
+  for (const [robot, [x, y]] of history.lostPlace) {
+    if (history.lostAt[robot] > step) continue;
+    const key = cellKey(x, y);
+    cells.set(key, [...(cells.get(key) ?? []), robot]);
+  }
+  return cells;
+}
+
+function placeCell(places, groups, cell) {
+  groups.sort((one, other) => other.robots.length - one.robots.length || one.slot - other.slot);
+  const layout = packTeams(groups.map(({ robots }) => robots.length).join(","));
+  const count = groups.reduce((sum, { robots }) => sum + robots.length, 0);
+  const scale = robotRadius(layout.radius - TEAM_MARGIN, count, cell);
+  groups.forEach((group, index) => {
+    const circle = layout.circles[index];
+    const middle = { x: group.x + circle.x * scale, y: group.y + circle.y * scale };
+    if (group.slot !== NOBODY) places.teams.set(group.slot, { ...middle, r: circle.r * scale });
+    placeRobots(places, group.robots, middle, scale);
+  });
+  places.cells.set(cellKey(groups[0].x, groups[0].y), layout.radius * scale);
+}
+
+// Small enough to stay near the cell, large enough to be seen.
+function robotRadius(layoutRadius, count, cell) {
+  const room = Math.min(1.1, 0.5 + 0.05 * Math.log2(count));
+  const visible = (1.1 + 2.9 / count ** 0.25) / cell;
+  return Math.max(Math.min(ROBOT_RADIUS, room / layoutRadius), visible);
+}
+
+function placeRobots(places, robots, middle, scale) {
+  const sites = robotSites(robots.length);
+  robots.forEach((robot, index) => {
+    places.x[robot] = middle.x + sites[index].x * scale;
+    places.y[robot] = middle.y + sites[index].y * scale;
+    places.r[robot] = scale;
+  });
+}
+
+// A task's outline opens to embrace the robots that stand in its cell.
+function taskHalf(places, [x, y], cell) {
+  const inside = places.cells.get(cellKey(x, y)) ?? 0;
+  return Math.max(TASK_HALF, 6 / cell, inside + 2 / cell);
+}
+
+function between(from, to, part) {
+  return from + (to - from) * part;
+}
+
+// The places at a moment between two steps.
+function blendPlaces(from, to, part) {
+  if (part === 0 || from === to) return from;
+  const blend = (key) => from[key].map((value, robot) => between(value, to[key][robot], part));
+  return { ...from, x: blend("x"), y: blend("y"), r: blend("r") };
+}

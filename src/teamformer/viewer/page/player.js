@@ -1,0 +1,71 @@
+// The clock of the page: which moment is shown, and how fast it moves on.
+
+const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32, 64]; // steps a second
+const SECONDS_AT_START = 25; // about how long a replay takes at the speed it opens with
+
+class Player {
+  // `changed(isNewStep)` is called whenever another moment is to be shown.
+  constructor(last, changed) {
+    this.last = last;
+    this.changed = changed;
+    this.time = 0;
+    this.isPlaying = false;
+    this.speed =
+      SPEEDS.find((speed) => speed >= 2 && last / speed <= SECONDS_AT_START) ?? SPEEDS.at(-1);
+    this.isStill = matchMedia("(prefers-reduced-motion: reduce)");
+  }
+
+  get step() {
+    return Math.floor(this.time);
+  }
+
+  // How far the way to the next step is made, 0..1.
+  get part() {
+    return this.isStill.matches ? 0 : this.time - this.step;
+  }
+
+  go(time) {
+    const before = this.step;
+    this.time = Math.max(0, Math.min(this.last, time));
+    this.changed(this.step !== before);
+  }
+
+  pause() {
+    if (!this.isPlaying) return;
+    this.isPlaying = false;
+    this.go(Math.round(this.time));
+    this.changed(true);
+  }
+
+  play() {
+    if (this.last === 0) return;
+    if (this.time >= this.last) this.time = 0;
+    this.isPlaying = true;
+    this.changed(true);
+    let before = performance.now();
+    const tick = (now) => {
+      if (!this.isPlaying) return;
+      this.go(this.time + ((now - before) / 1000) * this.speed);
+      before = now;
+      if (this.time >= this.last) this.pause();
+      else requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  toggle() {
+    if (this.isPlaying) this.pause();
+    else this.play();
+  }
+
+  stepBy(steps) {
+    this.pause();
+    this.go(this.step + steps);
+  }
+
+  faster(by) {
+    const at = SPEEDS.indexOf(this.speed) + by;
+    this.speed = SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, at))];
+    this.changed(true);
+  }
+}

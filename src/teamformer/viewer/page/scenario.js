@@ -1,0 +1,115 @@
+// The scenario of a replay, with capabilities as numbers and counts as [capability, count] pairs.
+
+function readScenario(tree) {
+  const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
+  const tasks = tree.tasks.map((task) => readTask(task, numbers));
+  return {
+    name: tree.name || "unnamed scenario",
+    capabilities: tree.capabilities,
+    world: readWorld(tree.world),
+    robots: tree.robots.map((robot) => ({
+      name: robot.name,
+      at: robot.at,
+      can: readCounts(robot.can, numbers),
+    })),
+    tasks,
+    taskAt: new Map(tasks.map(({ at }, task) => [cellKey(...at), task])),
+    sensingRadius: readRadius(tree.sensing_radius),
+  };
+}
+
+function readTask({ name, at, needs, duration, appears }, numbers) {
+  return {
+    name,
+    at,
+    needs: readCounts(needs, numbers),
+    duration: duration ?? 0,
+    appears: appears ?? 0,
+  };
+}
+
+function cellKey(x, y) {
+  return `${x},${y}`;
+}
+
+function readRadius(radius) {
+  if (radius === undefined) return 1;
+  return radius ?? Infinity; // the page's JSON writes infinity as null
+}
+
+// Counts come as {lift: 2} or as [lift, weld], one each.
+function readCounts(counts, numbers) {
+  const named = Array.isArray(counts) ? counts.map((name) => [name, 1]) : Object.entries(counts);
+  const total = new Map();
+  for (const [name, count] of named) {
+    const cap = numbers.get(name);
+    total.set(cap, (total.get(cap) ?? 0) + count);
+  }
+  return [...total].sort((one, other) => one[0] - other[0]);
+}
+
+// A plain grid is drawn with y upwards, a map of rows as it says (downwards if it does not).
+function readWorld(world) {
+  const rows = world.rows ?? [];
+  const [width, height] = world.grid ?? [rows[0].length, rows.length];
+  const yAxis = world.y_axis ?? (rows.length ? "down" : "up");
+  const isBlocked = (x, y) => rows.length > 0 && rows[y][x] === "@";
+  const used = usedPart(width, height, rows);
+  return { width, height, rows, isBlocked, used, yIsUp: yAxis === "up", fields: new Map() };
+}
+
+// The box around all free cells, and one cell more: scanned maps have wide dead margins.
+function usedPart(width, height, rows) {
+  if (!rows.length) return { left: 0, low: 0, width, height };
+  const columns = Array.from({ length: width }, (_, x) => x).filter((x) =>
+    rows.some((row) => row[x] !== "@"),
+  );
+  const lines = rows.map((_, y) => y).filter((y) => /[^@]/.test(rows[y]));
+  const [left, right] = [Math.max(0, columns[0] - 1), Math.min(width - 1, columns.at(-1) + 1)];
+  const [low, high] = [Math.max(0, lines[0] - 1), Math.min(height - 1, lines.at(-1) + 1)];
+  return { left, low, width: right - left + 1, height: high - low + 1 };
+}
+
+const FIELDS_KEPT = 64;
+
+// Cells to walk between two places, or Infinity; distance fields are kept by their goal.
+function walkingDistance(world, from, goal) {
+  if (!world.rows.length) return Math.abs(from[0] - goal[0]) + Math.abs(from[1] - goal[1]);
+  const key = goal[1] * world.width + goal[0];
+  if (!world.fields.has(key)) {
+    if (world.fields.size >= FIELDS_KEPT) world.fields.clear();
+    world.fields.set(key, distanceField(world, key));
+  }
+  const cells = world.fields.get(key)[from[1] * world.width + from[0]];
+  return cells < 0 ? Infinity : cells;
+}
+
+// Breadth first from the goal; -1 where no way leads.
+function distanceField(world, goal) {
+  const field = new Int32Array(world.width * world.height).fill(-1);
+  const queue = new Int32Array(field.length);
+  queue[0] = goal;
+  field[goal] = 0;
+  for (let head = 0, tail = 1; head < tail; head++) {
+    const x = queue[head] % world.width;
+    const y = (queue[head] - x) / world.width;
+    for (const [right, up] of SIDES) {
+      const cell = (y + up) * world.width + x + right;
+      if (!isFreeCell(world, x + right, y + up) || field[cell] >= 0) continue;
+      field[cell] = field[queue[head]] + 1;
+      queue[tail++] = cell;
+    }
+  }
+  return field;
+}
+
+const SIDES = [
+  [1, 0],
+  [-1, 0],
+  [0, 1],
+  [0, -1],
+];
+
+function isFreeCell(world, x, y) {
+  return x >= 0 && y >= 0 && x < world.width && y < world.height && !world.isBlocked(x, y);
+}

@@ -1,0 +1,121 @@
+// What there is to see after a step: teams with what they can do, and how each task stands.
+
+// A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone}.
+// `goal` is the task whose colour the ring may take: the one served, just done or headed for.
+function sceneAt(history, step) {
+  const state = history.at(step);
+  const teams = gatherTeams(history.scenario, state);
+  const serving = servicesAt(history, step);
+  const justDone = doneIn(history, step);
+  for (const team of teams.values()) {
+    describeGoal(history.scenario, team, serving.get(team.slot), justDone.get(team.slot));
+  }
+  return { step, state, teams, assignedTo: groupByTask(teams) };
+}
+
+function gatherTeams(scenario, state) {
+  const teams = new Map();
+  for (let robot = 0; robot < state.team.length; robot++) {
+    const slot = state.team[robot];
+    if (slot === NOBODY) continue;
+    if (!teams.has(slot)) teams.set(slot, newTeam(state, slot));
+    const team = teams.get(slot);
+    team.robots.push(robot);
+    for (const [cap, count] of scenario.robots[robot].can) {
+      team.counts.set(cap, (team.counts.get(cap) ?? 0) + count);
+    }
+  }
+  return teams;
+}
+
+function newTeam(state, slot) {
+  const assigned = state.task[slot];
+  return { slot, robots: [], counts: new Map(), x: state.x[slot], y: state.y[slot], assigned };
+}
+
+function describeGoal(scenario, team, service, done) {
+  team.service = service ?? null;
+  team.justDone = done ?? NOBODY;
+  team.goal = service?.task ?? done ?? team.assigned;
+  team.missing = team.goal === NOBODY ? [] : missing(team.counts, scenario.tasks[team.goal].needs);
+  team.isMet = team.goal !== NOBODY && team.missing.length === 0;
+}
+
+function servicesAt(history, step) {
+  const serving = new Map();
+  history.services.forEach((services, task) => {
+    for (const { slot, from, to } of services) {
+      if (from <= step && step < to) serving.set(slot, { task, from });
+    }
+  });
+  return serving;
+}
+
+function doneIn(history, step) {
+  const done = new Map();
+  history.doneAt.forEach((at, task) => {
+    if (at === step && !done.has(history.doneBy[task])) done.set(history.doneBy[task], task);
+  });
+  return done;
+}
+
+function groupByTask(teams) {
+  const groups = new Map();
+  for (const team of teams.values()) {
+    if (team.assigned === NOBODY) continue;
+    if (!groups.has(team.assigned)) groups.set(team.assigned, []);
+    groups.get(team.assigned).push(team);
+  }
+  return groups;
+}
+
+function teamOfRobot(scene, robot) {
+  return scene.teams.get(scene.state.team[robot]) ?? null;
+}
+
+// How a task stands after a step: hidden, open, served, done or (at the end) blocked.
+function standingOf(history, task, step) {
+  if (history.scenario.tasks[task].appears > step) return "hidden";
+  if (history.doneAt[task] <= step) return "done";
+  if (serviceOf(history, task, step)) return "served";
+  if (
+    step === history.last &&
+    history.end.blocked_tasks.includes(history.scenario.tasks[task].name)
+  )
+    return "blocked";
+  return "open";
+}
+
+function serviceOf(history, task, step) {
+  return history.services[task].find(({ from, to }) => from <= step && step < to) ?? null;
+}
+
+function countDone(history, step) {
+  return history.doneAt.filter((at) => at <= step).length;
+}
+
+// The open tasks in the order that everybody shares, as last computed.
+function orderAt(history, step) {
+  let tasks = [];
+  for (const [made, order] of history.replay.orders ?? []) if (made <= step) tasks = order;
+  return tasks.filter((task) => standingOf(history, task, step) !== "done");
+}
+
+function namesCap(counts, cap) {
+  return counts.some(([other]) => other === cap);
+}
+
+// The robots that bring a capability and are not lost.
+function robotsWith({ scenario, lostAt }, cap, step) {
+  const all = scenario.robots.map((_, robot) => robot);
+  return all.filter((robot) => lostAt[robot] > step && namesCap(scenario.robots[robot].can, cap));
+}
+
+// The tasks that are known, not done and need a capability.
+function tasksNeeding({ scenario, doneAt }, cap, step) {
+  const all = scenario.tasks.map((_, task) => task);
+  return all.filter((task) => {
+    const { appears, needs } = scenario.tasks[task];
+    return appears <= step && doneAt[task] > step && namesCap(needs, cap);
+  });
+}

@@ -1,0 +1,77 @@
+// Who waits for what: what a task still lacks, who brings it and how far they are.
+
+const WAITS_SHOWN = 5;
+const BRINGERS_SHOWN = 3;
+
+// One item for each requirement that is short; `team` is the one that waits, if one does.
+function waitingFor(app, task, short, team) {
+  if (!short.length) return null;
+  const items = short.map((requirement) => waitingItem(app, task, requirement, team));
+  const list = foldedList("waiting", "waits", items, WAITS_SHOWN);
+  return element("div", {}, ...titled("Waiting for", list));
+}
+
+function waitingItem(app, task, [cap, count], team) {
+  const { scenario } = app.history;
+  const bringers = assignedByDistance(app, task).filter(
+    (other) => other !== team && other.counts.has(cap),
+  );
+  const what = describeCounts(scenario, [[cap, count]]);
+  const who = bringers
+    .slice(0, BRINGERS_SHOWN)
+    .map((other) => [teamLink(app, other), ` brings it and ${farText(scenario, other, task)}`]);
+  if (!who.length) who.push([nobodyBrings(app, cap)]);
+  return element(
+    "li",
+    { class: bringers.length ? "" : "short" },
+    element("span", { class: "chips" }, swatch(app, cap), what),
+    ...who.map((parts) => element("p", {}, ...parts)),
+  );
+}
+
+function assignedByDistance(app, task) {
+  const { scenario } = app.history;
+  const teams = [...(app.scene().assignedTo.get(task) ?? [])];
+  const away = new Map(teams.map((team) => [team, distanceTo(scenario, team, task)]));
+  return teams.sort((one, other) => away.get(one) - away.get(other));
+}
+
+function farText(scenario, team, task) {
+  const cells = distanceTo(scenario, team, task);
+  return cells === 0 ? "is there" : `is ${plural(cells, "cell")} away`;
+}
+
+function nobodyBrings({ history, player }, cap) {
+  const { scenario } = history;
+  const left = robotsWith(history, cap, player.step);
+  if (!left.length) return `lost with ${listRobots(scenario, robotsWith(history, cap, 0))}`;
+  return `nobody assigned brings it; ${listRobots(scenario, left)} could`;
+}
+
+// What is short at the task itself: beyond the team there that lacks least.
+function missingOfBest(app, task) {
+  const { at, needs } = app.history.scenario.tasks[task];
+  const here = [...app.scene().teams.values()].filter(({ x, y }) => x === at[0] && y === at[1]);
+  const shorts = here.map(({ counts }) => missing(counts, needs));
+  return shorts.reduce((best, short) => (sumCounts(short) < sumCounts(best) ? short : best), needs);
+}
+
+// What all teams assigned to a task together do not bring.
+function lackingAt(app, task) {
+  const teams = app.scene().assignedTo.get(task) ?? [];
+  const together = addCounts(teams.map(({ counts }) => counts));
+  return missing(together, app.history.scenario.tasks[task].needs);
+}
+
+function assignedTeams(app, task) {
+  const { scenario } = app.history;
+  const { needs } = scenario.tasks[task];
+  const items = assignedByDistance(app, task).map((team) => {
+    const brings = describeCounts(scenario, overlap(team.counts, needs), WAITS_SHOWN) || "nothing";
+    const text = ` ${farText(scenario, team, task)}, brings ${brings}`;
+    return element("li", {}, teamLink(app, team), text);
+  });
+  if (!items.length) return null;
+  const list = foldedList("assigned", "waits", items, WAITS_SHOWN);
+  return element("div", {}, ...titled("Assigned teams", list));
+}

@@ -1,0 +1,125 @@
+"""The page's reading and packing, run in a browser and held against plain Python."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import random
+from collections.abc import Iterator
+from importlib.resources import files
+from typing import Any
+
+import pytest
+from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_states
+
+PURE = ("scenario", "counts", "history", "services", "scene", "packing")
+
+
+@pytest.fixture(scope="module")
+def scripts(browser: Any) -> Iterator[Any]:
+    """An empty page with the scripts that draw nothing."""
+    page = browser.new_page()
+    folder = files("teamformer.viewer") / "page"
+    text = "\n".join((folder / f"{name}.js").read_text(encoding="utf-8") for name in PURE)
+    page.add_script_tag(content=text)
+    yield page
+    page.close()
+
+
+STATES = """(tree) => {
+  const history = frames(tree);
+  const list = ({teams, state}) => [...teams.values()].map(
+    ({slot, robots, x, y}) => [slot, robots, x, y, state.task[slot] < 0 ? null : state.task[slot]]);
+  return tree.asked.map((step) => list(sceneAt(history, step)));
+}"""
+
+
+@pytest.mark.parametrize(
+    "scenario",
+    [small_scenario(), random_scenario(30, 10, 6, 14, 4), random_scenario(100, 12, 100, 20, 30)],
+    ids=["walls, lost, late", "30 robots", "100 robots"],
+)
+def test_every_moment_is_rebuilt_in_any_order(scripts: Any, scenario: Tree) -> None:
+    tree = toy_replay(scenario)
+    states = toy_states(scenario, len(tree["steps"]))
+    asked = [*range(len(states)), *random.Random(1).choices(range(len(states)), k=200)]
+    shown = scripts.evaluate(STATES, {**tree, "asked": asked})
+    for step, teams in zip(asked, shown, strict=True):
+        assert {slot: tuple(rest) for slot, *rest in teams} == states[step]
+
+
+def test_a_team_that_loses_its_lowest_robot_is_known_by_the_next(scripts: Any) -> None:
+    tree = two_robots([{"joins": [[1, 0]]}, {"lost": [0], "teams": [[1, 3, 3, 0]]}])
+    assert scripts.evaluate(STATES, {**tree, "asked": [1, 2]}) == [
+        [[0, [0, 1], 3, 3, None]],
+        [[1, [1], 3, 3, 0]],
+    ]
+
+
+def test_robots_that_leave_have_no_assignment_until_listed(scripts: Any) -> None:
+    steps = [{"joins": [[1, 0]], "teams": [[0, 3, 3, 0]]}, {"splits": [[[1], [0]]]}]
+    tree = two_robots(steps)
+    assert scripts.evaluate(STATES, {**tree, "asked": [2]}) == [
+        [[0, [0], 3, 3, 0], [1, [1], 3, 3, None]]
+    ]
+
+
+def test_a_service_starts_when_the_team_covers_and_ends_with_the_task(
+    scripts: Any, dock: Tree
+) -> None:
+    services = scripts.evaluate("(tree) => frames(tree).services", dock)
+    assert [(s["slot"], s["from"], s["to"]) for s in services[2]] == [(0, 35, 40)]
+    assert services[0] == services[1] == services[3] == []
+
+
+def test_a_service_breaks_off_when_the_team_is_short(scripts: Any) -> None:
+    steps = [{"joins": [[1, 0]]}, {}, {"lost": [1], "teams": [[0, 3, 3, None]]}, {}]
+    tree = two_robots(steps, needs={"lift": 2}, duration=9)
+    services = scripts.evaluate("(tree) => frames(tree).services", tree)
+    assert [(s["slot"], s["from"], s["to"]) for s in services[0]] == [(0, 1, 3)]
+
+
+def two_robots(steps: list[Tree], needs: Any = ("lift",), duration: int = 0) -> Tree:
+    """Two lifters at (3, 3), where the only task is."""
+    robots = [{"name": name, "at": [3, 3], "can": ["lift"]} for name in "ab"]
+    task = {"name": "t", "at": [3, 3], "needs": needs, "duration": duration}
+    return {
+        "scenario": {
+            "world": {"grid": [6, 6]},
+            "capabilities": ["lift"],
+            "robots": robots,
+            "tasks": [task],
+        },
+        "start": [[0, [0], 3, 3], [1, [1], 3, 3]],
+        "steps": steps,
+        "end": {"status": "step limit", "makespan": None, "blocked_tasks": []},
+    }
+
+
+@pytest.mark.parametrize("y_axis", ["up", "down"])
+def test_distances_go_around_walls(scripts: Any, y_axis: str) -> None:
+    world = {"rows": [".@.", ".@.", "..."], "y_axis": y_axis}
+    ask = """(world) => [[0, 0], [2, 0], [1, 2]].map(
+      (at) => walkingDistance(readWorld(world), at, [0, 0]))"""
+    assert scripts.evaluate(ask, world) == [0, 6, 3]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 6, 7, 8, 20, 100, 1000])
+def test_robots_of_a_team_do_not_overlap_and_stay_in_its_circle(scripts: Any, count: int) -> None:
+    sites = scripts.evaluate("(count) => robotSites(count)", count)
+    radius = scripts.evaluate("(count) => teamRadius(count)", count)
+    assert len(sites) == count
+    spots = [(site["x"], site["y"]) for site in sites]
+    assert all(math.hypot(x, y) + 1 <= radius for x, y in spots)
+    assert min((math.dist(*pair) for pair in itertools.combinations(spots, 2)), default=9) >= 2.1
+    assert radius <= 1.45 * math.sqrt(count) + 1.5  # a disc, not a line
+
+
+def test_teams_in_one_place_do_not_overlap(scripts: Any) -> None:
+    rng = random.Random(0)
+    for _ in range(30):
+        sizes = sorted(rng.choice([1, 1, 2, 3, 8, 40]) for _ in range(rng.randint(1, 25)))[::-1]
+        circles = scripts.evaluate("(sizes) => packTeams(sizes).circles", ",".join(map(str, sizes)))
+        for one, other in itertools.combinations(circles, 2):
+            apart = math.dist((one["x"], one["y"]), (other["x"], other["y"]))
+            assert apart >= one["r"] + other["r"] - 1e-6

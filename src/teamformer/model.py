@@ -249,9 +249,10 @@ def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
         yield from _problems_of_counts(
             robot.can, scenario.capabilities, (*where, "can"), f"robot '{robot.name}' can"
         )
-        if not 0 < robot.speed < math.inf:
+        if not 0.001 <= robot.speed <= 1000:  # slower or faster would overflow the step counts
             yield Problem(
-                (*where, "speed"), f"robot '{robot.name}' has speed {robot.speed}; use more than 0"
+                (*where, "speed"),
+                f"robot '{robot.name}' has speed {robot.speed:g}; use 0.001 to 1000",
             )
         if robot.lost is not None and robot.lost < 1:
             yield Problem(

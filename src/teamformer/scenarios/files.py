@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from teamformer.scenarios import yaml_text, yaml_tree
 from teamformer.scenarios.disk import read_text
 from teamformer.scenarios.reading import Reader
 from teamformer.scenarios.trees import read_tree, scenario_to_tree
+from teamformer.scenarios.yaml_tree import StopReadingError
 
 __all__ = ["read_scenario", "scenario_from_tree", "scenario_to_tree", "write_scenario"]
 
@@ -55,8 +57,10 @@ def write_scenario(scenario: Scenario, path: Path) -> None:
 
 
 def _read(tree: yaml_tree.Tree, source: str, name: str, folder: Path | None) -> Scenario:
-    is_broken = tree.value is None and tree.problems
-    scenario = None if is_broken else read_tree(Reader(tree), name, folder)
+    scenario = None
+    if tree.value is not None or not tree.problems:  # else it has no value because it is broken
+        with suppress(StopReadingError):
+            scenario = read_tree(Reader(tree), name, folder)
     if scenario is None or tree.problems:
         raise _error(tree, source)
     return scenario
@@ -65,7 +69,9 @@ def _read(tree: yaml_tree.Tree, source: str, name: str, folder: Path | None) -> 
 def _error(tree: yaml_tree.Tree, source: str) -> ScenarioError:
     found = sorted(dict.fromkeys(tree.problems), key=lambda at: at[0])
     lines = [
-        f"{source}:{line}: {problem.message}" if tree.lines else f"{source}: {problem.message}"
+        f"{source}:{line}: {problem.message}"
+        if tree.is_from_text
+        else f"{source}: {problem.message}"
         for line, problem in found[:MOST_LINES]
     ]
     if len(found) > MOST_LINES:

@@ -119,10 +119,13 @@ def _read_about(path: Path) -> About:
     if not about.resolution >= FINEST:
         reader.refuse(("resolution",), f"resolution is {about.resolution}; write {FINEST} or more")
     if keys.get("mode", "trinary") not in ("trinary", "scale"):
-        reader.refuse(("mode",), f"the mode is {keys['mode']}; only trinary and scale are read")
+        mode = yaml_tree.describe(keys["mode"])
+        reader.refuse(("mode",), f"the mode is {mode}; only trinary and scale are read")
     if tree.problems:
         found = sorted((line, problem.message) for line, problem in tree.problems)
-        raise TeamformerError("; ".join(f"{path}:{line}: {message}" for line, message in found))
+        raise TeamformerError(
+            "; ".join(f"{path}:{line}: {message}" for line, message in found[:10])
+        )
     return about
 
 

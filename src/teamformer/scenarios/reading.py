@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import difflib
 import math
-import textwrap
 from collections.abc import Mapping
 from typing import Any
 
 from teamformer.model import Place
-from teamformer.scenarios.yaml_tree import Misread, Tree, Where, describe, kind_of, misread
+from teamformer.scenarios.yaml_tree import Misread, Tree, Where, describe, kind_of, misread, shorten
 
 LARGEST_NUMBER = 1_000_000_000
 """Coordinates and steps beyond this are slips of the keyboard; the simulator counts further."""
 LARGEST_COUNT = 1000
+LONGEST_TEXT = 200
 INFINITE = ".inf"
 """Infinity as text: JSON has no number for it."""
 
@@ -55,23 +55,29 @@ class Reader:
         self.refuse(where, f"{name_of(where)} is {describe(value)}; write a list")
         return []
 
-    def text(self, where: Where, value: Any) -> str:
+    def text(self, where: Where, value: Any, longest: int = LONGEST_TEXT) -> str:
         """Return a text that a person can read on one line."""
-        if isinstance(value, str) and value.strip() and value.isprintable():
-            return value
-        if isinstance(value, str):
+        if not isinstance(value, str):
+            self._refuse_misread(where, value)
+        elif not value.strip() or not value.isprintable():
             self.refuse(where, f"{name_of(where)} is empty or cannot be printed; write a name")
-        elif value is None or isinstance(value, list | dict):
+        elif len(value) > longest:
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; use {longest} letters")
+        else:
+            return value
+        return "?"
+
+    def _refuse_misread(self, where: Where, value: Any) -> None:
+        if value is None or isinstance(value, list | dict):
             self.refuse(where, f"{name_of(where)} is {kind_of(value)}; write a name")
         else:
             word = value.text if isinstance(value, Misread) else describe(value)
             self.refuse(where, misread(word, kind_of(value)))
-        return "?"
 
-    def names(self, where: Where, value: Any) -> list[str]:
+    def names(self, where: Where, value: Any, longest: int = LONGEST_TEXT) -> list[str]:
         """Return a list of texts."""
         parts = self.sequence(where, value)
-        return [self.text((*where, number), part) for number, part in enumerate(parts)]
+        return [self.text((*where, number), part, longest) for number, part in enumerate(parts)]
 
     def number(self, where: Where, value: Any, can_be_infinite: bool = False) -> float:
         """Return a number that is finite, or infinity where that has a meaning."""
@@ -125,10 +131,8 @@ class Reader:
         counts: dict[str, int] = {}
         for number, name in enumerate(self.names(where, value)):
             if name in counts and name != "?":
-                self.refuse(
-                    (*where, number),
-                    f"'{name}' stands twice in this list; to mean two write {{{name}: 2}}",
-                )
+                advice = f"to mean two write {{{name}: 2}}"
+                self.refuse((*where, number), f"'{name}' stands twice in this list; {advice}")
             counts[name] = 1
         return counts
 
@@ -150,7 +154,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _suggest(key: Any, keys: Mapping[str, bool]) -> str:
-    shown = textwrap.shorten(str(key), 40)
+    shown = shorten(str(key))
     near = difflib.get_close_matches(shown, list(keys), 1)
     return f"'{shown}'; " + (f"did you mean '{near[0]}'?" if near else f"known are {_list(keys)}")
 

@@ -11,6 +11,7 @@ from teamformer.errors import ScenarioError
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.scenarios.reading import INFINITE, Reader
 from teamformer.scenarios.worlds import read_world
+from teamformer.scenarios.yaml_tree import shorten
 
 VERSION = 1
 
@@ -180,7 +181,9 @@ def _read_teams(reader: Reader, value: Any, robots: list[str]) -> tuple[tuple[in
         names = reader.names(where, part)
         for entry, name in enumerate(names):
             if name not in number_of and name != "?":
-                reader.refuse((*where, entry), f"there is no robot '{name}'; write the name of one")
+                reader.refuse(
+                    (*where, entry), f"there is no robot '{shorten(name)}'; write the name of one"
+                )
         teams.append(tuple(number_of.get(name, 0) for name in names))
     return tuple(teams)
 

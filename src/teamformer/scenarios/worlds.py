@@ -9,6 +9,7 @@ from teamformer.errors import TeamformerError
 from teamformer.model import BLOCKED, FREE, Grid
 from teamformer.scenarios.maps import LARGEST_MAP, read_map
 from teamformer.scenarios.reading import Reader
+from teamformer.scenarios.yaml_tree import describe
 
 FORMS = {
     "grid": {"grid", "y_axis"},
@@ -58,7 +59,8 @@ def _read_rows(reader: Reader, world: dict[str, Any]) -> Grid:
     where, value = (*WHERE, "rows"), world["rows"]
     y_axis = _read_y_axis(reader, world, "down")
     parts = value.split() if isinstance(value, str) else value  # a block of text will do
-    rows = tuple(row.replace("#", BLOCKED) for row in reader.names(where, parts))
+    texts = reader.names(where, parts, longest=LARGEST_MAP)
+    rows = tuple(row.replace("#", BLOCKED) for row in texts)
     if not rows:
         reader.refuse(where, "the map has no rows; write a text of cells for each")
         return STAND_IN
@@ -99,7 +101,7 @@ def _read_y_axis(
         case "down":
             return "down"
         case other:
-            reader.refuse((*WHERE, "y_axis"), f"y_axis is {other}; write up or down")
+            reader.refuse((*WHERE, "y_axis"), f"y_axis is {describe(other)}; write up or down")
             return usual
 
 

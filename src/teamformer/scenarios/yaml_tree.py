@@ -20,6 +20,7 @@ Where = tuple[str | int, ...]
 """The path to a place in a tree, such as `("tasks", 3, "needs")`."""
 
 DEEPEST = 12
+MOST_PROBLEMS = 1000
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml is ten times as fast
 
 HUGE = 10**15
@@ -36,6 +37,7 @@ class Tree:
     """What a file says: plain values, the line of each place, and what is wrong with it."""
 
     value: Any = None
+    is_from_text: bool = False  # and has lines therefore
     lines: dict[Where, int] = field(default_factory=dict)
     problems: list[tuple[int, Problem]] = field(default_factory=list)
 
@@ -46,8 +48,10 @@ class Tree:
         return self.lines.get(where, 1)
 
     def refuse(self, where: Where, message: str, line: int | None = None) -> None:
-        """Note that something is wrong at a place."""
+        """Note that something is wrong at a place; one too many raises `StopReadingError`."""
         self.problems.append((line or self.line(where), Problem(where, message)))
+        if len(self.problems) >= MOST_PROBLEMS:
+            raise StopReadingError
 
 
 @dataclass(frozen=True)
@@ -58,13 +62,13 @@ class Misread:
     kind: str
 
 
-class _TooDeepError(Exception):
-    """The rest of the file is not worth reading."""
+class StopReadingError(Exception):
+    """The rest of the file is not worth reading; its problems are in the tree."""
 
 
 def parse(text: str) -> Tree:
     """Read YAML into a tree; syntax errors become its problems."""
-    tree = Tree()
+    tree = Tree(is_from_text=True)
     strange = UNPRINTABLE.search(text)
     if strange:
         line = text.count("\n", 0, strange.start()) + 1
@@ -77,7 +81,7 @@ def parse(text: str) -> Tree:
         tree.refuse((), *_syntax_problem(text, error))
     except yaml.YAMLError as error:
         tree.refuse((), " ".join(f"this is not YAML: {error}".split()))
-    except _TooDeepError:
+    except StopReadingError:
         pass
     return tree
 
@@ -144,12 +148,16 @@ class _Builder:
             self.tree.refuse(
                 where, f"this is nested deeper than {DEEPEST} levels; flatten it", line
             )
-            raise _TooDeepError
+            raise StopReadingError
         if isinstance(event, ev.AliasEvent):
-            self.tree.refuse(where, f"*{event.anchor} is not followed; write the value out", line)
+            self.tree.refuse(
+                where, f"*{shorten(str(event.anchor))} is not followed; write the value out", line
+            )
             return None
         if event.tag not in (None, "!", STRING):
-            self.tree.refuse(where, f"the tag {event.tag} is not understood; remove it", line)
+            self.tree.refuse(
+                where, f"the tag {shorten(event.tag)} is not understood; remove it", line
+            )
         if isinstance(event, ev.MappingStartEvent):
             return self.mapping(where)
         if isinstance(event, ev.SequenceStartEvent):
@@ -170,7 +178,9 @@ class _Builder:
             is_repeated = key in values
             if is_repeated:
                 first = self.tree.line((*where, key))
-                message = f"'{key}' stands here a second time, first on line {first}; keep one"
+                message = (
+                    f"'{shorten(key)}' stands here a second time, first on line {first}; keep one"
+                )
                 self.tree.refuse((*where, key), message, line)
             self.tree.lines.setdefault((*where, key), line)
             value = self.value(next(self.events), (*where, key))
@@ -222,7 +232,8 @@ _KINDS = {
 
 def misread(text: str, kind: str) -> str:
     """Say that YAML does not take a word for a name."""
-    return f"YAML reads {text or 'an empty value'} as {kind}; put it in quotes to make it a name"
+    shown = shorten(text) or "an empty value"
+    return f"YAML reads {shown} as {kind}; put it in quotes to make it a name"
 
 
 def kind_of(value: Any) -> str:
@@ -241,12 +252,18 @@ def kind_of(value: Any) -> str:
     return kinds.get(type(value), type(value).__name__)
 
 
+def shorten(text: str) -> str:
+    """Return a text that fits into a message."""
+    shown = text if len(text) <= 40 else f"{text[:40]}..."
+    return "".join(letter if letter.isprintable() else "?" for letter in shown)
+
+
 def describe(value: Any) -> str:
     """Show a value to people if it is short, else name its kind."""
     if isinstance(value, Misread):
-        return f"{value.text} (for YAML {value.kind})"
-    if isinstance(value, str) and value.isprintable() and 0 < len(value) <= 40:
-        return f"the text '{value}'"
+        return f"{shorten(value.text)} (for YAML {value.kind})"
+    if isinstance(value, str) and value:
+        return f"the text '{shorten(value)}'"
     if isinstance(value, float) or (isinstance(value, int) and abs(value) < HUGE):
         return str(value).lower()
     return kind_of(value)

@@ -106,6 +106,19 @@ def test_the_selection_follows_its_robot_through_joins_and_splits(
     assert titles == ["Team r1 of 2 robots", "r2"]
 
 
+def test_a_team_at_work_says_how_far_it_is(open_page: Opener, dock: Tree) -> None:
+    assert "Does seam, 3 of 5 steps made" in open_page(dock, "#step=38&robot=r3").details()
+
+
+def test_a_capability_says_who_brings_it_and_what_needs_it(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock, "#step=10")
+    opened.page.click("#legend >> text=lift")
+    assert opened.details().split("\n")[:3] == ["L", "lift", "Close"]
+    assert "2 robots, needed by 2 open tasks" in opened.details()  # pallet and seam
+    opened.page.fill("#scrub", "36")  # r4, the other one, is lost
+    assert "1 robot, needed by 1 open task" in opened.details()
+
+
 def test_a_lost_robot_stays_as_such(open_page: Opener, dock: Tree) -> None:
     assert "Lost in step 36" in open_page(dock, "#step=40&robot=r4").details()
 

@@ -64,7 +64,7 @@ function describeDoing(scenario, team, step) {
   switch (activityOf(scenario, team)) {
     case "serves": {
       const { duration } = scenario.tasks[team.goal];
-      return `does ${name}, step ${step - team.service.from} of ${duration}`;
+      return `does ${name}, ${step - team.service.from} of ${plural(duration, "step")} made`;
     }
     case "done":
       return `has just done ${name}`;
@@ -90,8 +90,10 @@ function describeStanding(history, task, scene) {
       return `appears after step ${appears}`;
     case "done":
       return `done in step ${history.doneAt[task]}`;
-    case "served":
-      return `under way, step ${step - serviceOf(history, task, step).from} of ${duration}`;
+    case "served": {
+      const made = step - serviceOf(history, task, step).from;
+      return `under way, ${made} of ${plural(duration, "step")} made`;
+    }
     case "blocked":
       return "can never be done";
     default: {

@@ -1,0 +1,71 @@
+"""The page's reading of replays, held against the simulator that wrote them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from teamformer.policies.heuristic import Heuristic
+from teamformer.policies.recorder import Recorder
+from teamformer.policies.scripted import JoinAll
+from teamformer.scenarios.files import read_scenario
+from teamformer.sim.env import TeamFormation
+from teamformer.sim.replay import replay_to_tree
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+READING = ("scenario", "counts", "history", "services", "scene")
+
+
+@pytest.fixture(scope="module")
+def scripts(browser: Any) -> Iterator[Any]:
+    page = browser.new_page()
+    folder = files("teamformer.viewer") / "page"
+    names = (folder / f"{name}.js" for name in READING)
+    page.add_script_tag(content="\n".join(name.read_text(encoding="utf-8") for name in names))
+    yield page
+    page.close()
+
+
+@pytest.mark.parametrize("policy", [Heuristic, JoinAll])
+@pytest.mark.parametrize("name", ["warehouse", "breakdown", "late-tasks"])
+def test_the_page_rebuilds_what_the_simulator_had(scripts: Any, name: str, policy: Any) -> None:
+    env = TeamFormation([read_scenario(EXAMPLES / f"{name}.yaml")])
+    recorder, chooser = Recorder(env), policy()
+    chooser.begin(None, np.random.default_rng(0))
+    had = [moment(env)]
+    while env.is_running[0]:
+        env.step(chooser.decide(env.view()))
+        recorder.step()
+        had.append(moment(env))
+    tree = replay_to_tree(recorder.finish(name, 0, None))
+    assert scripts.evaluate(MOMENTS, tree) == had
+
+
+def moment(env: TeamFormation) -> list[list[Any]]:
+    """Return the slot of each robot's team (-1: lost), and each team's place, task, service."""
+    teams, tasks = env.worlds.teams[0], env.worlds.tasks[0]
+    slots = env.worlds.robots["team"][0].tolist()
+    servers = tasks["server"].tolist()
+    return [
+        slots,
+        [
+            [int(teams[slot][key]) for key in ("x", "y", "task")] + [slot in servers]
+            for slot in sorted(set(slots) - {-1})
+        ],
+    ]
+
+
+MOMENTS = """(tree) => {
+  const history = frames(tree);
+  const list = ({ state, teams }) => [
+    [...state.team],
+    [...teams.values()].sort((one, other) => one.slot - other.slot)
+      .map(({ slot, x, y, service }) => [x, y, state.task[slot], service !== null]),
+  ];
+  return Array.from({ length: history.last + 1 }, (_, step) => list(sceneAt(history, step)));
+}"""

@@ -53,10 +53,17 @@ function drawTeamNames(view, taken, teams) {
   const spots = teams.map((team) => teamSpot(view, team));
   const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
   const top = Math.min(...spots.map((spot) => spot.y - spot.r));
-  const task = scenario.taskAt.get(cellKey(teams[0].x, teams[0].y));
-  const box = task === undefined || view.part > 0 ? null : taskBox(view, task);
-  const y = Math.min(top, box ? box.y - box.half : top) - 10;
+  const y = Math.min(top, topOfTaskAround(view, x, top)) - 10;
   drawName(view, taken, texts.join(", "), { x, y }, theme.ink);
+}
+
+// The upper edge of the task whose square a pixel is in; teams walk through such squares too.
+function topOfTaskAround(view, x, y) {
+  const [column, row] = view.camera.placeAt(x, y).map(Math.round);
+  const task = view.scenario.taskAt.get(cellKey(column, row));
+  if (task === undefined || standingOf(view.history, task, view.scene.step) === "hidden") return y;
+  const box = taskBox(view, task);
+  return Math.max(Math.abs(box.x - x), Math.abs(box.y - y)) <= box.half ? box.y - box.half : y;
 }
 
 function drawBadges(view, teams) {

@@ -17,6 +17,7 @@ from teamformer.scenarios import yaml_tree
 from teamformer.scenarios.disk import read_bytes, read_text
 from teamformer.scenarios.pgm import Image, read_pgm
 from teamformer.scenarios.reading import Reader
+from teamformer.scenarios.yaml_words import Misread, describe
 
 LARGEST_MAP = 4_200_000  # cells: 2048 x 2048
 LARGEST_MOVINGAI = 10_000_000  # bytes
@@ -119,7 +120,7 @@ def _read_about(path: Path) -> About:
     if not about.resolution >= FINEST:
         reader.refuse(("resolution",), f"resolution is {about.resolution}; write {FINEST} or more")
     if keys.get("mode", "trinary") not in ("trinary", "scale"):
-        mode = yaml_tree.describe(keys["mode"])
+        mode = describe(keys["mode"])
         reader.refuse(("mode",), f"the mode is {mode}; only trinary and scale are read")
     if tree.problems:
         found = sorted((line, problem.message) for line, problem in tree.problems)
@@ -141,9 +142,9 @@ FINEST = 1e-6  # metres
 
 
 def _read_negate(reader: Reader, value: Any) -> bool:
-    word = value.text.lower() if isinstance(value, yaml_tree.Misread) else value
+    word = value.text.lower() if isinstance(value, Misread) else value
     if word not in (0, 1, "true", "false"):
-        reader.refuse(("negate",), f"negate is {yaml_tree.describe(value)}; write 0 or 1")
+        reader.refuse(("negate",), f"negate is {describe(value)}; write 0 or 1")
     return word in (1, "true")
 
 

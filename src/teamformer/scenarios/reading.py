@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from teamformer.model import Place
-from teamformer.scenarios.yaml_tree import Misread, Tree, Where, describe, kind_of, misread, shorten
+from teamformer.scenarios.yaml_tree import Tree, Where
+from teamformer.scenarios.yaml_words import Misread, describe, kind_of, misread, shorten
 
 LARGEST_NUMBER = 1_000_000_000
 """Coordinates and steps beyond this are slips of the keyboard; the simulator counts further."""

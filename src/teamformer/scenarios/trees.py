@@ -11,7 +11,7 @@ from teamformer.errors import ScenarioError
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.scenarios.reading import INFINITE, Reader
 from teamformer.scenarios.worlds import read_world
-from teamformer.scenarios.yaml_tree import shorten
+from teamformer.scenarios.yaml_words import shorten
 
 VERSION = 1
 

@@ -9,7 +9,7 @@ from teamformer.errors import TeamformerError
 from teamformer.model import BLOCKED, FREE, Grid
 from teamformer.scenarios.maps import LARGEST_MAP, read_map
 from teamformer.scenarios.reading import Reader
-from teamformer.scenarios.yaml_tree import describe
+from teamformer.scenarios.yaml_words import describe
 
 FORMS = {
     "grid": {"grid", "y_axis"},

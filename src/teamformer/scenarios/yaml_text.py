@@ -7,8 +7,8 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from teamformer.scenarios import yaml_tree
 from teamformer.scenarios.reading import INFINITE
+from teamformer.scenarios.yaml_words import scalar
 
 PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_-]*( [A-Za-z0-9_-]+)*")
 """Texts that never need quotes, but for the few that YAML takes for something else."""
@@ -27,6 +27,8 @@ def _lines(key: str, value: Any) -> Iterator[str]:
     elif key in ("rows", "robots", "tasks", "teams"):
         yield f"{key}:"
         yield from (f"  - {_flow(part)}" for part in value)
+    elif key.endswith("_radius") and value == INFINITE:
+        yield f"{key}: {INFINITE}"
     else:
         yield f"{key}: {_flow(value)}"
 
@@ -36,10 +38,10 @@ def _flow(value: Any) -> str:
         return "{" + ", ".join(f"{_flow(key)}: {_flow(part)}" for key, part in value.items()) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(_flow(part) for part in value) + "]"
-    if value == INFINITE or (isinstance(value, str) and _is_plain(value)):
-        return str(value)
+    if isinstance(value, str) and _is_plain(value):
+        return value
     return json.dumps(value, ensure_ascii=False)
 
 
 def _is_plain(text: str) -> bool:
-    return bool(PLAIN.fullmatch(text)) and isinstance(yaml_tree.scalar(text), str)
+    return bool(PLAIN.fullmatch(text)) and isinstance(scalar(text), str)

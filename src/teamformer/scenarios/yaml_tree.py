@@ -15,6 +15,7 @@ import yaml
 from yaml import events as ev
 
 from teamformer.errors import Problem
+from teamformer.scenarios.yaml_words import kind_of, misread, scalar, shorten
 
 Where = tuple[str | int, ...]
 """The path to a place in a tree, such as `("tasks", 3, "needs")`."""
@@ -23,12 +24,7 @@ DEEPEST = 12
 MOST_PROBLEMS = 1000
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml is ten times as fast
 
-HUGE = 10**15
-
 STRING = "tag:yaml.org,2002:str"
-WHOLE = re.compile(r"[-+]?(0|[1-9]\d{0,14})", re.ASCII)
-REAL = re.compile(r"[-+]?((0|[1-9]\d*)(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
-SPECIAL = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 UNPRINTABLE = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -52,14 +48,6 @@ class Tree:
         self.problems.append((line or self.line(where), Problem(where, message)))
         if len(self.problems) >= MOST_PROBLEMS:
             raise StopReadingError
-
-
-@dataclass(frozen=True)
-class Misread:
-    """A plain word that YAML takes for something else than text: `no`, `12:30`, `0x1F`."""
-
-    text: str
-    kind: str
 
 
 class StopReadingError(Exception):
@@ -137,27 +125,20 @@ class _Builder:
         next(self.events)  # the document ends
         event = next(self.events)
         if not isinstance(event, ev.StreamEndEvent):
-            line = event.start_mark.line + 1
-            self.tree.refuse((), "a second document begins here; keep one a file", line)
+            self.refuse(event, (), "a second document begins here; keep one a file")
         return value
 
     def value(self, event: Any, where: Where) -> Any:
-        line = event.start_mark.line + 1
-        self.tree.lines.setdefault(where, line)
+        self.tree.lines.setdefault(where, _line(event))
         if len(where) > DEEPEST:
-            self.tree.refuse(
-                where, f"this is nested deeper than {DEEPEST} levels; flatten it", line
-            )
+            self.refuse(event, where, f"this is nested deeper than {DEEPEST} levels; flatten it")
             raise StopReadingError
         if isinstance(event, ev.AliasEvent):
-            self.tree.refuse(
-                where, f"*{shorten(str(event.anchor))} is not followed; write the value out", line
-            )
+            name = shorten(str(event.anchor))
+            self.refuse(event, where, f"*{name} is not followed; write the value out")
             return None
         if event.tag not in (None, "!", STRING):
-            self.tree.refuse(
-                where, f"the tag {shorten(event.tag)} is not understood; remove it", line
-            )
+            self.refuse(event, where, f"the tag {shorten(event.tag)} is not understood; remove it")
         if isinstance(event, ev.MappingStartEvent):
             return self.mapping(where)
         if isinstance(event, ev.SequenceStartEvent):
@@ -173,97 +154,36 @@ class _Builder:
     def mapping(self, where: Where) -> dict[str, Any]:
         values: dict[str, Any] = {}
         while not isinstance(event := next(self.events), ev.MappingEndEvent):
-            line = event.start_mark.line + 1
             key = self.key(event, where)
             is_repeated = key in values
             if is_repeated:
+                again = f"'{shorten(key)}' stands here a second time"
                 first = self.tree.line((*where, key))
-                message = (
-                    f"'{shorten(key)}' stands here a second time, first on line {first}; keep one"
-                )
-                self.tree.refuse((*where, key), message, line)
-            self.tree.lines.setdefault((*where, key), line)
+                self.refuse(event, (*where, key), f"{again}, first on line {first}; keep one")
+            self.tree.lines.setdefault((*where, key), _line(event))
             value = self.value(next(self.events), (*where, key))
             if not is_repeated:
                 values[key] = value
         return values
 
     def key(self, event: Any, where: Where) -> str:
-        line = event.start_mark.line + 1
         if not isinstance(event, ev.ScalarEvent):
-            self.tree.refuse(where, "a list or mapping stands where a name belongs", line)
+            self.refuse(event, where, "a list or mapping stands where a name belongs")
             self.value(event, (*where, "?"))  # skip it
             return "?"
         value = _value_of(event)
         if not isinstance(value, str):
-            self.tree.refuse(where, misread(event.value, kind_of(value)), line)
+            self.refuse(event, where, misread(event.value, kind_of(value)))
         return str(event.value)
+
+    def refuse(self, event: Any, where: Where, message: str) -> None:
+        self.tree.refuse(where, message, _line(event))
+
+
+def _line(event: Any) -> int:
+    return int(event.start_mark.line) + 1
 
 
 def _value_of(event: ev.ScalarEvent) -> Any:
     is_plain = event.tag is None and event.implicit[0]
     return scalar(event.value) if is_plain else event.value
-
-
-def scalar(text: str) -> Any:
-    """Return what a word without quotes means: a text, a number, None, or a `Misread`."""
-    if WHOLE.fullmatch(text):
-        return int(text)
-    if REAL.fullmatch(text):
-        return float(text)
-    if SPECIAL.fullmatch(text):
-        return float(text.replace(".", ""))
-    kind = _KINDS.get(_RESOLVER.resolve(yaml.ScalarNode, text, (True, False)))
-    if kind == "nothing":
-        return None
-    return Misread(text, kind) if kind else text
-
-
-_RESOLVER: Any = yaml.resolver.Resolver()
-_KINDS = {
-    "tag:yaml.org,2002:bool": "true or false",
-    "tag:yaml.org,2002:int": "a number",
-    "tag:yaml.org,2002:float": "a number",
-    "tag:yaml.org,2002:null": "nothing",
-    "tag:yaml.org,2002:timestamp": "a date",
-    "tag:yaml.org,2002:merge": "a merge",
-}
-
-
-def misread(text: str, kind: str) -> str:
-    """Say that YAML does not take a word for a name."""
-    shown = shorten(text) or "an empty value"
-    return f"YAML reads {shown} as {kind}; put it in quotes to make it a name"
-
-
-def kind_of(value: Any) -> str:
-    """Name the kind of a value for people."""
-    if isinstance(value, Misread):
-        return value.kind
-    kinds = {
-        type(None): "nothing",
-        bool: "true or false",
-        int: "a number",
-        float: "a number",
-        str: "a text",
-        list: "a list",
-        dict: "a mapping",
-    }
-    return kinds.get(type(value), type(value).__name__)
-
-
-def shorten(text: str) -> str:
-    """Return a text that fits into a message."""
-    shown = text if len(text) <= 40 else f"{text[:40]}..."
-    return "".join(letter if letter.isprintable() else "?" for letter in shown)
-
-
-def describe(value: Any) -> str:
-    """Show a value to people if it is short, else name its kind."""
-    if isinstance(value, Misread):
-        return f"{shorten(value.text)} (for YAML {value.kind})"
-    if isinstance(value, str) and value:
-        return f"the text '{shorten(value)}'"
-    if isinstance(value, float) or (isinstance(value, int) and abs(value) < HUGE):
-        return str(value).lower()
-    return kind_of(value)

@@ -1,0 +1,238 @@
+"""Scenario files that are wrong: each mistake has its line, and says what to do."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+import yaml
+
+from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.scenarios import yaml_tree
+from teamformer.scenarios.files import read_scenario, scenario_from_tree
+
+GOOD = """\
+teamformer: 1
+name: good
+world: {grid: [4, 3]}
+capabilities: [lift, scan]
+robots:
+  - {name: a, at: [0, 0], can: [lift]}
+  - {name: b, at: [1, 0], can: [scan], speed: 0.5}
+tasks:
+  - {name: x, at: [3, 2], needs: [lift, scan]}
+sensing_radius: 1
+"""
+
+CLOSED_IN = "world:\n  rows:\n    - '..@.'\n    - '..@.'\n    - '..@.'"
+
+
+def problems_of(folder: Path, text: str | bytes, name: str = "case.yaml") -> list[str]:
+    """Return the lines of the error that a file causes, without the folder."""
+    path = folder / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(ScenarioError) as caught:
+        read_scenario(path)
+    return [line.removeprefix(f"{folder}{os.sep}") for line in str(caught.value).splitlines()]
+
+
+CASES = [
+    # unknown, repeated, missing and misplaced keys
+    ("name: good", "nmae: good", 2, "no key 'nmae'; did you mean 'name'?"),
+    ("speed: 0.5", "colour: red", 7, "robot 2 has no key 'colour'; known are name, at, can"),
+    ("sensing_radius: 1", "name: again", 10, "'name' stands here a second time, first on line 2"),
+    ("at: [3, 2]", "at: [3, 2], at: [3, 1]", 9, "'at' stands here a second time"),
+    ("tasks:", "jobs:", 1, "the file lacks 'tasks'; add it"),
+    (", can: [lift]", "", 6, "robot 1 lacks 'can'; add it"),
+    ("teamformer: 1\n", "", 1, "the file lacks 'teamformer'"),
+    ("teamformer: 1", "teamformer: 2", 1, "this is format 2, and this teamformer knows up to 1"),
+    ("teamformer: 1", "teamformer: 0", 1, "teamformer is 0; write 1 or more"),
+    ("teamformer: 1", "teamformer: one", 1, "the text 'one'; write a whole number"),
+    ("sensing_radius: 1", "<<: {order: tsp}", 10, "YAML reads << as a merge"),
+    # names that YAML takes for something else
+    ("name: a", "name: no", 6, "YAML reads no as true or false; put it in quotes"),
+    ("name: a", "name: Yes", 6, "YAML reads Yes as true or false"),
+    ("name: a", "name: 12:30", 6, "YAML reads 12:30 as a number"),
+    ("name: a", "name: 0x1F", 6, "YAML reads 0x1F as a number"),
+    ("name: a", "name: 007", 6, "YAML reads 007 as a number"),
+    ("name: a", "name: 7", 6, "YAML reads 7 as a number"),
+    ("name: a", "name: 1e3", 6, "YAML reads 1000.0 as a number"),
+    ("name: a", "name: 2026-01-01", 6, "YAML reads 2026-01-01 as a date"),
+    ("name: a", "name: ~", 6, "name of robot 1 is nothing; write a name"),
+    ("name: a", "name: ''", 6, "name of robot 1 is empty"),
+    ("name: a", 'name: "a\\nb"', 6, "cannot be printed"),
+    ("name: a", f"name: {'a' * 201}", 6, "use 200 letters"),
+    ("can: [scan]", "can: {no: 1}", 7, "YAML reads no as true or false"),
+    ("[lift, scan]\nrobots", "[lift, off]\nrobots", 4, "YAML reads off as true or false"),
+    # wrong types and numbers
+    ("at: [0, 0]", "at: [0.5, 0]", 6, "entry 1 of at of robot 1 is 0.5; write a whole number"),
+    ("at: [0, 0]", "at: [0]", 6, "write a cell as [x, y]"),
+    ("at: [0, 0]", "at: 3", 6, "at of robot 1 is 3; write a cell as [x, y]"),
+    ("at: [0, 0]", "at: [0, 99999999999]", 6, "write a number up to 1,000,000,000"),
+    ("can: [scan]", "can: {scan: 1.5}", 7, "scan of can of robot 2 is 1.5; write a whole number"),
+    ("can: [scan]", "can: {scan: 1001}", 7, "write a number up to 1,000"),
+    ("can: [scan]", "can: scan", 7, "write a list of capabilities or a mapping to counts"),
+    ("can: [scan]", "can: [scan, scan]", 7, "'scan' stands twice in this list; to mean two write"),
+    ("speed: 0.5", "speed: fast", 7, "speed of robot 2 is the text 'fast'; write a number"),
+    ("speed: 0.5", "speed: .nan", 7, "speed of robot 2 is nan; write a number up to"),
+    ("speed: 0.5", "speed: .inf", 7, "speed of robot 2 is inf; write a number up to"),
+    ("speed: 0.5", "speed: true", 7, "speed of robot 2 is true (for YAML true or false)"),
+    ("speed: 0.5", "lost: 2.5", 7, "lost of robot 2 is 2.5; write a whole number"),
+    ("sensing_radius: 1", "sensing_radius: .nan", 10, "sensing_radius is nan"),
+    ("sensing_radius: 1", "step_limit: 0", 10, "step_limit is 0; write 1 or more"),
+    ("sensing_radius: 1", "tasks: none", 10, "'tasks' stands here a second time"),
+    ("  - {name: x, at: [3, 2], needs: [lift, scan]}", "  x: 1", 8, "tasks is a mapping; write a"),
+    ("- {name: x, at: [3, 2], needs: [lift, scan]}", "- weld it", 9, "task 1 is the text 'weld i"),
+    # what cannot be in a scenario file
+    ("can: [scan], speed: 0.5", "can: &kit [scan], name: *kit", 7, "*kit is not followed"),
+    ("name: good", "name: !!python/name:os.system x", 2, "the tag tag:yaml.org,2002:python/name"),
+    ("sensing_radius: 1", "---\nname: two", 10, "a second document begins here"),
+    ("name: good", "[1]: 2", 2, "a list or mapping stands where a name belongs"),
+    ("name: good", "name: [[[[[[[[[[[[[[]]]]]]]]]]]]]]", 2, "nested deeper than 12 levels"),
+    ("name: good", "name: @home", 2, "put a text that begins with @ in quotes"),
+    ("name: good", "name: good: bad", 2, "this is not YAML: mapping values are not allowed"),
+    ("[lift, scan]\nrobots", "[lift, scan\nrobots", 5, "(while parsing a flow sequence, begun on"),
+    ("name: good", "name: go\x07od", 2, "the character U+0007 cannot stand in a text file"),
+    # worlds
+    ("{grid: [4, 3]}", "{}", 3, "the world needs exactly one of grid"),
+    ("{grid: [4, 3]}", "{grid: [4, 3], map: x.map}", 3, "the world needs exactly one of grid"),
+    ("{grid: [4, 3]}", "{plane: [3.2, 2], step: 0.1}", 3, "planes are not supported yet"),
+    ("{grid: [4, 3]}", "{grid: 4}", 3, "write it as [width, height]"),
+    ("{grid: [4, 3]}", "{grid: [0, 3]}", 3, "entry 1 of grid of world is 0; write 1 or more"),
+    ("{grid: [4, 3]}", "{grid: [4, 3], cell: 1}", 3, "'cell' does not go with 'grid'; remove it"),
+    ("{grid: [4, 3]}", "{grid: [9999, 9999]}", 3, "the map has 99,980,001 cells"),
+    ("{grid: [4, 3]}", "{grid: [4, 3], y_axis: left}", 3, "y_axis is the text 'left'; write up or"),
+    ("{grid: [4, 3]}", "{rows: []}", 3, "the map has no rows"),
+    ("{grid: [4, 3]}", "\n  rows:\n    - '....'\n    - '...'", 6, "row 2 has 3 cells"),
+    ("{grid: [4, 3]}", "\n  rows:\n    - '....'\n    - '.x..'", 6, "row 2: 'x' is no cell"),
+    ("{grid: [4, 3]}", "{map: none.map}", 3, "none.map: there is no such file"),
+    ("{grid: [4, 3]}", "{map: floor.png}", 3, "this is no map; name a .map or a map_server .yaml"),
+    # teams
+    ("sensing_radius: 1", "teams: [[a, c]]", 10, "there is no robot 'c'; write the name of one"),
+    ("sensing_radius: 1", "teams: [a]", 10, "team 1 is the text 'a'; write a list"),
+    ("sensing_radius: 1", "teams: [[a, b]]", 10, "must start in the same place"),
+    # what the scenario itself cannot be
+    ("name: b", "name: a", 7, "the name 'a' is used twice; rename one"),
+    ("needs: [lift, scan]", "needs: [lift, weld]", 9, "'weld', which is not under capabilities"),
+    ("can: [lift]", "can: [scan]", 9, "task 'x' needs 'lift' but no robot has it; add such"),
+    ("needs: [lift, scan]", "needs: {lift: 2}", 9, "all robots together lack lift"),
+    ("at: [3, 2]", "at: [4, 2]", 9, "task 'x' is at [4, 2], outside the map; x goes from 0 to 3"),
+    ("world: {grid: [4, 3]}", CLOSED_IN, 13, "task 'x' cannot be reached by robots that bring"),
+    ("at: [3, 2]", "at: [3, 2], duration: -1", 9, "task 'x' has duration -1; use 0 or more"),
+    ("speed: 0.5", "speed: 0", 7, "robot 'b' has speed 0; use 0.001 to 1000"),
+    ("speed: 0.5", "speed: 1e-320", 7, "robot 'b' has speed"),
+    ("speed: 0.5", "lost: 0", 7, "robot 'b' is lost at step 0; the first step is 1"),
+    ("sensing_radius: 1", "join_radius: 2", 10, "join_radius 2 is larger than sensing_radius 1"),
+    ("sensing_radius: 1", "order: random", 10, "order 'random' is unknown; use"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("loader", [yaml.SafeLoader, yaml_tree.LOADER])
+@pytest.mark.parametrize(("old", "new", "line", "message"), CASES)
+def test_a_mistake_is_told_with_its_line(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    loader: type[yaml.SafeLoader],
+    old: str,
+    new: str,
+    line: int,
+    message: str,
+) -> None:
+    monkeypatch.setattr(yaml_tree, "LOADER", loader)
+    assert GOOD.count(old) >= 1
+    found = problems_of(tmp_path, GOOD.replace(old, new, 1))
+    assert any(told.startswith(f"case.yaml:{line}: ") and message in told for told in found), found
+
+
+def test_the_file_that_the_mistakes_are_put_into_is_good(tmp_path: Path) -> None:
+    path = tmp_path / "case.yaml"
+    path.write_text(GOOD)
+    assert len(read_scenario(path).tasks) == 1
+
+
+def test_everything_wrong_is_told_at_once_in_the_order_of_the_file(tmp_path: Path) -> None:
+    text = GOOD.replace("name: good", "nam: good").replace("speed: 0.5", "sped: 1")
+    text = text.replace("at: [3, 2]", "at: [9, 9], duration: -3")
+    found = problems_of(tmp_path, text)
+    assert [told.split(":")[1] for told in found] == ["2", "7", "9", "9"]
+    assert "did you mean 'name'?" in found[0]
+    assert "did you mean 'speed'?" in found[1]
+    assert "outside the map" in found[2]  # what no other mistake hides is told too
+    assert "duration -3" in found[3]
+
+
+def test_a_mistake_causes_no_other_complaints(tmp_path: Path) -> None:
+    assert (
+        len(problems_of(tmp_path, GOOD.replace("[lift, scan]\nrobots", "[lift, on]\nrobots"))) == 1
+    )
+    assert len(problems_of(tmp_path, GOOD.replace("{grid: [4, 3]}", "{grid: 4}"))) == 1
+
+
+def test_a_newer_format_is_the_only_complaint(tmp_path: Path) -> None:
+    text = GOOD.replace("teamformer: 1", "teamformer: 9").replace("tasks:", "goals:")
+    assert problems_of(tmp_path, text) == [
+        "case.yaml:1: this is format 9, and this teamformer knows up to 1; install a newer one"
+    ]
+
+
+def test_problems_beyond_fifty_are_counted(tmp_path: Path) -> None:
+    found = problems_of(tmp_path, GOOD + "".join(f"key{i}: 1\n" for i in range(60)))
+    assert len(found) == 51
+    assert found[0].startswith("case.yaml:11: ")
+    assert found[-1] == "case.yaml: and 10 problems more"
+
+
+def test_problems_say_where_in_the_tree() -> None:
+    with pytest.raises(ScenarioError) as caught:
+        scenario_from_tree({"teamformer": 1}, "replay.json: scenario")
+    assert str(caught.value).splitlines()[0] == (
+        "replay.json: scenario: the file lacks 'world'; add it"
+    )
+    assert {problem.where for problem in caught.value.problems} == {()}
+
+
+def test_a_tree_in_memory_names_no_map_file() -> None:
+    tree = {**yaml.safe_load(GOOD), "world": {"map": "x.map"}}
+    with pytest.raises(ScenarioError, match=r"a map in another file cannot be read here"):
+        scenario_from_tree(tree)
+
+
+@pytest.mark.parametrize("text", ["", "\n\n", "# nothing\n"])
+def test_an_empty_file(tmp_path: Path, text: str) -> None:
+    told = "case.yaml:1: the file is empty; write a scenario into it"
+    assert problems_of(tmp_path, text) == [told]
+
+
+@pytest.mark.parametrize(
+    ("text", "what"), [("~", "nothing"), ("- a", "a list"), ("word", "the text 'word'"), ("3", "3")]
+)
+def test_a_file_that_is_no_mapping(tmp_path: Path, text: str, what: str) -> None:
+    assert f"the file is {what}; write a mapping of teamformer" in problems_of(tmp_path, text)[0]
+
+
+def test_what_is_no_readable_file(tmp_path: Path) -> None:
+    (tmp_path / "junk.yaml").write_bytes(b"\x80\x81\xff")
+    os.mkfifo(tmp_path / "pipe.yaml")
+    with (tmp_path / "huge.yaml").open("wb") as file:
+        file.truncate(100_000_000)
+    told = {
+        "none.yaml": "there is no such file",
+        "junk.yaml": "this is not text: byte 1 is no UTF-8",
+        "pipe.yaml": "this is not a plain file",
+        "huge.yaml": "larger than 20 MB",
+        "a\0b.yaml": "cannot be read",
+        ".": "this is a folder",
+    }
+    for name, message in told.items():
+        with pytest.raises(TeamformerError, match=message):
+            read_scenario(tmp_path / name)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
+def test_a_file_that_may_not_be_read(tmp_path: Path) -> None:
+    path = tmp_path / "secret.yaml"
+    path.write_text(GOOD)
+    path.chmod(0)
+    with pytest.raises(TeamformerError, match="cannot be read: Permission denied"):
+        read_scenario(path)

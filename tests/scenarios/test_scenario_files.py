@@ -1,0 +1,232 @@
+"""Scenario files that are right: every key, every form, and there and back again."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from random_worlds import random_world
+from teamformer.errors import TeamformerError
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.scenarios.files import (
+    read_scenario,
+    scenario_from_tree,
+    scenario_to_tree,
+    write_scenario,
+)
+
+EVERY_KEY = """\
+teamformer: 1
+name: night shift
+world: {grid: [8, 6], y_axis: down}
+capabilities: [lift, scan, 'no']
+robots:
+  - {name: r1, at: [2, 3], can: [lift, scan]}
+  - {at: [2, 3], can: {'no': 2}, speed: 0.5, lost: 40}
+tasks:
+  - {name: crate, at: [7, 5], needs: {lift: 1, 'no': 2}, duration: 4, appears: 30}
+  - at: [0, 0]
+    needs:
+      - scan
+teams: [[r1, r2]]
+sensing_radius: .inf
+join_radius: 1.5
+forming_steps: 0
+step_limit: 77
+order: tsp
+new_tasks: nearest
+allocation: paper
+"""
+
+AS_BUILT = Scenario(
+    name="night shift",
+    world=Grid(8, 6, y_axis="down"),
+    capabilities=("lift", "scan", "no"),
+    robots=(
+        Robot("r1", (2, 3), {"lift": 1, "scan": 1}),
+        Robot("r2", (2, 3), {"no": 2}, speed=0.5, lost=40),
+    ),
+    tasks=(
+        Task("crate", (7, 5), {"lift": 1, "no": 2}, duration=4, appears=30),
+        Task("t2", (0, 0), {"scan": 1}),
+    ),
+    teams=((0, 1),),
+    sensing_radius=math.inf,
+    join_radius=1.5,
+    forming_steps=0,
+    step_limit=77,
+    new_tasks="nearest",
+)
+
+SMALL = """\
+teamformer: 1
+world: %s
+capabilities: [lift]
+robots: [{at: [0, 0], can: [lift]}]
+tasks: [{at: [1, 0], needs: [lift]}]
+"""
+
+
+def read(folder: Path, text: str, name: str = "case.yaml") -> Scenario:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return read_scenario(path)
+
+
+def test_every_key_is_read(tmp_path: Path) -> None:
+    assert read(tmp_path, EVERY_KEY) == AS_BUILT
+
+
+def test_what_is_left_out_has_the_documented_value(tmp_path: Path) -> None:
+    scenario = read(tmp_path, SMALL % "{grid: [2, 1]}", "depot.yaml")
+    assert scenario.name == "depot"
+    assert (scenario.robots[0].name, scenario.tasks[0].name) == ("r1", "t1")
+    assert (scenario.sensing_radius, scenario.join_radius) == (1.0, 0.0)
+    assert (scenario.forming_steps, scenario.new_tasks) == (1, "resolve")
+    assert scenario.step_limit == 4 * 2 * (2 + 1)  # four walks across, there and for one task
+
+
+@pytest.mark.parametrize(
+    "rows",
+    ['{rows: [".@", ".."]}', '{rows: [".#", ".."], y_axis: down}', "\n  rows: |\n    .#\n    .."],
+)
+def test_rows_begin_at_y_0(tmp_path: Path, rows: str) -> None:
+    text = (SMALL % rows).replace("at: [1, 0]", "at: [1, 1]")
+    assert read(tmp_path, text).world == Grid(2, 2, (".@", ".."), "down")
+
+
+def test_y_axis_only_turns_the_drawing(tmp_path: Path) -> None:
+    world = read(tmp_path, SMALL % '{rows: ["..", "@@"], y_axis: up}').world
+    assert world == Grid(2, 2, ("..", "@@"), "up")
+    assert not world.is_free((0, 1))
+
+
+def test_a_map_is_looked_for_beside_the_scenario(tmp_path: Path) -> None:
+    (tmp_path / "maps").mkdir()
+    text = "type octile\nheight 1\nwidth 3\nmap\n..T\n"
+    (tmp_path / "maps" / "yard.map").write_text(text, encoding="utf-8")
+    assert read(tmp_path, SMALL % "{map: maps/yard.map}").world == Grid(3, 1, ("..@",), "down")
+
+
+def test_a_ros_map_is_read_in_cells_of_the_wanted_size(tmp_path: Path) -> None:
+    (tmp_path / "floor.yaml").write_text(
+        "image: floor.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
+        "occupied_thresh: 0.65\nfree_thresh: 0.196\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "floor.pgm").write_text("P2 4 2 255\n255 255 255 255\n255 255 255 0\n")
+    text = SMALL % "{map: floor.yaml, cell: 0.1}"
+    with pytest.raises(TeamformerError, match=r"task 't1' is at \[1, 0\], inside an obstacle"):
+        read(tmp_path, text)
+    text = text.replace("at: [1, 0]", "at: [0, 0]")
+    assert read(tmp_path, text).world == Grid(2, 1, (".@",), "up")
+
+
+def test_json_is_the_same_tree(tmp_path: Path) -> None:
+    tree = scenario_to_tree(AS_BUILT)
+    for text in (json.dumps(tree), json.dumps(tree, indent="\t"), json.dumps(tree, indent=4)):
+        assert read(tmp_path, text, "case.json") == AS_BUILT
+
+
+def test_json_escapes_are_read(tmp_path: Path) -> None:
+    name = 'robot \U0001f916 "x" \\ud83d \\/ \xe9'
+    tree = {**scenario_to_tree(AS_BUILT), "name": name}
+    assert read(tmp_path, json.dumps(tree, ensure_ascii=True), "case.json").name == name
+
+
+def test_the_tree_is_plain_json() -> None:
+    tree = scenario_to_tree(AS_BUILT)
+    assert tree["sensing_radius"] == ".inf"  # JSON has no infinity
+    assert tree["robots"][0] == {"name": "r1", "at": [2, 3], "can": ["lift", "scan"]}
+    assert tree["tasks"][0]["needs"] == {"lift": 1, "no": 2}
+    assert tree["teams"] == [["r1", "r2"]]
+    assert json.loads(json.dumps(tree, allow_nan=False)) == tree
+
+
+def test_the_tree_holds_the_map_itself() -> None:
+    grid = Grid(3, 2, ("..@", "..."), "up")
+    robot, task = Robot("r", (0, 0), {"a": 1}), Task("t", (1, 1), {"a": 1})
+    tree = scenario_to_tree(Scenario("m", grid, ("a",), (robot,), (task,)))
+    assert tree["world"] == {"rows": ["..@", "..."], "y_axis": "up"}
+
+
+def test_a_written_file_has_a_line_for_each_robot_and_task(tmp_path: Path) -> None:
+    path = tmp_path / "out.yaml"
+    write_scenario(AS_BUILT, path)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert "  - {name: r1, at: [2, 3], can: [lift, scan]}" in lines
+    assert '  - {name: r2, at: [2, 3], can: {"no": 2}, speed: 0.5, lost: 40}' in lines
+    assert "sensing_radius: .inf" in lines
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".json"])
+def test_random_scenarios_come_back_from_files(tmp_path: Path, suffix: str) -> None:
+    rng = np.random.default_rng(5)
+    path = tmp_path / f"there{suffix}"
+    for _ in range(60):
+        scenario = random_world(rng)
+        write_scenario(scenario, path)
+        assert read_scenario(path) == scenario
+        tree = json.loads(json.dumps(scenario_to_tree(scenario)))
+        assert scenario_from_tree(tree, "replay.json") == scenario
+
+
+AWKWARD = [
+    "no",
+    "12:30",
+    "1e3",
+    "007",
+    "~",
+    "a: b",
+    "#1",
+    "x ",
+    "- y",
+    "[z]",
+    "'",
+    '"',
+    "\\",
+    "\xe9",
+    "=",
+    "2026-01-01",
+    ".inf",
+    "<<",
+    "null",
+    "*a",
+    "&a",
+    "!t",
+    "%",
+    "@",
+    "\U0001f916",
+    "?",
+]
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".json"])
+@pytest.mark.parametrize("name", AWKWARD)
+def test_awkward_names_come_back(tmp_path: Path, name: str, suffix: str) -> None:
+    scenario = Scenario(
+        name,
+        Grid(2, 2),
+        (name,),
+        (Robot(name, (0, 0), {name: 2}),),
+        (Task(name, (1, 1), {name: 1}),),
+    )
+    path = tmp_path / f"there{suffix}"
+    write_scenario(scenario, path)
+    assert read_scenario(path) == scenario
+
+
+def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "bom.yaml"
+    path.write_bytes(b"\xef\xbb\xbf" + EVERY_KEY.replace("\n", "\r\n").encode())
+    assert read_scenario(path) == AS_BUILT
+
+
+def test_a_place_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(TeamformerError, match="cannot be written") as caught:
+        write_scenario(AS_BUILT, tmp_path / "no such folder" / "out.yaml")
+    assert caught.value.hint

@@ -1,0 +1,55 @@
+"""The examples: they are read, and show what they say they show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from teamformer.capabilities import covers, total
+from teamformer.model import Scenario
+from teamformer.scenarios.files import read_scenario
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def example(name: str) -> Scenario:
+    return read_scenario(EXAMPLES / f"{name}.yaml")
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_example_is_read(path: Path) -> None:
+    assert len(read_scenario(path).tasks) >= 4
+
+
+def test_the_warehouse_shows_what_a_scenario_can_hold() -> None:
+    scenario = example("warehouse")
+    assert (scenario.world.width, scenario.world.height) == (24, 16)
+    assert any("@" in row for row in scenario.world.rows)
+    assert 6 <= len(scenario.robots) <= 8
+    assert len(scenario.capabilities) == 4
+    assert any(len(robot.can) == 2 for robot in scenario.robots)
+    assert any(robot.speed < 1 for robot in scenario.robots)
+    assert any(max(task.needs.values()) == 2 for task in scenario.tasks)
+    assert any(task.duration for task in scenario.tasks)
+    assert any(task.appears for task in scenario.tasks)
+
+
+def test_four_robots_are_the_papers_smallest_test() -> None:
+    scenario = example("four-robots")
+    assert (scenario.world.width, scenario.world.height) == (10, 10)
+    assert (len(scenario.robots), len(scenario.tasks), len(scenario.capabilities)) == (4, 4, 4)
+    assert (scenario.sensing_radius, scenario.join_radius) == (1.0, 0.0)
+
+
+def test_after_the_breakdown_every_task_can_still_be_done() -> None:
+    scenario = example("breakdown")
+    left = total(robot.can for robot in scenario.robots if robot.lost is None)
+    assert any(robot.lost for robot in scenario.robots)
+    assert all(covers(left, task.needs) for task in scenario.tasks)
+
+
+def test_late_tasks_are_unknown_at_the_start() -> None:
+    appears = [task.appears for task in example("late-tasks").tasks]
+    assert min(appears) == 0
+    assert max(appears) > 0

@@ -1,0 +1,226 @@
+"""Maps in other files: tiny ones worked out by hand, and real ones where they are at hand."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from teamformer.errors import TeamformerError
+from teamformer.model import BLOCKED, FREE, Grid
+from teamformer.scenarios.maps import read_map, read_movingai, read_ros_map
+from teamformer.scenarios.pgm import read_pgm
+
+REAL_MAPS = Path(__file__).parents[2].parent / "shared" / "data" / "maps"
+needs_real_maps = pytest.mark.skipif(not REAL_MAPS.is_dir(), reason="the real maps are not here")
+
+ABOUT = """\
+image: floor.pgm
+resolution: 0.05
+origin: [-1.0, -2.0, 0.0]
+negate: 0
+occupied_thresh: 0.65
+free_thresh: 0.196
+"""
+
+
+def ros_map(folder: Path, image: bytes, about: str = ABOUT) -> Path:
+    (folder / "floor.pgm").write_bytes(image)
+    (folder / "floor.yaml").write_text(about)
+    return folder / "floor.yaml"
+
+
+def movingai(folder: Path, text: str) -> Path:
+    path = folder / "yard.map"
+    path.write_text(text)
+    return path
+
+
+def test_movingai_cells_and_axes(tmp_path: Path) -> None:
+    path = movingai(tmp_path, "type octile\nheight 2\nwidth 7\nmap\n.GS@OTW\n....@@.\n")
+    grid = read_movingai(path)
+    assert grid == Grid(7, 2, ("...@@@@", "....@@."), "down")
+    assert grid.is_free((3, 1))  # the second line of the map is y = 1
+    assert not grid.is_free((3, 0))
+
+
+def test_movingai_with_windows_line_ends_and_width_first(tmp_path: Path) -> None:
+    path = movingai(tmp_path, "type octile\r\nwidth 2\r\nheight 1\r\nmap\r\n.@\r\n\r\n")
+    assert read_map(path) == Grid(2, 1, (".@",), "down")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "this is no MovingAI map: it has no line 'map'"),
+        ("height 1\nmap\n.\n", "it has no 'width N' above 'map'"),
+        ("height one\nwidth 1\nmap\n.\n", "it has no 'height N' above 'map'"),
+        ("height 2\nwidth 1\nmap\n.", "2 rows are announced and 1 are there"),
+        ("height 2\nwidth 2\nmap\n..\n.\n", r":5: this row has 1 cells, not 2"),
+        ("height 9000\nwidth 9000\nmap\n..\n.\n", "81,000,000 cells; 4,200,000 are possible"),
+    ],
+)
+def test_a_broken_movingai_map(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(TeamformerError, match=message) as caught:
+        read_movingai(movingai(tmp_path, text))
+    assert str(caught.value).startswith(str(tmp_path / "yard.map"))
+
+
+def test_the_bottom_row_of_a_ros_image_is_y_0(tmp_path: Path) -> None:
+    grid = read_ros_map(ros_map(tmp_path, b"P5 3 2 255\n" + bytes([255, 255, 0, 255, 0, 0])))
+    assert grid == Grid(3, 2, (".@@", "..@"), "up")
+
+
+def test_the_trinary_rule_at_its_thresholds(tmp_path: Path) -> None:
+    # Occupancy (255 - shade) / 255: 206 is 0.1922, free; 205 is 0.1961, unknown; 0 is 1, occupied.
+    path = ros_map(tmp_path, b"P5 4 1 255\n" + bytes([254, 206, 205, 0]))
+    assert read_ros_map(path).rows == ("..@@",)
+
+
+def test_negated_images_are_free_where_they_are_black(tmp_path: Path) -> None:
+    image = b"P5 4 1 255\n" + bytes([0, 49, 50, 255])  # 49 / 255 is 0.1922, 50 / 255 is 0.1961
+    for value in ("1", "true"):
+        about = ABOUT.replace("negate: 0", f"negate: {value}")
+        assert read_ros_map(ros_map(tmp_path, image, about)).rows == ("..@@",)
+
+
+def test_occupied_pixels_are_blocked_whatever_counts_as_free(tmp_path: Path) -> None:
+    about = ABOUT.replace("0.65", "0.5").replace("0.196", "0.9")
+    path = ros_map(tmp_path, b"P5 3 1 100\n" + bytes([60, 50, 49]), about)
+    assert read_ros_map(path).rows == ("..@",)  # occupancies 0.4, 0.5 and 0.51
+
+
+def test_a_cell_is_free_only_if_all_its_pixels_are(tmp_path: Path) -> None:
+    """Draw five columns and three rows of pixels; cells of 2 x 2 begin at the bottom left.
+
+    . . . @ .     the upper cells have one row of pixels,
+    . . . . .     the right ones one column
+    @ . . . .
+    """
+    image = b"P2 5 3 1\n1 1 1 0 1\n1 1 1 1 1\n0 1 1 1 1\n"
+    grid = read_ros_map(ros_map(tmp_path, image), cell=0.1)
+    assert grid == Grid(3, 2, ("@..", ".@."), "up")
+
+
+def test_downsampling_is_what_a_slow_loop_finds(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    for factor in (1, 2, 3, 7, 50):
+        height, width = (int(n) for n in rng.integers(1, 20, 2))
+        shades = np.where(rng.random((height, width)) < 0.1, 0, 255).astype(np.uint8)
+        image = b"P5 %d %d 255\n" % (width, height) + shades.tobytes()
+        grid = read_ros_map(ros_map(tmp_path, image), cell=0.05 * factor)
+        upright = shades[::-1]
+        for y in range(grid.height):
+            for x in range(grid.width):
+                pixels = upright[y * factor : (y + 1) * factor, x * factor : (x + 1) * factor]
+                assert grid.rows[y][x] == (FREE if pixels.min() == 255 else BLOCKED)
+        assert (grid.width, grid.height) == (-(-width // factor), -(-height // factor))
+
+
+def test_plain_and_raw_images_say_the_same(tmp_path: Path) -> None:
+    path = tmp_path / "image.pgm"
+    texts = [
+        b"P2\n# made by hand\n3 # wide\n2\n255\n0 1 2 # first\n253 254 255\n",
+        b"P5\n# made by hand\n3 2\n# white:\n255\n" + bytes([0, 1, 2, 253, 254, 255]),
+    ]
+    for text in texts:
+        path.write_bytes(text)
+        image = read_pgm(path)
+        assert image.white == 255
+        assert image.shades.tolist() == [[0, 1, 2], [253, 254, 255]]
+
+
+def test_raw_images_of_two_bytes_a_pixel(tmp_path: Path) -> None:
+    path = tmp_path / "image.pgm"
+    path.write_bytes(b"P5 2 1 65535\n" + struct.pack(">2H", 1, 65535))
+    assert read_pgm(path).shades.tolist() == [[1, 65535]]
+
+
+@pytest.mark.parametrize(
+    ("image", "message"),
+    [
+        (b"", "this is not a PGM image"),
+        (b"\x89PNG\r\n", "this is not a PGM image"),
+        (b"P5 #" + b" " * 100_000, "this is not a PGM image"),
+        (b"P5 0 1 255\n", "no image has 0 x 1 pixels"),
+        (b"P5 1 1 0\n0", "pixels up to 0"),
+        (b"P5 2 2 255\nabc", "4 pixels are announced and 3 are there"),
+        (b"P5 2 2 65535\nabc", "4 pixels are announced and 1 are there"),
+        (b"P2 2 1 255\n1 x", "a pixel is no number from 0 to 65535"),
+        (b"P2 2 1 255\n1 70000", "a pixel is no number from 0 to 65535"),
+        (b"P2 2 1 255\n1 256", "a pixel is 256, brighter than white, 255"),
+        (b"P5 999999 999999 255\n", "999998000001 pixels are announced and 0 are there"),
+    ],
+)
+def test_a_broken_image(tmp_path: Path, image: bytes, message: str) -> None:
+    with pytest.raises(TeamformerError, match=message) as caught:
+        read_ros_map(ros_map(tmp_path, image))
+    assert "floor.pgm" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("image: floor.pgm\n", "", r"floor.yaml:1: the file lacks 'image'; add it"),
+        ("image: floor.pgm", "image: 3", r"floor.yaml:1: YAML reads 3 as a number"),
+        ("image: floor.pgm", "image: none.pgm", r"none.pgm: there is no such file"),
+        ("resolution: 0.05", "resolution: 0", r"floor.yaml:2: resolution is 0.0; write"),
+        ("resolution: 0.05", "resolution: 1e-320", r"floor.yaml:2: resolution is"),
+        ("resolution: 0.05", "resolution: .nan", r"floor.yaml:2: resolution is nan"),
+        ("negate: 0", "negate: 2", r"floor.yaml:4: negate is 2; write 0 or 1"),
+        ("free_thresh: 0.196", "free_thresh: low", r"floor.yaml:6: free_thresh is the text 'low'"),
+        ("negate: 0", "mode: raw", r"floor.yaml:4: the mode is the text 'raw'; only trinary"),
+        ("negate: 0", "negate: [", r"floor.yaml:\d+: this is not YAML"),
+    ],
+)
+def test_a_broken_description(tmp_path: Path, old: str, new: str, message: str) -> None:
+    path = ros_map(tmp_path, b"P2 1 1 1\n1", ABOUT.replace(old, new))
+    with pytest.raises(TeamformerError, match=message):
+        read_ros_map(path)
+
+
+@pytest.mark.parametrize(
+    ("cell", "better"), [(0.12, "0.1"), (0.01, "0.05"), (0.0, "0.05"), (-1.0, "0.05")]
+)
+def test_a_cell_that_is_no_multiple_of_a_pixel(tmp_path: Path, cell: float, better: str) -> None:
+    path = ros_map(tmp_path, b"P2 1 1 1\n1")
+    with pytest.raises(TeamformerError, match=f"is no multiple of the map's 0.05 m; use {better}"):
+        read_ros_map(path, cell)
+
+
+def test_names_that_are_no_map(tmp_path: Path) -> None:
+    with pytest.raises(TeamformerError, match="there is no such file"):
+        read_map(tmp_path / "none.map")
+    with pytest.raises(TeamformerError, match=r"no map; name a \.map or a map_server \.yaml"):
+        read_map(tmp_path / "floor.png")
+    with pytest.raises(TeamformerError, match=r"a \.map file has its cells already"):
+        read_map(tmp_path / "yard.map", cell=0.5)
+
+
+@needs_real_maps
+@pytest.mark.parametrize(("percent", "free"), [(10, 922), (20, 819)])
+def test_a_benchmark_map(percent: int, free: int) -> None:
+    grid = read_map(REAL_MAPS / f"random-32-32-{percent}.map")
+    assert (grid.width, grid.height, grid.y_axis) == (32, 32, "down")
+    assert sum(row.count(FREE) for row in grid.rows) == free
+
+
+@needs_real_maps
+def test_a_map_made_by_a_robot() -> None:
+    """Count the pixels of 254, which are free; 205 is unknown and 0 a wall."""
+    path = REAL_MAPS / "turtlebot3_world.yaml"
+    data = (REAL_MAPS / "turtlebot3_world.pgm").read_bytes()[-384 * 384 :]
+    grid = read_ros_map(path)
+    assert (grid.width, grid.height, grid.y_axis) == (384, 384, "up")
+    assert sum(row.count(FREE) for row in grid.rows) == data.count(254) == 7939
+    coarse = read_ros_map(path, cell=0.25)
+    assert (coarse.width, coarse.height) == (77, 77)
+    pixels = np.frombuffer(data, np.uint8).reshape(384, 384)[::-1]
+    assert coarse.is_free((38, 38)) == bool((pixels[190:195, 190:195] == 254).all())
+    assert sum(row.count(FREE) for row in coarse.rows) == sum(
+        bool((pixels[y : y + 5, x : x + 5] == 254).all())
+        for y in range(0, 384, 5)
+        for x in range(0, 384, 5)
+    )

@@ -1,0 +1,65 @@
+"""On the worlds of the paper's authors: what the policies take, beside their own heuristic.
+
+The worlds and the makespans of the authors' heuristic were made by their public environment
+(njayboehme/Teamformer). They are not part of this project; without them the tests are skipped.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.policies.heuristic import Heuristic
+from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trial import run_trials
+
+AUTHORS = Path(__file__).parents[2] / "shared" / "data" / "authors"
+
+pytestmark = pytest.mark.skipif(not AUTHORS.is_dir(), reason=f"{AUTHORS} is not there")
+
+
+def load(setting: str) -> tuple[list[Scenario], list[int | None]]:
+    lines = (AUTHORS / f"{setting}.jsonl").read_text(encoding="utf-8").splitlines()
+    worlds = [json.loads(line) for line in lines]
+    return [scenario_of(world) for world in worlds], [w["authors_heuristic"] for w in worlds]
+
+
+def scenario_of(world: dict[str, list[list[int]]]) -> Scenario:
+    names = tuple(f"c{index}" for index in range(world["caps"]))
+    return Scenario(
+        name=f"{world['setting']}-{world['seed']}",
+        world=Grid(world["cols"], world["rows"]),
+        capabilities=names,
+        robots=tuple(
+            Robot(f"r{i}", (x, y), {names[c]: 1}) for i, (x, y, c) in enumerate(world["robots"])
+        ),
+        tasks=tuple(
+            Task(f"t{i}", (x, y), {names[c]: 1 for c in needs})
+            for i, (x, y, needs) in enumerate(world["tasks"])
+        ),
+    )
+
+
+def test_on_four_robots_and_four_tasks() -> None:
+    scenarios, authors = load("4N4T-C4")
+    heuristic = [tally.steps for tally in run_trials(scenarios, Heuristic())]
+    join_all = [tally.steps for tally in run_trials(scenarios, JoinAll())]
+    assert np.mean([steps for steps in authors if steps]) == pytest.approx(25.96)
+    assert np.mean(heuristic) == pytest.approx(25.04)
+    assert np.mean(join_all) == pytest.approx(19.76)
+
+
+@pytest.mark.parametrize("path", sorted(p.stem for p in AUTHORS.glob("*.jsonl")))
+def test_nothing_fails_and_joining_all_beats_the_heuristic(path: str) -> None:
+    scenarios, _ = load(path)
+    mean = {}
+    for policy in (Heuristic(), JoinAll()):
+        tallies = run_trials(scenarios, policy)
+        assert {tally.status for tally in tallies} == {"completed"}
+        assert sum(tally.illegal_decisions for tally in tallies) == 0
+        mean[type(policy)] = np.mean([tally.steps for tally in tallies])
+    assert mean[JoinAll] < mean[Heuristic]

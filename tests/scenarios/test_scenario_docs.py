@@ -1,0 +1,29 @@
+"""What docs/scenarios.md tells about the file format is what the reader knows."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from teamformer.scenarios.files import read_scenario
+from teamformer.scenarios.trees import ROBOT_KEYS, TASK_KEYS, TOP_KEYS
+
+DOCS = Path(__file__).parents[2] / "docs" / "scenarios.md"
+
+
+def test_the_table_has_every_key_and_says_which_must_be_there() -> None:
+    rows = re.findall(r"^\| `([\w.\[\]]+)` \| .* \| (.*) \|$", DOCS.read_text(), re.MULTILINE)
+    told = {key: default == "must be there" for key, default in rows}
+    known = dict(TOP_KEYS)
+    known |= {f"robots[].{key}": must for key, must in ROBOT_KEYS.items()}
+    known |= {f"tasks[].{key}": must for key, must in TASK_KEYS.items()}
+    assert told == known
+
+
+def test_the_example_is_read(tmp_path: Path) -> None:
+    [text] = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
+    path = tmp_path / "example.yaml"
+    path.write_text(text)
+    scenario = read_scenario(path)
+    assert scenario.teams == ((1, 2),)
+    assert scenario.tasks[1].needs == {"lift": 2, "weld": 1}

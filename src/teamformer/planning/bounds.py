@@ -1,0 +1,140 @@
+"""No plan is faster: lower bounds on the makespan, whatever the policy.
+
+Each bound looks at one capability alone. They hold for the step rules as for the relaxed problem,
+and whatever `forming_steps` is: forming never brings a robot nearer to a task.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.model import Scenario
+from teamformer.planning.paths import LARGEST_EXACT, Times, bound_paths, shortest_path, span
+from teamformer.planning.relaxed import FAR, NOBODY, Relaxed, Whole, is_even, relax
+
+EFFORT = 4e7
+"""Legs looked at in all; about a tenth of a second."""
+
+MOST_ROUNDS = 150
+"""More rounds of raising the penalties gain nothing."""
+
+LEFT_OUT = (0.0, 0.5, 0.8)
+"""Shares of the tasks, those that can start first, to leave out: far tasks bound better alone."""
+
+
+def lower_bound(scenario: Scenario) -> int:
+    """Return a number of steps in which no policy can complete a scenario faster."""
+    return bound_makespan(relax(scenario))
+
+
+def bound_makespan(problem: Relaxed) -> int:
+    """Return a lower bound on the makespan of a relaxed problem, and of any plan by the rules."""
+    start = earliest_starts(problem)
+    is_possible = start < FAR  # what can never be done bounds nothing
+    bounds = (start + problem.duration)[is_possible].tolist()
+    caps = np.flatnonzero(problem.needs[is_possible].any(axis=0))
+    for cap in caps:
+        tasks = np.flatnonzero(is_possible & (problem.needs[:, cap] > 0))
+        bounds.append(_bound_capability(problem, cap, tasks, start, EFFORT / len(caps)))
+    return max(bounds, default=0)
+
+
+def earliest_starts(problem: Relaxed) -> npt.NDArray[np.int64]:
+    """Return the first step in which enough of each capability can be at each task, as (tasks,).
+
+    FAR where there will never be enough. Sound because a robot takes at least the steps of the
+    direct way from its start, and is missing from the step it is lost.
+    """
+    start = problem.appears.astype(np.int64) + 1
+    ways = problem.steps[problem.pace, problem.cells[:, len(start) :]]  # (tasks, robots)
+    arrive = np.maximum(ways, start[:, None])  # (tasks, robots)
+    arrive[arrive + problem.duration[:, None] >= problem.lost] = FAR
+    for cap, robots in enumerate(problem.able):
+        able = robots[robots != NOBODY]
+        queue = np.argsort(arrive[:, able], axis=1)  # (tasks, able)
+        brought = problem.counts[able, cap][queue].cumsum(axis=1)  # (tasks, able)
+        last = (brought < problem.needs[:, [cap]]).sum(axis=1)  # (tasks,) place in the queue
+        in_turn = np.take_along_axis(arrive[:, able], queue, axis=1)  # (tasks, able)
+        is_needed = problem.needs[:, cap] > 0
+        start[is_needed] = np.maximum(start, in_turn[np.arange(len(start)), last])[is_needed]
+    return start
+
+
+def _bound_capability(
+    problem: Relaxed, cap: int, tasks: Whole, start: npt.NDArray[np.int64], effort: float
+) -> int:
+    """Bound the makespan by what the robots with one capability have to walk.
+
+    One task stands for each place: fewer tasks take no longer, and tasks in one place may be done
+    together. For each task choose one robot of its crew that has the capability; these choices
+    cut the tasks into one path for each of u robots. A robot ends its path no sooner than
+    the start of its first task, its legs and its services together, so the slowest of u robots
+    ends no sooner than the mean; and u is unknown, so the least mean counts.
+    """
+    tasks = _one_for_each_place(problem, tasks, start)
+    able = problem.able[cap][problem.able[cap] != NOBODY]
+    legs, ready = _legs(problem, able, tasks), start[tasks].astype(np.float64)
+    duration = problem.duration[tasks].astype(np.float64)
+    if len(able) == 1 and len(tasks) <= LARGEST_EXACT:
+        return _whole(shortest_path(legs, ready, duration))
+    visits = _fewest_robots(problem.counts[able, cap], problem.needs[tasks, cap])
+    bounds = [_bound_visits(legs, ready, duration, visits, len(able))]
+    rounds = int(np.clip(effort / (len(LEFT_OUT) * len(tasks) ** 2), 2, MOST_ROUNDS))
+    by_start = np.argsort(ready, kind="stable")
+    for share in LEFT_OUT:
+        late = by_start[int(share * len(tasks)) :]
+        most = min(len(able), len(late))
+        lengths = bound_paths(legs[np.ix_(late, late)], ready[late], most, rounds)
+        slowest = (lengths + duration[late].sum()) / np.arange(1, most + 1)
+        bounds.append(_whole(slowest.min()))
+    return max(bounds)
+
+
+def _bound_visits(
+    legs: Times, ready: Times, duration: Times, visits: npt.NDArray[np.int64], robots: int
+) -> int:
+    """Bound the makespan by all visits that robots have to make, some to one task together.
+
+    One visit of each task, with the leg to it, makes a tree: a leg leads from a task to one that
+    starts no sooner. Each further visit costs at least the shortest leg to its task.
+    """
+    apart = legs + np.where(np.eye(len(ready), dtype=bool), np.inf, 0.0)
+    nearest = np.minimum(apart.min(axis=1), ready)  # (places,)
+    walked = span(legs, ready) + ((visits - 1) * nearest).sum()
+    return _whole((walked + (visits * duration).sum()) / robots)
+
+
+def _one_for_each_place(
+    problem: Relaxed, tasks: Whole, start: npt.NDArray[np.int64]
+) -> npt.NDArray[np.int64]:
+    """Keep the task that ends last of those in one place."""
+    by_end = tasks[np.argsort(-(start + problem.duration)[tasks], kind="stable")]
+    is_same = problem.cells[np.ix_(by_end, by_end)] == 0  # (tasks, tasks)
+    return by_end[is_same.argmax(axis=1) == np.arange(len(by_end))]
+
+
+def _legs(problem: Relaxed, robots: Whole, tasks: Whole) -> Times:
+    """Return the time that no leg of these robots is shorter than, as (tasks, tasks).
+
+    Whole steps of the fastest robot if stopping costs none of them anything; else its cells
+    over its speed. Where no way is, any time is sound, and the longest leg does.
+    """
+    cells = problem.cells[np.ix_(tasks, tasks)]
+    fastest = robots[problem.speed[robots].argmax()]
+    legs = problem.steps[problem.pace[fastest]][cells].astype(np.float64)
+    if not all(is_even(speed) for speed in problem.speed[robots]):
+        legs = np.where(legs < FAR, cells / problem.speed[fastest], FAR)
+    return np.minimum(legs, legs[legs < FAR].max())
+
+
+def _fewest_robots(counts: Whole, needs: Whole) -> npt.NDArray[np.int64]:
+    """Return how many robots at least bring what is needed, as (tasks,)."""
+    most = np.sort(counts)[::-1].cumsum()
+    return 1 + np.searchsorted(most, needs)
+
+
+def _whole(steps: float) -> int:
+    return math.ceil(steps - 1e-6)

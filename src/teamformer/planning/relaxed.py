@@ -1,0 +1,96 @@
+"""The relaxed problem: what is left of a scenario when robots join and split at no cost.
+
+Every robot goes its own way from task to task. A task starts at a step not before `appears + 1`
+and not before every robot of its crew is there; it ends `duration` steps later, and its crew stays
+until then. A crew is any set of robots that together have what the task needs. A robot that stays
+in one place may serve all tasks there at once, as a team does. A robot lost at step l serves only
+tasks that end before l. The makespan is the last end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.model import Scenario
+from teamformer.planning.travel import UNREACHABLE, travel_matrix
+
+Whole = npt.NDArray[np.int32]
+
+FAR = 2**28
+"""More steps than anything takes: the time to a place that cannot be reached, or never."""
+
+NOBODY = -1
+"""No robot, or no task."""
+
+ROUNDING = 1e-9
+"""Speeds are binary fractions: ten steps at 0.1 must make one cell."""
+
+
+class Relaxed(NamedTuple):
+    """The relaxed problem as plain arrays; times are in steps."""
+
+    cells: Whole  # (tasks, places) from places to tasks; places are the tasks, then the starts
+    steps: Whole  # (paces, cells) steps that 0, 1, ... cells take; last column: no way, FAR
+    pace: Whole  # (robots,) row of `steps`
+    speed: npt.NDArray[np.float64]  # (robots,) cells a step
+    counts: Whole  # (robots, caps)
+    needs: Whole  # (tasks, caps)
+    able: Whole  # (caps, robots) numbers of the robots with each capability, then NOBODY
+    duration: Whole  # (tasks,)
+    appears: Whole  # (tasks,) steps made when the task becomes known
+    lost: Whole  # (robots,) first step the robot is missing from; FAR for never
+
+
+def relax(scenario: Scenario) -> Relaxed:
+    """Return the relaxed problem of a scenario."""
+    robots, tasks = scenario.robots, scenario.tasks
+    places = [task.at for task in tasks] + [robot.at for robot in robots]
+    cells = travel_matrix(scenario.world, places, [task.at for task in tasks]).T  # (tasks, places)
+    no_way = 1 + int(cells[cells < UNREACHABLE].max())
+    speed = np.array([robot.speed for robot in robots])
+    speeds, pace = np.unique(speed, return_inverse=True)
+    counts = _table([robot.can for robot in robots], scenario.capabilities)
+    return Relaxed(
+        cells=np.ascontiguousarray(np.minimum(cells, no_way)),
+        steps=_steps_of_cells(speeds, no_way),
+        pace=pace.astype(np.int32),
+        speed=speed,
+        counts=counts,
+        needs=_table([task.needs for task in tasks], scenario.capabilities),
+        able=_able(counts),
+        duration=np.array([task.duration for task in tasks], dtype=np.int32),
+        appears=np.array([task.appears for task in tasks], dtype=np.int32),
+        lost=np.array([FAR if r.lost is None else r.lost for r in robots], dtype=np.int32),
+    )
+
+
+def is_even(speed: float) -> bool:
+    """Say whether stopping on the way to a further task costs nothing at this speed.
+
+    At a whole number of cells a step, or of steps a cell, a robot that does a task in passing is
+    no faster than its legs, each rounded up to steps. At 0.8 cells a step it is: two legs
+    of a cell take 2 + 2 steps, two cells at a stretch 3.
+    """
+    rate = max(speed, 1 / speed)
+    return abs(rate - round(rate)) < ROUNDING
+
+
+def _steps_of_cells(speeds: npt.NDArray[np.float64], no_way: int) -> Whole:
+    steps = np.ceil(np.arange(no_way + 1) / speeds[:, None] - ROUNDING)  # (paces, cells)
+    steps[:, no_way] = FAR
+    return np.minimum(steps, FAR).astype(np.int32)
+
+
+def _table(parts: Sequence[Mapping[str, int]], capabilities: tuple[str, ...]) -> Whole:
+    return np.array([[part.get(name, 0) for name in capabilities] for part in parts], np.int32)
+
+
+def _able(counts: Whole) -> Whole:
+    able = np.full(counts.T.shape, NOBODY, dtype=np.int32)
+    for row, count in zip(able, counts.T, strict=True):
+        row[: np.count_nonzero(count)] = np.flatnonzero(count)
+    return able

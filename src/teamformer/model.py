@@ -11,9 +11,15 @@ from typing import Literal
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem, ScenarioError
+from teamformer.regions import Regions, find_regions
 
 Place = tuple[int, int]
 """A cell, as `(x, y)`."""
+
+LARGEST_STEP_LIMIT = 10**6
+
+LARGEST_COUNT = 30_000
+"""What all robots together may have of one capability: kernels count in 16 bits."""
 
 FREE = "."
 BLOCKED = "@"
@@ -60,20 +66,13 @@ class Grid:
         return frozenset(reached)
 
     @cached_property
-    def regions(self) -> Mapping[Place, int]:
-        """Number the connected parts of a map with obstacles: free cell -> region."""
-        numbers: dict[Place, int] = {}
-        count = 0
-        for y in range(self.height):
-            for x in range(self.width):
-                if self.is_free((x, y)) and (x, y) not in numbers:
-                    numbers.update(dict.fromkeys(self.reachable((x, y)), count))
-                    count += 1
-        return numbers
+    def regions(self) -> Regions:
+        """Return the connected parts of a map that has rows."""
+        return find_regions(self.rows, FREE)
 
     def region(self, place: Place) -> int:
         """Return the connected part that a free place lies in; without obstacles there is one."""
-        return self.regions[place] if self.rows else 0
+        return self.regions.number(*place) if self.rows else 0
 
 
 @dataclass(frozen=True)
@@ -159,7 +158,8 @@ def default_step_limit(scenario: Scenario) -> int:
     if scenario.world.rows:
         walks *= 2  # walls make detours
     waits = sum(task.duration for task in scenario.tasks)
-    return math.ceil(walks / slowest) + waits + max(task.appears for task in scenario.tasks)
+    latest = max(task.appears for task in scenario.tasks)
+    return min(math.ceil(walks / slowest) + waits + latest, LARGEST_STEP_LIMIT)
 
 
 def find_problems(scenario: Scenario) -> Iterator[Problem]:
@@ -170,6 +170,7 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
     placed = list(_problems_of_places(scenario))
     yield from placed
     yield from _problems_of_robots(scenario)
+    yield from _problems_of_totals(scenario)
     yield from _problems_of_teams(scenario)
     yield from _problems_of_tasks(scenario, places_are_good=not placed)
 
@@ -261,6 +262,15 @@ def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
             )
 
 
+def _problems_of_totals(scenario: Scenario) -> Iterator[Problem]:
+    for name, count in total(robot.can for robot in scenario.robots).items():
+        if count > LARGEST_COUNT:
+            yield Problem(
+                ("robots",),
+                f"all robots together have {count} x '{name}'; {LARGEST_COUNT} are possible",
+            )
+
+
 def _problems_of_counts(
     counts: Mapping[str, int], known: tuple[str, ...], where: tuple[str | int, ...], what: str
 ) -> Iterator[Problem]:
@@ -294,6 +304,7 @@ def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
 
 def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Problem]:
     everybody = total(robot.can for robot in scenario.robots)
+    near = _totals_by_region(scenario) if places_are_good else {}
     for number, task in enumerate(scenario.tasks):
         where, what = ("tasks", number), f"task '{task.name}'"
         yield from _problems_of_counts(
@@ -303,17 +314,25 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
             if getattr(task, key) < 0:
                 steps = getattr(task, key)
                 yield Problem((*where, key), f"{what} has {key} {steps}; use 0 or more")
-        if not covers(everybody, task.needs):
-            yield Problem((*where, "needs"), _impossible(what, everybody, task.needs))
+        known = {name: n for name, n in task.needs.items() if name in scenario.capabilities}
+        if not covers(everybody, known):
+            yield Problem((*where, "needs"), _impossible(what, everybody, known))
         elif places_are_good:
-            region = scenario.world.region(task.at)
-            near = total(r.can for r in scenario.robots if scenario.world.region(r.at) == region)
-            if not covers(near, task.needs):
+            have = near.get(scenario.world.region(task.at), {})
+            if not covers(have, known):
                 yield Problem(
                     (*where, "at"),
                     f"{what} cannot be reached by robots that bring "
-                    f"{describe(missing(near, task.needs))}; move it or open the map",
+                    f"{describe(missing(have, known))}; move it or open the map",
                 )
+
+
+def _totals_by_region(scenario: Scenario) -> dict[int, dict[str, int]]:
+    """Add up what the robots in each connected part of the map can do."""
+    robots: dict[int, list[Robot]] = {}
+    for robot in scenario.robots:
+        robots.setdefault(scenario.world.region(robot.at), []).append(robot)
+    return {region: total(r.can for r in members) for region, members in robots.items()}
 
 
 def _impossible(what: str, have: Mapping[str, int], need: Mapping[str, int]) -> str:

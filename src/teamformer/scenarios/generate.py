@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -138,11 +137,10 @@ def _size(world: Grid) -> tuple[int, int]:
 
 @lru_cache(maxsize=8)
 def _largest_region(world: Grid) -> tuple[Place, ...]:
-    sizes = Counter(world.regions.values())
-    if not sizes:
+    cells = tuple(world.regions.cells(world.regions.largest()))
+    if not cells:
         raise TeamformerError("the map has no free cell", "use another map")
-    largest = max(sizes, key=lambda region: (sizes[region], -region))
-    return tuple(sorted(place for place, region in world.regions.items() if region == largest))
+    return cells
 
 
 def _within_steps(world: Grid, place: Place, steps: int) -> list[Place]:

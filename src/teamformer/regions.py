@@ -1,0 +1,83 @@
+"""The connected parts of a map, found by joining runs of free cells from row to row."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Regions:
+    """The runs of free cells in each row, with the number of the part that each belongs to."""
+
+    begins: tuple[tuple[int, ...], ...]
+    ends: tuple[tuple[int, ...], ...]  # the first cell that is not in the run
+    numbers: tuple[tuple[int, ...], ...]
+
+    def number(self, x: int, y: int) -> int:
+        """Return the part that a free cell belongs to."""
+        return self.numbers[y][bisect_right(self.begins[y], x) - 1]
+
+    def cells(self, number: int) -> Iterator[tuple[int, int]]:
+        """Return the cells of a part, row by row."""
+        for y, row in enumerate(zip(self.begins, self.ends, self.numbers, strict=True)):
+            for begin, end, part in zip(*row, strict=True):
+                if part == number:
+                    yield from ((x, y) for x in range(begin, end))
+
+    def largest(self) -> int:
+        """Return the part with the most cells, the first of equals; -1 if nothing is free."""
+        sizes: dict[int, int] = {}
+        for row in zip(self.begins, self.ends, self.numbers, strict=True):
+            for begin, end, number in zip(*row, strict=True):
+                sizes[number] = sizes.get(number, 0) + end - begin
+        return max(sizes, key=lambda number: (sizes[number], -number), default=-1)
+
+
+def find_regions(rows: Sequence[str], free: str) -> Regions:
+    """Return the parts of a map; `rows[y][x]` is `free` where a robot can be."""
+    runs = [[match.span() for match in re.finditer(f"[{re.escape(free)}]+", row)] for row in rows]
+    first = [0]  # the number of each row's first run, counting all runs of the map
+    for row in runs:
+        first.append(first[-1] + len(row))
+    parent = list(range(first[-1]))
+    for y in range(1, len(runs)):
+        for i, j in _touching(runs[y - 1], runs[y]):
+            _unite(parent, first[y - 1] + i, first[y] + j)
+    return Regions(
+        begins=tuple(tuple(begin for begin, _ in row) for row in runs),
+        ends=tuple(tuple(end for _, end in row) for row in runs),
+        numbers=tuple(
+            tuple(_root(parent, first[y] + i) for i in range(len(row)))
+            for y, row in enumerate(runs)
+        ),
+    )
+
+
+def _touching(
+    above: Sequence[tuple[int, int]], below: Sequence[tuple[int, int]]
+) -> Iterator[tuple[int, int]]:
+    """Return which runs of two neighbouring rows share a column."""
+    i = j = 0
+    while i < len(above) and j < len(below):
+        if above[i][0] < below[j][1] and below[j][0] < above[i][1]:
+            yield i, j
+        if above[i][1] < below[j][1]:
+            i += 1
+        else:
+            j += 1
+
+
+def _unite(parent: list[int], one: int, other: int) -> None:
+    """Put two runs into one part, named by its first run."""
+    one, other = _root(parent, one), _root(parent, other)
+    parent[max(one, other)] = min(one, other)
+
+
+def _root(parent: list[int], run: int) -> int:
+    while parent[run] != run:
+        parent[run] = parent[parent[run]]
+        run = parent[run]
+    return run

@@ -148,8 +148,8 @@ def _show(trial: Trial, policy: Policy) -> None:
     for plan in getattr(policy, "plans", []):
         solution = plan.solution
         out.print(
-            f"schedule with free joining: {solution.schedule.makespan} ({solution.status}, "
-            f"bound {solution.bound}); played by {plan.played_by}"
+            f"schedule with free joining: {solution.value or 'none'} ({solution.status}, "
+            f"bound {solution.bound}); played: {plan.played_by}"
         )
     out.print(
         f"{end.tasks_done} of {len(scenario.tasks)} tasks, {end.joins} joins, {end.splits} splits, "

@@ -11,7 +11,7 @@ from teamformer.model import Scenario
 from teamformer.planning.optimal import Solution, solve
 from teamformer.policies.plan_player import PlanPlayer
 from teamformer.policies.scripted import JoinAll
-from teamformer.sim.arrays import NOBODY, Array
+from teamformer.sim.arrays import NEVER, NOBODY, Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
 
@@ -69,11 +69,11 @@ class Central:
 
     def _plan(self, scenario: Scenario, seed: int) -> CentralPlan:
         solution = solve(scenario, self.time_limit, seed=seed, workers=self.workers)
-        plays = {
-            "schedule": _play(scenario, PlanPlayer(scenario, solution.schedule.routes)),
-            "join-all": _play(scenario, JoinAll()),
-        }
-        best = min(plays, key=lambda name: (plays[name][0] is None, plays[name][0] or 0))
+        plays = {"join-all": _play(scenario, JoinAll())}
+        if solution.schedule is not None:
+            player = PlanPlayer(scenario, solution.schedule.routes)
+            plays["schedule"] = _play(scenario, player)
+        best = min(plays, key=lambda name: plays[name][0] or NEVER)
         makespan, script = plays[best]
         return CentralPlan(solution, makespan, best, script)
 

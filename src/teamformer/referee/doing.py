@@ -1,0 +1,99 @@
+"""Completion: every task that is recorded as done was done, and every one that was is recorded."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+from teamformer.capabilities import describe, missing
+from teamformer.model import Place, Scenario
+from teamformer.referee.fleet import Fleet, Team
+from teamformer.referee.verdict import Notes
+
+
+class Tasks:
+    """Which tasks are known and done, and who serves them."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+        self.done: dict[int, int] = {}  # task -> step
+        self.at: dict[Place, list[int]] = defaultdict(list)
+        for number, task in enumerate(scenario.tasks):
+            self.at[task.at].append(number)
+
+    def is_open(self, task: int, steps_made: int) -> bool:
+        """Say whether a task is known once so many steps are made, and undone."""
+        return task not in self.done and self.scenario.tasks[task].appears <= steps_made
+
+    def complete(self, fleet: Fleet, recorded: dict[int, int], step: int, notes: Notes) -> None:
+        """Work out what is done in a step and compare it with the record, task -> slot."""
+        found: dict[int, int] = {}
+        for slot, team in sorted(fleet.teams.items()):
+            for task in sorted(team.services):
+                self._serve(fleet, slot, team, task, found)
+        for slot, team in sorted(fleet.teams.items()):
+            for task in self.at.get(team.at, ()):
+                if task not in found and self._can_begin(fleet, team, task, step):
+                    self._begin(slot, team, task, found)
+        for task in sorted(found.keys() | recorded.keys()):
+            self._compare(fleet, task, found.get(task), recorded.get(task), step, notes)
+        for task in recorded:
+            self.done[task] = step
+            for team in fleet.teams.values():
+                team.services.pop(task, None)
+
+    def _serve(self, fleet: Fleet, slot: int, team: Team, task: int, found: dict[int, int]) -> None:
+        team.services[task] -= 1
+        if not fleet.covers(team, task):
+            del team.services[task]
+        elif team.services[task] == 0:
+            del team.services[task]
+            found[task] = slot
+
+    def _can_begin(self, fleet: Fleet, team: Team, task: int, step: int) -> bool:
+        is_served = any(task in other.services for other in fleet.teams.values())
+        return self.is_open(task, step - 1) and not is_served and fleet.covers(team, task)
+
+    def _begin(self, slot: int, team: Team, task: int, found: dict[int, int]) -> None:
+        duration = self.scenario.tasks[task].duration
+        if duration:
+            team.services[task] = duration
+            team.credit = 0.0
+        else:
+            found[task] = slot
+
+    def _compare(
+        self,
+        fleet: Fleet,
+        task: int,
+        found: int | None,
+        recorded: int | None,
+        step: int,
+        notes: Notes,
+    ) -> None:
+        if found == recorded:
+            return
+        name = self.scenario.tasks[task].name
+        if recorded is None:
+            assert found is not None
+            team = fleet.name(fleet.teams[found])
+            notes.note(f"{team} does task {name}, and the record leaves it out")
+        elif task in self.done:
+            notes.note(f"task {name} is done again; it was done in step {self.done[task]}")
+        else:
+            notes.note(f"task {name} cannot be done: {self._why_not(fleet, task, recorded, step)}")
+
+    def _why_not(self, fleet: Fleet, task: int, slot: int, step: int) -> str:
+        wanted = self.scenario.tasks[task]
+        if not self.is_open(task, step - 1):
+            return f"it appears after {wanted.appears} steps"
+        team = fleet.teams.get(slot)
+        if team is None:
+            return f"there is no team of robot {self.scenario.robots[slot].name} as its lowest"
+        if team.at != wanted.at:
+            return f"{fleet.name(team)} is at {list(team.at)}, the task at {list(wanted.at)}"
+        if not fleet.covers(team, task):
+            short = describe(missing(fleet.counts(team), wanted.needs))
+            return f"{fleet.name(team)} lacks {short}"
+        if wanted.duration:
+            return f"{fleet.name(team)} has not served it for {wanted.duration} steps"
+        return f"another team than {fleet.name(team)} is first"

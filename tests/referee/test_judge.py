@@ -1,0 +1,241 @@
+"""The referee: real records are legal, and what is forged in them is found and named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from random_worlds import random_decision, random_world
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.policies.heuristic import Heuristic
+from teamformer.policies.protocol import Policy
+from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trial import run_trial
+from teamformer.referee import judge
+from teamformer.sim.env import Decision
+from teamformer.sim.replay import Ending, Replay, Step, TeamAt
+from teamformer.sim.view import View
+
+CORRIDOR = Scenario(
+    name="corridor",
+    world=Grid(6, 2, ("......", ".@@@@.")),
+    capabilities=("a", "b"),
+    robots=(
+        Robot("ann", (0, 0), {"a": 1}),
+        Robot("bob", (0, 0), {"b": 1}),
+        Robot("cat", (5, 1), {"a": 1}, speed=0.5, lost=6),
+    ),
+    tasks=(
+        Task("joint", (2, 0), {"a": 1, "b": 1}),
+        Task("long", (4, 0), {"a": 1}, duration=2),
+        Task("late", (0, 1), {"b": 1}, appears=7),
+    ),
+    sensing_radius=10,
+    step_limit=50,
+)
+"""
+ann and bob start together left, slow cat right below; joint is in the middle.
+
+    A . J . L .
+    l @ @ @ @ C
+"""
+
+LEGAL = Replay(
+    scenario=CORRIDOR,
+    policy="by hand",
+    seed=0,
+    orders=((0, (0, 1)), (7, (1, 2))),
+    start=((0, (0,), 0, 0), (1, (1,), 0, 0), (2, (2,), 5, 1)),
+    steps=(
+        Step(joins=((0, 1),), teams=(TeamAt(0, 0, 0, 0), TeamAt(2, 5, 1, 1))),
+        Step(teams=(TeamAt(0, 1, 0, 0), TeamAt(2, 5, 0, 1))),
+        Step(teams=(TeamAt(0, 2, 0, None),), done=((0, 0),)),
+        # cat needs two steps for the next cell; there the service of `long` begins
+        Step(splits=(((0,), (1,)),), teams=(TeamAt(1, 2, 0, None), TeamAt(2, 4, 0, 1))),
+        Step(teams=(TeamAt(0, 3, 0, 1),)),
+        # cat is lost in its second step of service, so that ann begins anew
+        Step(lost=(2,), teams=(TeamAt(0, 4, 0, None),)),
+        Step(),
+        Step(teams=(TeamAt(1, 1, 0, 2),), done=((1, 0),)),
+        Step(teams=(TeamAt(1, 0, 0, 2),)),
+        Step(teams=(TeamAt(1, 0, 1, None),), done=((2, 1),)),
+    ),
+    end=Ending("completed", 10, 10, 3, 1, 1, 0),
+    lower_bound=9,
+)
+
+
+def with_step(number: int, **changes: object) -> Callable[[Replay], Replay]:
+    """Return what changes one step, counted from 1."""
+
+    def change(replay: Replay) -> Replay:
+        steps = list(replay.steps)
+        steps[number - 1] = replace(steps[number - 1], **changes)  # type: ignore[arg-type]
+        return replace(replay, steps=tuple(steps))
+
+    return change
+
+
+def with_end(**changes: object) -> Callable[[Replay], Replay]:
+    return lambda replay: replace(replay, end=replace(replay.end, **changes))  # type: ignore[arg-type]
+
+
+def test_the_legal_record_is_legal() -> None:
+    verdict = judge(LEGAL)
+    assert verdict.findings == ()
+    assert verdict.is_legal
+    assert (verdict.steps, verdict.tasks_done) == (10, 3)
+
+
+@pytest.mark.parametrize(
+    ("forge", "message"),
+    [
+        (
+            with_step(2, teams=(TeamAt(0, 2, 0, 0), TeamAt(2, 5, 0, 1))),
+            "step 2: team [ann, bob] jumped from [0, 0] to [2, 0]; it can cross 1 cells now",
+        ),
+        (
+            with_step(2, teams=(TeamAt(0, 1, 1, 0), TeamAt(2, 5, 0, 1))),
+            "step 2: team [ann, bob] is at [1, 1], where no robot can be",
+        ),
+        (
+            with_step(1, teams=(TeamAt(0, 1, 0, 0), TeamAt(2, 5, 1, 1))),
+            "step 1: team [ann, bob] moves from [0, 0] to [1, 0] in the step in which it formed",
+        ),
+        (
+            with_step(1, joins=((0, 2),)),
+            "step 1: team [ann] at [0, 0] joins team [cat] at [5, 1]; "
+            "they are not in the same place",
+        ),
+        (
+            with_step(1, joins=((0, 1), (0, 2))),
+            "step 1: team [ann, bob] forms twice in one step",
+        ),
+        (
+            with_step(3, splits=(((0,), (2,)),)),
+            "step 3: a split into [ann] and [cat] parts no team",
+        ),
+        (
+            with_step(3, done=((0, 0), (2, 0))),
+            "step 3: task late cannot be done: it appears after 7 steps",
+        ),
+        (
+            with_step(3, done=()),
+            "step 3: team [ann, bob] does task joint, and the record leaves it out",
+        ),
+        (
+            with_step(2, done=((0, 0),)),
+            "step 2: task joint cannot be done: team [ann, bob] is at [1, 0], the task at [2, 0]",
+        ),
+        (
+            with_step(5, done=((1, 2),)),
+            "step 5: task long cannot be done: team [cat] has not served it for 2 steps",
+        ),
+        (
+            with_step(5, teams=(TeamAt(0, 3, 0, 1), TeamAt(2, 3, 0, 1))),
+            "step 5: team [cat] moves from [4, 0] to [3, 0] while it serves a task",
+        ),
+        (
+            with_step(6, lost=()),
+            "step 6: robot cat is lost in this step and the record keeps it",
+        ),
+        (
+            with_step(7, lost=(1,)),
+            "step 7: the record loses robot bob here, the scenario never",
+        ),
+        (
+            with_step(10, done=((2, 1), (0, 1))),
+            "step 10: task joint is done again; it was done in step 3",
+        ),
+        (
+            with_step(9, teams=(TeamAt(1, 0, 0, 0),)),
+            "step 9: team [bob] heads for task joint, which is not open",
+        ),
+        (
+            with_step(5, teams=(TeamAt(0, 3, 0, 1), TeamAt(2, 4, 0, 1), TeamAt(1, 2, 0, 2))),
+            "step 5: team [bob] heads for task late, which is not open",
+        ),
+        (with_end(makespan=9), "the record says makespan 9; it is 10"),
+        (with_end(steps=11), "the record says steps 11; it is 10"),
+        (with_end(joins=0), "the record says joins 0; it is 1"),
+        (with_end(splits=2), "the record says splits 2; it is 1"),
+        (with_end(tasks_done=2), "the record says tasks_done 2; it is 3"),
+        (with_end(status="step limit"), "the record ends as 'step limit', which is not so"),
+        (
+            with_end(blocked_tasks=("late",)),
+            "the record says that late are blocked; none are",
+        ),
+        (
+            lambda replay: replace(replay, lower_bound=11),
+            "the lower bound 11 is above the makespan 10",
+        ),
+        (
+            lambda replay: replace(replay, orders=((0, (0, 1)), (7, (0, 2)))),
+            "the order made after 7 steps is not one of the open tasks",
+        ),
+        (
+            lambda replay: replace(replay, start=((0, (0, 1), 0, 0), (2, (2,), 5, 1))),
+            "the starting teams are not those of the scenario",
+        ),
+        (
+            lambda replay: replace(replay, steps=(*replay.steps, Step())),
+            "step 11: everything was done before, and the record goes on",
+        ),
+    ],
+)
+def test_a_forgery_is_found(forge: Callable[[Replay], Replay], message: str) -> None:
+    verdict = judge(forge(LEGAL))
+    assert message in [finding.message for finding in verdict.findings]
+    assert len(verdict.findings) <= 16  # one fault does not drown the reader
+
+
+class Restless:
+    """Decides at random for a while, then joins."""
+
+    needs_everything = False
+
+    def begin(self, everything: object, rng: np.random.Generator) -> None:
+        self.rng, self.left = rng, 40
+
+    def decide(self, view: View) -> Decision:
+        self.left -= 1
+        return random_decision(view, self.rng) if self.left > 0 else JoinAll().decide(view)
+
+
+@pytest.mark.parametrize("policy", [JoinAll(), Heuristic(), Restless()], ids=str)
+def test_real_records_are_legal(policy: Policy) -> None:
+    rng = np.random.default_rng(5)
+    for seed in range(200):
+        replay = run_trial(random_world(rng), policy, "any", seed).replay
+        assert judge(replay).findings == ()
+
+
+def forgeries(replay: Replay, rng: np.random.Generator) -> list[Replay]:
+    """Return records with one fact changed: a place, a completion, a total, a loss."""
+    forged = [with_end(**{key: getattr(replay.end, key) + 1})(replay) for key in ("steps", "joins")]
+    busy = [n for n, step in enumerate(replay.steps, start=1) if step.done]
+    number = int(rng.choice(busy))
+    step = replay.steps[number - 1]
+    forged.append(with_step(number, done=step.done[1:])(replay))
+    forged.append(with_step(number, lost=(*step.lost, step.done[0][1]))(replay))
+    if number > 1:
+        forged.append(with_step(number - 1, done=step.done)(with_step(number, done=())(replay)))
+    if not any(step.teams for step in replay.steps):
+        return forged  # nobody had to go anywhere
+    moved = [(n, i) for n, s in enumerate(replay.steps, start=1) for i in range(len(s.teams))]
+    number, i = moved[int(rng.integers(len(moved)))]
+    teams = list(replay.steps[number - 1].teams)
+    teams[i] = teams[i]._replace(x=teams[i].x + 4)
+    forged.append(with_step(number, teams=tuple(teams))(replay))
+    return forged
+
+
+def test_changes_of_single_facts_are_found() -> None:
+    rng = np.random.default_rng(6)
+    for seed in range(100):
+        replay = run_trial(random_world(rng, with_losses=False), JoinAll(), "any", seed).replay
+        for forged in forgeries(replay, rng):
+            assert judge(forged).findings

@@ -1,0 +1,206 @@
+"""The command line as a person meets it: what it prints, what it writes, how it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from teamformer import cli
+from teamformer.sim.replay import read_replay
+
+ROOT = Path(__file__).parent.parent
+FOUR = str(ROOT / "examples" / "four-robots.yaml")
+
+
+def teamformer(*words: str) -> int:
+    """Run the command line in this process and return its exit status."""
+    argv, sys.argv = sys.argv, ["teamformer", *words]
+    try:
+        cli.main()
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else 0
+    finally:
+        sys.argv = argv
+    return 0
+
+
+def test_run_writes_a_record_that_check_accepts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert teamformer("run", FOUR, "--policy", "join-all", "--html", "--out", str(tmp_path)) == 0
+    shown = capsys.readouterr().out
+    replay = read_replay(tmp_path / "replay.json")
+    assert f"all done after {replay.end.makespan} steps" in shown
+    assert all(task.name in shown for task in replay.scenario.tasks)
+    assert "<html" in (tmp_path / "replay.html").read_text(encoding="utf-8").lower()
+    assert teamformer("check", str(tmp_path / "replay.json")) == 0
+    assert "legal" in capsys.readouterr().out
+
+
+def test_run_json_is_one_object_with_every_key(capsys: pytest.CaptureFixture[str]) -> None:
+    assert teamformer("run", FOUR, "--json") == 0
+    row = json.loads(capsys.readouterr().out)
+    keys = (
+        "scenario policy seed completed makespan steps tasks_done tasks robots capabilities joins "
+        "splits illegal_decisions decision_seconds total_seconds best_known lower_bound"
+    )
+    assert set(keys.split(" ")) <= set(row)
+    assert row["completed"] is True
+    assert row["makespan"] == row["steps"] >= row["lower_bound"] > 0
+    assert (row["tasks_done"], row["tasks"], row["robots"], row["capabilities"]) == (4, 4, 4, 4)
+    assert row["illegal_decisions"] == 0
+
+
+def test_same_seed_same_record(tmp_path: Path) -> None:
+    records = []
+    for name in ("a", "b"):
+        assert teamformer("run", FOUR, "--out", str(tmp_path / name), "--seed", "5") == 0
+        records.append((tmp_path / name / "replay.json").read_bytes())
+    assert records[0] == records[1]
+
+
+def test_step_limit_makes_a_failure(capsys: pytest.CaptureFixture[str]) -> None:
+    assert teamformer("run", FOUR, "--step-limit", "3") == 1
+    assert "not done within the limit of 3 steps" in capsys.readouterr().out
+
+
+def test_a_lost_capability_ends_the_trial_and_names_the_task(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = Path(FOUR).read_text(encoding="utf-8").replace("can: [power]", "can: [power], lost: 2")
+    (tmp_path / "lost.yaml").write_text(text, encoding="utf-8")
+    assert teamformer("run", str(tmp_path / "lost.yaml"), "--out", str(tmp_path)) == 1
+    assert "given up at step 2: t3, t4 can never be done" in capsys.readouterr().out
+    assert read_replay(tmp_path / "replay.json").end.blocked_tasks == ("t3", "t4")
+    assert teamformer("check", str(tmp_path / "replay.json")) == 0
+
+
+def test_check_finds_a_forged_makespan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert teamformer("run", FOUR, "--out", str(tmp_path)) == 0
+    path = tmp_path / "replay.json"
+    record = json.loads(path.read_text(encoding="utf-8"))
+    record["end"]["makespan"] -= 1
+    path.write_text(json.dumps(record), encoding="utf-8")
+    capsys.readouterr()
+    assert teamformer("check", str(path), "--json") == 1
+    verdict = json.loads(capsys.readouterr().out)
+    assert verdict["legal"] is False
+    assert any("makespan" in finding["message"] for finding in verdict["findings"])
+
+
+def test_compare_shows_every_policy_against_the_best(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("compare", FOUR, "--policies", "heuristic,join-all,central", "--time-limit", "2")
+    assert teamformer(*words, "--json") == 0
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [row["policy"] for row in rows] == ["heuristic", "join-all", "central"]
+    best = min(row["makespan"] for row in rows)
+    assert {row["best_known"] for row in rows} == {best}
+    assert rows[2]["makespan"] == best
+    assert all(row["lower_bound"] <= best for row in rows)
+    assert teamformer(*words) == 0
+    shown = capsys.readouterr().out
+    assert f"best known {best}, lower bound {rows[0]['lower_bound']}" in shown
+
+
+def test_generate_makes_a_scenario_that_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "made.yaml"
+    words = ("--robots", "6", "--tasks", "9", "--capabilities", "3", "--grid", "12x8")
+    assert teamformer("generate", *words, "--seed", "2", "-o", str(path)) == 0
+    capsys.readouterr()
+    assert teamformer("run", str(path), "--policy", "heuristic", "--json") == 0
+    row = json.loads(capsys.readouterr().out)
+    assert (row["robots"], row["tasks"], row["capabilities"]) == (6, 9, 3)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("run", "nowhere.yaml"), "nowhere.yaml: there is no such file"),
+        (("run", str(ROOT)), "this is a folder"),
+        (("run", sys.executable), "not"),
+        (("run", FOUR, "--seed", "x"), "--seed"),
+        (("run", FOUR, "--policy", "joinall"), "did you mean 'join-all'?"),
+        (("run", FOUR, "--policy", "nowhere:Nobody"), "cannot be imported"),
+        (("run", FOUR, "--html"), "--out"),
+        (("run", FOUR, "--out", "/proc/none"), "cannot be written"),
+        (("run", FOUR, "--order", "alphabetical"), "order 'alphabetical' is unknown"),
+        (("compare", FOUR, "--policies", "join-all,"), "there is no policy ''"),
+        (("generate", "-o", "/proc/none/x.yaml"), "cannot be written"),
+        (("generate", "-o", "x.yaml", "--grid", "ten"), "WIDTHxHEIGHT"),
+        (("generate", "-o", "x.yaml", "--robots", "0"), "--robots"),
+        (("generate", "-o", "x.yaml", "--requirements", "9"), "requirements is 9"),
+        (("check", FOUR), "not"),
+        (("view", "nowhere.json"), "there is no such file"),
+        (("bench", "sped"), "did you mean 'speed'?"),
+        (("fly",), "fly"),
+    ],
+)
+def test_misuse_is_told_and_exits_with_2(
+    words: tuple[str, ...],
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert teamformer(*words) == 2
+    printed = capsys.readouterr()
+    assert message in printed.err
+    assert printed.out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_your_own_policy_by_module_and_class(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (ROOT / "docs" / "policies.md").read_text(encoding="utf-8")
+    code = page.split("```python\n")[1].split("```")[0]
+    (tmp_path / "mine.py").write_text(code, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert teamformer("run", FOUR, "--policy", "mine:Patient", "--step-limit", "50", "--json") == 1
+    row = json.loads(capsys.readouterr().out)
+    assert (row["joins"], row["tasks_done"]) == (0, 1)  # only t2 needs one robot alone
+
+
+def test_ctrl_c_leaves_what_was_done_readable(tmp_path: Path) -> None:
+    (tmp_path / "slow.py").write_text(
+        "import time\n"
+        "from teamformer.policies.scripted import JoinAll\n"
+        "class Slow(JoinAll):\n"
+        "    def decide(self, view):\n"
+        "        print('deciding', flush=True)\n"
+        "        time.sleep(0.2)\n"
+        "        return super().decide(view)\n",
+        encoding="utf-8",
+    )
+    command = [sys.executable, "-m", "teamformer.cli", "run", FOUR, "--policy", "slow:Slow"]
+    process = subprocess.Popen(
+        [*command, "--out", "out"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+    )
+    assert process.stdout is not None
+    for _ in range(3):
+        assert process.stdout.readline() == "deciding\n"
+    time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    shown, errors = process.communicate(timeout=60)
+    assert "Traceback" not in errors
+    assert process.returncode == 1
+    assert "interrupted at step" in shown
+    replay = read_replay(tmp_path / "out" / "replay.json")
+    assert replay.end.status == "interrupted"
+    assert 1 <= replay.end.steps == len(replay.steps) <= 4

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from teamformer.model import Grid, Place, Scenario
 
@@ -47,6 +48,7 @@ class PlainWorld:
             team[0]: PlainTeam(list(team), scenario.robots[team[0]].at)
             for team in scenario.starting_teams
         }
+        self.order: list[int] = []
         self.joins = self.splits = self.illegal = 0
 
     def has(self, team: PlainTeam) -> list[int]:
@@ -149,9 +151,9 @@ class PlainWorld:
     def unite(self, slot: int, partner: int, order_rank: dict[int, int]) -> None:
         one, other = self.teams.pop(slot), self.teams.pop(partner)
         task = None
-        if one.task is not None and other.task is not None:
-            if not one.is_detour and not other.is_detour:
-                task = min(one.task, other.task, key=lambda k: order_rank[k])
+        any_free = one.task is None or other.task is None
+        if not (any_free or one.is_detour or other.is_detour):
+            task = min(one.task, other.task, key=lambda k: order_rank[k])
         robots = sorted(one.robots + other.robots)
         self.teams[robots[0]] = PlainTeam(robots, one.at, task, formed=True)
         self.joins += 1
@@ -159,8 +161,6 @@ class PlainWorld:
     @property
     def rank(self) -> dict[int, int]:
         return {task: i for i, task in enumerate(self.order)}
-
-    order: list[int] = []
 
     def allocate(self, slot: int, order: list[int]) -> None:
         self.order = order
@@ -209,7 +209,7 @@ class PlainWorld:
 
     def tour(self, places: list[Place]) -> int:
         length = 0
-        for here, there in zip(places[:-1], places[1:], strict=True):
+        for here, there in pairwise(places):
             length += walk(self.s.world, there).get(here, 2**30)
         return length
 

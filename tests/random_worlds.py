@@ -13,7 +13,7 @@ from teamformer.sim.view import View
 def random_world(
     rng: np.random.Generator, with_losses: bool = True, with_arrivals: bool = True
 ) -> Scenario:
-    """Return a small possible world: walls, counts, durations, speeds, radii, late tasks, losses."""
+    """Return a small possible world with walls, counts, durations, radii, late tasks, losses."""
     while True:
         try:
             return _draw(rng, with_losses, with_arrivals)

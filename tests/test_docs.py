@@ -20,7 +20,11 @@ def python_blocks() -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("name", "code"), python_blocks(), ids=lambda value: value[:24])
-def test_python_in_the_documents_runs(name: str, code: str) -> None:
+def test_python_in_the_documents_runs(
+    name: str, code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
     exec(compile(code, name, "exec"), {"__name__": name})
 
 

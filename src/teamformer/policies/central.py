@@ -63,7 +63,8 @@ class Central:
         for row, (w, slot) in enumerate(zip(view.world.tolist(), view.slot.tolist(), strict=True)):
             script = self.plans[w].script
             if self._steps[w] < len(script):
-                wanted[row], named[row] = script[self._steps[w]][slot]
+                counts, named[row] = script[self._steps[w]][slot]
+                wanted[row, : len(counts)] = counts  # others in the batch may know more
         self._steps[np.unique(view.world)] += 1
         return Decision(wanted, named)
 

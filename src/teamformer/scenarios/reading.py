@@ -59,8 +59,8 @@ class Reader:
     def text(self, where: Where, value: Any, longest: int = LONGEST_TEXT) -> str:
         """Return a text that a person can read on one line."""
         if not isinstance(value, str):
-            self._refuse_misread(where, value)
-        elif not value.strip() or not value.isprintable():
+            return self._misread_text(where, value)
+        if not value.strip() or not value.isprintable():
             self.refuse(where, f"{name_of(where)} is empty or cannot be printed; write a name")
         elif len(value) > longest:
             self.refuse(where, f"{name_of(where)} is {describe(value)}; use {longest} letters")
@@ -68,12 +68,14 @@ class Reader:
             return value
         return "?"
 
-    def _refuse_misread(self, where: Where, value: Any) -> None:
+    def _misread_text(self, where: Where, value: Any) -> str:
+        """Refuse what YAML took for something else, and go on with the word that was meant."""
         if value is None or isinstance(value, list | dict):
             self.refuse(where, f"{name_of(where)} is {kind_of(value)}; write a name")
-        else:
-            word = value.text if isinstance(value, Misread) else describe(value)
-            self.refuse(where, misread(word, kind_of(value)))
+            return "?"
+        word = value.text if isinstance(value, Misread) else describe(value)
+        self.tree.refuse(where, misread(word, kind_of(value)))
+        return word
 
     def names(self, where: Where, value: Any, longest: int = LONGEST_TEXT) -> list[str]:
         """Return a list of texts."""

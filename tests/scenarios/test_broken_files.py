@@ -164,7 +164,8 @@ def test_everything_wrong_is_told_at_once_in_the_order_of_the_file(tmp_path: Pat
 
 def test_a_mistake_causes_no_other_complaints(tmp_path: Path) -> None:
     assert (
-        len(problems_of(tmp_path, GOOD.replace("[lift, scan]\nrobots", "[lift, on]\nrobots"))) == 1
+        len(problems_of(tmp_path, GOOD.replace("[lift, scan]\nrobots", "[lift, scan, on]\nrobots")))
+        == 1
     )
     assert len(problems_of(tmp_path, GOOD.replace("{grid: [4, 3]}", "{grid: 4}"))) == 1
 

@@ -7,13 +7,16 @@ and whatever `forming_steps` is: forming never brings a robot nearer to a task.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from teamformer.model import Scenario
 from teamformer.planning.paths import LARGEST_EXACT, Times, bound_paths, shortest_path, span
-from teamformer.planning.relaxed import FAR, NOBODY, Relaxed, Whole, is_even, relax
+from teamformer.planning.relaxed import FAR, NOBODY, Relaxed, relax
+
+Numbers = npt.NDArray[np.integer[Any]]
 
 EFFORT = 4e7
 """Legs looked at in all; about a tenth of a second."""
@@ -35,14 +38,14 @@ def bound_makespan(problem: Relaxed) -> int:
     start = earliest_starts(problem)
     is_possible = start < FAR  # what can never be done bounds nothing
     bounds = (start + problem.duration)[is_possible].tolist()
-    caps = np.flatnonzero(problem.needs[is_possible].any(axis=0))
+    caps = np.flatnonzero(problem.needs[is_possible].any(axis=0)).tolist()
     for cap in caps:
         tasks = np.flatnonzero(is_possible & (problem.needs[:, cap] > 0))
         bounds.append(_bound_capability(problem, cap, tasks, start, EFFORT / len(caps)))
     return max(bounds, default=0)
 
 
-def earliest_starts(problem: Relaxed) -> npt.NDArray[np.int64]:
+def earliest_starts(problem: Relaxed) -> Numbers:
     """Return the first step in which enough of each capability can be at each task, as (tasks,).
 
     FAR where there will never be enough. Sound because a robot takes at least the steps of the
@@ -54,6 +57,8 @@ def earliest_starts(problem: Relaxed) -> npt.NDArray[np.int64]:
     arrive[arrive + problem.duration[:, None] >= problem.lost] = FAR
     for cap, robots in enumerate(problem.able):
         able = robots[robots != NOBODY]
+        if len(able) == 0:
+            continue  # nobody has it, so nobody needs it
         queue = np.argsort(arrive[:, able], axis=1)  # (tasks, able)
         brought = problem.counts[able, cap][queue].cumsum(axis=1)  # (tasks, able)
         last = (brought < problem.needs[:, [cap]]).sum(axis=1)  # (tasks,) place in the queue
@@ -64,7 +69,7 @@ def earliest_starts(problem: Relaxed) -> npt.NDArray[np.int64]:
 
 
 def _bound_capability(
-    problem: Relaxed, cap: int, tasks: Whole, start: npt.NDArray[np.int64], effort: float
+    problem: Relaxed, cap: int, tasks: Numbers, start: Numbers, effort: float
 ) -> int:
     """Bound the makespan by what the robots with one capability have to walk.
 
@@ -76,7 +81,8 @@ def _bound_capability(
     """
     tasks = _one_for_each_place(problem, tasks, start)
     able = problem.able[cap][problem.able[cap] != NOBODY]
-    legs, ready = _legs(problem, able, tasks), start[tasks].astype(np.float64)
+    legs, gained = _legs(problem, able, tasks)
+    ready = start[tasks].astype(np.float64) - gained
     duration = problem.duration[tasks].astype(np.float64)
     if len(able) == 1 and len(tasks) <= LARGEST_EXACT:
         return _whole(shortest_path(legs, ready, duration))
@@ -93,9 +99,7 @@ def _bound_capability(
     return max(bounds)
 
 
-def _bound_visits(
-    legs: Times, ready: Times, duration: Times, visits: npt.NDArray[np.int64], robots: int
-) -> int:
+def _bound_visits(legs: Times, ready: Times, duration: Times, visits: Numbers, robots: int) -> int:
     """Bound the makespan by all visits that robots have to make, some to one task together.
 
     One visit of each task, with the leg to it, makes a tree: a leg leads from a task to one that
@@ -107,33 +111,39 @@ def _bound_visits(
     return _whole((walked + (visits * duration).sum()) / robots)
 
 
-def _one_for_each_place(
-    problem: Relaxed, tasks: Whole, start: npt.NDArray[np.int64]
-) -> npt.NDArray[np.int64]:
+def _one_for_each_place(problem: Relaxed, tasks: Numbers, start: Numbers) -> Numbers:
     """Keep the task that ends last of those in one place."""
     by_end = tasks[np.argsort(-(start + problem.duration)[tasks], kind="stable")]
     is_same = problem.cells[np.ix_(by_end, by_end)] == 0  # (tasks, tasks)
-    return by_end[is_same.argmax(axis=1) == np.arange(len(by_end))]
+    first_here = is_same.argmax(axis=1)  # (tasks,)
+    kept: Numbers = by_end[np.unique(first_here)]
+    return kept
 
 
-def _legs(problem: Relaxed, robots: Whole, tasks: Whole) -> Times:
-    """Return the time that no leg of these robots is shorter than, as (tasks, tasks).
+def _legs(problem: Relaxed, robots: Numbers, tasks: Numbers) -> tuple[Times, float]:
+    """Return times that the legs of these robots are not shorter than, as (tasks, tasks).
 
-    Whole steps of the fastest robot if stopping costs none of them anything; else its cells
-    over its speed. Where no way is, any time is sound, and the longest leg does.
+    At whole speeds, the steps of the fastest robot. Else its cells over its speed: a robot may do
+    a task in passing, with up to a cell walked of the next leg; the steps that gains
+    come second. Where no way is, any time is sound, and the longest leg does.
     """
     cells = problem.cells[np.ix_(tasks, tasks)]
     fastest = robots[problem.speed[robots].argmax()]
-    legs = problem.steps[problem.pace[fastest]][cells].astype(np.float64)
-    if not all(is_even(speed) for speed in problem.speed[robots]):
-        legs = np.where(legs < FAR, cells / problem.speed[fastest], FAR)
-    return np.minimum(legs, legs[legs < FAR].max())
+    speed = float(problem.speed[fastest])
+    legs: Times = problem.steps[problem.pace[fastest]][cells].astype(np.float64)
+    is_way, gained = legs < FAR, 0.0
+    if (problem.speed[robots] % 1 != 0).any():
+        legs[is_way] = cells[is_way] / speed
+        gained = 1 / speed
+    legs[~is_way] = legs[is_way].max()
+    return legs, gained
 
 
-def _fewest_robots(counts: Whole, needs: Whole) -> npt.NDArray[np.int64]:
+def _fewest_robots(counts: Numbers, needs: Numbers) -> Numbers:
     """Return how many robots at least bring what is needed, as (tasks,)."""
     most = np.sort(counts)[::-1].cumsum()
-    return 1 + np.searchsorted(most, needs)
+    fewest: Numbers = 1 + np.searchsorted(most, needs)
+    return fewest
 
 
 def _whole(steps: float) -> int:

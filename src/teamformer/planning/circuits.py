@@ -7,6 +7,7 @@ before another begins; a robot that visits both tasks needs it one way or the ot
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -35,6 +36,7 @@ class Circuits:
 
     problem: Relaxed
     model: cp_model.CpModel
+    horizon: int
     makespan: cp_model.IntVar
     start: tuple[cp_model.IntVar, ...]  # (tasks,)
     visits: dict[tuple[int, int], Literal] = field(default_factory=dict)  # (robot, task)
@@ -56,7 +58,7 @@ def build_circuits(problem: Relaxed, bound: int, horizon: int) -> Circuits:
     earliest = np.minimum(earliest_starts(problem), horizon + 1)  # (tasks,)
     start = tuple(model.new_int_var(int(first), horizon + 1, "") for first in earliest)
     makespan = model.new_int_var(bound, horizon, "")
-    circuits = Circuits(problem, model, makespan, start)
+    circuits = Circuits(problem, model, horizon, makespan, start)
     for task, duration in enumerate(problem.duration):
         model.add(start[task] + int(duration) <= makespan)
     for robot in range(len(problem.pace)):
@@ -73,7 +75,8 @@ def _add_circuit(circuits: Circuits, robot: int, earliest: Whole, horizon: int) 
     problem, model = circuits.problem, circuits.model
     tasks = list(_tasks_in_reach(problem, robot, earliest, horizon))
     idle = model.new_bool_var("")
-    arcs, spent = [(DEPOT, DEPOT, idle)], []
+    arcs: list[tuple[int, int, Literal]] = [(DEPOT, DEPOT, idle)]
+    spent = []
     for task in tasks:
         visit, first, last = (model.new_bool_var("") for _ in range(3))
         circuits.visits[robot, task], circuits.firsts[robot, task] = visit, first
@@ -96,10 +99,10 @@ def _add_circuit(circuits: Circuits, robot: int, earliest: Whole, horizon: int) 
 def _tasks_in_reach(problem: Relaxed, robot: int, earliest: Whole, horizon: int) -> Iterator[int]:
     """Return the tasks a robot is of use for and can be at in time."""
     is_useful = problem.needs @ problem.counts[robot] > 0  # (tasks,)
-    for task in np.flatnonzero(is_useful):
+    for task in np.flatnonzero(is_useful).tolist():
         start = max(int(earliest[task]), _way_from_start(problem, robot, task))
-        if start + problem.duration[task] <= min(horizon, int(problem.lost[robot]) - 1):
-            yield int(task)
+        if start + problem.duration[task] <= min(horizon, problem.lost[robot] - 1):
+            yield task
 
 
 def _limit_visit(circuits: Circuits, robot: int, task: int, way: int) -> None:
@@ -190,9 +193,51 @@ def gap(problem: Relaxed, robot: int, task: int, other: int) -> int:
     return way + int(problem.duration[task]) if way > 0 else 0
 
 
+def latest_makespan(problem: Relaxed) -> int:
+    """Return a makespan that no plan exceeds in which every task starts as early as can be.
+
+    What a task waits for is its appearance, or a way and a service that end with its start.
+    """
+    ways = problem.steps[:, problem.cells]  # (paces, tasks, places)
+    longest = np.where(ways < FAR, ways, 0).max(axis=(0, 2))  # (tasks,)
+    return int(problem.appears.max() + 1 + (longest + problem.duration).sum())
+
+
 def _way_from_start(problem: Relaxed, robot: int, task: int) -> int:
     place = len(problem.appears) + robot
     return int(problem.steps[problem.pace[robot], problem.cells[task, place]])
+
+
+def make_solver(seed: int) -> cp_model.CpSolver:
+    """Return a solver that works on one thread: on these models two are no faster."""
+    from ortools.sat.python import cp_model
+
+    solver = cp_model.CpSolver()
+    solver.parameters.num_workers = 1
+    solver.parameters.random_seed = seed
+    return solver
+
+
+def minimise(
+    circuits: Circuits, solver: cp_model.CpSolver, offer: Callable[[Schedule | None], None]
+) -> tuple[bool, int]:
+    """Solve a model, offering each schedule found on the way.
+
+    Returns whether the search came to its end, and the solver's bound; if there is no plan within
+    the horizon at all, that is more than the horizon.
+    """
+    from ortools.sat.python import cp_model
+
+    class Reporter(cp_model.CpSolverSolutionCallback):
+        """Passes on what the solver finds."""
+
+        def on_solution_callback(self) -> None:
+            offer(read_solution(circuits, self.value))
+
+    status = solver.solve(circuits.model, Reporter())
+    if status == cp_model.INFEASIBLE:
+        return True, circuits.horizon + 1
+    return status == cp_model.OPTIMAL, math.ceil(solver.best_objective_bound - 1e-6)
 
 
 def read_solution(circuits: Circuits, value: Callable[[Any], int]) -> Schedule | None:

@@ -68,15 +68,14 @@ def relax(scenario: Scenario) -> Relaxed:
     )
 
 
-def is_even(speed: float) -> bool:
-    """Say whether stopping on the way to a further task costs nothing at this speed.
+def is_true_relaxation(problem: Relaxed) -> bool:
+    """Say whether no plan under the rules is faster than the best relaxed one.
 
-    At a whole number of cells a step, or of steps a cell, a robot that does a task in passing is
-    no faster than its legs, each rounded up to steps. At 0.8 cells a step it is: two legs
-    of a cell take 2 + 2 steps, two cells at a stretch 3.
+    So it is if all speeds are whole numbers. At 0.5 cells a step a robot on its way stands in each
+    cell for two steps, and a task that appears there in the second costs it nothing; and at 0.8
+    two legs of a cell take 2 + 2 steps, but two cells at a stretch 3.
     """
-    rate = max(speed, 1 / speed)
-    return abs(rate - round(rate)) < ROUNDING
+    return bool((problem.speed % 1 == 0).all())
 
 
 def _steps_of_cells(speeds: npt.NDArray[np.float64], no_way: int) -> Whole:

@@ -36,8 +36,15 @@ BROKEN = 1e6
 HOT, COLD = 5.0, 0.3
 """Temperatures at the beginning and at the end of an annealing, in steps of makespan."""
 
-BLINK_OF_AN_EYE = 0.02
-"""Seconds of searching between two looks at the clock."""
+
+def search_schedule(
+    problem: Relaxed, seed: int, rounds: int, start: Schedule | None = None
+) -> Schedule | None:
+    """Return the best schedule of one annealing; the same for the same seed and rounds."""
+    search = Search(problem, seed, start)
+    for made in range(rounds):
+        search.anneal(1, made / rounds)
+    return search.best
 
 
 class Search:
@@ -51,7 +58,7 @@ class Search:
         self._torn = np.zeros(len(problem.appears), np.int32)
         self._costs = np.full(2, np.inf)  # of the plan it stands at, of the best
         if start is None:
-            self.anneal(1)  # nothing is placed yet, so this places everything
+            self.anneal(1, 0.0)  # nothing is placed yet, so this places everything
         else:
             self.restart(start)
 
@@ -63,11 +70,16 @@ class Search:
             copy_plan(self._plan, self._best)
             self._costs[1] = self._costs[0]
 
-    def anneal(self, rounds: int, begin: float = 0.0, end: float = 1.0) -> None:
-        """Search for some rounds: the stretch from `begin` to `end` of an annealing from 0 to 1."""
-        hot, cold = (HOT * (COLD / HOT) ** part for part in (begin, end))
+    def anneal(self, rounds: int, part: float) -> None:
+        """Search for some rounds at the temperature of a part, from 0 to 1, of an annealing."""
+        temperature = HOT * (COLD / HOT) ** part
         room = (self._spare, self._timing, self._desk, self._torn)
-        _anneal(self.problem, self._plan, self._best, *room, self._costs, rounds, hot, cold)
+        _anneal(self.problem, self._plan, self._best, *room, self._costs, rounds, temperature)
+
+    @property
+    def cost(self) -> float:
+        """Return what the best plan costs; it falls whenever a better one is found."""
+        return float(self._costs[1])
 
     @property
     def best(self) -> Schedule | None:
@@ -76,14 +88,13 @@ class Search:
 
 
 @nb.njit(cache=True, nogil=True)
-def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, hot, cold):  # type: ignore[no-untyped-def]
-    """Ruin and recreate for a number of rounds, while the temperature falls from hot to cold.
+def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, temperature):  # type: ignore[no-untyped-def]
+    """Ruin and recreate for a number of rounds.
 
     `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both.
     `spare` and `torn` are room to work in.
     """
-    for made in range(rounds):
-        temperature = hot * (cold / hot) ** (made / rounds)
+    for _ in range(rounds):
         copy_plan(plan, spare)
         count = _ruin(problem, spare, timing, desk, torn)
         cost = recreate(problem, spare, timing, desk, torn, count)

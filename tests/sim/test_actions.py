@@ -9,6 +9,7 @@ from random_worlds import random_decision, random_world
 from teamformer.sim.actions import (
     action_from_wanted,
     count_actions,
+    is_legal_action,
     is_legal_wanted,
     legal_actions,
     sequence_from_wanted,
@@ -47,8 +48,10 @@ def test_the_scalable_space_spells_counts() -> None:
 
 @pytest.mark.parametrize("caps", [0, 17, 100])
 def test_spaces_that_cannot_be_listed_are_refused(caps: int) -> None:
-    with pytest.raises(ValueError, match="too many"):
+    with pytest.raises(ValueError, match="use 1 to 16"):
         count_actions(caps)
+    with pytest.raises(ValueError, match="use 1 to 16"):
+        action_from_wanted(np.zeros(caps), np.zeros(caps))
 
 
 def test_legality_is_what_the_simulator_counts() -> None:
@@ -72,14 +75,40 @@ def test_legality_is_what_the_simulator_counts() -> None:
     assert min(checked.values()) > 300
 
 
-def test_the_mask_lists_the_legal_original_actions() -> None:
+def test_original_actions_are_legal_where_the_simulator_says_so() -> None:
     rng = np.random.default_rng(3)
-    for _ in range(40):
+    checked = {True: 0, False: 0}
+    for _ in range(150):
         env = TeamFormation([random_world(rng)])
-        view = env.view()
-        for row in range(len(view.slot)):
+        for _ in range(15):
+            if not env.is_running[0]:
+                break
+            view = env.view()
+            wanted = random_decision(view, rng, eagerness=0.6).wanted
+            row = int(rng.integers(len(wanted)))
             mask = legal_actions(view, row)
-            assert mask[0]
-            for action in range(len(mask)):
-                wanted = wanted_from_action(view.counts[row], action)
-                assert mask[action] == is_legal_wanted(view, row, wanted)
+            is_asked = mask if mask.all() or rng.random() < 0.5 else ~mask
+            action = int(rng.choice(np.flatnonzero(is_asked)))
+            wanted[row] = wanted_from_action(view.counts[row], action)
+            before = env.tally().illegal_decisions
+            env.step(Decision(wanted))
+            assert (env.tally().illegal_decisions == before) == mask[action]
+            checked[bool(mask[action])] += 1
+    assert min(checked.values()) > 300
+
+
+def test_the_mask_lists_every_legal_original_action() -> None:
+    rng = np.random.default_rng(4)
+    legal = {"join": 0, "split": 0}
+    for _ in range(60):
+        env = TeamFormation([random_world(rng)])
+        for _ in range(4):
+            view = env.view()
+            for row in range(len(view.slot)):
+                mask = legal_actions(view, row).tolist()
+                assert mask == [is_legal_action(view, row, a) for a in range(len(mask))]
+                half = len(mask) // 2
+                legal["join"] += sum(mask[1:half])
+                legal["split"] += sum(mask[half + 1 :])
+            env.step(random_decision(view, rng, eagerness=0.6))
+    assert min(legal.values()) > 50

@@ -21,7 +21,10 @@ MOST_CAPABILITIES = 16
 def count_actions(caps: int) -> int:
     """Return the size of the original space, 2^(|C|+1); raises ValueError if it is too large."""
     if not 1 <= caps <= MOST_CAPABILITIES:
-        raise ValueError(f"the original actions of {caps} capabilities are too many to list")
+        raise ValueError(
+            f"{caps} capabilities have no list of original actions; "
+            f"use 1 to {MOST_CAPABILITIES}, or spell the counts wanted"
+        )
     return int(2 ** (caps + 1))
 
 
@@ -41,12 +44,17 @@ def wanted_from_action(counts: Array, action: int) -> Array:
 
 def action_from_wanted(counts: Array, wanted: Array) -> int | None:
     """Return the original action that wants these counts; None if none does."""
+    removal = count_actions(len(counts)) // 2
     change = np.asarray(wanted, dtype=np.int64) - counts
     removes = bool((change < 0).any())
     if (np.abs(change) > 1).any() or (removes and (change > 0).any()):
         return None
-    named = int((np.abs(change) << np.arange(len(change))).sum())
-    return named + (2 ** len(change) if removes else 0)
+    return _bits(np.abs(change)) + (removal if removes else 0)
+
+
+def _bits(is_named: Array) -> int:
+    """Return the number whose bits say which capabilities (caps,) are named."""
+    return int((is_named.astype(np.int64) << np.arange(len(is_named))).sum())
 
 
 def wanted_from_sequence(sequence: Iterable[int], caps: int) -> Array:
@@ -87,11 +95,24 @@ def is_legal_wanted(view: View, row: int, wanted: Array) -> bool:
     return bool(((view.seen_counts[row] == added).all(axis=1) & view.can_join[row]).any())
 
 
+def is_legal_action(view: View, row: int, action: int) -> bool:
+    """Say whether an original action is legal for a team."""
+    return is_legal_wanted(view, row, wanted_from_action(view.counts[row], action))
+
+
 def legal_actions(view: View, row: int) -> Array:
     """Return which original actions are legal for a team, as (2^(|C|+1),) bool."""
     counts = view.counts[row]
-    is_legal = [
-        is_legal_wanted(view, row, wanted_from_action(counts, action))
-        for action in range(count_actions(len(counts)))
-    ]
-    return np.array(is_legal)
+    removal = count_actions(len(counts)) // 2  # the first action that removes
+    is_legal = np.zeros(2 * removal, dtype=np.bool_)
+    is_legal[[0, removal]] = True  # naming nothing maintains
+    if view.is_serving[row]:
+        return is_legal
+    for added in view.seen_counts[row][view.can_join[row]]:
+        if (added <= 1).all():
+            is_legal[_bits(added)] = True
+    named = np.arange(removal)
+    for brings in view.member_counts[view.first_member[row] : view.first_member[row + 1]]:
+        must_remain = _bits(brings == counts)  # removing any of these leaves no room for the member
+        is_legal[removal:] |= (named & must_remain) == 0
+    return is_legal

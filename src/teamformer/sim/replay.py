@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import json
 import os
+import reprlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from teamformer.errors import ReplayError
+from teamformer.errors import ReplayError, TeamformerError
 from teamformer.model import Scenario
+from teamformer.scenarios.disk import read_text
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 
 VERSION = 1
 STATUSES = ("completed", "step limit", "infeasible", "interrupted")
+
+LARGEST_FILE = 1_000_000_000  # bytes
+"""A thousand robots on the move for three thousand steps take 40 MB."""
+RUN_AGAIN = "run the scenario again to have it written anew"
 
 
 class TeamAt(NamedTuple):
@@ -65,6 +72,12 @@ class Replay:
     lower_bound: int | None = None
 
 
+STEP_KEYS = tuple(field.name for field in fields(Step))
+ENDING_KEYS = tuple(field.name for field in fields(Ending))
+ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
+REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
+
+
 def replay_to_tree(replay: Replay) -> dict[str, Any]:
     """Return the replay as the tree of its file."""
     return {
@@ -95,8 +108,11 @@ def write_replay(replay: Replay, path: Path) -> None:
     Raises OSError where the folder cannot be written.
     """
     part = path.with_name(path.name + ".part")
-    part.write_text("".join(_lines(replay_to_tree(replay))), encoding="utf-8")
-    os.replace(part, path)
+    try:
+        part.write_text("".join(_lines(replay_to_tree(replay))), encoding="utf-8", newline="\n")
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
@@ -113,89 +129,133 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _compact(value: Any) -> str:
-    return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=True)
+    # ASCII: a name given to a policy on the command line need not be text that UTF-8 can hold.
+    return json.dumps(value, separators=(",", ":"), allow_nan=False)
 
 
 def read_replay(path: Path) -> Replay:
-    """Read a replay; raises `ReplayError` saying what is wrong with the file and what to do."""
+    """Read a replay file.
+
+    Raises `ReplayError` saying what is wrong with the file and what to do, `ScenarioError` where
+    the scenario in it is what is wrong.
+    """
+    if path.is_dir():
+        raise ReplayError(
+            f"{path}: this is a folder", f"name the file in it: {path / 'replay.json'}"
+        )
     try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise ReplayError(f"{path}: there is no such file") from None
-    except IsADirectoryError:
-        hint = f"name the file in it: {path / 'replay.json'}"
-        raise ReplayError(f"{path}: this is a folder", hint) from None
-    except OSError as error:
-        raise ReplayError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ReplayError(f"{path}: this is not text, so not a replay") from None
+        text = read_text(path, LARGEST_FILE, "`teamformer run SCENARIO --out DIR` writes one")
+    except TeamformerError as error:
+        raise ReplayError(str(error), error.hint) from None
+    return replay_from_tree(_parse(text, str(path)), str(path))
+
+
+def _parse(text: str, source: str) -> Any:
     try:
-        tree = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        hint = "it may have been cut off; run the scenario again"
-        raise ReplayError(f"{path}: this is not JSON: {error}", hint) from None
-    return replay_from_tree(tree, str(path))
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        is_cut = _is_unfinished(text[error.pos :].strip()) or error.msg.startswith("Unterminated")
+        what = "it breaks off" if is_cut else f"this is not JSON: {error.msg}"
+        raise ReplayError(f"{source}:{error.lineno}: {what}", RUN_AGAIN) from None
+    except (ValueError, RecursionError):  # a number of thousands of digits, lists in lists in lists
+        raise ReplayError(f"{source}: this is JSON, but no replay", RUN_AGAIN) from None
+
+
+def _is_unfinished(rest: str) -> bool:
+    """Say whether a parser stumbled over the end: nothing, half a word or half a number."""
+    return any(word.startswith(rest) for word in ("null", "true", "false", "-", "."))
 
 
 def replay_from_tree(tree: Any, source: str) -> Replay:
-    """Build a replay from the tree of its file; `source` names it in errors."""
+    """Build a replay from the tree of its file; `source` names it in errors.
+
+    Raises what `read_replay` raises.
+    """
+    _check_version(tree, source)
+    try:
+        _check_keys(tree, REPLAY_KEYS, REPLAY_KEYS)
+        scenario = scenario_from_tree(tree["scenario"], f"{source}: scenario")
+        return _replay(tree, scenario)
+    except _DamageError as damage:
+        raise ReplayError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
+
+
+def _check_version(tree: Any, source: str) -> None:
     if not isinstance(tree, dict) or "teamformer_replay" not in tree:
-        raise ReplayError(f"{source}: this is not a replay: it has no 'teamformer_replay'")
+        hint = "name the replay.json that `teamformer run` wrote"
+        raise ReplayError(f"{source}: this is not a replay: it has no 'teamformer_replay'", hint)
     version = tree["teamformer_replay"]
     if not _is_number(version) or version < 1:
-        raise ReplayError(f"{source}: the format version is {version!r}, not a number from 1 on")
+        what = f"the format version is {_short(version)}, not a number from 1 on"
+        raise ReplayError(f"{source}: {what}", RUN_AGAIN)
     if version > VERSION:
-        hint = "install a newer teamformer"
-        raise ReplayError(f"{source}: format {version} is newer than {VERSION}", hint)
-    scenario = scenario_from_tree(tree.get("scenario"), f"{source}: scenario")
+        what = f"format {_short(version)} is newer than {VERSION}"
+        raise ReplayError(f"{source}: {what}", "install a newer teamformer")
+
+
+class _DamageError(Exception):
+    """Something in a record that is not what it should be."""
+
+
+@contextmanager
+def _inside(where: str) -> Iterator[None]:
+    """Say where in the record the damage is."""
     try:
-        return _build(tree, scenario)
-    except (KeyError, TypeError, ValueError) as error:
-        what = f"'{error.args[0]}' is missing" if isinstance(error, KeyError) else str(error)
-        raise ReplayError(f"{source}: this record is damaged: {what}") from None
+        yield
+    except _DamageError as damage:
+        raise _DamageError(f"{where}: {damage}") from None
 
 
-def _build(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
+def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
     robots, tasks = len(scenario.robots), len(scenario.tasks)
-    end = dict(tree["end"])
-    end["blocked_tasks"] = tuple(_text(name) for name in _sequence(end["blocked_tasks"]))
-    if end["status"] not in STATUSES:
-        raise ValueError(f"the status {end['status']!r} is unknown")
-    for key, value in end.items():
-        if key not in ("status", "blocked_tasks") and not (key == "makespan" and value is None):
-            _number(value)
     bound = tree["lower_bound"]
+    with _inside("orders"):
+        orders = tuple(
+            (_count(at), _numbers(order, tasks)) for at, order in _rows(tree["orders"], 2)
+        )
+    with _inside("start"):
+        start = tuple(
+            (_below(slot, robots), _numbers(members, robots), _number(x), _number(y))
+            for slot, members, x, y in _rows(tree["start"], 4)
+        )
+    with _inside("end"):
+        end = _ending(tree["end"])
     return Replay(
         scenario=scenario,
         policy=_text(tree["policy"]),
         seed=_number(tree["seed"]),
-        orders=tuple((_number(at), _numbers(order, tasks)) for at, order in tree["orders"]),
-        start=tuple(
-            (_below(slot, robots), _numbers(members, robots), _number(x), _number(y))
-            for slot, members, x, y in tree["start"]
-        ),
-        steps=tuple(_step_from_tree(step, robots, tasks) for step in _sequence(tree["steps"])),
-        end=Ending(**end),
-        lower_bound=None if bound is None else _number(bound),
+        orders=orders,
+        start=start,
+        steps=tuple(_steps(tree["steps"], robots, tasks)),
+        end=end,
+        lower_bound=None if bound is None else _count(bound),
     )
 
 
-def _step_from_tree(step: Mapping[str, Any], robots: int, tasks: int) -> Step:
-    if not isinstance(step, dict):
-        raise ValueError(f"a step is {step!r}, not a mapping")
-    unknown = set(step) - set(Step.__dataclass_fields__)
-    if unknown:
-        raise ValueError(f"a step says '{min(unknown)}', which means nothing")
+def _ending(tree: Any) -> Ending:
+    _check_keys(tree, ENDING_KEYS, ENDING_KEYS)
+    if tree["status"] not in STATUSES:
+        raise _DamageError(f"the status is {_short(tree['status'])}, not one of {STATUSES}")
+    blocked = tuple(_text(name) for name in _list(tree["blocked_tasks"]))
+    makespan = None if tree["makespan"] is None else _count(tree["makespan"])
+    counts = {key: _count(tree[key]) for key in ENDING_COUNTS}
+    return Ending(status=tree["status"], makespan=makespan, blocked_tasks=blocked, **counts)
+
+
+def _steps(trees: Any, robots: int, tasks: int) -> Iterator[Step]:
+    for number, tree in enumerate(_list(trees), start=1):
+        with _inside(f"step {number}"):
+            yield _step(tree, robots, tasks)
+
+
+def _step(tree: Any, robots: int, tasks: int) -> Step:
+    _check_keys(tree, STEP_KEYS)
+    joins, splits = _rows(tree.get("joins", []), 2), _rows(tree.get("splits", []), 2)
+    teams, done = _rows(tree.get("teams", []), 4), _rows(tree.get("done", []), 2)
     return Step(
-        joins=tuple(
-            (_below(joiner, robots), _below(partner, robots))
-            for joiner, partner in step.get("joins", ())
-        ),
-        splits=tuple(
-            (_numbers(stay, robots), _numbers(leave, robots))
-            for stay, leave in step.get("splits", ())
-        ),
-        lost=_numbers(step.get("lost", []), robots),
+        joins=tuple((_below(one, robots), _below(other, robots)) for one, other in joins),
+        splits=tuple((_numbers(stay, robots), _numbers(leave, robots)) for stay, leave in splits),
+        lost=_numbers(tree.get("lost", []), robots),
         teams=tuple(
             TeamAt(
                 _below(slot, robots),
@@ -203,41 +263,67 @@ def _step_from_tree(step: Mapping[str, Any], robots: int, tasks: int) -> Step:
                 _number(y),
                 None if task is None else _below(task, tasks),
             )
-            for slot, x, y, task in step.get("teams", ())
+            for slot, x, y, task in teams
         ),
-        done=tuple(
-            (_below(task, tasks), _below(slot, robots)) for task, slot in step.get("done", ())
-        ),
+        done=tuple((_below(task, tasks), _below(slot, robots)) for task, slot in done),
     )
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool)
+def _check_keys(tree: Any, known: Sequence[str], needed: Sequence[str] = ()) -> None:
+    if not isinstance(tree, dict):
+        raise _DamageError(f"{_short(tree)} stands where a mapping belongs")
+    for key in tree:
+        if key not in known:
+            raise _DamageError(f"the key {_short(key)} means nothing; known are {', '.join(known)}")
+    for key in needed:
+        if key not in tree:
+            raise _DamageError(f"the key '{key}' is missing")
 
 
-def _number(value: Any) -> int:
-    if not _is_number(value):
-        raise ValueError(f"{value!r} stands where a whole number belongs")
-    return int(value)
+def _rows(values: Any, width: int) -> Iterator[list[Any]]:
+    for row in _list(values):
+        if not isinstance(row, list) or len(row) != width:
+            raise _DamageError(f"{_short(row)} stands where a list of {width} belongs")
+        yield row
+
+
+def _list(values: Any) -> list[Any]:
+    if not isinstance(values, list):
+        raise _DamageError(f"{_short(values)} stands where a list belongs")
+    return values
+
+
+def _numbers(values: Any, limit: int) -> tuple[int, ...]:
+    return tuple(_below(value, limit) for value in _list(values))
 
 
 def _below(value: Any, limit: int) -> int:
     if not 0 <= _number(value) < limit:
-        raise ValueError(f"the number {value} is not among 0 to {limit - 1}")
+        raise _DamageError(f"{_short(value)} stands where a number from 0 to {limit - 1} belongs")
     return int(value)
 
 
-def _numbers(values: Any, limit: int) -> tuple[int, ...]:
-    return tuple(_below(value, limit) for value in _sequence(values))
+def _count(value: Any) -> int:
+    if _number(value) < 0:
+        raise _DamageError(f"{_short(value)} stands where 0 or more belongs")
+    return int(value)
 
 
-def _sequence(values: Any) -> Sequence[Any]:
-    if not isinstance(values, list):
-        raise ValueError(f"{values!r} stands where a list belongs")
-    return values
+def _number(value: Any) -> int:
+    if not _is_number(value):
+        raise _DamageError(f"{_short(value)} stands where a whole number belongs")
+    return int(value)
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) is int  # not True, which is an int to Python
 
 
 def _text(value: Any) -> str:
     if not isinstance(value, str):
-        raise ValueError(f"{value!r} stands where a text belongs")
+        raise _DamageError(f"{_short(value)} stands where a text belongs")
     return value
+
+
+def _short(value: Any) -> str:
+    return reprlib.repr(value)

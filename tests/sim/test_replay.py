@@ -1,0 +1,317 @@
+"""The record's file: what goes in comes out, and no damage to it ends in a traceback."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from teamformer.errors import ReplayError, TeamformerError
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.sim.replay import (
+    Ending,
+    Replay,
+    Step,
+    TeamAt,
+    read_replay,
+    replay_from_tree,
+    replay_to_tree,
+    write_replay,
+)
+
+HALL = Scenario(
+    name="hall",
+    world=Grid(4, 2, ("....", ".@.."), y_axis="down"),
+    capabilities=("lift", "größe"),
+    robots=(
+        Robot("ann", (0, 0), {"lift": 1}),
+        Robot("bob", (0, 0), {"größe": 2}, speed=0.5),
+        Robot("cat", (3, 1), {"lift": 1}, lost=2),
+    ),
+    tasks=(Task("x", (2, 0), {"lift": 1}), Task("y", (0, 1), {"größe": 1}, appears=1)),
+    teams=((0, 1),),
+    sensing_radius=float("inf"),
+)
+"""The file does not care whether its steps are legal, so these are not."""
+
+RECORD = Replay(
+    scenario=HALL,
+    policy="by hand",
+    seed=7,
+    orders=((0, (0,)), (1, (1, 0))),
+    start=((0, (0, 1), 0, 0), (2, (2,), 3, 1)),
+    steps=(
+        Step(splits=(((0,), (1,)),), teams=(TeamAt(1, 0, 0, None),)),
+        Step(lost=(2,), teams=(TeamAt(0, 1, 0, 0),)),
+        Step(),
+        Step(joins=((1, 0),), teams=(TeamAt(0, 2, 0, None),), done=((0, 0),)),
+    ),
+    end=Ending("interrupted", None, 4, 1, 1, 1, 0, ("y",)),
+    lower_bound=3,
+)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "replay.json"
+
+
+def test_what_is_written_is_read(path: Path) -> None:
+    write_replay(RECORD, path)
+    assert read_replay(path) == RECORD
+
+
+def test_the_same_record_gives_the_same_bytes(path: Path) -> None:
+    write_replay(RECORD, path)
+    first = path.read_bytes()
+    write_replay(read_replay(path), path)
+    assert path.read_bytes() == first
+
+
+def test_a_step_is_a_line_and_says_only_what_changed(path: Path) -> None:
+    write_replay(RECORD, path)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    begin = lines.index('"steps": [')
+    assert lines[begin + 1 : begin + 6] == [
+        '{"splits":[[[0],[1]]],"teams":[[1,0,0,null]]},',
+        '{"lost":[2],"teams":[[0,1,0,0]]},',
+        "{},",
+        '{"joins":[[1,0]],"teams":[[0,2,0,null]],"done":[[0,0]]}',
+        "],",
+    ]
+
+
+def test_the_file_is_json_for_other_programs(path: Path) -> None:
+    write_replay(RECORD, path)
+
+    def refuse(word: str) -> None:
+        raise AssertionError(f"{word} is no JSON")
+
+    tree = json.loads(path.read_bytes(), parse_constant=refuse)
+    assert tree == replay_to_tree(RECORD)
+    assert tree["teamformer_replay"] == 1
+
+
+def test_a_record_without_steps_is_read(path: Path) -> None:
+    still = replace(RECORD, steps=(), lower_bound=None)
+    write_replay(still, path)
+    assert read_replay(path) == still
+
+
+def test_a_policy_named_by_bytes_that_are_no_text_is_kept(path: Path) -> None:
+    strange = replace(RECORD, policy="mine-\udcff.onnx")  # what Python makes of byte 255
+    write_replay(strange, path)
+    assert read_replay(path) == strange
+
+
+def test_a_failed_write_leaves_the_old_file_and_no_litter(path: Path) -> None:
+    write_replay(RECORD, path)
+    before = path.read_bytes()
+    unwritable = replace(RECORD, seed=object())  # type: ignore[arg-type]
+    with pytest.raises(TypeError):
+        write_replay(unwritable, path)
+    assert path.read_bytes() == before
+    (path.parent / "folder").mkdir()
+    with pytest.raises(OSError, match="folder"):
+        write_replay(RECORD, path.parent / "folder")
+    assert sorted(entry.name for entry in path.parent.iterdir()) == ["folder", "replay.json"]
+
+
+def refusal(path: Path) -> ReplayError:
+    with pytest.raises(ReplayError) as caught:
+        read_replay(path)
+    assert caught.value.hint
+    return caught.value
+
+
+def test_a_missing_file_is_told(path: Path) -> None:
+    assert str(refusal(path)) == f"{path}: there is no such file"
+
+
+def test_a_folder_is_told_with_the_file_in_it(path: Path) -> None:
+    error = refusal(path.parent)
+    assert str(error) == f"{path.parent}: this is a folder"
+    assert str(path) in error.hint
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"", ":1: it breaks off"),
+        (b"\xff\xfe", ": this is not text: byte 1 is no UTF-8"),
+        (b"steps: 3", ":1: this is not JSON: Expecting value"),
+        (b'{\n"a": 1,}', ":2: this is not JSON: Expecting property name enclosed in double quotes"),
+        (b"[" * 100_000, ": this is JSON, but no replay"),
+        (b"9" * 5000, ": this is JSON, but no replay"),
+        (b"[]", ": this is not a replay: it has no 'teamformer_replay'"),
+        (b'{"teamformer": 1}', ": this is not a replay: it has no 'teamformer_replay'"),
+        (b'{"teamformer_replay": 2}', ": format 2 is newer than 1"),
+        (b'{"teamformer_replay": 0}', ": the format version is 0, not a number from 1 on"),
+        (b'{"teamformer_replay": true}', ": the format version is True, not a number from 1 on"),
+        (b'{"teamformer_replay": 1}', ": the record is damaged: the key 'scenario' is missing"),
+    ],
+)
+def test_what_is_no_replay_is_told(path: Path, data: bytes, message: str) -> None:
+    path.write_bytes(data)
+    assert str(refusal(path)) == f"{path}{message}"
+
+
+def test_every_cut_is_told_as_one(path: Path) -> None:
+    write_replay(RECORD, path)
+    whole = path.read_text(encoding="utf-8")
+    for length in range(len(whole.rstrip())):
+        path.write_text(whole[:length], encoding="utf-8")
+        line = whole[:length].count("\n") + 1
+        half_letter = "this is not JSON: Invalid \\uXXXX escape"
+        told = str(refusal(path))
+        assert told in (f"{path}:{line}: it breaks off", f"{path}:{line}: {half_letter}")
+
+
+def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
+    """Return what puts a value at a path into a tree."""
+
+    def change(tree: Any) -> None:
+        for key in where[:-1]:
+            tree = tree[key]
+        tree[where[-1]] = to
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (damage("steps", to=3), "3 stands where a list belongs"),
+        (damage("steps", 2, to=[]), "step 3: [] stands where a mapping belongs"),
+        (
+            damage("steps", 2, "jions", to=[]),
+            "step 3: the key 'jions' means nothing; known are joins, splits, lost, teams, done",
+        ),
+        (damage("steps", 3, "joins", to=[[1]]), "step 4: [1] stands where a list of 2 belongs"),
+        (
+            damage("steps", 3, "joins", 0, 1, to=3),
+            "step 4: 3 stands where a number from 0 to 2 belongs",
+        ),
+        (
+            damage("steps", 3, "joins", 0, 1, to=-1),
+            "step 4: -1 stands where a number from 0 to 2 belongs",
+        ),
+        (
+            damage("steps", 0, "splits", 0, 1, to=[3]),
+            "step 1: 3 stands where a number from 0 to 2 belongs",
+        ),
+        (
+            damage("steps", 1, "lost", 0, to=True),
+            "step 2: True stands where a whole number belongs",
+        ),
+        (
+            damage("steps", 1, "teams", 0, 1, to=1.0),
+            "step 2: 1.0 stands where a whole number belongs",
+        ),
+        (
+            damage("steps", 1, "teams", 0, 3, to=2),
+            "step 2: 2 stands where a number from 0 to 1 belongs",
+        ),
+        (
+            damage("steps", 3, "done", 0, 0, to=2),
+            "step 4: 2 stands where a number from 0 to 1 belongs",
+        ),
+        (damage("orders", 1, 1, to={}), "orders: {} stands where a list belongs"),
+        (damage("orders", 1, 0, to=-1), "orders: -1 stands where 0 or more belongs"),
+        (damage("start", 0, to="abcd"), "start: 'abcd' stands where a list of 4 belongs"),
+        (damage("policy", to=1), "1 stands where a text belongs"),
+        (damage("seed", to=None), "None stands where a whole number belongs"),
+        (damage("end", to=None), "end: None stands where a mapping belongs"),
+        (damage("end", "joins", to=None), "end: None stands where a whole number belongs"),
+        (damage("end", "splits", to=-1), "end: -1 stands where 0 or more belongs"),
+        (
+            damage("end", "status", to="won"),
+            "end: the status is 'won', not one of "
+            "('completed', 'step limit', 'infeasible', 'interrupted')",
+        ),
+        (damage("end", "blocked_tasks", to=[1]), "end: 1 stands where a text belongs"),
+        (damage("lower_bound", to="3"), "'3' stands where a whole number belongs"),
+    ],
+)
+def test_damage_is_told_with_its_step(
+    change: Callable[[dict[str, Any]], None], message: str
+) -> None:
+    tree = replay_to_tree(RECORD)
+    change(tree)
+    with pytest.raises(ReplayError) as caught:
+        replay_from_tree(tree, "r.json")
+    assert str(caught.value) == f"r.json: the record is damaged: {message}"
+
+
+@pytest.mark.parametrize("key", replay_to_tree(RECORD)["end"])
+def test_the_ending_must_be_whole(key: str) -> None:
+    tree = replay_to_tree(RECORD)
+    del tree["end"][key]
+    with pytest.raises(ReplayError, match=f"end: the key '{key}' is missing"):
+        replay_from_tree(tree, "r.json")
+
+
+def test_a_mistake_in_the_scenario_is_told_with_the_file(path: Path) -> None:
+    tree = replay_to_tree(RECORD)
+    tree["scenario"]["robots"][1]["speed"] = -1
+    path.write_text(json.dumps(tree), encoding="utf-8")
+    with pytest.raises(TeamformerError, match="'bob' has speed -1") as caught:
+        read_replay(path)
+    assert str(path) in str(caught.value)
+
+
+JUNK = (None, True, -1, 2, 10**30, 0.5, float("inf"), "", "x", [], [[]], [1, 2], {}, {"a": 1})
+
+
+def places(tree: Any, where: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """Return the path to everything in a tree."""
+    pairs = tree.items() if isinstance(tree, dict) else enumerate(tree)
+    for key, value in pairs:
+        yield (*where, key)
+        if isinstance(value, dict | list):
+            yield from places(value, (*where, key))
+
+
+def test_junk_anywhere_is_refused_or_harmless() -> None:
+    """A tree with junk in it is either refused with a message or a record like any other."""
+    refused = 0
+    for where in places(replay_to_tree(RECORD)):
+        for junk in JUNK:
+            tree = replay_to_tree(RECORD)
+            damage(*where, to=junk)(tree)
+            told = ""
+            try:
+                replay = replay_from_tree(tree, "r.json")
+            except TeamformerError as error:
+                told = str(error)
+                refused += 1
+            assert (
+                told.startswith("r.json: ")
+                or replay_from_tree(replay_to_tree(replay), "r.json") == replay
+            )
+    assert refused > 1000
+
+
+def test_no_damage_to_the_bytes_ends_in_a_traceback(path: Path) -> None:
+    rng = random.Random(2)
+    write_replay(RECORD, path)
+    whole = path.read_bytes()
+    for _ in range(300):
+        data = bytearray(whole)
+        for _ in range(rng.randint(1, 3)):
+            at = rng.randrange(len(data))
+            data[at : at + rng.choice((0, 1, 9))] = rng.choice(
+                (b"", b"[", b"}", b"-", b"7", b"\xc3")
+            )
+        path.write_bytes(data)
+        told = str(path)
+        try:
+            read_replay(path)
+        except TeamformerError as error:
+            told = str(error)
+        assert told.startswith(str(path))

@@ -205,7 +205,9 @@ class Restless:
         return random_decision(view, self.rng) if self.left > 0 else JoinAll().decide(view)
 
 
-@pytest.mark.parametrize("policy", [JoinAll(), Heuristic(), Restless()], ids=str)
+@pytest.mark.parametrize(
+    "policy", [JoinAll(), Heuristic(), Restless()], ids=["join-all", "heuristic", "restless"]
+)
 def test_real_records_are_legal(policy: Policy) -> None:
     rng = np.random.default_rng(5)
     for seed in range(200):

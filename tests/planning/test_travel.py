@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from plain_world import walk
 
+from plain_world import walk
 from random_worlds import random_world
 from teamformer.model import Grid
 from teamformer.planning.travel import UNREACHABLE, blocked_cells, distance_fields, travel_matrix

@@ -95,8 +95,8 @@ def make_plan(problem: Relaxed, order: Sequence[int], crews: Sequence[Sequence[i
 def decode(problem, ranking, plan, timing):  # type: ignore[no-untyped-def]
     """Give each task in turn the crew that can be there first; return the makespan.
 
-    Of robots that can be there in time, those that come last are taken: they wait least. A task
-    that nobody is left to do stays out of the plan.
+    Of those that come until there are enough, the first are sent away again if they can be spared:
+    they would wait longest. A task that nobody is left to do stays out of the plan.
     """
     robots, steps, cells = timing.robots, problem.steps, problem.cells
     pick, spare = np.empty(len(robots), np.int32), np.empty(problem.needs.shape[1], np.int32)

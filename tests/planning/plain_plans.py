@@ -1,0 +1,167 @@
+"""The relaxed problem in plain Python: a referee, every schedule there is, and tiny worlds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+
+from teamformer.errors import ScenarioError
+from teamformer.model import BLOCKED, FREE, Grid, Place, Robot, Scenario, Task
+from teamformer.planning.schedule import Schedule
+
+
+class PlainWorld:
+    """A scenario with its distances, found by walking."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.robots, self.tasks = scenario.robots, scenario.tasks
+        self._grid = scenario.world
+        self._fields: dict[Place, dict[Place, int]] = {}
+
+    def steps(self, robot: Robot, here: Place, there: Place) -> float:
+        """Return the steps of a leg."""
+        if here not in self._fields:
+            self._fields[here] = self._walk(here)
+        return math.ceil(self._fields[here].get(there, math.inf) / robot.speed - 1e-9)
+
+    def _walk(self, start: Place) -> dict[Place, int]:
+        field, frontier = {start: 0}, [start]
+        for place in frontier:
+            for beside in self._grid.neighbours(place):
+                if beside not in field:
+                    field[beside] = field[place] + 1
+                    frontier.append(beside)
+        return field
+
+    def is_reachable(self, robot: Robot, task: Task) -> bool:
+        return self._grid.region(robot.at) == self._grid.region(task.at)
+
+    def crews(self, task: Task) -> Iterator[tuple[int, ...]]:
+        """Return all crews that cannot spare anybody."""
+        here = [r for r, robot in enumerate(self.robots) if self.is_reachable(robot, task)]
+        enough: list[set[int]] = []
+        for size in range(1, len(here) + 1):
+            for crew in combinations(here, size):
+                if self.covers(crew, task) and not any(less <= set(crew) for less in enough):
+                    enough.append(set(crew))
+                    yield crew
+
+    def covers(self, crew: tuple[int, ...], task: Task) -> bool:
+        return all(
+            sum(self.robots[r].can.get(cap, 0) for r in crew) >= count
+            for cap, count in task.needs.items()
+        )
+
+
+class Stay:
+    """Where a robot is: since when, and until when it is busy there."""
+
+    def __init__(self, place: Place, since: int = 0, until: int = 0) -> None:
+        self.place, self.since, self.until = place, since, until
+
+    def go(self, world: PlainWorld, robot: Robot, task: Task) -> Stay:
+        """Return the stay in which the robot serves a task next, not yet begun."""
+        if self.place == task.at:
+            return self
+        arrives = self.until + int(world.steps(robot, self.place, task.at))
+        return Stay(task.at, arrives, arrives)
+
+
+def fastest_makespan(scenario: Scenario) -> int | None:
+    """Return the least makespan of all orders and crews, None if none is in time."""
+    world = PlainWorld(scenario)
+    crews = [list(world.crews(task)) for task in world.tasks]
+    best = math.inf
+
+    def extend(left: frozenset[int], stays: list[Stay], makespan: int) -> None:
+        nonlocal best
+        if makespan >= best:
+            return
+        if not left:
+            best = makespan
+        for k in left:
+            for crew in crews[k]:
+                after = list(stays)
+                end = serve(world, world.tasks[k], crew, after)
+                if all(end < (world.robots[r].lost or math.inf) for r in crew):
+                    extend(left - {k}, after, max(makespan, end))
+
+    extend(frozenset(range(len(world.tasks))), [Stay(r.at) for r in world.robots], 0)
+    return None if best == math.inf else int(best)
+
+
+def serve(world: PlainWorld, task: Task, crew: tuple[int, ...], stays: list[Stay]) -> int:
+    """Let a crew serve a task as soon as it can; return the end."""
+    going = {r: stays[r].go(world, world.robots[r], task) for r in crew}
+    end = max(task.appears + 1, *(stay.since for stay in going.values())) + task.duration
+    for r, stay in going.items():
+        stays[r] = Stay(stay.place, stay.since, max(stay.until, end))
+    return end
+
+
+def find_faults(scenario: Scenario, schedule: Schedule) -> list[str]:
+    """Return everything that is wrong with a schedule."""
+    world, faults = PlainWorld(scenario), []
+    for k, task in enumerate(world.tasks):
+        start, end = schedule.start[k], schedule.end[k]
+        if not world.covers(schedule.crews[k], task):
+            faults.append(f"the crew of task {k} is too small")
+        if start <= task.appears or end != start + task.duration:
+            faults.append(f"task {k} starts at {start} and ends at {end}")
+        if any(end >= (world.robots[r].lost or math.inf) for r in schedule.crews[k]):
+            faults.append(f"task {k} has a lost robot")
+    for r, route in enumerate(schedule.routes):
+        if sorted(route) != [k for k, crew in enumerate(schedule.crews) if r in crew]:
+            faults.append(f"robot {r} has route {route}")
+        stay = Stay(world.robots[r].at)
+        for k in route:
+            stay = stay.go(world, world.robots[r], world.tasks[k])
+            if schedule.start[k] < stay.since:
+                faults.append(f"robot {r} is not yet at task {k}")
+            stay = Stay(stay.place, stay.since, max(stay.until, schedule.end[k]))
+    if schedule.makespan != max(schedule.end):
+        faults.append("the makespan is not the last end")
+    return faults
+
+
+def tiny_world(
+    rng: np.random.Generator, speeds: tuple[float, ...] = (1.0, 1.0, 2.0), losses: float = 0.0
+) -> Scenario:
+    """Return a possible world with up to 3 robots and 4 tasks, often two in one place."""
+    while True:
+        try:
+            return _draw(rng, speeds, losses)
+        except ScenarioError:
+            continue
+
+
+def _draw(rng: np.random.Generator, speeds: tuple[float, ...], losses: float) -> Scenario:
+    side, caps = int(rng.integers(2, 7)), ("a", "b")
+    is_blocked = rng.random((side, side)) < rng.choice([0.0, 0.2])
+    grid = Grid(side, side, tuple("".join(BLOCKED if b else FREE for b in y) for y in is_blocked))
+    places = [(int(x), int(y)) for x, y in rng.integers(0, side, (5, 2))]
+
+    def place() -> Place:
+        return places[rng.integers(len(places))]
+
+    def counts(most: int) -> dict[str, int]:
+        return {c: int(rng.integers(1, most + 1)) for c in caps if rng.random() < 0.6} or {"a": 1}
+
+    robots = [
+        Robot(
+            f"r{r}",
+            place(),
+            counts(2),
+            float(rng.choice(speeds)),
+            int(rng.integers(4, 20)) if rng.random() < losses else None,
+        )
+        for r in range(rng.integers(1, 4))
+    ]
+    tasks = [
+        Task(f"t{k}", place(), counts(2), int(rng.choice([0, 0, 1, 4])), int(rng.choice([0, 0, 7])))
+        for k in range(rng.integers(1, 5))
+    ]
+    return Scenario("tiny", grid, caps, tuple(robots), tuple(tasks), forming_steps=0)

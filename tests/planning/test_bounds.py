@@ -1,0 +1,82 @@
+"""The lower bound against every schedule there is, and against trials under the step rules."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from plain_plans import fastest_makespan, tiny_world
+from random_worlds import random_world
+from small_worlds import make, robot, task
+from teamformer.planning.bounds import lower_bound
+from teamformer.policies.heuristic import Heuristic
+from teamformer.policies.protocol import Policy
+from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trial import run_trials
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_schedule_is_faster(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    gaps = []
+    for _ in range(400):
+        scenario = tiny_world(rng)
+        fastest = fastest_makespan(scenario)
+        assert fastest is not None
+        gaps.append(fastest - lower_bound(scenario))
+    assert min(gaps) == 0
+    assert np.mean(gaps) < 0.5
+
+
+@pytest.mark.parametrize("policy", [JoinAll(), Heuristic()])
+def test_no_trial_is_faster(policy: Policy) -> None:
+    """At uneven speeds too, where a team does tasks in passing, and with robots that are lost."""
+    rng = np.random.default_rng(0)
+    scenarios = [random_world(rng) for _ in range(400)]
+    tallies = run_trials(scenarios, policy)
+    completed = [
+        (lower_bound(scenario), tally.steps)
+        for scenario, tally in zip(scenarios, tallies, strict=True)
+        if tally.status == "completed"
+    ]
+    assert len(completed) > 300
+    assert all(bound <= steps for bound, steps in completed)
+    assert any(bound == steps for bound, steps in completed)
+
+
+def test_waits_for_the_last_that_is_needed() -> None:
+    """Two of three a's and the b must come: the second a after 4 steps, b after 6.
+
+    a a . . . T . . . . . b        appears after 8 steps: 9, and stays 2: 11
+    """
+    robots = [robot("a", 0), robot("a", 1), robot("a", 19), robot("b", 11)]
+    assert lower_bound(make(robots, [task("a", 5)])) == 4
+    assert lower_bound(make(robots, [task("aa", 5)])) == 5
+    assert lower_bound(make(robots, [task("aab", 5)])) == 6
+    assert lower_bound(make(robots, [task("aaa", 5)])) == 14
+    assert lower_bound(make(robots, [task("aab", 5, duration=2, appears=8)])) == 11
+
+
+def test_one_robot_walks_to_all_its_tasks() -> None:
+    """T . . a . . . . U: first the nearer end, then back: 3 + 8."""
+    assert lower_bound(make([robot("a", 3)], [task("a", 0), task("a", 8)])) == 11
+
+
+def test_two_robots_share_what_they_have_to_walk() -> None:
+    """Each end needs both: whichever comes first, 3 + 8 for each, and they cannot share."""
+    robots = [robot("a", 3), robot("a", 3)]
+    tasks = [task("a", 0), task("a", 8)]
+    assert lower_bound(make(robots, tasks)) == 5
+    assert lower_bound(make(robots, [task("aa", 0), task("aa", 8)])) >= 8
+
+
+def test_slow_robots_do_tasks_in_passing() -> None:
+    """At 0.8 cells a step two cells take 3 steps, although two legs of one take 2 + 2."""
+    tasks = [task("a", 1), task("a", 2)]
+    assert lower_bound(make([robot("a", 0, speed=0.8)], tasks)) <= 3
+    assert lower_bound(make([robot("a", 0)], tasks)) == 2
+
+
+def test_a_task_beyond_all_robots_bounds_nothing() -> None:
+    scenario = make([robot("a", 0, lost=3), robot("b", 0)], [task("a", 9), task("b", 4)])
+    assert lower_bound(scenario) == 4

@@ -1,0 +1,128 @@
+"""The central solver against every schedule there is, on tiny worlds; its limits and reports."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from plain_plans import fastest_makespan, find_faults, tiny_world
+from random_worlds import random_world
+from small_worlds import make, robot, task
+from teamformer.model import Grid, Scenario
+from teamformer.planning.bounds import lower_bound
+from teamformer.planning.optimal import solve
+from teamformer.policies.heuristic import Heuristic
+from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trial import run_trials
+from teamformer.scenarios.generate import Spec, generate
+
+
+def crowd(tasks: int = 100, seed: int = 0) -> Scenario:
+    """Return a world in which nothing can be proven in seconds: 20 robots, 5 of each kind."""
+    spec = Spec(robots=20, tasks=tasks, capabilities=4, world=Grid(20, 20))
+    return generate(spec, np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_finds_and_proves_the_fastest_schedule(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for _ in range(60):
+        scenario = tiny_world(rng)
+        solution = solve(scenario, time_limit=10.0)
+        assert solution.schedule is not None
+        assert find_faults(scenario, solution.schedule) == []
+        assert solution.value == solution.schedule.makespan == fastest_makespan(scenario)
+        assert (solution.status, solution.bound) == ("optimal", solution.value)
+
+
+def test_says_when_robots_are_lost_too_early() -> None:
+    """Each task can be done, but not both: b is lost after the 5 steps to either.
+
+    U . . . . b . . . . T
+    """
+    scenario = make([robot("b", 5, lost=6)], [task("b", 10), task("b", 0)])
+    solution = solve(scenario, time_limit=5.0)
+    assert (solution.status, solution.schedule, solution.value) == ("infeasible", None, None)
+    impossible = make([robot("a", 0, lost=5)], [task("a", 5)])
+    assert solve(impossible, time_limit=5.0).status == "infeasible"
+    assert solve(scenario, time_limit=0.0).status == "unknown"
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_nothing_beats_its_bound_by_the_rules(seed: int) -> None:
+    """Also where robots are slow and do tasks in passing."""
+    rng = np.random.default_rng(seed)
+    scenarios = [random_world(rng) for _ in range(60)]
+    solutions = [solve(scenario, time_limit=1.0) for scenario in scenarios]
+    for policy in (JoinAll(), Heuristic()):
+        for solution, tally in zip(solutions, run_trials(scenarios, policy), strict=True):
+            if tally.status == "completed":
+                assert solution.bound <= tally.steps
+                assert solution.status != "infeasible"
+
+
+def test_slow_robots_leave_the_proof_open() -> None:
+    """Cells 1 and 2 take 2 + 2 relaxed steps at 0.8, but 3 in passing: 4 is no bound."""
+    solution = solve(make([robot("a", 0, speed=0.8)], [task("a", 1), task("a", 2)]), 5.0)
+    assert (solution.value, solution.status) == (4, "feasible")
+    assert solution.bound <= 3
+    assert solution.seconds < 2.0  # it does not go on searching for what is not there
+
+
+@pytest.mark.parametrize("limit", [0.3, 1.0])
+def test_keeps_to_its_time_limit(limit: float) -> None:
+    begun = time.perf_counter()
+    solution = solve(crowd(), limit)
+    assert limit <= time.perf_counter() - begun < limit + 0.5
+    assert solution.status == "feasible"
+
+
+def test_reports_each_improvement() -> None:
+    scenario = crowd(tasks=40)
+    solution = solve(scenario, 1.0)
+    seconds, values = zip(*solution.curve, strict=True)
+    assert list(seconds) == sorted(seconds)
+    assert list(values) == sorted(set(values), reverse=True)
+    assert len(values) > 3
+    assert values[-1] == solution.value
+    assert lower_bound(scenario) <= solution.bound <= values[-1]
+
+
+def test_no_time_gives_the_first_plan() -> None:
+    scenario = crowd()
+    solution = solve(scenario, 0.0)
+    assert solution.schedule is not None
+    assert find_faults(scenario, solution.schedule) == []
+    assert len(solution.curve) == 1
+    assert solution.seconds < 0.5
+
+
+def test_is_never_worse_than_its_hint() -> None:
+    scenario = crowd()
+    good = solve(scenario, 1.5)
+    again = solve(scenario, 0.0, seed=7, hint=good.schedule)
+    assert good.value is not None
+    assert solve(scenario, 0.0, seed=7).value > good.value
+    assert again.value == good.value
+
+
+def test_the_same_seed_gives_the_same_schedule_where_it_is_proven() -> None:
+    for seed in range(5):
+        scenario = generate(Spec(robots=4, tasks=8), np.random.default_rng(seed))
+        one, other = (solve(scenario, 20.0, seed=3) for _ in range(2))
+        assert one.status == "optimal"
+        assert one.schedule == other.schedule
+
+
+def test_one_thread_proves_too() -> None:
+    scenario = generate(Spec(robots=4, tasks=10), np.random.default_rng(1))
+    assert solve(scenario, 20.0, workers=1).status == "optimal"
+
+
+def test_joining_costs_are_no_part_of_the_relaxed_problem() -> None:
+    scenario = generate(Spec(), np.random.default_rng(0))
+    values = {solve(replace(scenario, forming_steps=n), 5.0).value for n in (0, 1)}
+    assert len(values) == 1

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,6 +33,9 @@ CORRIDOR = Scenario(
     tasks=(Task("joint", (2, 0), {"a": 1, "b": 1}), Task("far", (8, 0), {"b": 1})),
     step_limit=30,
 )
+
+PAGE = Path(__file__).parents[2] / "docs" / "environment.md"
+EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
 @pytest.mark.parametrize("actions", ["counts", "original"])
@@ -253,3 +258,13 @@ def test_no_view_depends_on_the_future_of_random_worlds() -> None:
             }
             seen = [env.step(answers)[0] for env in worlds]
     assert changed > 40
+
+
+@pytest.mark.parametrize("code", EXAMPLES)
+def test_the_examples_print_what_they_say(code: str, capsys: pytest.CaptureFixture[str]) -> None:
+    exec(compile(code, PAGE.name, "exec"), {})
+    assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.+)", code)
+
+
+def test_there_are_examples() -> None:
+    assert len(EXAMPLES) == 4

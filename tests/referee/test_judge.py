@@ -95,7 +95,7 @@ def test_the_legal_record_is_legal() -> None:
     [
         (
             with_step(2, teams=(TeamAt(0, 2, 0, 0), TeamAt(2, 5, 0, 1))),
-            "step 2: team [ann, bob] jumped from [0, 0] to [2, 0]; it can cross 1 cells now",
+            "step 2: team [ann, bob] jumped from [0, 0] to [2, 0]; it can cross 1 cell now",
         ),
         (
             with_step(2, teams=(TeamAt(0, 1, 1, 0), TeamAt(2, 5, 0, 1))),

@@ -30,14 +30,17 @@ class Tasks:
         for slot, team in sorted(fleet.teams.items()):
             for task in sorted(team.services):
                 self._serve(fleet, slot, team, task, found)
+        served = {task for team in fleet.teams.values() for task in team.services}
         for slot, team in sorted(fleet.teams.items()):
             for task in self.at.get(team.at, ()):
-                if task not in found and self._can_begin(fleet, team, task, step):
+                is_free = task not in found and task not in served
+                if is_free and self.is_open(task, step - 1) and fleet.covers(team, task):
                     self._begin(slot, team, task, found)
+                    served.add(task)
         for task in sorted(found.keys() | recorded.keys()):
             self._compare(fleet, task, found.get(task), recorded.get(task), step, notes)
-        for task in recorded:
-            self.done[task] = step
+        for task in sorted(found.keys() | recorded.keys()):
+            self.done.setdefault(task, step)
             for team in fleet.teams.values():
                 team.services.pop(task, None)
 
@@ -48,10 +51,6 @@ class Tasks:
         elif team.services[task] == 0:
             del team.services[task]
             found[task] = slot
-
-    def _can_begin(self, fleet: Fleet, team: Team, task: int, step: int) -> bool:
-        is_served = any(task in other.services for other in fleet.teams.values())
-        return self.is_open(task, step - 1) and not is_served and fleet.covers(team, task)
 
     def _begin(self, slot: int, team: Team, task: int, found: dict[int, int]) -> None:
         duration = self.scenario.tasks[task].duration
@@ -92,7 +91,7 @@ class Tasks:
         if team.at != wanted.at:
             return f"{fleet.name(team)} is at {list(team.at)}, the task at {list(wanted.at)}"
         if not fleet.covers(team, task):
-            short = describe(missing(fleet.counts(team), wanted.needs))
+            short = describe(missing(team.counts, wanted.needs))
             return f"{fleet.name(team)} lacks {short}"
         if wanted.duration:
             return f"{fleet.name(team)} has not served it for {wanted.duration} steps"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from teamformer.capabilities import covers, total
-from teamformer.model import Scenario
 from teamformer.referee.doing import Tasks
 from teamformer.referee.fleet import Fleet, Team
 from teamformer.referee.verdict import Notes
@@ -25,7 +24,17 @@ def start_fleet(replay: Replay, notes: Notes) -> Fleet:
 
 
 def judge_orders(replay: Replay, done: dict[int, int], notes: Notes) -> None:
-    """Check that each shared order holds exactly the tasks that are known and undone then."""
+    """Check that each shared order holds exactly the tasks that are known and undone then.
+
+    There is one at the start, and one whenever tasks have appeared.
+    """
+    last = len(replay.steps)
+    made = {steps for steps, _ in replay.orders}
+    for steps in sorted({0, *(task.appears for task in replay.scenario.tasks)} - made):
+        if steps <= last:
+            notes.note(f"there is no order from after {steps} steps, when tasks appeared")
+    for steps in sorted(made - set(range(last + 1))):
+        notes.note(f"there is an order from after {steps} steps, but only {last} were made")
     for steps, order in replay.orders:
         known = {
             number
@@ -51,7 +60,7 @@ def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, notes: Notes) -> No
     for name, (said, found) in facts.items():
         if said != found:
             notes.note(f"the record says {name} {said}; it is {found}")
-    blocked = tuple(name for name in _blocked(scenario, fleet, tasks))
+    blocked = tuple(blocked_tasks(fleet, tasks))
     is_true = {
         "completed": is_completed and makespan == len(replay.steps),
         "step limit": not is_completed and len(replay.steps) == scenario.step_limit,
@@ -70,8 +79,9 @@ def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, notes: Notes) -> No
         notes.note(f"the record says illegal_decisions {end.illegal_decisions}")
 
 
-def _blocked(scenario: Scenario, fleet: Fleet, tasks: Tasks) -> list[str]:
+def blocked_tasks(fleet: Fleet, tasks: Tasks) -> list[str]:
     """Name the undone tasks that the robots left around them can never cover."""
+    scenario = fleet.scenario
     left = [robot for team in fleet.teams.values() for robot in team.robots]
     around: dict[int, list[int]] = {}
     for robot in left:
@@ -86,6 +96,17 @@ def _blocked(scenario: Scenario, fleet: Fleet, tasks: Tasks) -> list[str]:
         if number not in tasks.done
         and not covers(able.get(scenario.world.region(task.at), {}), task.needs)
     ]
+
+
+def why_over(fleet: Fleet, tasks: Tasks, steps_made: int, has_lost: bool) -> str:
+    """Say why no more step can be made; empty if one can."""
+    if len(tasks.done) == len(fleet.scenario.tasks):
+        return "everything was done before"
+    if steps_made >= fleet.scenario.step_limit:
+        return "the step limit was reached before"
+    if has_lost and blocked_tasks(fleet, tasks):
+        return "some tasks could never be done since a robot was lost"
+    return ""
 
 
 def _names(names: tuple[str, ...]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from teamformer.capabilities import covers, total
 from teamformer.model import Place, Scenario
@@ -11,7 +11,11 @@ from teamformer.model import Place, Scenario
 
 @dataclass
 class Team:
-    """A team: who is in it, where it is, and what it may still do in this step."""
+    """A team: who is in it, where it is, and what it may still do in this step.
+
+    `counts` (what it can do together) and `speed` (that of its slowest, in cells a step) follow
+    from its robots when it is put into a fleet.
+    """
 
     robots: set[int]
     at: Place
@@ -19,6 +23,8 @@ class Team:
     credit: float = 0.0  # the most that it can have saved of its speed
     has_formed: bool = False
     services: dict[int, int] = field(default_factory=dict)  # task -> steps left
+    counts: dict[str, int] = field(default_factory=dict)
+    speed: float = 0.0
 
 
 class Fleet:
@@ -28,17 +34,9 @@ class Fleet:
         self.scenario = scenario
         self.teams = teams
 
-    def counts(self, team: Team) -> dict[str, int]:
-        """Return what a team can do together."""
-        return total(self.scenario.robots[robot].can for robot in team.robots)
-
     def covers(self, team: Team, task: int) -> bool:
         """Say whether a team has everything that a task needs."""
-        return covers(self.counts(team), self.scenario.tasks[task].needs)
-
-    def speed(self, team: Team) -> float:
-        """Return the speed of the slowest member, in cells a step."""
-        return min(self.scenario.robots[robot].speed for robot in team.robots)
+        return covers(team.counts, self.scenario.tasks[task].needs)
 
     def name(self, team: Team) -> str:
         """Name a team by its robots."""
@@ -48,7 +46,18 @@ class Fleet:
 
     def put(self, team: Team) -> None:
         """Enter a team at its slot."""
+        robots = [self.scenario.robots[robot] for robot in team.robots]
+        team.counts = total(robot.can for robot in robots)
+        team.speed = min(robot.speed for robot in robots)
         self.teams[min(team.robots)] = team
+
+    def accept(self, slot: int) -> None:
+        """Let a robot lead a team as the record has it: those below it stay behind."""
+        for below, team in list(self.teams.items()):
+            if slot in team.robots and slot != below:
+                leaving = {robot for robot in team.robots if robot >= slot}
+                self.put(replace(team, robots=team.robots - leaving))
+                self.put(replace(team, robots=leaving, services={}))
 
     def find(self, robots: Iterable[int]) -> int | None:
         """Return the slot of the team that has exactly these robots."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+from teamformer.capabilities import covers, total
 from teamformer.referee.fleet import Fleet, Team
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay import Step
@@ -20,8 +23,20 @@ def split_teams(fleet: Fleet, step: Step, notes: Notes) -> None:
         if team.has_formed:
             notes.note(f"{fleet.name(team)} forms twice in one step")
         del fleet.teams[slot]
+        if not _are_first_that_fit(fleet, stay, leave):
+            notes.note(f"{_list(fleet, stay)} are not the first of {fleet.name(team)} that fit")
         for robots in (stay, leave):
-            fleet.put(Team(set(robots), team.at, has_formed=True))
+            fleet.put(Team(set(robots), team.at, team.task, has_formed=True))
+
+
+def _are_first_that_fit(fleet: Fleet, stay: tuple[int, ...], leave: tuple[int, ...]) -> bool:
+    """Say whether robots that are taken in order, while they fit, are those that stay."""
+    can = [robot.can for robot in fleet.scenario.robots]
+    wanted = total(can[robot] for robot in stay)
+    return not any(
+        covers(wanted, total([can[robot], *(can[other] for other in stay if other < robot)]))
+        for robot in leave
+    )
 
 
 def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -> None:
@@ -42,22 +57,39 @@ def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -
                 f"{fleet.name(one)} at {list(one.at)} joins {fleet.name(other)} at "
                 f"{list(other.at)}; they are not in the same place"
             )
-        fleet.put(Team(one.robots | other.robots, other.at, has_formed=True))
+        task = min(one, other, key=lambda team: min(team.robots)).task
+        fleet.put(Team(one.robots | other.robots, other.at, task, has_formed=True))
 
 
-def lose_robots(fleet: Fleet, step: Step, number: int, notes: Notes) -> None:
+def check_reach(fleet: Fleet, pairs: tuple[tuple[int, int], ...], notes: Notes) -> None:
+    """Note which teams are too far apart to want the join for which they walk."""
+    for pair in pairs:
+        teams = [fleet.teams[slot] for slot in pair if slot in fleet.teams]
+        places = [team.at for team in teams]
+        if len(teams) == 2 and math.dist(*places) > fleet.scenario.join_radius + 1e-9:
+            one, other = (fleet.name(team) for team in teams)
+            notes.note(f"{one} joins {other} from beyond the join radius")
+
+
+def due_losses(fleet: Fleet, number: int) -> set[int]:
+    """Return the robots that a step loses."""
+    return {r for r, robot in enumerate(fleet.scenario.robots) if robot.lost == number}
+
+
+def lose_robots(fleet: Fleet, step: Step, due: set[int], notes: Notes) -> None:
     """Take out the robots that are lost in this step, and say where the record differs."""
-    due = {r for r, robot in enumerate(fleet.scenario.robots) if robot.lost == number}
     for robot in sorted(due ^ set(step.lost)):
         name, when = fleet.scenario.robots[robot].name, fleet.scenario.robots[robot].lost
         if robot in due:
             notes.note(f"robot {name} is lost in this step and the record keeps it")
         else:
             notes.note(f"the record loses robot {name} here, the scenario {when or 'never'}")
-    for slot, team in list(fleet.teams.items()):
-        if team.robots & (due | set(step.lost)):
+    if len(set(step.lost)) < len(step.lost):
+        notes.note("the record loses a robot twice")
+    for slot, team in list(fleet.teams.items()) if due else ():
+        if team.robots & due:
             del fleet.teams[slot]
-            team.robots -= due | set(step.lost)
+            team.robots -= due
             if team.robots:
                 fleet.put(team)
 

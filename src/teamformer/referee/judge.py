@@ -7,9 +7,15 @@ once.
 from __future__ import annotations
 
 from teamformer.referee.doing import Tasks
-from teamformer.referee.ending import judge_ending, judge_orders, start_fleet
+from teamformer.referee.ending import judge_ending, judge_orders, start_fleet, why_over
 from teamformer.referee.fleet import Fleet
-from teamformer.referee.forming import join_teams, lose_robots, split_teams
+from teamformer.referee.forming import (
+    check_reach,
+    due_losses,
+    join_teams,
+    lose_robots,
+    split_teams,
+)
 from teamformer.referee.moving import move_team
 from teamformer.referee.verdict import Notes, Verdict
 from teamformer.sim.replay import Replay, Step
@@ -19,12 +25,15 @@ def judge(replay: Replay) -> Verdict:
     """Return everything in a record that breaks the rules."""
     notes = Notes()
     fleet, tasks = start_fleet(replay, notes), Tasks(replay.scenario)
+    over = ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
-        if len(tasks.done) == len(replay.scenario.tasks):
-            notes.note("everything was done before, and the record goes on")
+        if over:
+            notes.note(f"{over}, and the record goes on")
             break
-        _judge_step(fleet, tasks, step, number, notes)
+        due = due_losses(fleet, number)
+        _judge_step(fleet, tasks, step, number, due, notes)
+        over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
     judge_orders(replay, tasks.done, notes)
     judge_ending(replay, fleet, tasks, notes)
@@ -32,7 +41,10 @@ def judge(replay: Replay) -> Verdict:
     return Verdict(findings, len(replay.steps), len(tasks.done))
 
 
-def _judge_step(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> None:
+def _judge_step(
+    fleet: Fleet, tasks: Tasks, step: Step, number: int, due: set[int], notes: Notes
+) -> None:
+    slots = set(fleet.teams)
     for team in fleet.teams.values():
         team.has_formed = False
     split_teams(fleet, step, notes)
@@ -42,8 +54,10 @@ def _judge_step(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Note
     if fleet.scenario.forming_steps > 0:
         join_teams(fleet, walked, notes)
         walked = ()
-    _move(fleet, step, walked, notes)
-    lose_robots(fleet, step, number, notes)
+    check_reach(fleet, walked, notes)
+    _move(fleet, step, walked, due, notes)
+    lose_robots(fleet, step, due, notes)
+    _check_entries(fleet, step, slots, notes)
     recorded: dict[int, int] = {}
     for task, slot in step.done:
         if task in recorded:
@@ -58,38 +72,56 @@ def _are_together(fleet: Fleet, pair: tuple[int, int]) -> bool:
     return one is not None and other is not None and one.at == other.at
 
 
-def _move(fleet: Fleet, step: Step, walked: tuple[tuple[int, int], ...], notes: Notes) -> None:
+def _move(
+    fleet: Fleet, step: Step, walked: tuple[tuple[int, int], ...], due: set[int], notes: Notes
+) -> None:
     """Move all teams to where the record has them; those that meet on the way join then."""
     places = {entry.slot: (entry.x, entry.y) for entry in step.teams}
     walking = [pair for pair in walked if set(pair) <= fleet.teams.keys()]
     apart = fleet.teams.keys() - {slot for pair in walking for slot in pair}
     for slot in sorted(apart):
         team = fleet.teams[slot]
-        move_team(fleet, team, places.get(_slot_after(team.robots, step), team.at), notes)
+        after = _slot_after(team.robots, due) if due else slot
+        move_team(fleet, team, places.get(after, team.at), notes)
     for pair in walking:
         teams = [fleet.teams[slot] for slot in pair]
-        slot = _slot_after(teams[0].robots | teams[1].robots, step)
+        slot = _slot_after(teams[0].robots | teams[1].robots, due)
         place = places.get(slot, fleet.teams[min(pair)].at)
         for team in teams:
             move_team(fleet, team, place, notes)
     join_teams(fleet, walked, notes)
 
 
-def _slot_after(robots: set[int], step: Step) -> int:
+def _slot_after(robots: set[int], due: set[int]) -> int:
     """Return the slot of a team of these robots after the step's losses; -1 if none is left."""
-    return min(robots - set(step.lost), default=-1)
+    return min(robots - due, default=-1)
+
+
+def _check_entries(fleet: Fleet, step: Step, slots: set[int], notes: Notes) -> None:
+    """Check that the record names every new team, no team twice and none that is not there."""
+    seen: set[int] = set()
+    for entry in step.teams:
+        name = fleet.scenario.robots[entry.slot].name
+        if entry.slot in seen:
+            notes.note(f"the record has the team of robot {name} in two places")
+        seen.add(entry.slot)
+        if entry.slot not in fleet.teams:
+            notes.note(f"the record moves a team of robot {name} as its lowest; there is none")
+            fleet.accept(entry.slot)
+            if entry.slot in fleet.teams:
+                fleet.teams[entry.slot].at = (entry.x, entry.y)
+    for slot in sorted(fleet.teams.keys() - slots - seen):
+        team = fleet.name(fleet.teams[slot])
+        notes.note(f"{team} is new, and the record does not say where it is")
 
 
 def _assign(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> None:
     """Take over the assignments that the record gives, and check them."""
     for entry in step.teams:
-        if entry.slot not in fleet.teams:
-            name = fleet.scenario.robots[entry.slot].name
-            notes.note(f"the record moves a team of robot {name} as its lowest; there is none")
-        else:
+        if entry.slot in fleet.teams:
             fleet.teams[entry.slot].task = entry.task
     for team in fleet.teams.values():
-        if team.task is not None and not tasks.is_open(team.task, number):
+        if team.task is not None and not tasks.is_open(team.task, number - 1):
             task = fleet.scenario.tasks[team.task].name
             notes.note(f"{fleet.name(team)} heads for task {task}, which is not open")
             team.task = None

@@ -1,0 +1,138 @@
+"""Imports point downwards, and each heavy library has one home."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import teamformer
+
+ROOT = Path(teamformer.__file__).parent
+
+CORE = {"errors", "model", "capabilities", "regions", "jit"}
+SEES = {
+    "core": CORE,
+    "scenarios": CORE,
+    "planning": CORE,
+    "sim": {*CORE, "scenarios", "planning"},
+    "policies": {*CORE, "scenarios", "planning", "sim"},
+    "referee": {*CORE, "scenarios", "sim.replay"},
+    "viewer": {"errors"},
+    "bench": {*CORE, "scenarios", "planning", "sim", "policies", "referee"},
+    "commands": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"},
+    "cli": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"}
+    | {"commands"},
+}
+"""What each part may import besides itself; a name stands for all that is in it."""
+
+HOMES = {
+    "ortools": ("planning/",),
+    "gymnasium": ("sim/parallel.py",),
+    "pettingzoo": ("sim/parallel.py",),
+    "typer": ("cli.py", "commands/"),
+    "click": ("cli.py", "commands/"),
+    "rich": ("cli.py", "commands/", "bench/"),
+    "yaml": ("scenarios/",),
+}
+NOWHERE = ("torch", "matplotlib", "scipy", "pandas", "networkx")
+
+FILES = sorted(ROOT.rglob("*.py"))
+
+
+def imports_of(path: Path) -> Iterator[tuple[str, bool]]:
+    """Return what a file imports, wherever in it, and whether that happens on import."""
+    tree = ast.parse(path.read_text())
+    inner = {
+        id(node)
+        for part in ast.walk(tree)
+        if isinstance(part, ast.FunctionDef) or is_for_types_only(part)
+        for node in ast.walk(part)
+    }
+    for node in ast.walk(tree):
+        names: list[str] = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        for name in names:
+            yield name, id(node) not in inner
+
+
+def is_for_types_only(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+
+
+def part_of(path: Path) -> str:
+    name = path.relative_to(ROOT).parts[0].removesuffix(".py")
+    return "core" if name in CORE else name
+
+
+def is_allowed(part: str, name: str) -> bool:
+    """Say whether a part of the package may import something of the package, by full name."""
+    inside = name.removeprefix("teamformer.")
+    return any(f"{inside}.".startswith(f"{seen}.") for seen in {*SEES[part], part})
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_imports_point_downwards(path: Path) -> None:
+    part = part_of(path)
+    if part == "__init__":
+        assert list(imports_of(path)) == []
+        return
+    ours = [name for name, _ in imports_of(path) if name.startswith("teamformer")]
+    assert [name for name in ours if not is_allowed(part, name)] == []
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_heavy_libraries_stay_at_home(path: Path) -> None:
+    where = path.relative_to(ROOT).as_posix()
+    for name, is_at_once in imports_of(path):
+        library = name.split(".")[0]
+        assert library not in NOWHERE
+        if library in HOMES:
+            assert where.startswith(HOMES[library]), f"{where} imports {library}"
+        assert not (library == "ortools" and is_at_once), f"{where} imports {library} at once"
+
+
+def test_the_reader_of_imports_finds_them(tmp_path: Path) -> None:
+    """So that the tests above cannot pass by finding nothing."""
+    path = tmp_path / "some.py"
+    path.write_text(
+        "import a.b\nfrom c import d as e\nif TYPE_CHECKING:\n    import f\n"
+        "def g():\n    from teamformer.sim import env\n"
+    )
+    found = {"a.b": True, "c.d": True, "f": False, "teamformer.sim.env": False}
+    assert dict(imports_of(path)) == found
+    assert not is_allowed("planning", "teamformer.sim.env")
+    assert not is_allowed("referee", "teamformer.sim.env")
+    assert is_allowed("referee", "teamformer.sim.replay.Step")
+    assert not is_allowed("scenarios", "teamformer.simulated")
+    assert {part_of(path) for path in FILES} - {"__init__"} <= set(SEES)
+
+
+@pytest.mark.parametrize(
+    ("verb", "unwanted"),
+    [
+        ("--help", {"ortools", "numba", "numpy", "torch", "matplotlib", "gymnasium"}),
+        ("policies", {"ortools", "torch", "matplotlib", "gymnasium", "pettingzoo"}),
+    ],
+)
+def test_a_verb_loads_only_what_it_needs(verb: str, unwanted: set[str]) -> None:
+    code = (
+        "import sys; from teamformer.cli import main; sys.argv = ['teamformer', sys.argv[1]]\n"
+        "try: main()\n"
+        "finally: print(*sorted({name.split('.')[0] for name in sys.modules}), file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, verb], capture_output=True, text=True, check=True
+    )
+    loaded = set(done.stderr.split())
+    assert "typer" in loaded
+    assert loaded & unwanted == set()
+    assert done.stdout

@@ -77,3 +77,11 @@ def test_worlds_that_are_over_give_nothing() -> None:
     assert env.rewards.tolist() == [[8.0, 0.0], [-1.5, -1.5]]
     play(env)
     assert env.rewards.tolist() == [[0.0, 0.0], [-1.5, -1.5]]
+
+
+def test_the_loss_of_the_lowest_robot_keeps_the_task_in_mind() -> None:
+    """b and a are left of a team for T (a, b) when the first robot is lost: -2 + 2/2."""
+    robots = [robot("a", 0, lost=1), robot("b", 0), robot("a", 0)]
+    env = TeamFormation([make(robots, [task("ab", 5)], teams=((0, 1, 2),))])
+    play(env)
+    assert env.rewards[0].tolist() == [0.0, -1.0, 0.0]

@@ -228,7 +228,7 @@ def _take_out(world, robot):  # type: ignore[no-untyped-def]
             break
     team = world.teams[old]
     x, y, credit, serves = team.x, team.y, team.credit, team.serves
-    task, is_detour = team.task, team.is_detour
+    task, is_detour, pursued = team.task, team.is_detour, team.pursued
     clear_slot(world, old)
     if slot != NOBODY:
         clear_slot(world, slot)
@@ -238,6 +238,7 @@ def _take_out(world, robot):  # type: ignore[no-untyped-def]
                 add_robot(world, slot, member)
         world.teams[slot].task, world.teams[slot].is_detour = task, is_detour
         world.teams[slot].serves, world.teams[slot].credit = serves, credit
+        world.teams[slot].pursued = pursued
     for served in range(world.rules.tasks):
         if world.tasks[served].server == old:
             world.tasks[served].server = slot

@@ -1,0 +1,123 @@
+"""Real records are legal; the same with one entry changed are not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from random_worlds import random_world
+from teamformer.policies.heuristic import Heuristic
+from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trial import run_trial
+from teamformer.referee import judge
+from teamformer.scenarios.files import read_scenario
+from teamformer.sim.replay import Replay
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_examples_are_played_legally(path: Path) -> None:
+    for policy in (JoinAll(), Heuristic()):
+        assert judge(run_trial(read_scenario(path), policy, "any").replay).findings == ()
+
+
+Forge = Callable[[Replay, np.random.Generator], Replay | None]
+
+
+def change_step(replay: Replay, key: str, rng: np.random.Generator, change: Any) -> Replay | None:
+    """Let `change` replace one of the entries under a key of the steps; None if there is none."""
+    spots = [
+        (number, i)
+        for number, step in enumerate(replay.steps)
+        for i in range(len(getattr(step, key)))
+    ]
+    if not spots:
+        return None
+    number, i = spots[int(rng.integers(len(spots)))]
+    entries = list(getattr(replay.steps[number], key))
+    entries[i : i + 1] = change(entries[i])
+    steps = list(replay.steps)
+    steps[number] = replace(steps[number], **{key: tuple(entries)})
+    return replace(replay, steps=tuple(steps))
+
+
+def makespan(replay: Replay, rng: np.random.Generator) -> Replay | None:
+    if replay.end.makespan is None:
+        return None
+    shifted = replay.end.makespan + int(rng.choice([-1, 1]))
+    return replace(replay, end=replace(replay.end, makespan=shifted))
+
+
+def jump(replay: Replay, rng: np.random.Generator) -> Replay | None:
+    return change_step(replay, "teams", rng, lambda team: [team._replace(x=team.x + 4)])
+
+
+def leave_out(key: str) -> Forge:
+    return lambda replay, rng: change_step(replay, key, rng, lambda entry: [])
+
+
+def twice(key: str) -> Forge:
+    return lambda replay, rng: change_step(replay, key, rng, lambda entry: [entry, entry])
+
+
+def other_doer(replay: Replay, rng: np.random.Generator) -> Replay | None:
+    robots = len(replay.scenario.robots)
+    if robots == 1:
+        return None
+    return change_step(replay, "done", rng, lambda entry: [(entry[0], (entry[1] + 1) % robots)])
+
+
+def robot_in_two_teams(replay: Replay, rng: np.random.Generator) -> Replay | None:
+    if len(replay.start) == 1:
+        return None
+    first, (slot, robots, x, y), *rest = replay.start
+    mixed = (slot, tuple(sorted((*robots, first[1][0]))), x, y)
+    return replace(replay, start=(first, mixed, *rest))
+
+
+FORGERIES: dict[str, Forge] = {
+    "makespan": makespan,
+    "jump": jump,
+    "robot in two teams": robot_in_two_teams,
+    "done by another": other_doer,
+    **{f"no {key}": leave_out(key) for key in ("joins", "splits", "lost", "done")},
+    **{f"twice {key}": twice(key) for key in ("joins", "splits", "lost", "teams", "done")},
+}
+
+
+@pytest.fixture(scope="module")
+def real_records() -> list[Replay]:
+    rng = np.random.default_rng(12)
+    worlds = [random_world(rng) for _ in range(100)]
+    return [
+        run_trial(world, policy, "any").replay
+        for world in worlds
+        for policy in (JoinAll(), Heuristic())
+    ]
+
+
+@pytest.mark.parametrize("name", FORGERIES)
+def test_every_such_change_of_a_real_record_is_found(name: str, real_records: list[Replay]) -> None:
+    rng = np.random.default_rng(13)
+    forged = [FORGERIES[name](replay, rng) for replay in real_records]
+    verdicts = [judge(replay) for replay in forged if replay is not None]
+    assert len(verdicts) >= 20
+    assert all(verdict.findings for verdict in verdicts)
+    assert max(len(verdict.findings) for verdict in verdicts) < 60  # not the same over and over
+
+
+def test_shifts_by_a_cell_are_mostly_found(real_records: list[Replay]) -> None:
+    """Some are legal: a team may stand elsewhere when a trial ends, if nobody needs it there."""
+    rng = np.random.default_rng(14)
+    shifted = [
+        change_step(replay, "teams", rng, lambda team: [team._replace(x=team.x + 1)])
+        for replay in real_records
+    ]
+    found = [bool(judge(replay).findings) for replay in shifted if replay is not None]
+    assert np.mean(found) > 0.85

@@ -1,0 +1,257 @@
+"""Forgeries that a careless referee lets through, one tiny world each."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from random_worlds import random_world
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.referee import judge
+from teamformer.sim.replay import Ending, Replay, Step, TeamAt
+
+ALONE = Scenario(
+    name="alone",
+    world=Grid(5, 1),
+    capabilities=("a",),
+    robots=(Robot("r", (0, 0), {"a": 1}),),
+    tasks=(Task("t", (2, 0), {"a": 1}),),
+    step_limit=4,
+)
+"""One robot, one task: `r . t . .`"""
+
+TWINS = Scenario(
+    name="twins",
+    world=Grid(5, 1),
+    capabilities=("a", "b"),
+    robots=(Robot("r", (0, 0), {"a": 1}), Robot("s", (0, 0), {"a": 1})),
+    tasks=(Task("t", (1, 0), {"a": 2}), Task("u", (0, 0), {"a": 1}, appears=1)),
+    teams=((0, 1),),
+    step_limit=9,
+)
+"""Two equal robots that start as one team: `rs t . . .`, with `u` later where they start."""
+
+MEETING = Scenario(
+    name="meeting",
+    world=Grid(5, 1),
+    capabilities=("a", "b"),
+    robots=(Robot("r", (0, 0), {"a": 1}), Robot("s", (2, 0), {"b": 1})),
+    tasks=(Task("t", (1, 0), {"a": 1, "b": 1}),),
+    sensing_radius=2,
+    join_radius=2,
+    forming_steps=0,
+    step_limit=9,
+)
+"""Two robots that may become one team on the way: `r t s . .`"""
+
+SERVICE = Scenario(
+    name="service",
+    world=Grid(5, 1),
+    capabilities=("a", "b"),
+    robots=(Robot("r", (0, 0), {"a": 1}), Robot("s", (0, 0), {"b": 1})),
+    tasks=(Task("t", (0, 0), {"a": 1}, duration=2),),
+    step_limit=9,
+)
+"""Two robots at a task that one of them serves: `rst . . . .`"""
+
+FAST = replace(
+    ALONE,
+    world=Grid(3, 2, (".@.", "...")),
+    robots=(Robot("r", (0, 0), {"a": 1}, speed=2),),
+)
+"""A robot of speed 2 that must walk four cells around a wall: `r @ t`."""
+
+
+def record(scenario: Scenario, *steps: Step, **end: Any) -> Replay:
+    """Return a record with the true start, the first order and an ending counted from the steps."""
+    done = sum(len(step.done) for step in steps)
+    is_completed = done == len(scenario.tasks)
+    ending = Ending(
+        status="completed" if is_completed else "interrupted",
+        makespan=len(steps) if is_completed else None,
+        steps=len(steps),
+        tasks_done=done,
+        joins=sum(len(step.joins) for step in steps),
+        splits=sum(len(step.splits) for step in steps),
+        illegal_decisions=0,
+    )
+    places = [(team[0], team, *scenario.robots[team[0]].at) for team in scenario.starting_teams]
+    known = tuple(k for k, task in enumerate(scenario.tasks) if not task.appears)
+    orders = ((0, known),)
+    return Replay(scenario, "by hand", 0, orders, tuple(places), steps, replace(ending, **end))
+
+
+def messages(replay: Replay) -> list[str]:
+    return [finding.message for finding in judge(replay).findings]
+
+
+def at(slot: int, x: int, task: int | None = None, y: int = 0) -> TeamAt:
+    return TeamAt(slot, x, y, task)
+
+
+ARRIVES = Step(teams=(at(0, 2),), done=((0, 0),))
+
+
+@pytest.mark.parametrize(
+    "replay",
+    [
+        record(ALONE, Step(teams=(at(0, 1, 0),)), ARRIVES),
+        record(ALONE, Step(), Step(), Step(teams=(at(0, 1, 0),)), ARRIVES),
+        record(FAST, Step(teams=(at(0, 1, 0, y=1),)), ARRIVES),
+        record(MEETING, Step(joins=((0, 1),), teams=(at(0, 1),), done=((0, 0),))),
+        record(SERVICE, Step(), Step(), Step(done=((0, 0),))),
+    ],
+    ids=["walks", "waits first", "around the wall", "meets on the way", "serves two steps"],
+)
+def test_what_is_legal_is_found_legal(replay: Replay) -> None:
+    assert messages(replay) == []
+
+
+def test_standing_saves_up_no_second_cell() -> None:
+    forged = record(ALONE, Step(), ARRIVES)
+    assert messages(forged) == [
+        "step 2: team [r] jumped from [0, 0] to [2, 0]; it can cross 1 cell now"
+    ]
+
+
+def test_a_slow_robot_saves_up_one_cell_and_no_more() -> None:
+    slow = replace(ALONE, robots=(Robot("r", (0, 0), {"a": 1}, speed=0.5),))
+    two_in_three = (Step(teams=(at(0, 1, 0),)), ARRIVES)
+    assert messages(record(slow, Step(), *two_in_three)) == [
+        "step 3: team [r] jumped from [1, 0] to [2, 0]; it can cross 0 cells now"
+    ]
+    assert messages(record(slow, Step(), two_in_three[0], Step(), ARRIVES)) == []
+
+
+def test_nobody_goes_through_a_wall() -> None:
+    assert messages(record(FAST, ARRIVES)) == [
+        "step 1: team [r] went through a wall from [0, 0] to [2, 0]; it can cross 2 cells now"
+    ]
+
+
+def test_who_meets_was_within_the_join_radius() -> None:
+    far = replace(MEETING, join_radius=1)
+    forged = record(far, Step(joins=((0, 1),), teams=(at(0, 1),), done=((0, 0),)))
+    assert messages(forged) == ["step 1: team [r] joins team [s] from beyond the join radius"]
+
+
+def test_a_team_is_in_one_place() -> None:
+    twice = Step(teams=(at(0, 1, 0), at(0, 1, 0)))
+    assert messages(record(ALONE, twice, ARRIVES)) == [
+        "step 1: the record has the team of robot r in two places"
+    ]
+
+
+def test_a_new_team_has_a_place() -> None:
+    split = replace(record(TWINS, Step(splits=(((0,), (1,)),))), orders=((0, (0,)), (1, (0, 1))))
+    assert messages(split) == ["step 1: team [s] is new, and the record does not say where it is"]
+
+
+def test_robots_that_stay_are_the_first_that_fit() -> None:
+    """Who wants to keep one `a` of two keeps robot r, which comes first."""
+    orders = ((0, (0,)), (1, (0, 1)))
+    for stay, leave, expected in (
+        ((0,), (1,), []),
+        ((1,), (0,), ["step 1: [s] are not the first of team [r, s] that fit"]),
+    ):
+        step = Step(splits=((stay, leave),), teams=(at(1, 0),))
+        assert messages(replace(record(TWINS, step), orders=orders)) == expected
+
+
+def test_one_robot_cannot_do_what_takes_two() -> None:
+    step = Step(splits=(((0,), (1,)),), teams=(at(1, 0),))
+    forged = record(TWINS, step, Step(teams=(at(0, 1),), done=((0, 0),)))
+    assert "step 2: task t cannot be done: team [r] lacks a" in messages(forged)
+
+
+def test_whoever_serves_neither_joins_nor_is_joined() -> None:
+    for pair in ((0, 1), (1, 0)):
+        forged = record(SERVICE, Step(), Step(joins=(pair,)))
+        assert "step 2: team [r] joins while it serves a task" in messages(forged)
+
+
+def test_two_joins_of_the_same_walkers_are_found() -> None:
+    step = Step(joins=((0, 1), (0, 1)), teams=(at(0, 1),), done=((0, 0),))
+    assert messages(record(MEETING, step)) == ["step 1: a join of r with s is not one of two teams"]
+
+
+def test_nothing_happens_after_the_limit() -> None:
+    assert messages(record(ALONE, *(Step(),) * 4, status="step limit")) == []
+    assert "step 5: the step limit was reached before, and the record goes on" in messages(
+        record(ALONE, *(Step(),) * 5)
+    )
+
+
+def test_nothing_happens_after_a_task_has_become_impossible() -> None:
+    lost = replace(ALONE, robots=(Robot("r", (0, 0), {"a": 1}, lost=1),))
+    ending = {"status": "infeasible", "blocked_tasks": ("t",)}
+    assert messages(record(lost, Step(lost=(0,)), **ending)) == []
+    assert messages(record(lost, Step(lost=(0,)), Step(), **ending)) == [
+        "step 2: some tasks could never be done since a robot was lost, and the record goes on"
+    ]
+    assert "step 1: the record loses a robot twice" in messages(
+        record(lost, Step(lost=(0, 0)), **ending)
+    )
+
+
+def test_tasks_that_appear_get_an_order_and_no_other_step_has_one() -> None:
+    legal = replace(record(TWINS, Step(), Step(done=((1, 0),))), orders=((0, (0,)), (1, (1, 0))))
+    assert messages(legal) == []
+    assert messages(replace(legal, orders=((0, (0,)),))) == [
+        "there is no order from after 1 steps, when tasks appeared"
+    ]
+    assert "there is an order from after 7 steps, but only 2 were made" in messages(
+        replace(legal, orders=(*legal.orders, (7, (0,))))
+    )
+
+
+def test_nobody_heads_for_a_task_in_the_step_after_which_it_appears() -> None:
+    step = Step(teams=(at(0, 0, 1),))
+    forged = replace(record(TWINS, step), orders=((0, (0,)), (1, (1, 0))))
+    assert messages(forged) == ["step 1: team [r, s] heads for task u, which is not open"]
+
+
+def test_a_completion_left_out_is_told_once() -> None:
+    forged = record(ALONE, Step(teams=(at(0, 1, 0),)), Step(teams=(at(0, 2),)), tasks_done=1)
+    assert [m for m in messages(forged) if "leaves it out" in m] == [
+        "step 2: team [r] does task t, and the record leaves it out"
+    ]
+
+
+def test_hundreds_of_robots_are_judged_in_seconds() -> None:
+    """Three hundred robots pace up and down for 300 steps: 90,000 moves."""
+    robots = tuple(Robot(f"r{i}", (i, 0), {"a": 1}) for i in range(300))
+    hall = Scenario("hall", Grid(300, 2), ("a",), robots, (Task("t", (0, 0), {"a": 2}),))
+    steps = [Step(teams=tuple(at(i, i, y=n % 2) for i in range(300))) for n in range(1, 301)]
+    began = time.perf_counter()
+    assert messages(record(hall, *steps)) == []
+    assert time.perf_counter() - began < 10  # half a second on an idle machine
+
+
+def wild_step(world: Scenario, rng: np.random.Generator) -> Step:
+    """Return a step with random numbers in every place that a reader lets them into."""
+    robots, tasks = len(world.robots), len(world.tasks)
+
+    def some(limit: int, length: int) -> tuple[int, ...]:
+        return tuple(rng.integers(limit, size=length).tolist())
+
+    a, b, c, d, e, f = some(4, 6)
+    x, y = rng.integers(-2, 9, size=2).tolist()
+    return Step(
+        joins=tuple(zip(some(robots, a), some(robots, a), strict=True)),
+        splits=((some(robots, b), some(robots, c)),),
+        lost=some(robots, d),
+        teams=tuple(at(slot, x, some(tasks, 1)[0], y) for slot in some(robots, e)),
+        done=tuple(zip(some(tasks, f), some(robots, f), strict=True)),
+    )
+
+
+def test_no_record_is_too_wild_to_judge() -> None:
+    rng = np.random.default_rng(15)
+    for _ in range(150):
+        world = random_world(rng)
+        assert judge(record(world, *(wild_step(world, rng) for _ in range(12)))).findings

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
 from dataclasses import replace
 
@@ -120,6 +122,26 @@ def test_the_same_seed_gives_the_same_schedule_where_it_is_proven() -> None:
 def test_one_thread_proves_too() -> None:
     scenario = generate(Spec(robots=4, tasks=10), np.random.default_rng(1))
     assert solve(scenario, 20.0, workers=1).status == "optimal"
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        Spec(robots=20, tasks=100, world=Grid(20, 20)),  # all threads search
+        Spec(
+            robots=40, tasks=20, capabilities=40, requirements=20, world=Grid(20, 20)
+        ),  # one proves
+    ],
+)
+def test_an_interrupt_ends_all_threads(spec: Spec) -> None:
+    main = threading.get_ident()
+    interrupt = threading.Timer(1.5, lambda: signal.pthread_kill(main, signal.SIGINT))
+    begun = time.perf_counter()
+    interrupt.start()
+    with pytest.raises(KeyboardInterrupt):
+        solve(generate(spec, np.random.default_rng(0)), 60.0)
+    assert time.perf_counter() - begun < 2.5
+    assert threading.active_count() == 1
 
 
 def test_joining_costs_are_no_part_of_the_relaxed_problem() -> None:

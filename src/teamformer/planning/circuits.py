@@ -214,6 +214,7 @@ def make_solver(seed: int) -> cp_model.CpSolver:
 
     solver = cp_model.CpSolver()
     solver.parameters.num_workers = 1
+    solver.parameters.catch_sigint_signal = False
     solver.parameters.random_seed = seed
     return solver
 
@@ -235,6 +236,7 @@ def minimise(
             offer(read_solution(circuits, self.value))
 
     status = solver.solve(circuits.model, Reporter())
+    assert status != cp_model.MODEL_INVALID, "the model is malformed"
     if status == cp_model.INFEASIBLE:
         return True, circuits.horizon + 1
     return status == cp_model.OPTIMAL, math.ceil(solver.best_objective_bound - 1e-6)

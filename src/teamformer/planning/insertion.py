@@ -31,8 +31,11 @@ BLINK = 0.1
 MANY = 12
 """Of more robots than this with a capability, only so many are looked at for one task."""
 
-IMPOSSIBLE = 2**40
+NEIGHBOURS = 64
+"""How many tasks around each are listed, nearest first."""
 
+IMPOSSIBLE = 2**40
+"""The cost of what cannot be."""
 
 ASK = np.dtype([("cap", np.int32), ("count", np.int32), ("candidates", np.int32)])
 """A capability, how often it is needed, and how many robots are considered for it."""
@@ -52,9 +55,6 @@ class Desk(NamedTuple):
     random: Array  # (1,) state of the random numbers
 
 
-NEIGHBOURS = 64
-
-
 def empty_desk(problem: Relaxed, seed: int) -> Desk:
     """Return the room, with the random numbers seeded."""
     robots, (tasks, caps) = len(problem.pace), problem.needs.shape
@@ -68,7 +68,7 @@ def empty_desk(problem: Relaxed, seed: int) -> Desk:
         best=np.zeros(robots, np.int32),
         spare=np.zeros(caps, np.int32),
         is_versatile=np.array([problem.counts.sum(axis=1).max() > 1]),
-        random=np.array([seed * 2654435769 + 88172645463325252], np.uint64),
+        random=np.array([(seed * 2654435769 + 88172645463325252) % 2**64], np.uint64),
     )
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from functools import cache
+from typing import Literal
 
-from teamformer.model import Scenario
+from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.planning.bounds import bound_makespan, earliest_starts
 from teamformer.planning.circuits import (
     build_circuits,
@@ -21,9 +23,6 @@ from teamformer.planning.circuits import (
 from teamformer.planning.relaxed import FAR, Relaxed, is_true_relaxation, relax
 from teamformer.planning.schedule import Schedule
 from teamformer.planning.search import Search
-
-if TYPE_CHECKING:
-    from ortools.sat.python import cp_model
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 
@@ -71,8 +70,9 @@ def solve(
     """Minimise the makespan if joining is free, for up to `time_limit` seconds.
 
     Starts from `hint`, if given, and works on up to `workers` threads. A limit of 0 returns
-    the first plan.
+    the first plan. Compiling, once for each installation, takes seconds that do not count.
     """
+    _compile()
     progress = Progress(relax(scenario), time_limit)
     if (earliest_starts(progress.problem) >= FAR).any():
         progress.is_infeasible = True
@@ -96,6 +96,7 @@ class Progress:
         self.best: Schedule | None = None
         self.is_exhausted = False  # nothing better is left to be found
         self.is_infeasible = False
+        self.stop_solver: Callable[[], None] = lambda: None
         self.bound = 0
         self._curve: list[tuple[float, int]] = []
         self._started, self._limit = time.perf_counter(), time_limit
@@ -127,6 +128,11 @@ class Progress:
         """Note that no plan is faster than this."""
         self.bound = max(self.bound, bound)
         self.is_exhausted |= self.best is not None and self.best.makespan <= self.bound
+
+    def stop(self) -> None:
+        """Let all threads come to their end."""
+        self.is_exhausted = True
+        self.stop_solver()
 
     def report(self) -> Solution:
         """Return where things stand."""
@@ -165,26 +171,30 @@ def _search_on(progress: Progress, seed: int) -> None:
 
 
 def _search_and_prove(progress: Progress, seed: int, workers: int) -> None:
-    """Let the solver work on one thread, if it can get anywhere, and search on all others."""
-    arcs = count_arcs(progress.problem)
+    """Let the solver work on one thread, if it can get anywhere, and search on all others.
+
+    The main thread only waits, so that Ctrl-C reaches it.
+    """
+    arcs, workers = count_arcs(progress.problem), max(1, workers)
     proves = arcs <= LARGEST_MODEL and arcs * SECONDS_TO_BUILD < progress.seconds_left
-    solver = make_solver(seed) if proves else None
-    with ThreadPoolExecutor(max(1, workers)) as pool:
-        searches = [
-            pool.submit(_search_on, progress, seed + thread)
-            for thread in range(1, max(1, workers) + 1 - proves)
-        ]
-        if solver:
-            for search in searches:
-                search.add_done_callback(lambda _: solver.stop_search())
-            _prove(progress, solver)
-        for search in searches:
-            search.result()
+    with ThreadPoolExecutor(workers) as pool:
+        work = [pool.submit(_prove, progress, seed)] if proves else []
+        while len(work) < workers:
+            work.append(pool.submit(_search_on, progress, seed + 1 + len(work)))
+        try:
+            for done in as_completed(work):
+                done.result()
+                if progress.is_over():
+                    progress.stop()
+        finally:
+            progress.stop()
 
 
-def _prove(progress: Progress, solver: cp_model.CpSolver) -> None:
+def _prove(progress: Progress, seed: int) -> None:
     """Look for a faster schedule with the solver, or show that there is none."""
     problem, best = progress.problem, progress.best
+    solver = make_solver(seed)
+    progress.stop_solver = solver.stop_search
     horizon = best.makespan - 1 if best else latest_makespan(problem)
     circuits = build_circuits(problem, progress.bound, horizon)
     solver.parameters.max_time_in_seconds = progress.seconds_left
@@ -193,3 +203,13 @@ def _prove(progress: Progress, solver: cp_model.CpSolver) -> None:
         progress.raise_bound(bound)
         progress.is_infeasible = bound > horizon and best is None
     progress.is_exhausted |= has_seen_all
+
+
+@cache
+def _compile() -> None:
+    """Compile the kernels, or load what was compiled before, on a smallest problem."""
+    robots = tuple(Robot(f"r{r}", (0, 0), {cap: 1}) for r, cap in enumerate("aab"))
+    tasks = tuple(Task(f"t{k}", (k, 0), {"a": 1, "b": 1}) for k in range(2))
+    problem = relax(Scenario("smallest", Grid(2, 1), ("a", "b"), robots, tasks))
+    Search(problem, seed=0, start=Search(problem, seed=0).best)
+    bound_makespan(problem)

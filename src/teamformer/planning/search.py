@@ -10,13 +10,7 @@ import numba as nb
 import numpy as np
 
 from teamformer.planning.insertion import draw, draw_below, empty_desk, insert_task
-from teamformer.planning.plan import (
-    copy_plan,
-    empty_plan,
-    empty_timing,
-    hang_tasks,
-    start_tasks,
-)
+from teamformer.planning.plan import copy_plan, empty_plan, empty_timing, hang_tasks, start_tasks
 from teamformer.planning.relaxed import Relaxed
 from teamformer.planning.schedule import Schedule, make_plan, read_schedule
 
@@ -31,7 +25,6 @@ WALKED = 0.2
 
 BROKEN = 1e6
 """Steps of makespan that a task without a crew, or with a lost robot in it, is worth."""
-
 
 HOT, COLD = 5.0, 0.3
 """Temperatures at the beginning and at the end of an annealing, in steps of makespan."""
@@ -97,7 +90,7 @@ def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, tempe
     for _ in range(rounds):
         copy_plan(plan, spare)
         count = _ruin(problem, spare, timing, desk, torn)
-        cost = recreate(problem, spare, timing, desk, torn, count)
+        cost = _recreate(problem, spare, timing, desk, torn, count)
         if cost <= costs[0] - temperature * np.log(1.0 - draw(desk.random)):
             copy_plan(spare, plan)
             costs[0] = cost
@@ -179,7 +172,7 @@ def _close_gaps(plan, torn):  # type: ignore[no-untyped-def]
 
 
 @nb.njit(cache=True, nogil=True)
-def recreate(problem, plan, timing, desk, torn, count):  # type: ignore[no-untyped-def]
+def _recreate(problem, plan, timing, desk, torn, count):  # type: ignore[no-untyped-def]
     """Put tasks back, in random order; return the cost of the plan."""
     for last in range(count - 1, 0, -1):
         other = draw_below(desk.random, last + 1)

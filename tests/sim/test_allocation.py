@@ -18,6 +18,7 @@ from small_worlds import (
     two_tasks_two_pairs,
 )
 from teamformer.model import Grid
+from teamformer.policies.scripted import JoinAll
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 
@@ -163,3 +164,25 @@ def test_a_serving_team_keeps_its_assignment_whatever_is_named() -> None:
     play(env)
     env.step(Decision(env.view().counts.copy(), np.array([1])))
     assert assignments(env) == {0: 0}
+
+
+def test_two_do_not_wait_for_each_other_at_different_tasks() -> None:
+    """c has done U; b heads for V, which needs a too; a heads for T, which needs c too.
+
+    If b and c, once joined, went on to V, they would wait there for a, and a at T for c.
+
+    V . . . . a . . . . T        c and U are where b is
+    . . . . b . . . . . .
+    2       10          17
+    """
+    robots = [robot("c", 10, 1), robot("b", 10, 1, speed=0.1), robot("a", 11)]
+    tasks = [task("c", 10, 1), task("ac", 17), task("ab", 2)]
+    env, join_all = TeamFormation([make(robots, tasks, Grid(20, 2))]), JoinAll()
+    assert order_of(env) == [0, 1, 2]  # from (10, 1): 0 + 8 + 15
+    play(env)
+    assert assignments(env) == {0: None, 1: 2, 2: 1}
+    play(env, joins={1: 0})
+    assert assignments(env) == {0: 1, 2: 1}
+    while env.is_running[0]:
+        env.step(join_all.decide(env.view()))
+    assert env.tally().status == "completed"

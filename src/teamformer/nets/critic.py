@@ -42,15 +42,22 @@ class Critic(nn.Module):
         `teams` (worlds, teams, features), `tasks` (worlds, tasks, features), `world` (worlds,
         features); padding is False in `is_team` and `is_task`.
         """
-        teams = self.team_in(teams)  # (worlds, teams, d)
-        tasks = self.task_in(tasks)  # (worlds, tasks, d)
-        parts = [*_pools(teams, is_team), *_pools(tasks, is_task), world]
+        parts = [
+            *_pools(self.team_in(teams[is_team]), is_team),
+            *_pools(self.task_in(tasks[is_task]), is_task),
+            world,
+        ]
         value: Tensor = self.out(torch.cat(parts, dim=-1)).squeeze(-1)
         return value
 
 
 def _pools(tokens: Tensor, is_there: Tensor) -> tuple[Tensor, Tensor]:
-    """Return mean and maximum over the tokens that are there, each (worlds, d)."""
-    there_only = tokens * is_there.unsqueeze(-1).to(tokens.dtype)  # (worlds, tokens, d)
+    """Return mean and maximum of each world's tokens, given without padding; each (worlds, d).
+
+    Most of a batch is padding where a few worlds have many teams, so nothing is computed for it.
+    """
+    world = is_there.nonzero()[:, 0]  # (tokens,)
+    none = tokens.new_zeros(len(is_there), tokens.shape[1])  # (worlds, d)
     count = is_there.sum(dim=1, keepdim=True).clamp(min=1)  # (worlds, 1)
-    return there_only.sum(dim=1) / count, there_only.amax(dim=1)
+    most = none.scatter_reduce(0, world.unsqueeze(1).expand_as(tokens), tokens, "amax")
+    return none.index_add(0, world, tokens) / count, most

@@ -82,7 +82,7 @@ class OnnxScorer:
 
 
 def _start(content: bytes, name: str) -> Any:
-    import onnxruntime
+    import onnxruntime  # type: ignore[import-untyped]  # heavy, and only needed here
 
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1

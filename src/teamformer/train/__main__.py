@@ -47,7 +47,7 @@ def _print(report: Report) -> None:
         line += f"  clipped {update.clipped:.3f}"
     if score:
         line += f"  | held out {score.ratio:.4f} of join-all, {score.failures} failures"
-        line += f", {score.splits:.1f} splits"
+        line += f", {score.splits:.1f} splits; " + " ".join(f"{r:.3f}" for r in score.ratios)
     print(line, flush=True)
 
 

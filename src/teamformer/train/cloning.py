@@ -14,7 +14,7 @@ from teamformer.sim.view import View
 from teamformer.train.ppo import Learner
 from teamformer.train.rollout import Rollout
 
-SOFTNESS = 0.05
+SOFTNESS = 0.2
 """Share of the probability that goes to all legal choices alike, so that PPO has what to try."""
 
 
@@ -24,9 +24,7 @@ def choose_as_join_all(view: View, relations: Relations, has_choice: Array) -> t
     return choice, np.zeros(len(choice), dtype=np.float32)
 
 
-def clone(
-    learner: Learner, rollout: Rollout, minibatch: int, generator: torch.Generator
-) -> float:
+def clone(learner: Learner, rollout: Rollout, minibatch: int, generator: torch.Generator) -> float:
     """Move the network towards the choices of a rollout; return the mean loss."""
     losses = []
     order = torch.randperm(len(rollout.choice), generator=generator)

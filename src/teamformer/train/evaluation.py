@@ -22,9 +22,14 @@ from teamformer.sim.arrays import Array
 class Score:
     """What a policy reached; lower ratios are better."""
 
-    ratio: float  # mean steps over join-all's, averaged over the settings
+    ratios: tuple[float, ...]  # of mean steps to join-all's, for each setting
     failures: int  # trials that did not complete
     splits: float  # for each trial
+
+    @property
+    def ratio(self) -> float:
+        """Return the mean over the settings, which a checkpoint is selected by."""
+        return sum(self.ratios) / len(self.ratios)
 
 
 def evaluate(network: RelationalPolicy, settings: Sequence[Sequence[Scenario]]) -> Score:
@@ -34,10 +39,10 @@ def evaluate(network: RelationalPolicy, settings: Sequence[Sequence[Scenario]]) 
     for worlds in settings:
         tallies = run_trials(worlds, policy)
         bar = steps_of(worlds, JoinAll())
-        ratios.append(np.mean([tally.steps for tally in tallies]) / bar.mean())
+        ratios.append(float(np.mean([tally.steps for tally in tallies]) / bar.mean()))
         failures += sum(tally.status != "completed" for tally in tallies)
         splits += [tally.splits for tally in tallies]
-    return Score(float(np.mean(ratios)), failures, float(np.mean(splits)))
+    return Score(tuple(ratios), failures, float(np.mean(splits)))
 
 
 def steps_of(worlds: Sequence[Scenario], policy: Policy) -> Array:

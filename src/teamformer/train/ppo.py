@@ -23,7 +23,7 @@ class PpoSettings:
     epochs: int = 2
     discount: float = 0.99  # gamma
     decay: float = 0.95  # lambda
-    entropy: float = 0.01  # weight of the bonus
+    entropy: float = 0.02  # weight of the bonus
     last_entropy: float = 0.001  # falls linearly to this
     minibatch: int = 2048
     largest_gradient: float = 0.5  # norm

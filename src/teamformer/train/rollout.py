@@ -120,9 +120,7 @@ def credit(
 
 
 def _concatenate(rows: list[tuple[Array, ...]]) -> tuple[Tensor, ...]:
-    return tuple(
-        torch.from_numpy(np.concatenate(parts)) for parts in zip(*rows, strict=True)
-    )
+    return tuple(torch.from_numpy(np.concatenate(parts)) for parts in zip(*rows, strict=True))
 
 
 def _tensors(outlook: Outlook) -> tuple[Tensor, ...]:

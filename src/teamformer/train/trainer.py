@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -89,7 +90,7 @@ def train(
     The folder gets `last`, to resume from, and `best`, the best on the held-out worlds.
     """
     learner, progress = make_learner(settings), Progress()
-    described = asdict(settings)
+    described = json.loads(json.dumps(asdict(settings)))  # as a checkpoint gives it back
     if (folder / "last" / ABOUT).exists():
         progress = load(folder / "last", learner, described)
     while progress.iteration < min(until or settings.iterations, settings.iterations):
@@ -136,9 +137,7 @@ def _report(
 ) -> Report:
     steps = int(rollout.is_running.sum())
     return Report(
-        progress=replace(
-            progress, iteration=progress.iteration + 1, steps=progress.steps + steps
-        ),
+        progress=replace(progress, iteration=progress.iteration + 1, steps=progress.steps + steps),
         seconds=seconds,
         reward=float(rollout.rewards.sum(axis=0).mean()),
         ended=float(rollout.has_ended.mean()),

@@ -18,29 +18,29 @@ TRAINING, SELECTION, FINAL = 0, 1, 2
 class Mixture:
     """Where training worlds are drawn from; pairs are (least, most)."""
 
-    robots: tuple[int, int] = (2, 10)
+    robots: tuple[int, int] = (2, 14)
     capabilities: tuple[int, int] = (2, 8)
-    tasks: tuple[int, int] = (1, 14)
+    tasks: tuple[int, int] = (1, 18)
+    crowds: float = 0.15  # share of worlds with so many robots and few tasks instead:
+    crowd_robots: tuple[int, int] = (16, 60)
+    crowd_tasks: tuple[int, int] = (1, 6)
     grid: tuple[int, int] = (10, 20)
     more_robots: float = 0.6  # share of worlds with more robots than capabilities
     sparse: float = 0.5  # share of worlds whose tasks require 1 to 3 capabilities each
     in_teams: float = 0.3  # share of worlds with random starting teams
     wide_sensing: float = 0.15  # share of worlds in which teams sense 5 cells instead of 1
-    steps: int = 150  # a trial is cut off here
+    steps: int = 200  # a trial is cut off here
 
 
 def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
     """Return a random training world."""
-    caps = _between(mixture.capabilities, rng)
-    least, most = mixture.robots
-    if rng.random() < mixture.more_robots:
-        least = min(max(least, caps + 1), most)
-    robots = _between((least, most), rng)
+    is_crowd = rng.random() < mixture.crowds
+    robots, caps = _draw_crowd(mixture, rng) if is_crowd else _draw_fleet(mixture, rng)
     side = _between(mixture.grid, rng)
     is_sparse = rng.random() < mixture.sparse
     spec = Spec(
         robots=robots,
-        tasks=_between(mixture.tasks, rng),
+        tasks=_between(mixture.crowd_tasks if is_crowd else mixture.tasks, rng),
         capabilities=caps,
         requirements=_between((1, min(3, robots, caps)), rng) if is_sparse else None,
         world=Grid(side, side),
@@ -49,6 +49,21 @@ def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
         starts_in_teams=bool(rng.random() < mixture.in_teams),
     )
     return generate(spec, rng, "training")
+
+
+def _draw_fleet(mixture: Mixture, rng: np.random.Generator) -> tuple[int, int]:
+    """Return how many robots and capabilities a world has."""
+    caps = _between(mixture.capabilities, rng)
+    least, most = mixture.robots
+    if rng.random() < mixture.more_robots:
+        least = min(caps + 1, most)
+    return _between((least, most), rng), caps
+
+
+def _draw_crowd(mixture: Mixture, rng: np.random.Generator) -> tuple[int, int]:
+    """Return many robots, and half as many capabilities up to as many."""
+    robots = _between(mixture.crowd_robots, rng)
+    return robots, _between((robots // 2, robots), rng)
 
 
 def training_worlds(mixture: Mixture, count: int, seed: int, iteration: int) -> list[Scenario]:
@@ -62,6 +77,8 @@ SELECTION_SPECS = (
     Spec(12, 20, 4, step_limit=600),
     Spec(16, 60, 4, world=Grid(20, 20), step_limit=600),
     Spec(24, 60, 8, world=Grid(20, 20), step_limit=600),
+    Spec(8, 20, 8, step_limit=600),
+    Spec(60, 10, 60, requirements=30, world=Grid(20, 20), step_limit=600),
 )
 
 

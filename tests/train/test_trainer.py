@@ -14,7 +14,7 @@ from torch import Tensor
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.sim.env import TeamFormation
-from teamformer.train.checkpoint import ABOUT, WEIGHTS, read_about
+from teamformer.train.checkpoint import ABOUT, WEIGHTS, load_weights, read_about
 from teamformer.train.cloning import soft_loss
 from teamformer.train.ppo import Learner, clipped_loss, log_probs_and_entropy
 from teamformer.train.rollout import MissionReward, play, sampler
@@ -78,6 +78,16 @@ def test_bad_folders_are_refused(tmp_path: Path) -> None:
     (tmp_path / "last" / WEIGHTS).write_bytes(whole[:1000])
     with pytest.raises(TeamformerError, match="not readable"):
         train(SHORT, tmp_path, [])
+
+
+def test_training_may_begin_from_the_weights_of_another(tmp_path: Path) -> None:
+    first = train(SHORT, tmp_path, [], until=2)
+    second = make_learner(replace(SHORT, seed=8))
+    load_weights(tmp_path / "last", second)
+    assert all(torch.equal(a, b) for a, b in zip(weights(first), weights(second), strict=True))
+    assert not second.policy_optimizer.state_dict()["state"]
+    with pytest.raises(TeamformerError, match="another network"):
+        load_weights(tmp_path / "last", make_learner(replace(SHORT, width=8)))
 
 
 def test_log_probs_of_a_rollout_are_those_of_the_same_choices_again() -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import torch
 
+from teamformer.train.ppo import PpoSettings
 from teamformer.train.trainer import Report, TrainSettings, train
 from teamformer.train.worlds import selection_worlds
 
@@ -20,6 +21,9 @@ def main() -> None:
     parser.add_argument("--worlds", type=int, default=TrainSettings.worlds)
     parser.add_argument("--cloning", type=int, default=TrainSettings.cloning)
     parser.add_argument("--seed", type=int, default=TrainSettings.seed)
+    parser.add_argument("--entropy", type=float, default=PpoSettings.entropy)
+    parser.add_argument("--begin-from", default="", help="take the weights of this checkpoint")
+    parser.add_argument("--evaluate-every", type=int, default=TrainSettings.evaluate_every)
     parser.add_argument("--held-out", type=int, default=48, help="worlds of each setting")
     options = parser.parse_args()
     torch.set_num_threads(1)
@@ -28,6 +32,9 @@ def main() -> None:
         iterations=options.iterations,
         worlds=options.worlds,
         cloning=options.cloning,
+        ppo=PpoSettings(entropy=options.entropy),
+        begin_from=options.begin_from,
+        evaluate_every=options.evaluate_every,
     )
     try:
         train(settings, options.folder, selection_worlds(options.held_out), _print)

@@ -63,14 +63,32 @@ def load(folder: Path, learner: Learner, settings: dict[str, Any]) -> Progress:
         changed = [name for name in settings if about["settings"].get(name) != settings[name]]
         hint = f"other settings: {', '.join(changed)}; use the same or another folder"
         raise TeamformerError(f"{folder} holds another training", hint)
+    tensors = _read_tensors(folder)
+    _load_weights(learner, tensors)
+    for name in ("policy_optimizer", "critic_optimizer"):
+        _restore(getattr(learner, name), _under(tensors, name))
+    return Progress(**about["progress"])
+
+
+def load_weights(folder: Path, learner: Learner) -> None:
+    """Begin with the weights of another training, with fresh optimisers."""
+    read_about(folder)
+    _load_weights(learner, _read_tensors(folder))
+
+
+def _read_tensors(folder: Path) -> dict[str, Tensor]:
     try:
-        tensors = load_file(folder / WEIGHTS)
+        return load_file(folder / WEIGHTS)
     except Exception as error:  # safetensors raises its own, unrelated to OSError
         raise TeamformerError(f"{folder / WEIGHTS} is not readable: {error}") from None
-    for name in ("policy", "critic"):
-        getattr(learner, name).load_state_dict(_under(tensors, name))
-        _restore(getattr(learner, f"{name}_optimizer"), _under(tensors, f"{name}_optimizer"))
-    return Progress(**about["progress"])
+
+
+def _load_weights(learner: Learner, tensors: dict[str, Tensor]) -> None:
+    try:
+        for name in ("policy", "critic"):
+            getattr(learner, name).load_state_dict(_under(tensors, name))
+    except RuntimeError as error:  # what torch raises for other names and shapes
+        raise TeamformerError(f"the checkpoint is for another network: {error}") from None
 
 
 def _tensors(learner: Learner) -> dict[str, Tensor]:

@@ -17,7 +17,7 @@ from teamformer.nets.relational import RelationalPolicy, RelationalSettings
 from teamformer.policies import relations
 from teamformer.sim.env import TeamFormation
 from teamformer.train import outlook
-from teamformer.train.checkpoint import ABOUT, Progress, load, save
+from teamformer.train.checkpoint import ABOUT, Progress, load, load_weights, save
 from teamformer.train.cloning import choose_as_join_all, clone
 from teamformer.train.evaluation import Score, evaluate
 from teamformer.train.ppo import Learner, PpoSettings, Update, set_rate, update
@@ -38,6 +38,7 @@ class TrainSettings:
     reward: MissionReward = field(default_factory=MissionReward)
     ppo: PpoSettings = field(default_factory=PpoSettings)
     evaluate_every: int = 20
+    begin_from: str = ""  # folder of a checkpoint to take the first weights from
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,8 @@ def train(
     described = json.loads(json.dumps(asdict(settings)))  # as a checkpoint gives it back
     if (folder / "last" / ABOUT).exists():
         progress = load(folder / "last", learner, described)
+    elif settings.begin_from:
+        load_weights(Path(settings.begin_from), learner)
     while progress.iteration < min(until or settings.iterations, settings.iterations):
         report = _iterate(learner, settings, progress)
         progress = report.progress

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,13 @@ import torch
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.policies.choices import MAINTAIN
+from teamformer.policies.choices import MAINTAIN, sees_doubles
 from teamformer.policies.learned import Learned, OnnxScorer
 from teamformer.policies.liveness import Liveness
 from teamformer.policies.relations import Relations, relate
 from teamformer.policies.scripted import JoinAll
 from teamformer.policies.trial import run_trials
+from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.evaluation import torch_scorer
@@ -134,11 +136,12 @@ def test_progress_and_arrivals_reset_patience() -> None:
 
 
 def test_who_does_nothing_ends_with_the_rule_and_not_without() -> None:
-    worlds = [two_who_need_each_other()]
+    two = two_who_need_each_other()
+    worlds = [replace(two, robots=(*two.robots, Robot("r2", (0, 0), {"a": 1})))]
     policy = Learned(prefer_maintain)
     [tally] = run_trials(worlds, policy)
     assert tally.status == "completed"
-    assert policy.overdue == 2  # both ask to join, once
+    assert policy.overdue == 3  # all are, in the one step that it takes
     [tally] = run_trials(worlds, Learned(prefer_maintain, with_liveness=False))
     assert tally.status == "step limit"
 
@@ -152,6 +155,21 @@ def test_with_the_rule_all_ends_that_join_all_ends(make_scorer) -> None:  # type
     for world, tally, bar_tally in zip(worlds, tallies, bar, strict=True):
         assert (tally.status == "completed") or bar_tally.status != "completed", world
         assert tally.illegal_decisions == 0
+
+
+def test_without_doubles_it_is_join_all() -> None:
+    rng = np.random.default_rng(4)
+    worlds = [generate(Spec(8, 8, 8), rng) for _ in range(20)]
+    assert run_trials(worlds, Learned(Whim())) == run_trials(worlds, JoinAll())
+    view = TeamFormation(worlds).view()
+    assert not sees_doubles(view).any()
+
+
+def test_doubles_by_hand() -> None:
+    two = two_who_need_each_other()
+    third = Robot("r2", (2, 0), {"a": 1})  # r1 sees it and r0, who do not see each other
+    view = TeamFormation([replace(two, robots=(*two.robots, third))]).view()
+    assert sees_doubles(view).tolist() == [False, True, False]
 
 
 def test_trials_do_not_depend_on_who_else_is_in_the_batch() -> None:

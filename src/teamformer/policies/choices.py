@@ -43,6 +43,23 @@ def choices_for(view: View, wanted: Array) -> Array:
     return choice
 
 
+def sees_doubles(view: View) -> Array:
+    """Return which teams and those that they see have some capability twice, as (teams,)."""
+    is_doubled = np.zeros(len(view.slot), dtype=np.bool_)
+    _find_doubles(view, is_doubled)
+    return is_doubled
+
+
+@entry
+def _find_doubles(view, is_doubled):  # type: ignore[no-untyped-def]
+    for row in range(len(is_doubled)):
+        for cap in range(view.counts.shape[1]):
+            together = view.counts[row, cap]
+            for other in range(view.seen_slot.shape[1]):
+                together += view.seen_counts[row, other, cap]
+            is_doubled[row] |= together > 1
+
+
 @entry
 def _mark_legal(view, is_legal):  # type: ignore[no-untyped-def]
     kept = np.zeros(view.counts.shape[1], dtype=np.int32)

@@ -11,7 +11,7 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
-from teamformer.policies.choices import MAINTAIN, wanted_counts
+from teamformer.policies.choices import MAINTAIN, sees_doubles, wanted_counts
 from teamformer.policies.liveness import Liveness
 from teamformer.policies.relations import Relations, relate
 from teamformer.policies.scripted import JoinAll
@@ -26,8 +26,9 @@ Scorer = Callable[[Relations], Array]
 class Learned:
     """Takes the choice that a network scores highest, for any fleet.
 
-    A team that the liveness rule finds overdue does as join-all does instead until a task is done;
-    `overdue` counts such decisions.
+    The network is asked where a team and those that it sees have some capability twice. Where they
+    have not, a team does as join-all does. So does one that the liveness rule finds overdue, until
+    a task is done; `overdue` counts such decisions.
     """
 
     needs_everything = False
@@ -45,24 +46,31 @@ class Learned:
         self.overdue = 0
 
     def decide(self, view: View) -> Decision:
-        """Return the best choice of every team that has one."""
-        wanted = wanted_counts(view, self.choose(view))
+        """Return the network's choice where it is asked, else what join-all wants."""
+        by_rule = self._fallback.decide(view).wanted
+        choice, is_asked = self.choose(view)
         if self.with_liveness:
             is_overdue = self._liveness.is_overdue(view)
-            if is_overdue.any():
-                wanted[is_overdue] = self._fallback.decide(view).wanted[is_overdue]
-                self.overdue += int(is_overdue.sum())
+            self.overdue += int(is_overdue.sum())
+            is_asked &= ~is_overdue
+        wanted = np.where(is_asked[:, None], wanted_counts(view, choice), by_rule)
         return Decision(wanted)
 
-    def choose(self, view: View) -> Array:
-        """Return the network's choice for every team, as (teams,)."""
+    def choose(self, view: View) -> tuple[Array, Array]:
+        """Return the network's choices and for which teams it was asked, both (teams,)."""
         relations = relate(view)
         choice = np.full(len(view.slot), MAINTAIN)
-        rows = np.flatnonzero(relations.is_legal.sum(axis=1) > 1)
-        if len(rows):
-            scores = self._score(Relations(*(part[rows] for part in relations)))
-            choice[rows] = scores.argmax(axis=1)
-        return choice
+        is_asked = is_open_question(view, relations.is_legal)
+        if is_asked.any():
+            scores = self._score(Relations(*(part[is_asked] for part in relations)))
+            choice[is_asked] = scores.argmax(axis=1)
+        return choice, is_asked
+
+
+def is_open_question(view: View, is_legal: Array) -> Array:
+    """Return which teams the network is asked for: those with a choice that see doubles."""
+    is_open: Array = (is_legal.sum(axis=1) > 1) & sees_doubles(view)
+    return is_open
 
 
 class OnnxScorer:

@@ -12,7 +12,9 @@ from torch import Tensor
 from teamformer.nets.critic import Critic
 from teamformer.nets.relational import RelationalPolicy, Tokens
 from teamformer.policies.choices import wanted_counts
+from teamformer.policies.learned import is_open_question
 from teamformer.policies.relations import Relations, relate
+from teamformer.policies.scripted import JoinAll
 from teamformer.sim.arrays import COMPLETED, Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
@@ -63,13 +65,15 @@ def play(env: TeamFormation, choose: Chooser, reward: MissionReward, steps: int)
         states += int(is_running.sum())
         view = env.view()
         relations = relate(view)
-        has_choice = relations.is_legal.sum(axis=1) > 1
+        has_choice = is_open_question(view, relations.is_legal)
         choice = np.zeros(len(view.slot), dtype=np.int64)
         choice[has_choice], log_prob = choose(view, relations, has_choice)
         kept = tuple(part[has_choice] for part in relations)
         in_state = state_of_world[view.world[has_choice]]
         decisions.append((*kept, choice[has_choice], log_prob, in_state))
-        env.step(Decision(wanted_counts(view, choice)))
+        wanted = wanted_counts(view, choice)
+        by_rule = JoinAll().decide(view).wanted
+        env.step(Decision(np.where(has_choice[:, None], wanted, by_rule)))
         gained = env.worlds.count["done"] - done
         rewards.append(np.where(is_running, reward.step + reward.done * gained, 0.0))
         running.append(is_running)

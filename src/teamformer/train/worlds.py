@@ -21,7 +21,7 @@ class Mixture:
     robots: tuple[int, int] = (2, 14)
     capabilities: tuple[int, int] = (2, 8)
     tasks: tuple[int, int] = (1, 18)
-    crowds: float = 0.15  # share of worlds with so many robots and few tasks instead:
+    crowds: float = 0.05  # share of worlds with so many robots and few tasks instead:
     crowd_robots: tuple[int, int] = (16, 60)
     crowd_tasks: tuple[int, int] = (1, 6)
     grid: tuple[int, int] = (10, 20)

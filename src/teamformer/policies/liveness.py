@@ -24,41 +24,43 @@ class Liveness:
 
     def begin(self) -> None:
         """Forget everything."""
-        self._step = 0
         self._tasks = np.zeros((0, 0), dtype=np.int64)  # (worlds, robots) what was seen, hashed
-        self._since = np.zeros((0, 0), dtype=np.int64)  # (worlds, robots) step
+        self._waited = np.zeros((0, 0), dtype=np.int64)  # (worlds, robots) steps
 
     def is_overdue(self, view: View) -> Array:
-        """Look at a new step's views; return which teams have waited for too long, as (teams,)."""
+        """Look at a new step's views; return which teams have waited for too long, as (teams,).
+
+        A team waits for as long as its first robot has.
+        """
         self._make_room(view)
         is_overdue = np.zeros(len(view.slot), dtype=np.bool_)
-        _watch(view, self._tasks, self._since, self._step, is_overdue)
-        self._step += 1
+        _watch(view, self._tasks, self._waited, is_overdue)
         return is_overdue
 
     def _make_room(self, view: View) -> None:
         worlds = int(view.world.max(initial=-1)) + 1
         robots = int(view.member.max(initial=-1)) + 1
-        have_worlds, have_robots = self._since.shape
+        have_worlds, have_robots = self._waited.shape
         more = (
             (0, max(0, worlds - have_worlds)),
             (0, max(0, robots - have_robots)),
         )
         if more != ((0, 0), (0, 0)):
             self._tasks = np.pad(self._tasks, more)
-            self._since = np.pad(self._since, more, constant_values=self._step)
+            self._waited = np.pad(self._waited, more)
 
 
 @entry
-def _watch(view, tasks, since, step, is_overdue):  # type: ignore[no-untyped-def]
+def _watch(view, tasks, waited, is_overdue):  # type: ignore[no-untyped-def]
     for row in range(len(is_overdue)):
         w = view.world[row]
         seen = _hash_open_tasks(view, row)
         for place in range(view.first_member[row], view.first_member[row + 1]):
             robot = view.member[place]
-            if tasks[w, robot] != seen:
-                tasks[w, robot], since[w, robot] = seen, step
-        is_overdue[row] = step - since[w, view.slot[row]] > _patience(view, row)
+            is_same = tasks[w, robot] == seen
+            tasks[w, robot] = seen
+            waited[w, robot] = waited[w, robot] + 1 if is_same else 0
+        is_overdue[row] = waited[w, view.slot[row]] > _patience(view, row)
 
 
 @entry

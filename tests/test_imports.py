@@ -23,6 +23,8 @@ SEES = {
     "policies": {*CORE, "scenarios", "planning", "sim"},
     "referee": {*CORE, "scenarios", "sim.replay"},
     "viewer": {"errors"},
+    "nets": set(),
+    "train": {*CORE, "scenarios", "planning", "sim", "policies", "nets"},
     "bench": {*CORE, "scenarios", "planning", "sim", "policies", "referee"},
     "commands": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"},
     "cli": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"}
@@ -32,6 +34,9 @@ SEES = {
 
 HOMES = {
     "ortools": ("planning/",),
+    "torch": ("nets/", "train/"),
+    "safetensors": ("train/",),
+    "onnxruntime": ("policies/learned.py",),
     "gymnasium": ("sim/parallel.py",),
     "pettingzoo": ("sim/parallel.py",),
     "typer": ("cli.py", "commands/"),
@@ -39,7 +44,7 @@ HOMES = {
     "rich": ("cli.py", "commands/", "bench/"),
     "yaml": ("scenarios/",),
 }
-NOWHERE = ("torch", "matplotlib", "scipy", "pandas", "networkx")
+NOWHERE = ("matplotlib", "scipy", "pandas", "networkx")
 
 FILES = sorted(ROOT.rglob("*.py"))
 

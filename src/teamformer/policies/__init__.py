@@ -13,6 +13,12 @@ POLICIES = (
         "joins whom it helps to join, never splits",
     ),
     Listing(
+        "teamformer-any",
+        "teamformer.policies.learned:Learned",
+        "learned; for any fleet, joins only whom it pays to join",
+        trained_on="any number of capabilities",
+    ),
+    Listing(
         "central",
         "teamformer.policies.central:Central",
         "knows everything, plans with OR-Tools CP-SAT",

@@ -1,0 +1,90 @@
+"""The liveness rule: who has seen no progress for too long does what cannot block.
+
+Every robot remembers for itself since when the open tasks that its team sees are the same.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.jit import entry
+from teamformer.sim.arrays import NOBODY, Array
+from teamformer.sim.view import NEXT_TASKS, View
+
+BASE_PATIENCE = 30  # steps
+PATIENCE_PER_CELL = 3
+"""A team waits for 30 steps, and for three times the way across what it sees."""
+
+
+class Liveness:
+    """Counts, robot by robot, the steps since the shared list of open tasks last changed."""
+
+    def __init__(self) -> None:
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget everything."""
+        self._tasks = np.zeros((0, 0), dtype=np.int64)  # (worlds, robots) what was seen, hashed
+        self._waited = np.zeros((0, 0), dtype=np.int64)  # (worlds, robots) steps
+
+    def is_overdue(self, view: View) -> Array:
+        """Look at a new step's views; return which teams have waited for too long, as (teams,).
+
+        A team waits for as long as its first robot has.
+        """
+        self._make_room(view)
+        is_overdue = np.zeros(len(view.slot), dtype=np.bool_)
+        _watch(view, self._tasks, self._waited, is_overdue)
+        return is_overdue
+
+    def _make_room(self, view: View) -> None:
+        worlds = int(view.world.max(initial=-1)) + 1
+        robots = int(view.member.max(initial=-1)) + 1
+        have_worlds, have_robots = self._waited.shape
+        more = (
+            (0, max(0, worlds - have_worlds)),
+            (0, max(0, robots - have_robots)),
+        )
+        if more != ((0, 0), (0, 0)):
+            self._tasks = np.pad(self._tasks, more)
+            self._waited = np.pad(self._waited, more)
+
+
+@entry
+def _watch(view, tasks, waited, is_overdue):  # type: ignore[no-untyped-def]
+    for row in range(len(is_overdue)):
+        w = view.world[row]
+        seen = _hash_open_tasks(view, row)
+        for place in range(view.first_member[row], view.first_member[row + 1]):
+            robot = view.member[place]
+            is_same = tasks[w, robot] == seen
+            tasks[w, robot] = seen
+            waited[w, robot] = waited[w, robot] + 1 if is_same else 0
+        is_overdue[row] = waited[w, view.slot[row]] > _patience(view, row)
+
+
+@entry
+def _hash_open_tasks(view, row):  # type: ignore[no-untyped-def]
+    """Return a number for the set of open tasks in sight, whatever their order.
+
+    Only the first ones in the shared order count, which every team sees whatever its assignment.
+    """
+    seen = np.int64(1)
+    for column in range(view.task_number.shape[1]):
+        task = view.task_number[row, column]
+        if task != NOBODY and view.task_rank[row, column] < NEXT_TASKS - 1:
+            seen += (np.int64(task) + 1) * (np.int64(task) + 1) * np.int64(2654435761)
+    return seen
+
+
+@entry
+def _patience(view, row):  # type: ignore[no-untyped-def]
+    """Return how many steps a team waits, from the places that it sees."""
+    left = right = view.place[row, 0]
+    low = high = view.place[row, 1]
+    for column in range(view.task_number.shape[1]):
+        if view.task_number[row, column] != NOBODY:
+            x, y = view.task_place[row, column]
+            left, right = min(left, x), max(right, x)
+            low, high = min(low, y), max(high, y)
+    return BASE_PATIENCE + PATIENCE_PER_CELL * (right - left + high - low)

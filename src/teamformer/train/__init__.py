@@ -1,0 +1,1 @@
+"""Learning: rollouts, PPO with a central critic, checkpoints; the one home of training."""

@@ -1,0 +1,92 @@
+"""Which worlds are trained on and which the checkpoint is selected on, by seeds kept apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from teamformer.model import Grid, Scenario
+from teamformer.scenarios.generate import Spec, generate
+
+TRAINING, SELECTION, FINAL = 0, 1, 2
+"""First number of a seed: what is trained on, selected on and reported never meet."""
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """Where training worlds are drawn from; pairs are (least, most)."""
+
+    robots: tuple[int, int] = (2, 14)
+    capabilities: tuple[int, int] = (2, 8)
+    tasks: tuple[int, int] = (1, 18)
+    crowds: float = 0.05  # share of worlds with so many robots and few tasks instead:
+    crowd_robots: tuple[int, int] = (16, 60)
+    crowd_tasks: tuple[int, int] = (1, 6)
+    grid: tuple[int, int] = (10, 20)
+    more_robots: float = 0.6  # share of worlds with more robots than capabilities
+    sparse: float = 0.5  # share of worlds whose tasks require 1 to 3 capabilities each
+    in_teams: float = 0.3  # share of worlds with random starting teams
+    wide_sensing: float = 0.15  # share of worlds in which teams sense 5 cells instead of 1
+    steps: int = 200  # a trial is cut off here
+
+
+def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
+    """Return a random training world."""
+    is_crowd = rng.random() < mixture.crowds
+    robots, caps = _draw_crowd(mixture, rng) if is_crowd else _draw_fleet(mixture, rng)
+    side = _between(mixture.grid, rng)
+    is_sparse = rng.random() < mixture.sparse
+    spec = Spec(
+        robots=robots,
+        tasks=_between(mixture.crowd_tasks if is_crowd else mixture.tasks, rng),
+        capabilities=caps,
+        requirements=_between((1, min(3, robots, caps)), rng) if is_sparse else None,
+        world=Grid(side, side),
+        step_limit=mixture.steps,
+        sensing_radius=5.0 if rng.random() < mixture.wide_sensing else 1.0,
+        starts_in_teams=bool(rng.random() < mixture.in_teams),
+    )
+    return generate(spec, rng, "training")
+
+
+def _draw_fleet(mixture: Mixture, rng: np.random.Generator) -> tuple[int, int]:
+    """Return how many robots and capabilities a world has."""
+    caps = _between(mixture.capabilities, rng)
+    least, most = mixture.robots
+    if rng.random() < mixture.more_robots:
+        least = min(caps + 1, most)
+    return _between((least, most), rng), caps
+
+
+def _draw_crowd(mixture: Mixture, rng: np.random.Generator) -> tuple[int, int]:
+    """Return many robots, and half as many capabilities up to as many."""
+    robots = _between(mixture.crowd_robots, rng)
+    return robots, _between((robots // 2, robots), rng)
+
+
+def training_worlds(mixture: Mixture, count: int, seed: int, iteration: int) -> list[Scenario]:
+    """Return the worlds of one iteration; they depend on nothing but the arguments."""
+    rng = np.random.default_rng([TRAINING, seed, iteration])
+    return [draw_world(mixture, rng) for _ in range(count)]
+
+
+SELECTION_SPECS = (
+    Spec(4, 20, 4, step_limit=600),
+    Spec(12, 20, 4, step_limit=600),
+    Spec(16, 60, 4, world=Grid(20, 20), step_limit=600),
+    Spec(24, 60, 8, world=Grid(20, 20), step_limit=600),
+    Spec(8, 20, 8, step_limit=600),
+    Spec(60, 10, 60, requirements=30, world=Grid(20, 20), step_limit=600),
+)
+
+
+def selection_worlds(count: int, specs: Sequence[Spec] = SELECTION_SPECS) -> list[list[Scenario]]:
+    """Return `count` worlds of each spec to select checkpoints on, larger than those trained on."""
+    rng = np.random.default_rng([SELECTION, 0])
+    return [[generate(spec, rng, "selection") for _ in range(count)] for spec in specs]
+
+
+def _between(least_most: tuple[int, int], rng: np.random.Generator) -> int:
+    return int(rng.integers(least_most[0], least_most[1] + 1))

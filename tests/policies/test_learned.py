@@ -1,0 +1,185 @@
+"""The learned policy as it runs: ONNX against torch, and the liveness rule."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from random_worlds import random_world
+from teamformer.errors import TeamformerError
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.policies.choices import MAINTAIN, sees_doubles
+from teamformer.policies.learned import Learned, OnnxScorer
+from teamformer.policies.liveness import Liveness
+from teamformer.policies.relations import Relations, relate
+from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trial import run_trials
+from teamformer.scenarios.generate import Spec, generate
+from teamformer.sim.arrays import Array
+from teamformer.sim.env import Decision, TeamFormation
+from teamformer.train.evaluation import torch_scorer
+from teamformer.train.export import export
+from teamformer.train.trainer import TrainSettings, make_learner
+
+
+def prefer_maintain(relations: Relations) -> Array:
+    """Score as a network would that never does anything."""
+    scores = np.where(relations.is_legal, 0.0, -1.0)
+    scores[:, MAINTAIN] = 1.0
+    return scores
+
+
+class Whim:
+    """Scores at random, so that teams join and split without end."""
+
+    def __init__(self) -> None:
+        self.rng = np.random.default_rng(0)
+
+    def __call__(self, relations: Relations) -> Array:
+        return np.where(relations.is_legal, self.rng.random(relations.is_legal.shape), -1.0)
+
+
+def two_who_need_each_other() -> Scenario:
+    """Robots {a} at cell 0 and {b} at cell 1 of four; the task at cell 3 needs both."""
+    return Scenario(
+        "two",
+        Grid(4, 1),
+        ("a", "b"),
+        (Robot("r0", (0, 0), {"a": 1}), Robot("r1", (1, 0), {"b": 1})),
+        (Task("t0", (3, 0), {"a": 1, "b": 1}),),
+    )
+
+
+def test_onnx_equals_torch_over_a_thousand_views(tmp_path: Path) -> None:
+    torch.set_num_threads(1)
+    learner = make_learner(TrainSettings(seed=5))
+    with torch.no_grad():
+        for weights in learner.policy.parameters():
+            weights *= 2.0  # scores far apart, as after training
+    export(learner.policy, tmp_path / "net.onnx")
+    in_torch, in_onnx = torch_scorer(learner.policy), OnnxScorer(tmp_path / "net.onnx")
+    rng = np.random.default_rng(0)
+    env = TeamFormation([random_world(rng) for _ in range(80)])
+    learned, views = Learned(Whim()), 0
+    for _ in range(30):
+        view = env.view()
+        if not len(view.slot):
+            break
+        relations = relate(view)
+        scores, twin = in_onnx(relations), in_torch(relations)
+        np.testing.assert_allclose(scores, twin, atol=1e-5, rtol=1e-5)
+        assert (scores.argmax(axis=1) == twin.argmax(axis=1)).all()
+        views += len(scores)
+        env.step(learned.decide(view))
+    assert views > 1000
+
+
+def test_the_shipped_network_asks_for_nothing_illegal() -> None:
+    rng = np.random.default_rng(1)
+    env = TeamFormation([random_world(rng) for _ in range(150)])
+    policy = Learned()
+    for _ in range(60):
+        env.step(policy.decide(env.view()))
+    assert env.worlds.count["illegal"].sum() == 0
+    assert env.worlds.count["joins"].sum() > 50
+
+
+def test_capabilities_may_be_many() -> None:
+    names = tuple(f"c{i}" for i in range(1000))
+    world = Scenario(
+        "thousand",
+        Grid(6, 6),
+        names,
+        tuple(Robot(f"r{r}", (2, 2), {names[c]: 1 for c in range(r, 1000, 4)}) for r in range(4)),
+        (Task("t0", (5, 5), dict.fromkeys(names, 1)),),
+    )
+    [tally] = run_trials([world], Learned())
+    assert tally.status == "completed"
+    assert tally.steps < 20
+
+
+def test_liveness_by_hand() -> None:
+    """Both walk to cell 3 and wait: what they see spans three cells, then two, then none."""
+    env = TeamFormation([two_who_need_each_other()])
+    liveness, overdue = Liveness(), []
+    for _ in range(34):
+        view = env.view()
+        overdue.append(liveness.is_overdue(view).tolist())
+        env.step(Decision(view.counts))
+    assert overdue[30] == [False, False]
+    assert overdue[31] == [True, True]  # 31 steps without change, at the task, with 30 of patience
+    liveness.begin()
+    assert liveness.is_overdue(env.view()).tolist() == [False, False]
+
+
+def test_progress_and_arrivals_reset_patience() -> None:
+    scenario = Scenario(
+        "late",
+        Grid(4, 1),
+        ("a", "b"),
+        (Robot("r0", (3, 0), {"a": 1}), Robot("r1", (3, 0), {"b": 1})),
+        (Task("t0", (3, 0), {"a": 1, "b": 1}), Task("t1", (3, 0), {"a": 1}, appears=20)),
+    )
+    env = TeamFormation([scenario])
+    liveness, first = Liveness(), None
+    for step in range(60):
+        view = env.view()
+        if liveness.is_overdue(view).any() and first is None:
+            first = step
+        env.step(Decision(view.counts))
+    # t1 is done in the step after it appears; the list last changes at step 21
+    assert first == 21 + 31
+
+
+def test_who_does_nothing_ends_with_the_rule_and_not_without() -> None:
+    two = two_who_need_each_other()
+    worlds = [replace(two, robots=(*two.robots, Robot("r2", (0, 0), {"a": 1})))]
+    policy = Learned(prefer_maintain)
+    [tally] = run_trials(worlds, policy)
+    assert tally.status == "completed"
+    assert policy.overdue == 3  # all are, in the one step that it takes
+    [tally] = run_trials(worlds, Learned(prefer_maintain, with_liveness=False))
+    assert tally.status == "step limit"
+
+
+@pytest.mark.parametrize("make_scorer", [lambda: prefer_maintain, Whim, lambda: None])
+def test_with_the_rule_all_ends_that_join_all_ends(make_scorer) -> None:  # type: ignore[no-untyped-def]
+    rng = np.random.default_rng(2)
+    worlds = [random_world(rng, with_losses=False) for _ in range(200)]
+    bar = run_trials(worlds, JoinAll())
+    tallies = run_trials(worlds, Learned(make_scorer()))
+    for world, tally, bar_tally in zip(worlds, tallies, bar, strict=True):
+        assert (tally.status == "completed") or bar_tally.status != "completed", world
+        assert tally.illegal_decisions == 0
+
+
+def test_without_doubles_it_is_join_all() -> None:
+    rng = np.random.default_rng(4)
+    worlds = [generate(Spec(8, 8, 8), rng) for _ in range(20)]
+    assert run_trials(worlds, Learned(Whim())) == run_trials(worlds, JoinAll())
+    view = TeamFormation(worlds).view()
+    assert not sees_doubles(view).any()
+
+
+def test_doubles_by_hand() -> None:
+    two = two_who_need_each_other()
+    third = Robot("r2", (2, 0), {"a": 1})  # r1 sees it and r0, who do not see each other
+    view = TeamFormation([replace(two, robots=(*two.robots, third))]).view()
+    assert sees_doubles(view).tolist() == [False, True, False]
+
+
+def test_trials_do_not_depend_on_who_else_is_in_the_batch() -> None:
+    rng = np.random.default_rng(3)
+    worlds = [random_world(rng) for _ in range(12)]
+    together = run_trials(worlds, Learned())
+    assert together == [run_trials([world], Learned())[0] for world in worlds]
+
+
+def test_files_that_are_no_network_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "net.onnx").write_bytes(b"no network")
+    with pytest.raises(TeamformerError, match="holds no network that runs"):
+        OnnxScorer(tmp_path / "net.onnx")

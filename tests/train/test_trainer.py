@@ -1,0 +1,127 @@
+"""Training: one seed is one run, stopped or not, and what is exported decides the same."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from teamformer.errors import TeamformerError
+from teamformer.model import Scenario
+from teamformer.sim.env import TeamFormation
+from teamformer.train.checkpoint import ABOUT, WEIGHTS, load_weights, read_about
+from teamformer.train.cloning import soft_loss
+from teamformer.train.ppo import Learner, clipped_loss, log_probs_and_entropy
+from teamformer.train.rollout import MissionReward, play, sampler
+from teamformer.train.trainer import TrainSettings, make_learner, train
+from teamformer.train.worlds import Mixture, selection_worlds, training_worlds
+
+SHORT = TrainSettings(
+    seed=3,
+    iterations=4,
+    worlds=8,
+    cloning=1,
+    width=16,
+    mixture=Mixture(robots=(2, 5), tasks=(1, 4), grid=(5, 8), steps=40),
+    evaluate_every=2,
+)
+
+
+@pytest.fixture(autouse=True)
+def one_thread() -> None:
+    torch.set_num_threads(1)
+
+
+def weights(learner: Learner) -> list[Tensor]:
+    return [
+        part.clone()
+        for name in ("policy", "critic")
+        for part in getattr(learner, name).state_dict().values()
+    ]
+
+
+def held_out() -> list[list[Scenario]]:
+    return [training_worlds(SHORT.mixture, 4, 9, 0)]
+
+
+def test_one_seed_is_one_run_and_another_is_another(tmp_path: Path) -> None:
+    first = weights(train(SHORT, tmp_path / "a", held_out()))
+    again = weights(train(SHORT, tmp_path / "b", held_out()))
+    other = weights(train(replace(SHORT, seed=4), tmp_path / "c", held_out()))
+    assert all(torch.equal(a, b) for a, b in zip(first, again, strict=True))
+    assert not all(torch.equal(a, b) for a, b in zip(first, other, strict=True))
+
+
+def test_a_resumed_run_ends_as_an_uninterrupted_one(tmp_path: Path) -> None:
+    whole = weights(train(SHORT, tmp_path / "whole", held_out()))
+    train(SHORT, tmp_path / "parts", held_out(), until=3)
+    parts = weights(train(SHORT, tmp_path / "parts", held_out()))
+    assert all(torch.equal(a, b) for a, b in zip(whole, parts, strict=True))
+    assert read_about(tmp_path / "parts" / "last")["progress"]["iteration"] == 4
+
+
+def test_bad_folders_are_refused(tmp_path: Path) -> None:
+    train(SHORT, tmp_path, [], until=1)
+    with pytest.raises(TeamformerError, match="another training"):
+        train(replace(SHORT, worlds=9), tmp_path, [])
+    about = json.loads((tmp_path / "last" / ABOUT).read_text())
+    (tmp_path / "last" / ABOUT).write_text(json.dumps({**about, "format": 2}))
+    with pytest.raises(TeamformerError, match="checkpoint format 2"):
+        train(SHORT, tmp_path, [])
+    (tmp_path / "last" / ABOUT).write_text(json.dumps(about))
+    whole = (tmp_path / "last" / WEIGHTS).read_bytes()
+    (tmp_path / "last" / WEIGHTS).write_bytes(whole[:1000])
+    with pytest.raises(TeamformerError, match="not readable"):
+        train(SHORT, tmp_path, [])
+
+
+def test_training_may_begin_from_the_weights_of_another(tmp_path: Path) -> None:
+    first = train(SHORT, tmp_path, [], until=1)
+    second = make_learner(replace(SHORT, seed=8))
+    load_weights(tmp_path / "last", second)
+    assert all(torch.equal(a, b) for a, b in zip(weights(first), weights(second), strict=True))
+    assert not second.policy_optimizer.state_dict()["state"]
+    with pytest.raises(TeamformerError, match="another network"):
+        load_weights(tmp_path / "last", make_learner(replace(SHORT, width=8)))
+
+
+def test_log_probs_of_a_rollout_are_those_of_the_same_choices_again() -> None:
+    learner = make_learner(SHORT)
+    env = TeamFormation(training_worlds(SHORT.mixture, 30, 5, 0))
+    choose = sampler(learner.policy, torch.Generator().manual_seed(0))
+    rollout = play(env, choose, MissionReward(), 40)
+    again, _ = log_probs_and_entropy(learner.policy(rollout.tokens), rollout.choice)
+    torch.testing.assert_close(again, rollout.log_prob)
+    assert (rollout.tokens.is_legal.sum(dim=1) > 1).all()  # forced ones are left out
+    assert env.worlds.count["illegal"].sum() == 0
+
+
+def test_losses_by_hand() -> None:
+    scores = torch.tensor([[0.0, 0.0, -1e9], [np.log(3.0), 0.0, -1e9]])
+    log_prob, entropy = log_probs_and_entropy(scores, torch.tensor([1, 0]))
+    assert log_prob.exp().tolist() == pytest.approx([0.5, 0.75])
+    assert entropy.tolist() == pytest.approx([np.log(2), np.log(4) - 0.75 * np.log(3)])
+    ratio, gain = torch.tensor([1.5, 1.5, 0.5, 0.5]), torch.tensor([1.0, -1.0, 1.0, -1.0])
+    assert clipped_loss(ratio, gain, 0.2).tolist() == pytest.approx([-1.2, 1.5, -0.5, 0.8])
+    loss = soft_loss(scores[:1], scores[:1] > -1, torch.tensor([0]))
+    assert loss.item() == pytest.approx(np.log(2))
+
+
+def test_training_worlds_are_mixed_and_come_from_their_numbers_alone() -> None:
+    worlds = training_worlds(Mixture(), 200, 1, 7)
+    assert worlds == training_worlds(Mixture(), 200, 1, 7)
+    assert worlds[0] != training_worlds(Mixture(), 200, 1, 8)[0]
+    crowds = [w for w in worlds if len(w.robots) > 14]
+    assert 3 < len(crowds) < 20
+    doubled = np.mean([len(w.robots) > len(w.capabilities) for w in worlds])
+    assert 0.6 < doubled < 0.95
+    assert {len(w.tasks) for w in worlds} == set(range(1, 19))
+    in_teams = np.mean([len(w.starting_teams) < len(w.robots) for w in worlds])
+    assert 0.15 < in_teams < 0.35
+    larger = selection_worlds(2)
+    assert max(len(world.tasks) for spec in larger for world in spec) == 60

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plain_world import PlainWorld
 
+from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
 from teamformer.model import Scenario
 from teamformer.policies.heuristic import Heuristic

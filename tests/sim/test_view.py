@@ -227,3 +227,15 @@ def test_few_and_many_teams_are_found_alike(radius: float) -> None:
             assert near[team, slots].all()
             nearest = np.sort(away[team][near[team]])[: seen[team]]
             assert away[team, slots].tolist() == nearest.tolist()
+
+
+def test_in_a_crowd_who_helps_with_the_same_task_is_seen() -> None:
+    """Forty helpful teams head elsewhere; the one for the same task has the last slot."""
+    robots = [robot("a", 0), *(robot("b", 0) for _ in range(41))]
+    env = TeamFormation([make(robots, [task("ab", 5), task("b", 9)])])
+    teams = env.worlds.teams[0]
+    teams["task"][0] = teams["task"][41] = 0
+    teams["task"][1:41] = 1
+    seen = env.view().seen_slot[0].tolist()
+    assert seen[:3] == [41, 1, 2]
+    assert len(seen) == 16

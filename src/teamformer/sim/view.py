@@ -26,9 +26,9 @@ class View(NamedTuple):
 
     Padding (fewer teams or tasks than columns) has slot or task NOBODY (-1) and zeros. Places are
     cells, counts are how often each capability is there. Teams are the nearest within the sensing
-    radius: of those equally far, first the ones that bring what the own task still needs, then
-    those with the nearest slots. Tasks are the own assignment, then the open tasks in their shared
-    order.
+    radius: of those equally far, first the ones that bring what the own task still needs, of these
+    the ones with the same assignment, then those with the nearest slots. Tasks are the own
+    assignment, then the open tasks in their shared order.
     """
 
     world: Array  # (teams,) int32, index into the batch
@@ -180,8 +180,11 @@ def _nearest_first(world, team, found, most):  # type: ignore[no-untyped-def]
 def _sort_key(world, team, other):  # type: ignore[no-untyped-def]
     """Return a number that is less for what comes first: near, of help, with a slot close by."""
     away = int(distance_squared(world, team, other) * 1024)
+    use = 2
+    if _helps(world, team, other):
+        use = 0 if world.teams[other].task == world.teams[team].task else 1
     slots_apart = 2 * abs(other - team) + (other > team)
-    return (away << 24) + (int(not _helps(world, team, other)) << 23) + slots_apart
+    return (away << 24) + (use << 22) + slots_apart
 
 
 @kernel

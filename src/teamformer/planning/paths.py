@@ -6,9 +6,10 @@ Karp, "The traveling-salesman problem and minimum spanning trees", 1970), for se
 
 from __future__ import annotations
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
+
+from teamformer.jit import entry
 
 Times = npt.NDArray[np.float64]
 
@@ -43,7 +44,7 @@ def span(legs: Times, ready: Times) -> float:
     return float(weight.sum())
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _finish_all(legs, ready, duration):  # type: ignore[no-untyped-def]
     """Dynamic programme over subsets: the earliest end of a set with a given last task."""
     count = len(ready)
@@ -62,7 +63,7 @@ def _finish_all(legs, ready, duration):  # type: ignore[no-untyped-def]
     return end[-1].min()
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _grow_tree(legs, penalty, rooted, weight, parent):  # type: ignore[no-untyped-def]
     """Grow a shortest spanning tree from a root (Prim 1957): each place's parent and leg.
 
@@ -86,7 +87,7 @@ def _grow_tree(legs, penalty, rooted, weight, parent):  # type: ignore[no-untype
                 parent[place] = nearest
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _ascend(legs, ready, bounds, rounds):  # type: ignore[no-untyped-def]
     """Raise the bounds by subgradient steps on the penalties, steered by the most paths.
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.jit import entry
 from teamformer.planning.relaxed import NOBODY, Relaxed
 
 Array = npt.NDArray[Any]
@@ -84,7 +84,7 @@ def empty_timing(problem: Relaxed, plan: Plan) -> Timing:
     return timing
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def copy_plan(plan, into):  # type: ignore[no-untyped-def]
     """Overwrite a plan with another."""
     into.order[:] = plan.order
@@ -93,13 +93,13 @@ def copy_plan(plan, into):  # type: ignore[no-untyped-def]
     into.size[:] = plan.size
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def leg_to(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     """Return the steps from where a robot is to a task; 0 in the same place only."""
     return steps[robots[robot].pace, cells[task, robots[robot].at]]
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def leg_from(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     """Return the steps from a task to the robot's next; 0 if it has none."""
     if robots[robot].next == NOBODY:
@@ -107,14 +107,14 @@ def leg_from(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     return steps[robots[robot].pace, cells[task, robots[robot].next]]
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def arrival_at(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     """Return the step a robot can be at a task; where it stands it has been since it came."""
     way = leg_to(robots, steps, cells, robot, task)
     return robots[robot].arrive if way == 0 else robots[robot].leave + way
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def serve(robots, steps, cells, robot, task, end):  # type: ignore[no-untyped-def]
     """Let a robot go to a task and stay until its end; return the steps walked."""
     way = leg_to(robots, steps, cells, robot, task)
@@ -127,7 +127,7 @@ def serve(robots, steps, cells, robot, task, end):  # type: ignore[no-untyped-de
     return way
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def send_home(robots, tasks):  # type: ignore[no-untyped-def]
     """Put every robot back to its start, with nothing done and nothing to do."""
     for robot in range(len(robots)):
@@ -135,7 +135,7 @@ def send_home(robots, tasks):  # type: ignore[no-untyped-def]
         robots[robot].next, robots[robot].here, robots[robot].out = NOBODY, 0, 0
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def start_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
     """Start every placed task as early as can be.
 
@@ -160,7 +160,7 @@ def start_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
     return makespan, walked, late
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def hang_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
     """Work out every tail, from the last task backwards.
 
@@ -182,7 +182,7 @@ def hang_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
             robots[robot].here = max(robots[robot].here, timing.tail[task])
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _leave_backwards(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     """Make a task the robot's next; return the steps that remain when it leaves that place."""
     way = leg_from(robots, steps, cells, robot, task)
@@ -193,7 +193,7 @@ def _leave_backwards(robots, steps, cells, robot, task):  # type: ignore[no-unty
     return robots[robot].out
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def remember_visit(robots, robot, visits, task, seat):  # type: ignore[no-untyped-def]
     """Note what a robot does after a task."""
     visits[task, seat].next = robots[robot].next
@@ -201,7 +201,7 @@ def remember_visit(robots, robot, visits, task, seat):  # type: ignore[no-untype
     visits[task, seat].out = robots[robot].out
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def recall_visit(robots, robot, visits, task, seat):  # type: ignore[no-untyped-def]
     """Put before a robot what it does after a task."""
     robots[robot].next = visits[task, seat].next

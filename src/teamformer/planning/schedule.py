@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numba as nb
 import numpy as np
 
+from teamformer.jit import entry
 from teamformer.planning.insertion import drop_spares
 from teamformer.planning.plan import (
     Plan,
@@ -91,7 +91,7 @@ def make_plan(problem: Relaxed, order: Sequence[int], crews: Sequence[Sequence[i
     return plan
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def decode(problem, ranking, plan, timing):  # type: ignore[no-untyped-def]
     """Give each task in turn the crew that can be there first; return the makespan.
 
@@ -119,7 +119,7 @@ def decode(problem, ranking, plan, timing):  # type: ignore[no-untyped-def]
     return makespan
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _sort_by_arrival(robots, steps, cells, task, pick):  # type: ignore[no-untyped-def]
     arrival = np.empty(len(robots), np.int64)
     for robot in range(len(robots)):
@@ -128,7 +128,7 @@ def _sort_by_arrival(robots, steps, cells, task, pick):  # type: ignore[no-untyp
     pick[:] = np.argsort(arrival, kind="mergesort")
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _take_first(robots, problem, pick, spare, task):  # type: ignore[no-untyped-def]
     """Keep in `pick`, sorted by arrival, the first that cover a task; return how many, or 0.
 
@@ -151,7 +151,7 @@ def _take_first(robots, problem, pick, spare, task):  # type: ignore[no-untyped-
     return 0
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _drop_lost(robots, counts, pick, size, spare, end):  # type: ignore[no-untyped-def]
     """Send away robots that will be missing at the end; return how many are left."""
     kept = 0

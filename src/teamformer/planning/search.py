@@ -6,9 +6,9 @@ removals" (Transportation Science 2020), here with crews that wait for one anoth
 
 from __future__ import annotations
 
-import numba as nb
 import numpy as np
 
+from teamformer.jit import entry
 from teamformer.planning.insertion import draw, draw_below, empty_desk, insert_task
 from teamformer.planning.plan import copy_plan, empty_plan, empty_timing, hang_tasks, start_tasks
 from teamformer.planning.relaxed import Relaxed
@@ -80,7 +80,7 @@ class Search:
         return read_schedule(self.problem, self._best)
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, temperature):  # type: ignore[no-untyped-def]
     """Ruin and recreate for a number of rounds.
 
@@ -99,7 +99,7 @@ def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, tempe
                 costs[1] = cost
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _ruin(problem, plan, timing, desk, torn):  # type: ignore[no-untyped-def]
     """Take tasks out of a plan; list them, and those that had no crew; return how many."""
     first = _choose_first(problem, plan, timing, desk)
@@ -116,7 +116,7 @@ def _ruin(problem, plan, timing, desk, torn):  # type: ignore[no-untyped-def]
     return _close_gaps(plan, torn)
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _choose_first(problem, plan, timing, desk):  # type: ignore[no-untyped-def]
     """Choose any task, or every other time one that the makespan hangs on."""
     chosen = draw_below(desk.random, len(plan.size))
@@ -133,7 +133,7 @@ def _choose_first(problem, plan, timing, desk):  # type: ignore[no-untyped-def]
     return chosen
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _tear_nearby(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
     """Take out tasks around one, most but not all of the nearest."""
     for nearby in range(desk.near.shape[1]):
@@ -142,7 +142,7 @@ def _tear_nearby(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
             wanted -= 1
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _tear_stretch(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
     """Take out tasks that are done around the same time as one."""
     at = 0
@@ -153,7 +153,7 @@ def _tear_stretch(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
         plan.size[plan.order[position]] = 0
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _close_gaps(plan, torn):  # type: ignore[no-untyped-def]
     """Drop tasks without a crew from the order and list them; return how many."""
     kept = 0
@@ -171,7 +171,7 @@ def _close_gaps(plan, torn):  # type: ignore[no-untyped-def]
     return count
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def _recreate(problem, plan, timing, desk, torn, count):  # type: ignore[no-untyped-def]
     """Put tasks back, in random order; return the cost of the plan."""
     for last in range(count - 1, 0, -1):
@@ -184,7 +184,7 @@ def _recreate(problem, plan, timing, desk, torn, count):  # type: ignore[no-unty
     return cost_of(problem, plan, timing)
 
 
-@nb.njit(cache=True, nogil=True)
+@entry
 def cost_of(problem, plan, timing):  # type: ignore[no-untyped-def]
     """Return what the search minimises, in steps of makespan."""
     makespan, walked, late = start_tasks(problem, plan, timing)

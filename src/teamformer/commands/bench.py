@@ -8,8 +8,6 @@ from rich.table import Table
 
 from teamformer.commands.console import announce_compiling, err, out, print_json
 from teamformer.errors import TeamformerError
-from teamformer.jit import needs_compiling
-from teamformer.sim.step import step_worlds
 
 SUITES = ("speed",)
 
@@ -22,7 +20,7 @@ def bench(suite: str, as_json: bool) -> int:
         raise TeamformerError(f"there is no suite '{suite}'", hint)
     from teamformer.bench.speed import measure_speed
 
-    announce_compiling(lambda: needs_compiling(step_worlds))
+    announce_compiling()
     table = Table("what", "figure", "unit", box=None, header_style="dim")
     for row in measure_speed():
         if as_json:

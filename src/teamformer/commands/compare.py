@@ -10,10 +10,8 @@ from rich.text import Text
 
 from teamformer.commands.console import announce_compiling, out, print_json, say
 from teamformer.commands.run import Changes, best_known, ready_policy, result_row, watch_trial
-from teamformer.jit import needs_compiling
 from teamformer.policies.trial import Trial
 from teamformer.scenarios.files import read_scenario
-from teamformer.sim.step import step_worlds
 
 
 def compare(
@@ -27,7 +25,7 @@ def compare(
     """Run every policy with every seed and show them together; return the exit status."""
     scenario = changes.apply(read_scenario(path))
     policies = {name: ready_policy(name, time_limit) for name in policy_names}
-    announce_compiling(lambda: needs_compiling(step_worlds))
+    announce_compiling(policy_names)
     trials = []
     for name, policy in policies.items():
         for seed in range(seeds):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -76,7 +76,15 @@ class StepProgress:
             self._bar.stop()
 
 
-def announce_compiling(is_needed: Callable[[], bool]) -> None:
-    """Say that the first run compiles, so that nobody takes the wait for a fault."""
-    if is_needed():
+def announce_compiling(policy_names: Iterable[str] = ()) -> None:
+    """Say that a first run compiles, so that nobody takes the wait for a fault."""
+    from teamformer.jit import needs_compiling
+    from teamformer.sim.step import step_worlds
+
+    if needs_compiling(step_worlds):
         say("compiling the simulator, on the first run only (about 15 s) ...")
+    if "central" in policy_names:
+        from teamformer.planning.schedule import decode
+
+        if needs_compiling(decode):
+            say("compiling the planner, on the first run only (about 12 s) ...")

@@ -20,7 +20,6 @@ from teamformer.commands.console import (
     print_json,
     say,
 )
-from teamformer.jit import needs_compiling
 from teamformer.model import Scenario
 from teamformer.planning.bounds import lower_bound
 from teamformer.policies import POLICIES
@@ -29,7 +28,6 @@ from teamformer.policies.registry import load_policy
 from teamformer.policies.trial import Trial, run_trial
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay import Replay, replay_to_tree, write_replay
-from teamformer.sim.step import step_worlds
 
 LONGEST_TABLE = 40  # tasks
 
@@ -63,7 +61,7 @@ def run(
     policy = ready_policy(policy_name, time_limit)
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling(lambda: needs_compiling(step_worlds))
+    announce_compiling([policy_name])
     trial = watch_trial(scenario, policy, policy_name, seed)
     if folder is not None:
         _write(trial.replay, folder, with_page)

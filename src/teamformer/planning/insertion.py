@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
 from teamformer.planning.plan import (
     Array,
     arrival_at,
@@ -72,7 +72,7 @@ def empty_desk(problem: Relaxed, seed: int) -> Desk:
     )
 
 
-@entry
+@kernel
 def draw(random):  # type: ignore[no-untyped-def]
     """Return a random number from 0 to 1 and step the state on (xorshift64, Marsaglia 2003)."""
     state = random[0]
@@ -83,7 +83,7 @@ def draw(random):  # type: ignore[no-untyped-def]
     return np.float64(state >> np.uint64(11)) / 9007199254740992.0
 
 
-@entry
+@kernel
 def draw_below(random, count):  # type: ignore[no-untyped-def]
     """Return a random whole number from 0 to count - 1."""
     return int(draw(random) * count)
@@ -125,7 +125,7 @@ def insert_task(problem, plan, timing, desk, task, makespan):  # type: ignore[no
     return True
 
 
-@entry
+@kernel
 def _place_task(plan, task, gap, crew, size):  # type: ignore[no-untyped-def]
     for position in range(plan.placed[0], gap, -1):
         plan.order[position] = plan.order[position - 1]
@@ -136,7 +136,7 @@ def _place_task(plan, task, gap, crew, size):  # type: ignore[no-untyped-def]
         plan.crew[task, seat] = crew[seat]
 
 
-@entry
+@kernel
 def _gather_candidates(problem, plan, timing, desk, task):  # type: ignore[no-untyped-def]
     """Choose whom to consider, scarce capabilities first, and weigh each at the first gap."""
     robots, asked, candidates = timing.robots, desk.asked, desk.candidates
@@ -162,7 +162,7 @@ def _gather_candidates(problem, plan, timing, desk, task):  # type: ignore[no-un
             _weigh(robots, steps, cells, robot, task)
 
 
-@entry
+@kernel
 def _consider_nearby(problem, plan, robots, desk, kind, task, many):  # type: ignore[no-untyped-def]
     """Consider robots that serve tasks in the neighbourhood."""
     asked, candidates, crew = desk.asked, desk.candidates, plan.crew
@@ -174,7 +174,7 @@ def _consider_nearby(problem, plan, robots, desk, kind, task, many):  # type: ig
                 _consider(robots, asked, candidates, kind, crew[other, seat])
 
 
-@entry
+@kernel
 def _consider_able(robots, asked, candidates, kind, able, many, random):  # type: ignore[no-untyped-def]
     """Consider all robots with a capability, or some more at random to make them many."""
     cap, count = asked[kind].cap, 0
@@ -186,7 +186,7 @@ def _consider_able(robots, asked, candidates, kind, able, many, random):  # type
             _consider(robots, asked, candidates, kind, able[cap, (first + offset) % count])
 
 
-@entry
+@kernel
 def _consider(robots, asked, candidates, kind, robot):  # type: ignore[no-untyped-def]
     for index in range(asked[kind].candidates):
         if candidates[kind, index] == robot:
@@ -196,7 +196,7 @@ def _consider(robots, asked, candidates, kind, robot):  # type: ignore[no-untype
     robots[robot].is_candidate = True
 
 
-@entry
+@kernel
 def _weigh(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     """Work out what the task would mean for a robot between what it has done and will do."""
     there = leg_to(robots, steps, cells, robot, task)
@@ -206,14 +206,14 @@ def _weigh(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     robots[robot].detour = there + onward - _leg_without(robots, steps, cells, robot)
 
 
-@entry
+@kernel
 def _leg_without(robots, steps, cells, robot):  # type: ignore[no-untyped-def]
     if robots[robot].next == NOBODY:
         return 0
     return leg_to(robots, steps, cells, robot, robots[robot].next)
 
 
-@entry
+@kernel
 def _pass_task(robots, visits, crew, steps, cells, task, passed, size, end):  # type: ignore[no-untyped-def]
     """Move the gap past a task with its crew; say whether that changed a candidate's lot."""
     is_new = False
@@ -227,7 +227,7 @@ def _pass_task(robots, visits, crew, steps, cells, task, passed, size, end):  # 
     return is_new
 
 
-@entry
+@kernel
 def _pick_crew(robots, asked, candidates, counts, pick, ready, duration):  # type: ignore[no-untyped-def]
     """Pick a crew for the gap at hand; return its size, 0 if there is none.
 
@@ -255,7 +255,7 @@ def _pick_crew(robots, asked, candidates, counts, pick, ready, duration):  # typ
     return size if is_possible else 0
 
 
-@entry
+@kernel
 def _pick_robot(robots, asked, candidates, kind, ready, remains, duration):  # type: ignore[no-untyped-def]
     best, best_cost = NOBODY, IMPOSSIBLE
     for index in range(asked[kind].candidates):
@@ -269,7 +269,7 @@ def _pick_robot(robots, asked, candidates, kind, ready, remains, duration):  # t
     return best
 
 
-@entry
+@kernel
 def _judge_crew(robots, pick, size, earliest, duration):  # type: ignore[no-untyped-def]
     """Return the steps of the longest chain through the task, and the steps more to walk."""
     ready, remains, detour, lost = earliest, 0, 0, FAR
@@ -300,7 +300,7 @@ def drop_spares(counts, pick, size, spare):  # type: ignore[no-untyped-def]
     return kept
 
 
-@entry
+@kernel
 def _is_needed(counts, robot, spare):  # type: ignore[no-untyped-def]
     for cap in range(len(spare)):
         if counts[robot, cap] > spare[cap]:
@@ -308,7 +308,7 @@ def _is_needed(counts, robot, spare):  # type: ignore[no-untyped-def]
     return False
 
 
-@entry
+@kernel
 def count_spares(needs, counts, pick, size, task, spare):  # type: ignore[no-untyped-def]
     """Work out what a crew has beyond what a task needs."""
     for cap in range(len(spare)):

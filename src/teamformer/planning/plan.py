@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
 from teamformer.planning.relaxed import NOBODY, Relaxed
 
 Array = npt.NDArray[Any]
@@ -93,13 +93,13 @@ def copy_plan(plan, into):  # type: ignore[no-untyped-def]
     into.size[:] = plan.size
 
 
-@entry
+@kernel
 def leg_to(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     """Return the steps from where a robot is to a task; 0 in the same place only."""
     return steps[robots[robot].pace, cells[task, robots[robot].at]]
 
 
-@entry
+@kernel
 def leg_from(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     """Return the steps from a task to the robot's next; 0 if it has none."""
     if robots[robot].next == NOBODY:
@@ -107,7 +107,7 @@ def leg_from(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     return steps[robots[robot].pace, cells[task, robots[robot].next]]
 
 
-@entry
+@kernel
 def arrival_at(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     """Return the step a robot can be at a task; where it stands it has been since it came."""
     way = leg_to(robots, steps, cells, robot, task)
@@ -127,7 +127,7 @@ def serve(robots, steps, cells, robot, task, end):  # type: ignore[no-untyped-de
     return way
 
 
-@entry
+@kernel
 def send_home(robots, tasks):  # type: ignore[no-untyped-def]
     """Put every robot back to its start, with nothing done and nothing to do."""
     for robot in range(len(robots)):
@@ -182,7 +182,7 @@ def hang_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
             robots[robot].here = max(robots[robot].here, timing.tail[task])
 
 
-@entry
+@kernel
 def _leave_backwards(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
     """Make a task the robot's next; return the steps that remain when it leaves that place."""
     way = leg_from(robots, steps, cells, robot, task)
@@ -193,7 +193,7 @@ def _leave_backwards(robots, steps, cells, robot, task):  # type: ignore[no-unty
     return robots[robot].out
 
 
-@entry
+@kernel
 def remember_visit(robots, robot, visits, task, seat):  # type: ignore[no-untyped-def]
     """Note what a robot does after a task."""
     visits[task, seat].next = robots[robot].next
@@ -201,7 +201,7 @@ def remember_visit(robots, robot, visits, task, seat):  # type: ignore[no-untype
     visits[task, seat].out = robots[robot].out
 
 
-@entry
+@kernel
 def recall_visit(robots, robot, visits, task, seat):  # type: ignore[no-untyped-def]
     """Put before a robot what it does after a task."""
     robots[robot].next = visits[task, seat].next

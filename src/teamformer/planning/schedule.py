@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
 from teamformer.planning.insertion import drop_spares
 from teamformer.planning.plan import (
     Plan,
@@ -151,7 +151,7 @@ def _take_first(robots, problem, pick, spare, task):  # type: ignore[no-untyped-
     return 0
 
 
-@entry
+@kernel
 def _drop_lost(robots, counts, pick, size, spare, end):  # type: ignore[no-untyped-def]
     """Send away robots that will be missing at the end; return how many are left."""
     kept = 0

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
 from teamformer.planning.insertion import draw, draw_below, empty_desk, insert_task
 from teamformer.planning.plan import copy_plan, empty_plan, empty_timing, hang_tasks, start_tasks
 from teamformer.planning.relaxed import Relaxed
@@ -99,7 +99,7 @@ def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, tempe
                 costs[1] = cost
 
 
-@entry
+@kernel
 def _ruin(problem, plan, timing, desk, torn):  # type: ignore[no-untyped-def]
     """Take tasks out of a plan; list them, and those that had no crew; return how many."""
     first = _choose_first(problem, plan, timing, desk)
@@ -116,7 +116,7 @@ def _ruin(problem, plan, timing, desk, torn):  # type: ignore[no-untyped-def]
     return _close_gaps(plan, torn)
 
 
-@entry
+@kernel
 def _choose_first(problem, plan, timing, desk):  # type: ignore[no-untyped-def]
     """Choose any task, or every other time one that the makespan hangs on."""
     chosen = draw_below(desk.random, len(plan.size))
@@ -133,7 +133,7 @@ def _choose_first(problem, plan, timing, desk):  # type: ignore[no-untyped-def]
     return chosen
 
 
-@entry
+@kernel
 def _tear_nearby(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
     """Take out tasks around one, most but not all of the nearest."""
     for nearby in range(desk.near.shape[1]):
@@ -142,7 +142,7 @@ def _tear_nearby(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
             wanted -= 1
 
 
-@entry
+@kernel
 def _tear_stretch(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
     """Take out tasks that are done around the same time as one."""
     at = 0
@@ -153,7 +153,7 @@ def _tear_stretch(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
         plan.size[plan.order[position]] = 0
 
 
-@entry
+@kernel
 def _close_gaps(plan, torn):  # type: ignore[no-untyped-def]
     """Drop tasks without a crew from the order and list them; return how many."""
     kept = 0

@@ -11,12 +11,14 @@ from typing import Literal
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem, ScenarioError
-from teamformer.regions import Regions, find_regions
+from teamformer.regions import Regions, find_regions, flood
 
 Place = tuple[int, int]
 """A cell, as `(x, y)`."""
 
-LARGEST_STEP_LIMIT = 10**6
+MOST_WALKING = 10**6
+MOST_WAITING = 10**9
+"""What walks and waits add to a step limit at most; steps are counted in 32 bits."""
 
 LARGEST_COUNT = 30_000
 """What all robots together may have of one capability: kernels count in 16 bits."""
@@ -151,28 +153,36 @@ ALLOCATIONS = ("paper",)
 def default_step_limit(scenario: Scenario) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 
-    The slowest robot's pace, every duration and the latest arrival are added.
+    They are walked by the slowest robot; every duration and the latest arrival are added.
     """
     slowest = min(robot.speed for robot in scenario.robots)
-    walks = 4 * (len(scenario.tasks) + 1) * (scenario.world.width + scenario.world.height)
-    if scenario.world.rows:
-        walks *= 2  # walls make detours
+    walks = 4 * (len(scenario.tasks) + 1) * _longest_walk(scenario)
     waits = sum(task.duration for task in scenario.tasks)
     latest = max(task.appears for task in scenario.tasks)
-    return min(math.ceil(walks / slowest) + waits + latest, LARGEST_STEP_LIMIT)
+    return min(math.ceil(walks / slowest), MOST_WALKING) + min(waits + latest, MOST_WAITING)
+
+
+def _longest_walk(scenario: Scenario) -> int:
+    """Return steps that suffice between any two cells that a robot can walk between."""
+    world = scenario.world
+    across = world.width + world.height
+    if not world.rows:
+        return across
+    begins = {world.region(robot.at): robot.at for robot in scenario.robots}
+    return 2 * max(across, flood(world.rows, FREE, begins.values()))  # there and back
 
 
 def find_problems(scenario: Scenario) -> Iterator[Problem]:
     """Return everything that makes a scenario impossible to run, in file order."""
-    yield from _problems_of_world(scenario.world)
+    spatial = list(_problems_of_world(scenario.world))
+    spatial = spatial or list(_problems_of_places(scenario))  # a broken map has no places
+    yield from spatial
     yield from _problems_of_names(scenario)
     yield from _problems_of_rules(scenario)
-    placed = list(_problems_of_places(scenario))
-    yield from placed
     yield from _problems_of_robots(scenario)
     yield from _problems_of_totals(scenario)
     yield from _problems_of_teams(scenario)
-    yield from _problems_of_tasks(scenario, places_are_good=not placed)
+    yield from _problems_of_tasks(scenario, places_are_good=not spatial)
 
 
 def _problems_of_world(world: Grid) -> Iterator[Problem]:
@@ -208,7 +218,7 @@ def _problems_of_rules(scenario: Scenario) -> Iterator[Problem]:
         radius = getattr(scenario, key)
         if not radius >= 0:  # NaN too; infinity is allowed, it means everybody
             yield Problem((key,), f"{key} is {radius}; it must be 0 or more")
-    if scenario.join_radius > scenario.sensing_radius:
+    if scenario.join_radius > scenario.sensing_radius >= 0:
         yield Problem(
             ("join_radius",),
             f"join_radius {scenario.join_radius:g} is larger than sensing_radius "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 
@@ -81,3 +81,29 @@ def _root(parent: list[int], run: int) -> int:
         parent[run] = parent[parent[run]]
         run = parent[run]
     return run
+
+
+MOST_FLOODING = 4 * 10**9  # cells times steps: half a second
+
+
+def flood(rows: Sequence[str], free: str, begins: Iterable[tuple[int, int]]) -> int:
+    """Return how many steps it takes to walk from some free cells to the farthest one.
+
+    A cell counts from the nearest begin. On a map that is too large to try, it is an upper bound.
+    """
+    width = len(rows[0]) + 1  # a blocked column keeps the end of a row from the next one's begin
+    is_free = bytes(ord("1" if code == ord(free) else "0") for code in range(256))
+    text = "@".join(rows).encode("ascii", errors="replace").translate(is_free)
+    dry = int(text[::-1], 2)  # a bit for each cell
+    front = 0
+    for x, y in begins:
+        front |= 1 << (y * width + x)
+    steps = 0
+    while True:
+        dry ^= front
+        front = (front << 1 | front >> 1 | front << width | front >> width) & dry
+        if not front:
+            return steps
+        if steps * len(text) > MOST_FLOODING:
+            return steps + dry.bit_count()
+        steps += 1

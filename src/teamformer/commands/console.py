@@ -84,7 +84,7 @@ def announce_compiling(policy_names: Iterable[str] = ()) -> None:
     if needs_compiling(step_worlds):
         say("compiling the simulator, on the first run only (about 15 s) ...")
     if "central" in policy_names:
-        from teamformer.planning.schedule import decode
+        from teamformer.planning.search import is_compiled
 
-        if needs_compiling(decode):
+        if not is_compiled():
             say("compiling the planner, on the first run only (about 12 s) ...")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import entry, kernel, needs_compiling
 from teamformer.planning.insertion import draw, draw_below, empty_desk, insert_task
 from teamformer.planning.plan import copy_plan, empty_plan, empty_timing, hang_tasks, start_tasks
 from teamformer.planning.relaxed import Relaxed
@@ -78,6 +78,11 @@ class Search:
     def best(self) -> Schedule | None:
         """Return the best schedule seen, None if each has a task that nobody is left to do."""
         return read_schedule(self.problem, self._best)
+
+
+def is_compiled() -> bool:
+    """Say whether the search was compiled before, so that a first plan has not to wait for it."""
+    return not needs_compiling(_anneal)
 
 
 @entry

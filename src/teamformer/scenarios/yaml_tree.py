@@ -15,7 +15,7 @@ import yaml
 from yaml import events as ev
 
 from teamformer.errors import Problem
-from teamformer.scenarios.yaml_words import kind_of, misread, scalar, shorten
+from teamformer.scenarios.yaml_words import Misread, kind_of, misread, scalar, shorten
 
 Where = tuple[str | int, ...]
 """The path to a place in a tree, such as `("tasks", 3, "needs")`."""
@@ -155,6 +155,9 @@ class _Builder:
         values: dict[str, Any] = {}
         while not isinstance(event := next(self.events), ev.MappingEndEvent):
             key = self.key(event, where)
+            if key is None:
+                self.value(next(self.events), (*where, "?"))  # skip it
+                continue
             is_repeated = key in values
             if is_repeated:
                 again = f"'{shorten(key)}' stands here a second time"
@@ -166,12 +169,16 @@ class _Builder:
                 values[key] = value
         return values
 
-    def key(self, event: Any, where: Where) -> str:
+    def key(self, event: Any, where: Where) -> str | None:
+        """Return the text of a key, or None for one that cannot be."""
         if not isinstance(event, ev.ScalarEvent):
-            self.refuse(event, where, "a list or mapping stands where a name belongs")
+            self.refuse(event, where, "a list or mapping stands where a name belongs; name it")
             self.value(event, (*where, "?"))  # skip it
-            return "?"
+            return None
         value = _value_of(event)
+        if isinstance(value, Misread) and value.kind == "a merge":
+            self.refuse(event, where, "<< is not followed; write the keys out")
+            return None
         if not isinstance(value, str):
             self.refuse(event, where, misread(event.value, kind_of(value)))
         return str(event.value)

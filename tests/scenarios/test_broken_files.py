@@ -112,6 +112,8 @@ CASES = [
     ("sensing_radius: 1", "teams: [[a, c]]", 10, "there is no robot 'c'; write the name of one"),
     ("sensing_radius: 1", "teams: [a]", 10, "team 1 is the text 'a'; write a list"),
     ("sensing_radius: 1", "teams: [[a, b]]", 10, "must start in the same place"),
+    ("sensing_radius: 1", "teams: [[a], [a]]", 10, "robot 'a' is in two starting teams; keep one"),
+    ("{grid: [4, 3]}", '{rows: ["....", "....", "...@"]}', 9, "[3, 2], inside an obstacle; move"),
     # what the scenario itself cannot be
     ("name: b", "name: a", 7, "the name 'a' is used twice; rename one"),
     ("needs: [lift, scan]", "needs: [lift, weld]", 9, "'weld', which is not under capabilities"),
@@ -213,6 +215,29 @@ def test_an_empty_file(tmp_path: Path, text: str) -> None:
 )
 def test_a_file_that_is_no_mapping(tmp_path: Path, text: str, what: str) -> None:
     assert f"the file is {what}; write a mapping of teamformer" in problems_of(tmp_path, text)[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("case.yaml", "case.yaml:1: the file lacks 'image'"),  # a map that is its own scenario
+        ("folder.map", "folder.map: this is a folder"),
+        ("loop.map", "loop.map: cannot be read: Too many"),
+        ("endless.yaml", "/dev/zero: this is not a plain file"),
+        ("/dev/zero", "/dev/zero: this is no map"),
+        ("[red].map", "[red].map: there is no such file"),
+        ("'x.yaml', cell: .nan", "cell of world is nan; write a number"),
+    ],
+)
+def test_a_map_that_is_none(tmp_path: Path, name: str, message: str) -> None:
+    (tmp_path / "folder.map").mkdir()
+    (tmp_path / "loop.map").symlink_to("loop.map")
+    about = "resolution: 1\noccupied_thresh: 0.65\nfree_thresh: 0.196\nimage: /dev/zero\n"
+    (tmp_path / "endless.yaml").write_text(about)
+    shown = name if "cell" in name else f"'{name}'"
+    [told] = problems_of(tmp_path, GOOD.replace("{grid: [4, 3]}", f"{{map: {shown}}}"))
+    assert told.startswith("case.yaml:3: ")
+    assert message in told
 
 
 def test_what_is_no_readable_file(tmp_path: Path) -> None:

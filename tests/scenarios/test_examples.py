@@ -8,6 +8,10 @@ import pytest
 
 from teamformer.capabilities import covers, total
 from teamformer.model import Scenario
+from teamformer.policies.heuristic import Heuristic
+from teamformer.policies.protocol import Policy
+from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trial import run_trials
 from teamformer.scenarios.files import read_scenario
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -20,6 +24,16 @@ def example(name: str) -> Scenario:
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_example_is_read(path: Path) -> None:
     assert len(read_scenario(path).tasks) >= 4
+
+
+@pytest.mark.parametrize("policy", [JoinAll(), Heuristic()], ids=["join-all", "heuristic"])
+def test_every_example_can_be_done_and_takes_teamwork(policy: Policy) -> None:
+    scenarios = [read_scenario(path) for path in sorted(EXAMPLES.glob("*.yaml"))]
+    for scenario, tally in zip(scenarios, run_trials(scenarios, policy), strict=True):
+        assert tally.status == "completed", scenario.name
+        assert tally.joins > 0
+        assert max(task.appears for task in scenario.tasks) < tally.steps  # all of it is seen
+        assert all(robot.lost is None or robot.lost < tally.steps for robot in scenario.robots)
 
 
 def test_the_warehouse_shows_what_a_scenario_can_hold() -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from test_broken_files import CASES, GOOD, problems_of
+
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.trees import ROBOT_KEYS, TASK_KEYS, TOP_KEYS
 
@@ -27,3 +29,16 @@ def test_the_example_is_read(tmp_path: Path) -> None:
     scenario = read_scenario(path)
     assert scenario.teams == ((1, 2),)
     assert scenario.tasks[1].needs == {"lift": 2, "weld": 1}
+
+
+def test_what_is_refused_is_told_in_these_words(tmp_path: Path) -> None:
+    table = DOCS.read_text().split("| told |\n|---|---|---|\n")[1].split("\n\n")[0]
+    documented = [row.rsplit(" | ", 1)[1].strip("` |") for row in table.splitlines()]
+    assert len(documented) >= 40
+    files = [GOOD.replace(old, new, 1) for old, new, *_ in CASES] + [""]
+    told = {
+        line.split(": ", 1)[1].removeprefix(f"{tmp_path}/")
+        for text in files
+        for line in problems_of(tmp_path, text)
+    }
+    assert [message for message in documented if message not in told] == []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from teamformer.scenarios.files import (
     scenario_to_tree,
     write_scenario,
 )
+from teamformer.scenarios.generate import Spec, generate
 
 EVERY_KEY = """\
 teamformer: 1
@@ -230,3 +232,14 @@ def test_a_place_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(TeamformerError, match="cannot be written") as caught:
         write_scenario(AS_BUILT, tmp_path / "no such folder" / "out.yaml")
     assert caught.value.hint
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".json"])
+def test_a_thousand_robots_are_read_at_once(tmp_path: Path, suffix: str) -> None:
+    spec = Spec(1000, 1000, 20, world=Grid(200, 200))
+    scenario = generate(spec, np.random.default_rng(0))
+    path = tmp_path / f"large{suffix}"
+    write_scenario(scenario, path)
+    begun = time.process_time()
+    assert read_scenario(path) == scenario
+    assert time.process_time() - begun < 1.5  # seconds; a tenth of it is usual with libyaml

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
+import onnx
 import torch
 
 from teamformer.nets.relational import RelationalPolicy, Tokens
@@ -46,7 +47,10 @@ def export(network: RelationalPolicy, file: Path) -> None:
             verbose=False,
         )
     assert program is not None
-    program.save(str(file), external_data=False)
+    model = program.model_proto
+    for node in model.graph.node:
+        del node.metadata_props[:]  # stack traces with the paths of this machine
+    onnx.save(model, file)
 
 
 def _example() -> tuple[torch.Tensor, ...]:

@@ -1,0 +1,28 @@
+"""The seam between views and a network: what it reads and what its actions stand for."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from teamformer.sim.arrays import Array
+from teamformer.sim.view import View
+
+
+class Codec(Protocol):
+    """Reads views into tokens and writes actions as wanted counts.
+
+    A codec is made for nothing in particular: it keeps no state between views. Row i of whatever
+    it returns belongs to row i of the view.
+    """
+
+    def encode(self, view: View) -> tuple[Array, ...]:
+        """Return the network's inputs, each (teams, ...): float32, int64 or bool."""
+        ...
+
+    def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
+        """Return which teams have more than one legal action, as (teams,) bool."""
+        ...
+
+    def decode(self, view: View, action: Array) -> Array:
+        """Return the counts that actions (teams, ...) stand for, as (teams, caps) int16."""
+        ...

@@ -12,8 +12,8 @@ from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.view import NEXT_TASKS, View
 
 BASE_PATIENCE = 30  # steps
-PATIENCE_PER_CELL = 3
-"""A team waits for 30 steps, and for three times the way across what it sees."""
+WAYS_ACROSS = 3
+"""A team waits for 30 steps, and for as many as three walks across what it sees take it."""
 
 
 class Liveness:
@@ -87,4 +87,5 @@ def _patience(view, row):  # type: ignore[no-untyped-def]
             x, y = view.task_place[row, column]
             left, right = min(left, x), max(right, x)
             low, high = min(low, y), max(high, y)
-    return BASE_PATIENCE + PATIENCE_PER_CELL * (right - left + high - low)
+    across = (right - left + high - low) / min(view.pace[row], view.unit[row])
+    return BASE_PATIENCE + WAYS_ACROSS * across

@@ -1,7 +1,8 @@
 """What a team's view says in relations, for any number of capabilities.
 
 No feature belongs to a capability: each counts, compares or adds up over all of them, so that the
-names and the number of capabilities mean nothing. Distances are in cells, clipped and scaled.
+names and the number of capabilities mean nothing. Distances are in cells (on a plane, in units
+that count as one), clipped and scaled.
 """
 
 from __future__ import annotations
@@ -68,15 +69,23 @@ def _fill(view, relations):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _distance(here, there):  # type: ignore[no-untyped-def]
-    away = abs(here[0] - there[0]) + abs(here[1] - there[1])
-    return min(away, FAR) / FAR
+def _cells_between(view, row, here, there):  # type: ignore[no-untyped-def]
+    """Return the Manhattan distance in cells, 0 in the same place."""
+    away_x, away_y = abs(here[0] - there[0]), abs(here[1] - there[1])
+    if away_x * away_x + away_y * away_y <= view.arrival_radius[row] ** 2:
+        return 0.0
+    return (away_x + away_y) / view.unit[row]
 
 
 @kernel
-def _nearness(here, there):  # type: ignore[no-untyped-def]
+def _distance(view, row, here, there):  # type: ignore[no-untyped-def]
+    return min(_cells_between(view, row, here, there), FAR) / FAR
+
+
+@kernel
+def _nearness(view, row, here, there):  # type: ignore[no-untyped-def]
     """Return a distance that tells the last cells apart."""
-    return min(abs(here[0] - there[0]) + abs(here[1] - there[1]), NEAR) / NEAR
+    return min(_cells_between(view, row, here, there), NEAR) / NEAR
 
 
 @kernel
@@ -138,18 +147,18 @@ def _relate_tasks(view, relations, row, kept):  # type: ignore[no-untyped-def]
         mine = covered / max(total, 1)
         out[0] = task == view.task[row]
         out[1] = min(view.task_rank[row, column], 8) / 8
-        out[2] = _distance(view.place[row], view.task_place[row, column])
+        out[2] = _distance(view, row, view.place[row], view.task_place[row, column])
         out[3] = out[2] == 0.0
         out[4] = mine
         out[5] = mine == 1.0
         out[6] = covered > 0
         out[7] = _surplus(have, needs)
-        out[8] = _distance(view.task_place[row, 0], view.task_place[row, column])
+        out[8] = _distance(view, row, view.task_place[row, 0], view.task_place[row, column])
         out[9] = min(total, 10) / 10
         _relate_helpers(view, out, row, task, needs)
         _relate_rest(view, out, row, column, kept)
         out[17] = relations.is_legal[row, SPLIT + column]
-        out[18] = _nearness(view.place[row], view.task_place[row, column])
+        out[18] = _nearness(view, row, view.place[row], view.task_place[row, column])
 
 
 @kernel
@@ -204,7 +213,7 @@ def _relate_teams(view, relations, row):  # type: ignore[no-untyped-def]
         relations.is_team[row, other] = True
         theirs = view.seen_counts[row, other]
         out = relations.teams[row, other]
-        out[0] = _distance(view.place[row], view.seen_place[row, other])
+        out[0] = _distance(view, row, view.place[row], view.seen_place[row, other])
         out[1] = view.is_here[row, other]
         out[2] = relations.is_legal[row, JOIN + other]
         out[3] = view.seen_slot[row, other] < view.slot[row]
@@ -228,7 +237,7 @@ def _relate_teams(view, relations, row):  # type: ignore[no-untyped-def]
             if own != NOBODY:
                 out[14] = view.task_rank[row, column] < view.task_rank[row, own]
         out[18] = other == pair
-        out[19] = _nearness(view.place[row], view.seen_place[row, other])
+        out[19] = _nearness(view, row, view.place[row], view.seen_place[row, other])
         _relate_union(view, out, row, have, theirs)
 
 

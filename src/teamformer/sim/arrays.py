@@ -43,6 +43,8 @@ RULES = np.dtype(
         ("join_radius", np.float64),
         ("start_x", np.float64),  # the cell at the robots' centroid, where the first tour begins
         ("start_y", np.float64),
+        ("arrival_radius", np.float64),  # teams so near to each other are in the same place
+        ("unit", np.float64),  # the length that counts as one cell
     ],
     align=True,
 )
@@ -225,6 +227,8 @@ def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
         scenario.join_radius,
         start_x,
         start_y,
+        0.0,
+        1.0,
     )
 
 

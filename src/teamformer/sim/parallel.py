@@ -190,7 +190,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
             boxes[name] = spaces.Box(low, high, array.shape, array.dtype.type)
         return spaces.Dict(boxes)
 
-    def _bounds(self, name: str, array: Array) -> tuple[int, int]:
+    def _bounds(self, name: str, array: Array) -> tuple[float, float]:
         """Return the least and the largest value in an array of an observation."""
         scenario = self._env.scenarios[0]
         if name.endswith("place"):
@@ -199,6 +199,8 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
             return 0, LARGEST_COUNT
         if array.dtype == np.int8:
             return 0, 1
+        if array.dtype == np.float32:
+            return 0, np.inf
         return NOBODY, max(len(scenario.robots), len(scenario.tasks))
 
     def _make_action_space(self) -> spaces.Space[Any]:

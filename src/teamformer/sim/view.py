@@ -24,11 +24,12 @@ NEXT_TASKS = 16
 class View(NamedTuple):
     """What the deciding teams know, one row each; rows are in world and slot order.
 
-    Padding (fewer teams or tasks than columns) has slot or task NOBODY (-1) and zeros. Places are
-    cells, counts are how often each capability is there. Teams are the nearest within the sensing
-    radius: of those equally far, first the ones that bring what the own task still needs, of these
-    the ones with the same assignment, then those with the nearest slots. Tasks are the own
-    assignment, then the open tasks in their shared order.
+    Padding (fewer teams or tasks than columns) has slot or task NOBODY (-1) and zeros. Counts
+    are how often each capability is there. Places and lengths are in cells on a grid and in metres
+    on a plane; divided by `unit` they are in cells on both, as learned policies need them.
+    Teams are the nearest within the sensing radius: of those equally far, first the ones that
+    bring what the own task still needs, of these the ones with the same assignment, then those
+    with the nearest slots. Tasks are the own assignment, then the open tasks in their shared order.
     """
 
     world: Array  # (teams,) int32, index into the batch
@@ -39,6 +40,9 @@ class View(NamedTuple):
     task: Array  # (teams,) int32, own assignment or NOBODY
     is_at_task: Array  # (teams,) bool, stands where its assignment is
     is_serving: Array  # (teams,) bool, must maintain until the service ends
+    unit: Array  # (teams,) float32, the length that counts as one cell: 1 on a grid
+    arrival_radius: Array  # (teams,) float32, what is so near is in the same place: 0 on a grid
+    pace: Array  # (teams,) float32, the length that the team walks in a step
     seen_slot: Array  # (teams, seen) int32
     seen_place: Array  # (teams, seen, 2) float64
     seen_counts: Array  # (teams, seen, caps) int16
@@ -123,6 +127,9 @@ def _write_own(world, view, row, team):  # type: ignore[no-untyped-def]
         and world.tasks[task].y == world.teams[team].y
     )
     view.is_serving[row] = world.teams[team].serves > 0
+    view.unit[row] = world.rules.unit
+    view.arrival_radius[row] = world.rules.arrival_radius
+    view.pace[row] = world.teams[team].pace
 
 
 @kernel
@@ -239,6 +246,9 @@ def make_view(worlds: int, robots: int, tasks: int, caps: int) -> View:
         task=np.zeros(teams, dtype=np.int32),
         is_at_task=np.zeros(teams, dtype=np.bool_),
         is_serving=np.zeros(teams, dtype=np.bool_),
+        unit=np.zeros(teams, dtype=np.float32),
+        arrival_radius=np.zeros(teams, dtype=np.float32),
+        pace=np.zeros(teams, dtype=np.float32),
         seen_slot=np.zeros((teams, seen), dtype=np.int32),
         seen_place=np.zeros((teams, seen, 2)),
         seen_counts=np.zeros((teams, seen, caps), dtype=np.int16),

@@ -26,7 +26,8 @@ SEES = {
     "nets": set(),
     "train": {*CORE, "scenarios", "planning", "sim", "policies", "nets"},
     "bench": {*CORE, "scenarios", "planning", "sim", "policies", "referee"},
-    "commands": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"},
+    "commands": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"}
+    | {"train"},
     "cli": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"}
     | {"commands"},
 }
@@ -36,7 +37,7 @@ HOMES = {
     "ortools": ("planning/",),
     "torch": ("nets/", "train/"),
     "safetensors": ("train/",),
-    "onnxruntime": ("policies/learned.py",),
+    "onnxruntime": ("policies/sessions.py",),
     "gymnasium": ("sim/parallel.py",),
     "pettingzoo": ("sim/parallel.py",),
     "typer": ("cli.py", "commands/"),

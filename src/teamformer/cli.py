@@ -134,6 +134,48 @@ def bench(
     raise typer.Exit(command(suite, as_json))
 
 
+@app.command()
+def train(
+    out: Annotated[Path, typer.Option(help="folder of the training; goes on if it holds one")],
+    network: Annotated[str, typer.Option(help="any, teamformer, deepset or gnn")] = "any",
+    capabilities: Annotated[
+        int | None, typer.Option(min=1, help="how many the network is made for; not for `any`")
+    ] = None,
+    iterations: Annotated[int, typer.Option(min=1, help="at most so many")] = 60,
+    minutes: Annotated[float | None, typer.Option(min=0, help="at most so long")] = None,
+    worlds: Annotated[int, typer.Option(min=1, help="played in each iteration")] = 256,
+    held_out: Annotated[int, typer.Option(min=1, help="worlds of each setting")] = 48,
+    reward: Annotated[str, typer.Option(help="mission, or team as in the paper")] = "mission",
+    seed: Seed = 0,
+    device: Annotated[str, typer.Option(help="cpu or cuda")] = "cpu",
+    as_json: AsJson = False,
+) -> None:
+    """Train a policy; needs torch: pip install 'teamformer[train]'."""
+    from teamformer.commands.train import train as command
+
+    for name, given, known in (
+        ("--device", device, ("cpu", "cuda")),
+        ("--reward", reward, ("mission", "team")),
+    ):
+        if given not in known:
+            raise TeamformerError(f"{name} {given} is unknown", f"use {' or '.join(known)}")
+    raise typer.Exit(
+        command(
+            network,
+            capabilities,
+            iterations,
+            minutes,
+            worlds,
+            held_out,
+            reward,
+            seed,
+            device,
+            out,
+            as_json,
+        )
+    )
+
+
 def main() -> None:
     """Run the command line: exit 0 is good, 1 failed, 2 misused."""
     try:

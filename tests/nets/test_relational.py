@@ -36,7 +36,7 @@ def tokens(teams: int = 20) -> Tokens:
 
 def test_illegal_choices_are_refused_and_the_others_sum_to_one(network: RelationalPolicy) -> None:
     given = tokens()
-    scores = network(given)
+    scores = network(*given)
     assert (scores[~given.is_legal] == REFUSED).all()
     probabilities = scores.softmax(dim=-1)
     assert (probabilities[~given.is_legal] == 0).all()
@@ -51,7 +51,7 @@ def test_what_stands_in_padding_changes_nothing(network: RelationalPolicy) -> No
     given = given._replace(is_legal=legal)
     teams, tasks = given.teams.clone(), given.tasks.clone()
     teams[~given.is_team], tasks[~given.is_task] = 100.0, -100.0
-    torch.testing.assert_close(network(given._replace(teams=teams, tasks=tasks)), network(given))
+    torch.testing.assert_close(network(*given._replace(teams=teams, tasks=tasks)), network(*given))
 
 
 def test_order_of_tokens_changes_only_the_order_of_choices(network: RelationalPolicy) -> None:
@@ -65,13 +65,13 @@ def test_order_of_tokens_changes_only_the_order_of_choices(network: RelationalPo
         given.is_task[:, tasks],
         given.is_legal[:, places],
     )
-    torch.testing.assert_close(network(shuffled), network(given)[:, places])
+    torch.testing.assert_close(network(*shuffled), network(*given)[:, places])
 
 
 def test_other_teams_in_a_batch_change_nothing(network: RelationalPolicy) -> None:
     given = tokens()
-    alone = torch.cat([network(Tokens(*(part[i : i + 1] for part in given))) for i in range(20)])
-    torch.testing.assert_close(alone, network(given), rtol=1e-4, atol=1e-4)
+    alone = torch.cat([network(*(part[i : i + 1] for part in given)) for i in range(20)])
+    torch.testing.assert_close(alone, network(*given), rtol=1e-4, atol=1e-4)
 
 
 def test_maintaining_is_likely_at_the_start() -> None:
@@ -79,19 +79,26 @@ def test_maintaining_is_likely_at_the_start() -> None:
     network = RelationalPolicy(RelationalSettings(6, 7, 8))
     given = tokens()._replace(is_legal=torch.ones(20, 12, dtype=torch.bool))
     expected = torch.e**2 / (torch.e**2 + 11)  # its bias against eleven choices near zero
-    assert network(given).softmax(dim=-1)[:, 0].tolist() == pytest.approx([expected] * 20, abs=0.05)
+    assert network(*given).softmax(dim=-1)[:, 0].tolist() == pytest.approx(
+        [expected] * 20, abs=0.05
+    )
 
 
-def test_critic_sees_no_padding_and_no_order() -> None:
+@pytest.mark.parametrize("is_per_team", [False, True])
+def test_critic_sees_no_padding_and_no_order(is_per_team: bool) -> None:
     torch.manual_seed(3)
-    critic = Critic(CriticSettings(4, 5, 3))
+    critic = Critic(CriticSettings(4, 5, 3, is_per_team))
     teams, is_team = torch.randn(6, 5, 4), torch.rand(6, 5) < 0.6
     tasks, is_task = torch.randn(6, 7, 5), torch.rand(6, 7) < 0.6
     world = torch.randn(6, 3)
     value = critic(teams, is_team, tasks, is_task, world)
-    assert value.shape == (6,)
+    assert value.shape == ((6, 5) if is_per_team else (6, 1))
     order = torch.randperm(7)
     shuffled = critic(teams, is_team, tasks[:, order], is_task[:, order], world)
     torch.testing.assert_close(shuffled, value)
     teams[~is_team] = 50.0
     torch.testing.assert_close(critic(teams, is_team, tasks, is_task, world), value)
+    if is_per_team:
+        assert (value[~is_team] == 0).all()
+        turned = critic(teams.flip(1), is_team.flip(1), tasks, is_task, world)
+        torch.testing.assert_close(turned.flip(1), value)

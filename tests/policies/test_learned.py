@@ -12,35 +12,39 @@ import torch
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.policies.any_fleet import AnyFleetCodec, any_fleet, teamformer_any
 from teamformer.policies.choices import MAINTAIN, sees_doubles
-from teamformer.policies.learned import Learned, OnnxScorer
+from teamformer.policies.learned import Brain, Learned, rows_of
 from teamformer.policies.liveness import Liveness
 from teamformer.policies.relations import Relations, relate
 from teamformer.policies.scripted import JoinAll
+from teamformer.policies.sessions import OnnxNetwork
 from teamformer.policies.trial import run_trials
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
-from teamformer.train.evaluation import torch_scorer
-from teamformer.train.export import export
+from teamformer.train.export import NETWORK_FILE, export_any_fleet
 from teamformer.train.trainer import TrainSettings, make_learner
 
 
-def prefer_maintain(relations: Relations) -> Array:
-    """Score as a network would that never does anything."""
-    scores = np.where(relations.is_legal, 0.0, -1.0)
-    scores[:, MAINTAIN] = 1.0
-    return scores
+def prefer_maintain(tokens: tuple[Array, ...]) -> Array:
+    """Choose as a network would that never does anything."""
+    return np.full(len(tokens[0]), MAINTAIN)
 
 
 class Whim:
-    """Scores at random, so that teams join and split without end."""
+    """Chooses at random, so that teams join and split without end."""
 
     def __init__(self) -> None:
         self.rng = np.random.default_rng(0)
 
-    def __call__(self, relations: Relations) -> Array:
-        return np.where(relations.is_legal, self.rng.random(relations.is_legal.shape), -1.0)
+    def __call__(self, tokens: tuple[Array, ...]) -> Array:
+        is_legal = tokens[-1]
+        return np.where(is_legal, self.rng.random(is_legal.shape), -1.0).argmax(axis=1)
+
+
+def learned(brain: Brain, with_liveness: bool = True) -> Learned:
+    return Learned(AnyFleetCodec(), brain, with_liveness)
 
 
 def two_who_need_each_other() -> Scenario:
@@ -60,28 +64,31 @@ def test_onnx_equals_torch_over_a_thousand_views(tmp_path: Path) -> None:
     with torch.no_grad():
         for weights in learner.policy.parameters():
             weights *= 2.0  # scores far apart, as after training
-    export(learner.policy, tmp_path / "net.onnx")
-    in_torch, in_onnx = torch_scorer(learner.policy), OnnxScorer(tmp_path / "net.onnx")
+    export_any_fleet(learner.policy, None, tmp_path)
+    content = (tmp_path / NETWORK_FILE).read_bytes()
+    in_onnx = OnnxNetwork(content, "net", Relations._fields)
     rng = np.random.default_rng(0)
     env = TeamFormation([random_world(rng) for _ in range(80)])
-    learned, views = Learned(Whim()), 0
+    policy, views = learned(Whim()), 0
     for _ in range(30):
         view = env.view()
         if not len(view.slot):
             break
         relations = relate(view)
-        scores, twin = in_onnx(relations), in_torch(relations)
+        [scores] = in_onnx(*relations)
+        with torch.no_grad():
+            twin = learner.policy(*map(torch.from_numpy, relations)).numpy()
         np.testing.assert_allclose(scores, twin, atol=1e-5, rtol=1e-5)
         assert (scores.argmax(axis=1) == twin.argmax(axis=1)).all()
         views += len(scores)
-        env.step(learned.decide(view))
+        env.step(policy.decide(view))
     assert views > 1000
 
 
 def test_the_shipped_network_asks_for_nothing_illegal() -> None:
     rng = np.random.default_rng(1)
     env = TeamFormation([random_world(rng) for _ in range(150)])
-    policy = Learned()
+    policy = teamformer_any()
     for _ in range(60):
         env.step(policy.decide(env.view()))
     assert env.worlds.count["illegal"].sum() == 0
@@ -97,7 +104,7 @@ def test_capabilities_may_be_many() -> None:
         tuple(Robot(f"r{r}", (2, 2), {names[c]: 1 for c in range(r, 1000, 4)}) for r in range(4)),
         (Task("t0", (5, 5), dict.fromkeys(names, 1)),),
     )
-    [tally] = run_trials([world], Learned())
+    [tally] = run_trials([world], teamformer_any())
     assert tally.status == "completed"
     assert tally.steps < 20
 
@@ -138,20 +145,20 @@ def test_progress_and_arrivals_reset_patience() -> None:
 def test_who_does_nothing_ends_with_the_rule_and_not_without() -> None:
     two = two_who_need_each_other()
     worlds = [replace(two, robots=(*two.robots, Robot("r2", (0, 0), {"a": 1})))]
-    policy = Learned(prefer_maintain)
+    policy = learned(prefer_maintain)
     [tally] = run_trials(worlds, policy)
     assert tally.status == "completed"
     assert policy.overdue == 3  # all are, in the one step that it takes
-    [tally] = run_trials(worlds, Learned(prefer_maintain, with_liveness=False))
+    [tally] = run_trials(worlds, learned(prefer_maintain, with_liveness=False))
     assert tally.status == "step limit"
 
 
-@pytest.mark.parametrize("make_scorer", [lambda: prefer_maintain, Whim, lambda: None])
-def test_with_the_rule_all_ends_that_join_all_ends(make_scorer) -> None:  # type: ignore[no-untyped-def]
+@pytest.mark.parametrize("policy", [learned(prefer_maintain), learned(Whim()), teamformer_any()])
+def test_with_the_rule_all_ends_that_join_all_ends(policy: Learned) -> None:
     rng = np.random.default_rng(2)
     worlds = [random_world(rng, with_losses=False) for _ in range(200)]
     bar = run_trials(worlds, JoinAll())
-    tallies = run_trials(worlds, Learned(make_scorer()))
+    tallies = run_trials(worlds, policy)
     for world, tally, bar_tally in zip(worlds, tallies, bar, strict=True):
         assert (tally.status == "completed") or bar_tally.status != "completed", world
         assert tally.illegal_decisions == 0
@@ -160,7 +167,7 @@ def test_with_the_rule_all_ends_that_join_all_ends(make_scorer) -> None:  # type
 def test_without_doubles_it_is_join_all() -> None:
     rng = np.random.default_rng(4)
     worlds = [generate(Spec(8, 8, 8), rng) for _ in range(20)]
-    assert run_trials(worlds, Learned(Whim())) == run_trials(worlds, JoinAll())
+    assert run_trials(worlds, learned(Whim())) == run_trials(worlds, JoinAll())
     view = TeamFormation(worlds).view()
     assert not sees_doubles(view).any()
 
@@ -175,11 +182,26 @@ def test_doubles_by_hand() -> None:
 def test_trials_do_not_depend_on_who_else_is_in_the_batch() -> None:
     rng = np.random.default_rng(3)
     worlds = [random_world(rng) for _ in range(12)]
-    together = run_trials(worlds, Learned())
-    assert together == [run_trials([world], Learned())[0] for world in worlds]
+    together = run_trials(worlds, teamformer_any())
+    assert together == [run_trials([world], teamformer_any())[0] for world in worlds]
 
 
 def test_files_that_are_no_network_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "net.onnx").write_bytes(b"no network")
     with pytest.raises(TeamformerError, match="holds no network that runs"):
-        OnnxScorer(tmp_path / "net.onnx")
+        any_fleet(b"no network", "net.onnx")
+    export_any_fleet(make_learner(TrainSettings()).policy, None, tmp_path)
+    with pytest.raises(TeamformerError, match="takes"):
+        OnnxNetwork((tmp_path / NETWORK_FILE).read_bytes(), "net.onnx", ("own",))
+
+
+def test_rows_of_a_view_keep_their_members() -> None:
+    view = TeamFormation([generate(Spec(6, 3, 3, starts_in_teams=True), np.random.default_rng(1))])
+    whole = view.view()
+    some = rows_of(whole, np.array([2, 0]))
+    assert some.slot.tolist() == whole.slot[[2, 0]].tolist()
+    for row, old in enumerate((2, 0)):
+        mine = some.member[some.first_member[row] : some.first_member[row + 1]]
+        theirs = whole.member[whole.first_member[old] : whole.first_member[old + 1]]
+        assert mine.tolist() == theirs.tolist()
+        counts = some.member_counts[some.first_member[row] : some.first_member[row + 1]]
+        assert (counts.sum(axis=0) == whole.counts[old]).all()

@@ -8,37 +8,42 @@ import torch
 
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.nets.critic import Critic, CriticSettings
+from teamformer.policies.any_fleet import AnyFleetCodec
 from teamformer.policies.choices import HALVE, JOIN, MAINTAIN
-from teamformer.policies.relations import Relations
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import TeamFormation
-from teamformer.sim.view import View
 from teamformer.train import outlook
-from teamformer.train.advantages import advantages
-from teamformer.train.rollout import MissionReward, Rollout, credit, play
+from teamformer.train.advantages import advantages, credit
+from teamformer.train.rewards import MissionReward, TeamReward
+from teamformer.train.rollout import Rollout, play
+
+
+def streams(*rows: list[float]) -> Array:
+    """Return one stream for each world, as (steps, worlds, 1)."""
+    return np.array(rows)[:, :, None]
 
 
 def test_without_decay_it_is_the_surprise() -> None:
-    rewards, values = np.array([[1.0], [2.0]]), np.array([[3.0], [4.0], [5.0]])
+    rewards, values = streams([1.0], [2.0]), streams([3.0], [4.0], [5.0])
     found = advantages(rewards, values, np.ones((2, 1), dtype=bool), 0.5, 0.0)
-    assert found[:, 0].tolist() == [1 + 0.5 * 4 - 3, 2 + 0.5 * 5 - 4]
+    assert found[:, 0, 0].tolist() == [1 + 0.5 * 4 - 3, 2 + 0.5 * 5 - 4]
 
 
 def test_with_full_decay_it_is_the_return_less_the_value() -> None:
-    rewards, values = np.array([[1.0], [2.0], [4.0]]), np.array([[3.0], [4.0], [5.0], [0.0]])
+    rewards, values = streams([1.0], [2.0], [4.0]), streams([3.0], [4.0], [5.0], [0.0])
     found = advantages(rewards, values, np.ones((3, 1), dtype=bool), 0.5, 1.0)
-    assert found[:, 0].tolist() == [1 + 1 + 1 - 3, 2 + 2 - 4, 4 - 5]
+    assert found[:, 0, 0].tolist() == [1 + 1 + 1 - 3, 2 + 2 - 4, 4 - 5]
 
 
 def test_a_world_that_has_ended_gives_nothing() -> None:
-    rewards = np.array([[1.0, 1.0], [1.0, 0.0]])
-    values = np.array([[0.5, 0.5], [0.5, 0.0], [8.0, 0.0]])
+    rewards = streams([1.0, 1.0], [1.0, 0.0])
+    values = streams([0.5, 0.5], [0.5, 0.0], [8.0, 0.0])
     is_running = np.array([[True, True], [True, False]])
     found = advantages(rewards, values, is_running, 0.5, 0.5)
     first = 1 + 0.5 * 0.5 - 0.5
     second = 1 + 0.5 * 8 - 0.5  # cut off: the critic says what would have come
-    assert found[:, 0].tolist() == [first + 0.5 * 0.5 * second, second]
-    assert found[:, 1].tolist() == [0.5, 0.0]
+    assert found[:, 0, 0].tolist() == [first + 0.5 * 0.5 * second, second]
+    assert found[:, 1, 0].tolist() == [0.5, 0.0]
 
 
 def pair_with_a_task_each_side() -> Scenario:
@@ -59,56 +64,54 @@ class _Script:
     def __init__(self, *choices: int) -> None:
         self.choices = list(choices)
 
-    def __call__(self, view: View, relations: Relations, has_choice: Array) -> tuple[Array, Array]:
+    def __call__(self, tokens: tuple[Array, ...]) -> tuple[Array, Array]:
         choice = self.choices.pop(0) if self.choices else MAINTAIN
-        rows = int(has_choice.sum())
+        rows = len(tokens[0])
         return np.full(rows, choice), np.zeros(rows, dtype=np.float32)
 
 
-def zero_critic() -> Critic:
-    critic = Critic(
-        CriticSettings(outlook.TEAM_FEATURES, outlook.TASK_FEATURES, outlook.WORLD_FEATURES)
-    )
+def zero_critic(is_per_team: bool = False) -> Critic:
+    features = outlook.TEAM_FEATURES, outlook.TASK_FEATURES, outlook.WORLD_FEATURES
+    critic = Critic(CriticSettings(*features, is_per_team))
     for weights in critic.parameters():
         torch.nn.init.zeros_(weights)
     return critic
 
 
-def played(*choices: int, steps: int = 50) -> Rollout:
-    return play(
-        TeamFormation([pair_with_a_task_each_side()]),
-        _Script(*choices),
-        MissionReward(step=-0.125, done=0.5),
-        steps,
-    )
+MISSION = MissionReward(step=-0.125, done=0.5)
+
+
+def played(*choices: int, steps: int = 50, reward: MissionReward | TeamReward = MISSION) -> Rollout:
+    env = TeamFormation([pair_with_a_task_each_side()], reward.of_environment)
+    return play(env, AnyFleetCodec(), _Script(*choices), reward, steps)
 
 
 def test_parts_of_a_split_share_what_comes_after_it() -> None:
     """Halve; one goes left (done after step 2), the other right (step 3): three steps."""
     rollout = played(HALVE)
     assert rollout.has_ended.tolist() == [True]
-    assert rollout.rewards[:, 0].tolist() == [-0.125, 0.375, 0.375]
+    assert rollout.rewards[:, 0, 0].tolist() == [-0.125, 0.375, 0.375]
     assert rollout.state.tolist()[:1] == [0]
-    gains, targets = credit(rollout, zero_critic(), 0.5, 1.0)
+    found = credit(rollout, zero_critic(), 0.5, 1.0)
     by_hand = [-0.125 + 0.5 * 0.375 + 0.25 * 0.375, 0.375 + 0.5 * 0.375, 0.375]
-    assert gains.tolist() == pytest.approx(by_hand)
-    assert targets.tolist() == pytest.approx(by_hand)
-    for state, choice in zip(rollout.state.tolist(), rollout.choice.tolist(), strict=True):
+    assert found.gain.tolist() == pytest.approx([by_hand[s] for s in rollout.state.tolist()])
+    assert found.target[:, 0].tolist() == pytest.approx(by_hand)
+    for state, choice in zip(rollout.state.tolist(), rollout.action.tolist(), strict=True):
         assert (choice == HALVE) == (state == 0)
 
 
 def test_a_union_and_both_who_formed_it_are_given_the_same_sums() -> None:
     """Halve, then both ask to join again: both askers and the union share the world's return."""
     rollout = played(HALVE, JOIN)
-    both = rollout.choice == JOIN
+    both = rollout.action == JOIN
     assert rollout.state[both].tolist() == [1, 1]
-    gains, _ = credit(rollout, zero_critic(), 0.5, 1.0)
+    found = credit(rollout, zero_critic(), 0.5, 1.0)
     sums = []
     ahead = 0.0
-    for reward in rollout.rewards[::-1, 0]:
+    for reward in rollout.rewards[::-1, 0, 0]:
         ahead = float(reward) + 0.5 * ahead
         sums.insert(0, ahead)
-    assert gains.tolist() == pytest.approx(sums)
+    assert found.gain.tolist() == pytest.approx([sums[s] for s in rollout.state.tolist()])
     assert rollout.rewards.sum() == pytest.approx(2 * 0.5 - 0.125 * len(rollout.rewards))
     assert len(rollout.rewards) > 3
 
@@ -117,6 +120,36 @@ def test_a_trial_cut_off_counts_on_the_critic() -> None:
     rollout, critic = played(HALVE, steps=1), zero_critic()
     assert rollout.has_ended.tolist() == [False]
     torch.nn.init.constant_(critic.out[-1].bias, 2.0)  # type: ignore[arg-type]
-    gains, targets = credit(rollout, critic, 0.5, 1.0)
-    assert gains.tolist() == [-0.125 + 0.5 * 2.0 - 2.0]
-    assert targets.tolist() == [-0.125 + 0.5 * 2.0]
+    found = credit(rollout, critic, 0.5, 1.0)
+    assert found.gain.tolist() == [-0.125 + 0.5 * 2.0 - 2.0]
+    assert found.target.tolist() == [[-0.125 + 0.5 * 2.0]]
+
+
+def test_a_robots_stream_goes_on_through_a_split_and_a_merge() -> None:
+    """Eq. 1 with done 7, step 2, fit 1: halve, then both ask to join, then go as one.
+
+    Step 1: the team of two is halved; r0 and r1 have no task yet when they split, get one in
+    allocation and earn -2 + 1. Afterwards each robot earns what its team of the time earns.
+    """
+    reward = TeamReward(scale=1.0)
+    rollout = played(HALVE, JOIN, reward=reward)
+    earned = rollout.rewards[:, 0]  # (steps, robots)
+    assert earned[0].tolist() == [-1.0, -1.0]
+    together = (rollout.value_of[:, 0] == rollout.value_of[:, 1]).numpy()
+    assert together[0]
+    assert not together[1]  # halved in step 1
+    for step in range(len(earned) - 1):
+        if together[step + 1]:  # one team after the step, so that both earned the same
+            assert earned[step, 0] == earned[step, 1]
+    found = credit(rollout, zero_critic(is_per_team=True), 0.5, 1.0)
+    sums = np.zeros_like(earned)
+    ahead = np.zeros(2)
+    for step in range(len(earned) - 1, -1, -1):
+        ahead = earned[step] + 0.5 * ahead
+        sums[step] = ahead
+    np.testing.assert_allclose(found.target.numpy(), sums, rtol=1e-6)
+    first = rollout.state.tolist().index(0)
+    assert found.gain[first].item() == pytest.approx(sums[0].mean())  # one team of both robots
+    for row in np.flatnonzero(rollout.state.numpy() == 1):
+        [robot] = np.flatnonzero(rollout.share[row].numpy())
+        assert found.gain[row].item() == pytest.approx(sums[1, robot])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,20 +14,24 @@ from torch import Tensor
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
+from teamformer.nets.actor import Actor
+from teamformer.policies.learned import Learned
+from teamformer.policies.registry import load_policy
+from teamformer.policies.trial import run_trials
 from teamformer.sim.env import TeamFormation
 from teamformer.train.checkpoint import ABOUT, WEIGHTS, load_weights, read_about
-from teamformer.train.cloning import soft_loss
-from teamformer.train.ppo import Learner, clipped_loss, log_probs_and_entropy
-from teamformer.train.rollout import MissionReward, play, sampler
-from teamformer.train.trainer import TrainSettings, make_learner, train
-from teamformer.train.worlds import Mixture, selection_worlds, training_worlds
+from teamformer.train.evaluation import torch_brain
+from teamformer.train.ppo import Learner, clipped_loss
+from teamformer.train.rewards import MissionReward, TeamReward
+from teamformer.train.rollout import play, sampler
+from teamformer.train.trainer import TrainSettings, make_learner
+from teamformer.train.trainer import train as train_and_export
+from teamformer.train.worlds import Mixture, paper_mixture, selection_worlds, training_worlds
 
 SHORT = TrainSettings(
     seed=3,
     iterations=4,
     worlds=8,
-    cloning=1,
-    width=16,
     mixture=Mixture(robots=(2, 5), tasks=(1, 4), grid=(5, 8), steps=40),
     evaluate_every=2,
 )
@@ -35,6 +40,9 @@ SHORT = TrainSettings(
 @pytest.fixture(autouse=True)
 def one_thread() -> None:
     torch.set_num_threads(1)
+
+
+train = partial(train_and_export, exports=False)
 
 
 def weights(learner: Learner) -> list[Tensor]:
@@ -46,7 +54,7 @@ def weights(learner: Learner) -> list[Tensor]:
 
 
 def held_out() -> list[list[Scenario]]:
-    return [training_worlds(SHORT.mixture, 4, 9, 0)]
+    return [training_worlds(SHORT.worlds_from, 4, (9, 0))]
 
 
 def test_one_seed_is_one_run_and_another_is_another(tmp_path: Path) -> None:
@@ -70,8 +78,8 @@ def test_bad_folders_are_refused(tmp_path: Path) -> None:
     with pytest.raises(TeamformerError, match="another training"):
         train(replace(SHORT, worlds=9), tmp_path, [])
     about = json.loads((tmp_path / "last" / ABOUT).read_text())
-    (tmp_path / "last" / ABOUT).write_text(json.dumps({**about, "format": 2}))
-    with pytest.raises(TeamformerError, match="checkpoint format 2"):
+    (tmp_path / "last" / ABOUT).write_text(json.dumps({**about, "format": 3}))
+    with pytest.raises(TeamformerError, match="checkpoint format 3"):
         train(SHORT, tmp_path, [])
     (tmp_path / "last" / ABOUT).write_text(json.dumps(about))
     whole = (tmp_path / "last" / WEIGHTS).read_bytes()
@@ -86,36 +94,32 @@ def test_training_may_begin_from_the_weights_of_another(tmp_path: Path) -> None:
     load_weights(tmp_path / "last", second)
     assert all(torch.equal(a, b) for a, b in zip(weights(first), weights(second), strict=True))
     assert not second.policy_optimizer.state_dict()["state"]
+    per_team = make_learner(replace(SHORT, mission_reward=None))  # its critic is another one
     with pytest.raises(TeamformerError, match="another network"):
-        load_weights(tmp_path / "last", make_learner(replace(SHORT, width=8)))
+        load_weights(tmp_path / "last", per_team)
 
 
-def test_log_probs_of_a_rollout_are_those_of_the_same_choices_again() -> None:
+def test_log_probs_of_a_rollout_are_those_of_the_same_actions_again() -> None:
     learner = make_learner(SHORT)
-    env = TeamFormation(training_worlds(SHORT.mixture, 30, 5, 0))
+    codec = SHORT.family.codec(None)
+    env = TeamFormation(training_worlds(SHORT.worlds_from, 30, (5, 0)))
     choose = sampler(learner.policy, torch.Generator().manual_seed(0))
-    rollout = play(env, choose, MissionReward(), 40)
-    again, _ = log_probs_and_entropy(learner.policy(rollout.tokens), rollout.choice)
+    rollout = play(env, codec, choose, MissionReward(), 40)
+    again, _ = learner.policy.evaluate(rollout.tokens, rollout.action)
     torch.testing.assert_close(again, rollout.log_prob)
-    assert (rollout.tokens.is_legal.sum(dim=1) > 1).all()  # forced ones are left out
+    assert (rollout.tokens[-1].sum(dim=1) > 1).all()  # forced ones are left out
     assert env.worlds.count["illegal"].sum() == 0
 
 
 def test_losses_by_hand() -> None:
-    scores = torch.tensor([[0.0, 0.0, -1e9], [np.log(3.0), 0.0, -1e9]])
-    log_prob, entropy = log_probs_and_entropy(scores, torch.tensor([1, 0]))
-    assert log_prob.exp().tolist() == pytest.approx([0.5, 0.75])
-    assert entropy.tolist() == pytest.approx([np.log(2), np.log(4) - 0.75 * np.log(3)])
     ratio, gain = torch.tensor([1.5, 1.5, 0.5, 0.5]), torch.tensor([1.0, -1.0, 1.0, -1.0])
     assert clipped_loss(ratio, gain, 0.2).tolist() == pytest.approx([-1.2, 1.5, -0.5, 0.8])
-    loss = soft_loss(scores[:1], scores[:1] > -1, torch.tensor([0]))
-    assert loss.item() == pytest.approx(np.log(2))
 
 
 def test_training_worlds_are_mixed_and_come_from_their_numbers_alone() -> None:
-    worlds = training_worlds(Mixture(), 200, 1, 7)
-    assert worlds == training_worlds(Mixture(), 200, 1, 7)
-    assert worlds[0] != training_worlds(Mixture(), 200, 1, 8)[0]
+    worlds = training_worlds(Mixture(), 200, (1, 7))
+    assert worlds == training_worlds(Mixture(), 200, (1, 7))
+    assert worlds[0] != training_worlds(Mixture(), 200, (1, 8))[0]
     crowds = [w for w in worlds if len(w.robots) > 14]
     assert 3 < len(crowds) < 20
     doubled = np.mean([len(w.robots) > len(w.capabilities) for w in worlds])
@@ -125,3 +129,37 @@ def test_training_worlds_are_mixed_and_come_from_their_numbers_alone() -> None:
     assert 0.15 < in_teams < 0.35
     larger = selection_worlds(2)
     assert max(len(world.tasks) for spec in larger for world in spec) == 60
+
+
+def test_the_papers_worlds_have_four_robots_some_of_them_alike() -> None:
+    worlds = training_worlds(paper_mixture(8), 200, (1, 0))
+    assert {len(world.robots) for world in worlds} == {4}
+    assert {len(world.tasks) for world in worlds} == {1, 2, 3, 4}
+    assert {world.capabilities for world in worlds} == {tuple(f"c{i}" for i in range(1, 9))}
+    present = [{name for robot in world.robots for name in robot.can} for world in worlds]
+    assert set.union(*present) == {f"c{i}" for i in range(1, 9)}
+    alike = np.mean([len(names) == 2 for names in present])
+    assert 0.15 < alike < 0.35
+    assert {len(names) for names in present} == {2, 4}
+
+
+def test_the_team_reward_trains_and_resumes_too(tmp_path: Path) -> None:
+    settings = replace(SHORT, mission_reward=None, team_reward=TeamReward(), iterations=2)
+    whole = weights(train(settings, tmp_path / "whole", held_out()))
+    train(settings, tmp_path / "parts", held_out(), until=1)
+    parts = weights(train(settings, tmp_path / "parts", held_out()))
+    assert all(torch.equal(a, b) for a, b in zip(whole, parts, strict=True))
+
+
+def test_what_training_leaves_runs_by_the_folders_name(tmp_path: Path) -> None:
+    train_and_export(SHORT, tmp_path, held_out())
+    policy = load_policy(str(tmp_path), ())
+    worlds = held_out()[0]
+    in_torch = Learned(SHORT.family.codec(None), torch_brain(best_of(tmp_path)))
+    assert run_trials(worlds, policy) == run_trials(worlds, in_torch)
+
+
+def best_of(folder: Path) -> Actor:
+    learner = make_learner(SHORT)
+    load_weights(folder / "best", learner)
+    return learner.policy

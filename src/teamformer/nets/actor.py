@@ -5,7 +5,10 @@ from __future__ import annotations
 from typing import Protocol
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
+
+REFUSED = -1e9
+"""The score of an illegal action."""
 
 
 class Actor(Protocol):
@@ -24,6 +27,28 @@ class Actor(Protocol):
         """Return log-probability and entropy, both (teams,), of actions made earlier.
 
         The entropy is exact where an action is one choice; where it is a sequence, it is the sum
-        of the entropies of its steps along the action taken.
+        of the entropies of its steps along the action taken. Sequences of a batch are padded with
+        -1 at the end.
         """
         ...
+
+
+class OneChoice(nn.Module):
+    """An actor whose action is one of several: `forward` scores them, as (teams, actions)."""
+
+    def act(
+        self, tokens: tuple[Tensor, ...], generator: torch.Generator | None
+    ) -> tuple[Tensor, Tensor]:
+        """Return a choice (teams,) and its log-probability (teams,)."""
+        log_probs = torch.log_softmax(self(*tokens), dim=-1)  # (teams, actions)
+        if generator is None:
+            action = log_probs.argmax(dim=-1)
+        else:
+            action = torch.multinomial(log_probs.exp(), 1, generator=generator)[:, 0]
+        return action, log_probs.gather(1, action.unsqueeze(1))[:, 0]
+
+    def evaluate(self, tokens: tuple[Tensor, ...], action: Tensor) -> tuple[Tensor, Tensor]:
+        """Return log-probability and entropy in nats, both (teams,)."""
+        log_probs = torch.log_softmax(self(*tokens), dim=-1)  # (teams, actions)
+        entropy = -(log_probs.exp() * log_probs).sum(dim=-1)
+        return log_probs.gather(1, action.unsqueeze(1))[:, 0], entropy

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
-REFUSED = -1e9
-"""The score of an illegal choice."""
+from teamformer.nets.actor import REFUSED, OneChoice
 
 
 class Tokens(NamedTuple):
@@ -39,7 +38,7 @@ class RelationalSettings:
     maintain_bias: float = 2.0  # the score that maintaining begins with
 
 
-class RelationalPolicy(nn.Module):
+class RelationalPolicy(OneChoice):
     """Scores every choice of every team, as (teams, choices); illegal ones are refused."""
 
     def __init__(self, settings: RelationalSettings) -> None:
@@ -58,8 +57,9 @@ class RelationalPolicy(nn.Module):
         with torch.no_grad():
             self.own_score.bias[0] = settings.maintain_bias
 
-    def forward(self, tokens: Tokens) -> Tensor:
-        """Return the scores of all choices: the team's own, then joins, then splits."""
+    def forward(self, *parts: Tensor) -> Tensor:
+        """Return all choices' scores from `Tokens`: the team's own, then joins, then splits."""
+        tokens = Tokens(*parts)
         own = self.own_in(tokens.own)  # (teams, d)
         teams = self.team_in(tokens.teams)  # (teams, seen, d)
         tasks = self.task_in(tokens.tasks)  # (teams, tasks, d)

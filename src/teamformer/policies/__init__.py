@@ -14,7 +14,7 @@ POLICIES = (
     ),
     Listing(
         "teamformer-any",
-        "teamformer.policies.learned:Learned",
+        "teamformer.policies.any_fleet:teamformer_any",
         "learned; for any fleet, joins only whom it pays to join",
         trained_on="any number of capabilities",
     ),

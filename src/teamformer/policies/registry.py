@@ -25,19 +25,24 @@ class Listing:
 
 
 def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
-    """Return a policy by its listed name or as `module:Class`.
+    """Return a policy by its listed name, as `module:Class`, or from the folder of a training.
 
     Raises `TeamformerError` for a name that is unknown and for a class that is no policy.
     """
     for listing in listings:
         if listing.name == name:
             return _instance(listing.where)
+    if Path(name).is_dir():
+        from teamformer.policies.trained import load_trained  # brings all that networks need
+
+        return load_trained(Path(name))
     if ":" in name:
         return _instance(name)
     known = [listing.name for listing in listings]
     near = difflib.get_close_matches(name, known, 1)
     hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
-    raise TeamformerError(f"there is no policy '{name}'", f"{hint}; your own is module:Class")
+    hint += "; your own is module:Class or a folder"
+    raise TeamformerError(f"there is no policy '{name}'", hint)
 
 
 def _instance(where: str) -> Policy:

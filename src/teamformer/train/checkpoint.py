@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from torch import Tensor
 from teamformer.errors import TeamformerError
 from teamformer.train.ppo import Learner
 
-FORMAT = 1
+FORMAT = 2
 WEIGHTS, ABOUT = "weights.safetensors", "training.json"
 
 
@@ -25,7 +26,9 @@ class Progress:
 
     iteration: int = 0  # how many are done
     steps: int = 0  # of worlds
-    best_ratio: float = float("inf")  # of the checkpoint selected so far
+    seconds: float = 0.0  # spent
+    best_failures: float = 1e9  # of the checkpoint selected so far
+    best_ratio: float = 1e9
 
 
 def save(folder: Path, learner: Learner, settings: dict[str, Any], progress: Progress) -> None:
@@ -76,6 +79,11 @@ def load_weights(folder: Path, learner: Learner) -> None:
     _load_weights(learner, _read_tensors(folder))
 
 
+def load_policy_weights(folder: Path, learner: Learner) -> None:
+    """Take the policy's weights alone, to run it."""
+    _load_weights(learner, _read_tensors(folder), ("policy",))
+
+
 def _read_tensors(folder: Path) -> dict[str, Tensor]:
     try:
         return load_file(folder / WEIGHTS)
@@ -83,9 +91,11 @@ def _read_tensors(folder: Path) -> dict[str, Tensor]:
         raise TeamformerError(f"{folder / WEIGHTS} is not readable: {error}") from None
 
 
-def _load_weights(learner: Learner, tensors: dict[str, Tensor]) -> None:
+def _load_weights(
+    learner: Learner, tensors: dict[str, Tensor], names: Sequence[str] = ("policy", "critic")
+) -> None:
     try:
-        for name in ("policy", "critic"):
+        for name in names:
             getattr(learner, name).load_state_dict(_under(tensors, name))
     except RuntimeError as error:  # what torch raises for other names and shapes
         raise TeamformerError(f"the checkpoint is for another network: {error}") from None

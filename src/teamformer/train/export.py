@@ -1,14 +1,15 @@
-"""Exports a trained network to ONNX, which runs without torch."""
+"""Exports trained networks to ONNX, which runs without torch."""
 
 from __future__ import annotations
 
+import logging
 import warnings
 from pathlib import Path
 
 import onnx
 import torch
+from torch import nn
 
-from teamformer.nets.relational import RelationalPolicy, Tokens
 from teamformer.policies.choices import CHOICES, TASKS, TEAMS
 from teamformer.policies.relations import (
     OWN_FEATURES,
@@ -17,32 +18,34 @@ from teamformer.policies.relations import (
     Relations,
 )
 
-
-class _Flat(torch.nn.Module):
-    """The network with its tokens as separate inputs."""
-
-    def __init__(self, network: RelationalPolicy) -> None:
-        super().__init__()
-        self.network = network
-
-    def forward(self, *tokens: torch.Tensor) -> torch.Tensor:
-        scores: torch.Tensor = self.network(Tokens(*tokens))
-        return scores
+NETWORK_FILE = "network.onnx"
 
 
-def export(network: RelationalPolicy, file: Path) -> None:
-    """Write a network for any number of teams; inputs are named as in `Relations`."""
+def export_any_fleet(network: nn.Module, capabilities: int | None, folder: Path) -> None:
+    """Write the network for any fleet; inputs are named as in `Relations`."""
+    write_onnx(network, _example(), Relations._fields, ("scores",), folder / NETWORK_FILE)
+
+
+def write_onnx(
+    network: nn.Module,
+    example: tuple[torch.Tensor, ...],
+    inputs: tuple[str, ...],
+    outputs: tuple[str, ...],
+    file: Path,
+) -> None:
+    """Write a network that takes tensors (teams, ...) by position, for any number of teams."""
     file.parent.mkdir(parents=True, exist_ok=True)
     any_teams = {0: torch.export.Dim("count", min=1)}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of the exporter's own making
+        logging.getLogger("torch.onnx").setLevel(logging.ERROR)  # it misses torchvision
         program = torch.onnx.export(
-            _Flat(network).eval(),
-            _example(),
+            network.eval().cpu(),
+            example,
             dynamo=True,
-            input_names=list(Relations._fields),
-            output_names=["scores"],
-            dynamic_shapes={"tokens": tuple(any_teams for _ in Relations._fields)},
+            input_names=list(inputs),
+            output_names=list(outputs),
+            dynamic_shapes=(tuple(any_teams for _ in inputs),),
             external_data=False,
             verbose=False,
         )

@@ -9,15 +9,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import torch
 
 from teamformer.model import Grid, Scenario
+from teamformer.nets.actor import Actor
+from teamformer.policies.codec import Codec
 from teamformer.policies.heuristic import Heuristic
-from teamformer.policies.learned import Learned, OnnxScorer
+from teamformer.policies.learned import Learned
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trained import load_trained
 from teamformer.policies.trial import run_trials
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.arrays import Array
+from teamformer.train.checkpoint import load_policy_weights, read_about
+from teamformer.train.evaluation import torch_brain
+from teamformer.train.trainer import TrainSettings, make_learner
 from teamformer.train.worlds import FINAL
 
 LARGE = Grid(20, 20)
@@ -69,37 +76,55 @@ def final_worlds(name: str, count: int) -> list[Scenario]:
 
 
 def main() -> None:
-    """Print a line of Markdown for each setting."""
+    """Print a line of Markdown for each setting that fits the training's network."""
     parser = argparse.ArgumentParser(prog="python -m teamformer.train.measure", description=__doc__)
-    parser.add_argument("--onnx", type=Path, help="the shipped network if left out")
+    parser.add_argument("folder", type=Path, help="a training's folder")
     parser.add_argument("--worlds", type=int, default=200)
     parser.add_argument("--settings", nargs="*", default=list(SETTINGS), choices=SETTINGS)
     options = parser.parse_args()
+    torch.set_num_threads(1)
     print(
-        "| setting | teamformer-any | join-all | difference | heuristic | failures, without rule "
-        "| overdue | joins, splits | ms a trial |"
+        "| setting | greedy | sampled | join-all | greedy - join-all | heuristic "
+        "| failures, without rule, sampled | overdue | joins, splits | ms a trial |"
     )
-    print("|---|---|---|---|---|---|---|---|---|")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    about = read_about(options.folder / "best")["settings"]
     for name in options.settings:
-        print(_line(name, final_worlds(name, options.worlds), options.onnx), flush=True)
+        if about["capabilities"] in (None, SETTINGS[name].capabilities):
+            worlds = final_worlds(name, options.worlds)
+            print(_line(name, worlds, options.folder / "best"), flush=True)
 
 
-def _line(name: str, worlds: Sequence[Scenario], onnx: Path | None) -> str:
-    learned = Learned(OnnxScorer(onnx))
-    played, bar = measure(learned, worlds), measure(JoinAll(), worlds)
+def _line(name: str, worlds: Sequence[Scenario], folder: Path) -> str:
+    policy = load_trained(folder)
+    played, bar = measure(policy, worlds), measure(JoinAll(), worlds)
+    overdue = getattr(policy, "overdue", 0)
     heuristic = measure(Heuristic(), worlds)
-    bare = measure(Learned(OnnxScorer(onnx), with_liveness=False), worlds)
-    mean, error = mean_and_error(played.steps)
-    bar_mean, bar_error = mean_and_error(bar.steps)
+    codec, network = load_network(folder)
+    bare = measure(Learned(codec, torch_brain(network), with_liveness=False), worlds)
+    generator = torch.Generator().manual_seed(0)
+    sampled = measure(Learned(codec, torch_brain(network, generator=generator)), worlds)
     less, less_error = mean_and_error(played.steps - bar.steps)
-    slow, slow_error = mean_and_error(heuristic.steps)
     return (
-        f"| {name} | {mean:.1f} ± {error:.1f} | {bar_mean:.1f} ± {bar_error:.1f} "
-        f"| {less:+.2f} ± {less_error:.2f} ({100 * less / bar_mean:+.1f}%) "
-        f"| {slow:.1f} ± {slow_error:.1f} | {played.failures}, {bare.failures} "
-        f"| {learned.overdue} | {played.joins:.1f}, {played.splits:.1f} "
-        f"| {1000 * played.seconds:.1f} |"
+        f"| {name} | {_with_error(played)} | {_with_error(sampled)} | {_with_error(bar)} "
+        f"| {less:+.2f} ± {less_error:.2f} ({100 * less / bar.steps.mean():+.1f}%) "
+        f"| {_with_error(heuristic)} | {played.failures}, {bare.failures}, {sampled.failures} "
+        f"| {overdue} | {played.joins:.1f}, {played.splits:.1f} | {1000 * played.seconds:.1f} |"
     )
+
+
+def _with_error(played: Played) -> str:
+    mean, error = mean_and_error(played.steps)
+    return f"{mean:.1f} ± {error:.1f}"
+
+
+def load_network(folder: Path) -> tuple[Codec, Actor]:
+    """Return a checkpoint's network and what it reads."""
+    about = read_about(folder)["settings"]
+    settings = TrainSettings(network=about["network"], capabilities=about["capabilities"])
+    learner = make_learner(settings)
+    load_policy_weights(folder, learner)
+    return settings.family.codec(settings.capabilities), learner.policy  # type: ignore[return-value]
 
 
 if __name__ == "__main__":

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor, nn
 
 from teamformer.nets.critic import Critic
-from teamformer.nets.relational import RelationalPolicy, Tokens
-from teamformer.train.rollout import Rollout, credit
+from teamformer.train import ranks
+from teamformer.train.advantages import Credit, credit, stream_values
+from teamformer.train.rollout import Rollout
 
 
 @dataclass(frozen=True)
@@ -31,12 +32,13 @@ class PpoSettings:
 
 @dataclass(frozen=True)
 class Learner:
-    """The two networks and their optimisers."""
+    """The two networks and their optimisers, on one device."""
 
-    policy: RelationalPolicy
+    policy: nn.Module  # an Actor
     critic: Critic
     policy_optimizer: torch.optim.Adam
     critic_optimizer: torch.optim.Adam
+    device: str = "cpu"
 
 
 @dataclass(frozen=True)
@@ -57,21 +59,20 @@ def update(
     generator: torch.Generator,
 ) -> Update:
     """Improve policy and critic on a rollout; `progress` goes from 0 to 1 over the training."""
-    gains, targets = credit(rollout, learner.critic, settings.discount, settings.decay)
-    gain = gains[rollout.state]  # (decisions,) every team of a world gets its world's
-    gain = (gain - gain.mean()) / (gain.std() + 1e-6)
+    there = _on(rollout, learner.device)
+    learned = credit(there, learner.critic, settings.discount, settings.decay)
+    gain = (learned.gain - learned.gain.mean()) / (learned.gain.std() + 1e-6)
     bonus = settings.entropy + progress * (settings.last_entropy - settings.entropy)
     rate = settings.learning_rate
     set_rate(learner, rate + progress * (settings.last_learning_rate - rate))
     seen, value_losses = [], []
     for _ in range(settings.epochs):
-        for rows in _minibatches(len(gain), settings.minibatch, generator):
-            loss, about = _policy_loss(learner.policy, rollout, rows, gain[rows], settings, bonus)
+        for rows in _minibatches(learner, len(gain), settings, generator):
+            loss, about = _policy_loss(learner, rollout, rows, gain[rows], settings, bonus)
             _descend(loss, learner.policy, learner.policy_optimizer, settings)
             seen.append(about)
-        for rows in _minibatches(len(targets), settings.minibatch, generator):
-            values = learner.critic(*(part[rows] for part in rollout.outlook))
-            value_loss = nn.functional.mse_loss(values, targets[rows])
+        for rows in _minibatches(learner, len(learned.target), settings, generator):
+            value_loss = _value_loss(learner, rollout, learned, rows)
             _descend(value_loss, learner.critic, learner.critic_optimizer, settings)
             value_losses.append(value_loss.item())
     policy_loss, entropy, clipped = torch.stack(seen).mean(dim=0).tolist()
@@ -85,33 +86,35 @@ def set_rate(learner: Learner, rate: float) -> None:
             group["lr"] = rate
 
 
-def log_probs_and_entropy(scores: Tensor, choice: Tensor) -> tuple[Tensor, Tensor]:
-    """Return the log-probability of each choice and each distribution's entropy, in nats."""
-    log_probs = torch.log_softmax(scores, dim=-1)  # (decisions, choices)
-    entropy = -(log_probs.exp() * log_probs).sum(dim=-1)
-    return log_probs.gather(1, choice.unsqueeze(1)).squeeze(1), entropy
-
-
 def clipped_loss(ratio: Tensor, gain: Tensor, clip: float) -> Tensor:
     """Return the surrogate loss (eq. 7) of each decision."""
     return -torch.minimum(ratio * gain, ratio.clamp(1 - clip, 1 + clip) * gain)
 
 
 def _policy_loss(
-    policy: RelationalPolicy,
+    learner: Learner,
     rollout: Rollout,
     rows: Tensor,
     gain: Tensor,
     settings: PpoSettings,
     bonus: float,
 ) -> tuple[Tensor, Tensor]:
-    scores = policy(Tokens(*(part[rows] for part in rollout.tokens)))
-    log_prob, entropy = log_probs_and_entropy(scores, rollout.choice[rows])
-    ratio = (log_prob - rollout.log_prob[rows]).exp()
-    loss = clipped_loss(ratio, gain, settings.clip).mean()
+    tokens = tuple(part[rows].to(learner.device) for part in rollout.tokens)
+    action = rollout.action[rows].to(learner.device)
+    log_prob, entropy = learner.policy.evaluate(tokens, action)  # type: ignore[operator]
+    ratio = (log_prob - rollout.log_prob[rows].to(learner.device)).exp()
+    loss = clipped_loss(ratio, gain.to(learner.device), settings.clip).mean()
     clipped = ((ratio - 1).abs() > settings.clip).float().mean()
     about = torch.stack([loss.detach(), entropy.mean().detach(), clipped])
-    return loss - bonus * entropy.mean(), about
+    return loss - bonus * entropy.mean(), about.cpu()
+
+
+def _value_loss(learner: Learner, rollout: Rollout, learned: Credit, rows: Tensor) -> Tensor:
+    said = learner.critic(*(part[rows].to(learner.device) for part in rollout.outlook))
+    values = stream_values(said, rollout.value_of[rows])
+    is_there = learned.is_there[rows].to(learner.device)
+    wrong_by = (values - learned.target[rows].to(learner.device))[is_there]
+    return wrong_by.square().mean()
 
 
 def _descend(
@@ -119,11 +122,25 @@ def _descend(
 ) -> None:
     optimizer.zero_grad()
     loss.backward()  # type: ignore[no-untyped-call]
+    ranks.average_gradients(network)
     nn.utils.clip_grad_norm_(network.parameters(), settings.largest_gradient)
     optimizer.step()
 
 
-def _minibatches(count: int, size: int, generator: torch.Generator) -> Iterator[Tensor]:
-    """Yield shuffled row numbers in parts of about `size`."""
-    parts = max(1, round(count / size))
+def _minibatches(
+    learner: Learner, count: int, settings: PpoSettings, generator: torch.Generator
+) -> Iterator[Tensor]:
+    """Yield shuffled row numbers in parts, equally many in every process."""
+    parts = ranks.largest(max(1, round(count / settings.minibatch)), learner.device)
     yield from torch.randperm(count, generator=generator).tensor_split(parts)
+
+
+def _on(rollout: Rollout, device: str) -> Rollout:
+    """Return the rollout with what the critic values on a device."""
+    if device == "cpu":
+        return rollout
+    return replace(
+        rollout,
+        outlook=tuple(part.to(device) for part in rollout.outlook),
+        last_outlook=tuple(part.to(device) for part in rollout.last_outlook),
+    )

@@ -3,34 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from teamformer.nets.critic import Critic
-from teamformer.nets.relational import RelationalPolicy, Tokens
-from teamformer.policies.choices import wanted_counts
-from teamformer.policies.learned import is_open_question
-from teamformer.policies.relations import Relations, relate
+from teamformer.nets.actor import Actor
+from teamformer.policies.codec import Codec
+from teamformer.policies.learned import rows_of
 from teamformer.policies.scripted import JoinAll
-from teamformer.sim.arrays import COMPLETED, Array
+from teamformer.sim.arrays import COMPLETED, INFEASIBLE, Array
 from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.view import View
-from teamformer.train.advantages import advantages
 from teamformer.train.outlook import Outlook, look_out
+from teamformer.train.rewards import TrainingReward
 
-Chooser = Callable[[View, Relations, Array], tuple[Array, Array]]
-"""From a view, the relations and which rows have a choice: those rows' choices and log-probs."""
-
-
-@dataclass(frozen=True)
-class MissionReward:
-    """What a world's teams earn together in a step."""
-
-    step: float = -0.1
-    done: float = 0.5  # for each task done
+Chooser = Callable[[tuple[Array, ...]], tuple[Array, Array]]
+"""From the tokens of the teams that have a choice, their actions and log-probabilities."""
 
 
 @dataclass(frozen=True)
@@ -38,89 +27,115 @@ class Rollout:
     """What was played: decisions (a row each, forced ones left out) and world states.
 
     A state is a running world before a step; `state` says which one each decision was made in.
+    What streams are is said in `train.rewards`.
     """
 
-    tokens: Tokens  # (decisions, ...)
-    choice: Tensor  # (decisions,)
+    tokens: tuple[Tensor, ...]  # each (decisions, ...)
+    action: Tensor  # (decisions, ...)
     log_prob: Tensor  # (decisions,)
     state: Tensor  # (decisions,)
-    outlook: tuple[Tensor, ...]  # (states, ...)
-    last_outlook: tuple[Tensor, ...]  # (worlds, ...) after the last step
+    share: Tensor  # (decisions, streams) of the streams that a decision is credited with
+    outlook: tuple[Tensor, ...]  # each (states, ...)
+    value_of: Tensor  # (states, streams) which of the critic's values, or -1
+    last_outlook: tuple[Tensor, ...]  # each (worlds, ...) after the last step
+    last_value_of: Tensor  # (worlds, streams)
     is_running: Array  # (steps, worlds)
-    rewards: Array  # (steps, worlds)
-    has_ended: Array  # (worlds,) all tasks done, rather than cut off
+    rewards: Array  # (steps, worlds, streams)
+    has_ended: Array  # (worlds,) nothing more can be earned, rather than cut off
 
 
-def play(env: TeamFormation, choose: Chooser, reward: MissionReward, steps: int) -> Rollout:
+@dataclass
+class _Record:
+    """The same, as it grows step by step."""
+
+    decisions: list[tuple[Array, ...]] = field(default_factory=list)
+    actions: list[Array] = field(default_factory=list)
+    states: list[tuple[Array, ...]] = field(default_factory=list)
+    is_running: list[Array] = field(default_factory=list)
+    rewards: list[Array] = field(default_factory=list)
+
+
+def play(
+    env: TeamFormation, codec: Codec, choose: Chooser, reward: TrainingReward, steps: int
+) -> Rollout:
     """Play all worlds of an environment to their end or for `steps` steps."""
-    decisions: list[tuple[Array, ...]] = []
-    outlooks: list[tuple[Array, ...]] = []
-    running: list[Array] = []
-    rewards: list[Array] = []
-    states = 0
-    while env.is_running.any() and len(rewards) < steps:
+    record, first_state = _Record(), 0
+    while env.is_running.any() and len(record.rewards) < steps:
         is_running, done = env.is_running, env.worlds.count["done"].copy()
-        outlooks.append(tuple(part[is_running] for part in look_out(env.worlds)))
-        state_of_world = states + np.cumsum(is_running) - 1  # (worlds,)
-        states += int(is_running.sum())
-        view = env.view()
-        relations = relate(view)
-        has_choice = is_open_question(view, relations.is_legal)
-        choice = np.zeros(len(view.slot), dtype=np.int64)
-        choice[has_choice], log_prob = choose(view, relations, has_choice)
-        kept = tuple(part[has_choice] for part in relations)
-        in_state = state_of_world[view.world[has_choice]]
-        decisions.append((*kept, choice[has_choice], log_prob, in_state))
-        wanted = wanted_counts(view, choice)
-        by_rule = JoinAll().decide(view).wanted
-        env.step(Decision(np.where(has_choice[:, None], wanted, by_rule)))
-        gained = env.worlds.count["done"] - done
-        rewards.append(np.where(is_running, reward.step + reward.done * gained, 0.0))
-        running.append(is_running)
-    *tokens, choices, log_probs, state = _concatenate(decisions)
+        seen = (*look_out(env.worlds), reward.values_of(env))
+        record.states.append(tuple(part[is_running] for part in seen))
+        state_of_world = first_state + np.cumsum(is_running) - 1  # (worlds,)
+        first_state += int(is_running.sum())
+        _decide(env, codec, choose, reward, record, state_of_world)
+        earned = np.where(is_running[:, None], reward.earned(env, done), 0.0)
+        record.rewards.append(earned)
+        record.is_running.append(is_running)
+    return _rollout(env, record, reward)
+
+
+def _decide(
+    env: TeamFormation,
+    codec: Codec,
+    choose: Chooser,
+    reward: TrainingReward,
+    record: _Record,
+    state_of_world: Array,
+) -> None:
+    """Make one step; note the decisions of teams that have a choice, the others follow join-all."""
+    view = env.view()
+    tokens = codec.encode(view)
+    rows = np.flatnonzero(codec.has_choice(view, tokens))
+    wanted = JoinAll().decide(view).wanted
+    if len(rows):
+        kept = tuple(part[rows] for part in tokens)
+        action, log_prob = choose(kept)
+        wanted[rows] = codec.decode(rows_of(view, rows), action)
+        share = reward.share_of(view, rows, env.worlds.robots.shape[1])
+        record.decisions.append((*kept, log_prob, state_of_world[view.world[rows]], share))
+        record.actions.append(action)
+    env.step(Decision(wanted))
+
+
+def _rollout(env: TeamFormation, record: _Record, reward: TrainingReward) -> Rollout:
+    *tokens, log_prob, state, share = _concatenate(record.decisions)
+    *outlook, value_of = _concatenate(record.states)
     return Rollout(
-        tokens=Tokens(*tokens),
-        choice=choices,
-        log_prob=log_probs,
+        tokens=tuple(tokens),
+        action=torch.from_numpy(np.concatenate(_as_long(record.actions))),
+        log_prob=log_prob,
         state=state,
-        outlook=_concatenate(outlooks),
+        share=share,
+        outlook=tuple(outlook),
+        value_of=value_of,
         last_outlook=_tensors(look_out(env.worlds)),
-        is_running=np.array(running),
-        rewards=np.array(rewards, dtype=np.float32),
-        has_ended=env.worlds.count["status"] == COMPLETED,
+        last_value_of=torch.from_numpy(reward.values_of(env)),
+        is_running=np.array(record.is_running),
+        rewards=np.array(record.rewards, dtype=np.float32),
+        has_ended=np.isin(env.worlds.count["status"], (COMPLETED, INFEASIBLE)),
     )
 
 
-def sampler(network: RelationalPolicy, generator: torch.Generator) -> Chooser:
+def sampler(network: Actor, generator: torch.Generator, device: str = "cpu") -> Chooser:
     """Return a chooser that samples from a network."""
 
-    def choose(view: View, relations: Relations, has_choice: Array) -> tuple[Array, Array]:
+    def choose(tokens: tuple[Array, ...]) -> tuple[Array, Array]:
         with torch.no_grad():
-            log_probs = torch.log_softmax(network(to_tokens(relations, has_choice)), dim=-1)
-            choice = torch.multinomial(log_probs.exp(), 1, generator=generator)
-            return choice[:, 0].numpy(), log_probs.gather(1, choice)[:, 0].numpy()
+            given = tuple(torch.from_numpy(part).to(device) for part in tokens)
+            action, log_prob = network.act(given, generator)
+        return action.cpu().numpy(), log_prob.cpu().numpy()
 
     return choose
 
 
-def to_tokens(relations: Relations, rows: Array) -> Tokens:
-    """Return some rows of relations as tensors."""
-    return Tokens(*(torch.from_numpy(part[rows]) for part in relations))
-
-
-def credit(
-    rollout: Rollout, critic: Critic, discount: float, decay: float
-) -> tuple[Tensor, Tensor]:
-    """Return every state's advantage and the return that the critic should have said (states,)."""
-    with torch.no_grad():
-        of_states = critic(*rollout.outlook).numpy()
-        of_last = critic(*rollout.last_outlook).numpy()
-    is_running = rollout.is_running
-    values = np.zeros((len(is_running) + 1, is_running.shape[1]), dtype=np.float32)
-    values[:-1][is_running] = of_states  # both in step and world order
-    values[-1] = np.where(rollout.has_ended, 0.0, of_last)
-    gains = advantages(rollout.rewards, values, is_running, discount, decay)[is_running]
-    return torch.from_numpy(gains), torch.from_numpy(gains + of_states)
+def _as_long(actions: list[Array]) -> list[Array]:
+    """Return sequences of actions padded with -1 to the longest; single actions as they are."""
+    if all(action.ndim == 1 for action in actions):
+        return actions
+    longest = max(action.shape[1] for action in actions)
+    return [
+        np.pad(action, ((0, 0), (0, longest - action.shape[1])), constant_values=-1)
+        for action in actions
+    ]
 
 
 def _concatenate(rows: list[tuple[Array, ...]]) -> tuple[Tensor, ...]:

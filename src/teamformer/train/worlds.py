@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class Mixture:
     sparse: float = 0.5  # share of worlds whose tasks require 1 to 3 capabilities each
     in_teams: float = 0.3  # share of worlds with random starting teams
     wide_sensing: float = 0.15  # share of worlds in which teams sense 5 cells instead of 1
+    alike: float = 0.0  # share of worlds with half as many capabilities, robots being alike
     steps: int = 200  # a trial is cut off here
 
 
@@ -36,6 +37,9 @@ def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
     """Return a random training world."""
     is_crowd = rng.random() < mixture.crowds
     robots, caps = _draw_crowd(mixture, rng) if is_crowd else _draw_fleet(mixture, rng)
+    known = caps
+    if rng.random() < mixture.alike:
+        caps = max(1, min(robots, caps) // 2)
     side = _between(mixture.grid, rng)
     is_sparse = rng.random() < mixture.sparse
     spec = Spec(
@@ -48,7 +52,26 @@ def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
         sensing_radius=5.0 if rng.random() < mixture.wide_sensing else 1.0,
         starts_in_teams=bool(rng.random() < mixture.in_teams),
     )
-    return generate(spec, rng, "training")
+    return _among(known, generate(spec, rng, "training"), rng)
+
+
+def _among(known: int, world: Scenario, rng: np.random.Generator) -> Scenario:
+    """Return a world with its capabilities at random places among so many."""
+    if known == len(world.capabilities):
+        return world
+    names = tuple(f"c{number}" for number in range(1, known + 1))
+    places = sorted(rng.choice(known, len(world.capabilities), replace=False).tolist())
+    name_of = {old: names[place] for old, place in zip(world.capabilities, places, strict=True)}
+
+    def renamed(counts: Mapping[str, int]) -> dict[str, int]:
+        return {name_of[name]: count for name, count in counts.items()}
+
+    return replace(
+        world,
+        capabilities=names,
+        robots=tuple(replace(robot, can=renamed(robot.can)) for robot in world.robots),
+        tasks=tuple(replace(task, needs=renamed(task.needs)) for task in world.tasks),
+    )
 
 
 def _draw_fleet(mixture: Mixture, rng: np.random.Generator) -> tuple[int, int]:
@@ -66,13 +89,13 @@ def _draw_crowd(mixture: Mixture, rng: np.random.Generator) -> tuple[int, int]:
     return robots, _between((robots // 2, robots), rng)
 
 
-def training_worlds(mixture: Mixture, count: int, seed: int, iteration: int) -> list[Scenario]:
-    """Return the worlds of one iteration; they depend on nothing but the arguments."""
-    rng = np.random.default_rng([TRAINING, seed, iteration])
+def training_worlds(mixture: Mixture, count: int, seed: tuple[int, ...]) -> list[Scenario]:
+    """Return the worlds that a seed stands for; they depend on nothing but the arguments."""
+    rng = np.random.default_rng([TRAINING, *seed])
     return [draw_world(mixture, rng) for _ in range(count)]
 
 
-SELECTION_SPECS = (
+ANY_SELECTION = (
     Spec(4, 20, 4, step_limit=600),
     Spec(12, 20, 4, step_limit=600),
     Spec(16, 60, 4, world=Grid(20, 20), step_limit=600),
@@ -82,7 +105,45 @@ SELECTION_SPECS = (
 )
 
 
-def selection_worlds(count: int, specs: Sequence[Spec] = SELECTION_SPECS) -> list[list[Scenario]]:
+def paper_mixture(capabilities: int | None, robots: int = 4) -> Mixture:
+    """Return the paper's training worlds: few robots and tasks on 10 x 10 cells, 128 steps.
+
+    Unlike the paper's some have two robots alike, without which a network never learns what to do
+    with fleets that have many.
+    """
+    assert capabilities is not None
+    return Mixture(
+        robots=(robots, robots),
+        capabilities=(capabilities, capabilities),
+        tasks=(1, 4),
+        crowds=0.0,
+        grid=(10, 10),
+        more_robots=0.0,
+        in_teams=0.5,
+        wide_sensing=0.0,
+        alike=0.25,
+        steps=128,
+    )
+
+
+def paper_selection(capabilities: int | None) -> tuple[Spec, ...]:
+    """Return the settings that a network for so many capabilities is selected on."""
+    assert capabilities is not None
+    if capabilities > 16:
+        return (
+            Spec(4, 4, capabilities, step_limit=128),
+            Spec(30, 10, capabilities, requirements=10, step_limit=600),
+            Spec(60, 10, capabilities, requirements=30, world=Grid(20, 20), step_limit=600),
+        )
+    return (
+        Spec(4, 4, capabilities, step_limit=128),
+        Spec(capabilities, 20, capabilities, step_limit=600),
+        Spec(2 * capabilities, 20, capabilities, step_limit=600),
+        Spec(4 * capabilities, 40, capabilities, world=Grid(20, 20), step_limit=600),
+    )
+
+
+def selection_worlds(count: int, specs: Sequence[Spec] = ANY_SELECTION) -> list[list[Scenario]]:
     """Return `count` worlds of each spec to select checkpoints on, larger than those trained on."""
     rng = np.random.default_rng([SELECTION, 0])
     return [[generate(spec, rng, "selection") for _ in range(count)] for spec in specs]

@@ -1,0 +1,42 @@
+"""The policy for any fleet: reads relations, chooses among whole choices."""
+
+from __future__ import annotations
+
+from teamformer.policies.choices import sees_doubles, wanted_counts
+from teamformer.policies.learned import Learned
+from teamformer.policies.relations import Relations, relate
+from teamformer.policies.sessions import GreedyChoice, OnnxNetwork, shipped
+from teamformer.sim.arrays import Array
+from teamformer.sim.view import View
+
+NAME = "teamformer-any"
+
+
+class AnyFleetCodec:
+    """Reads relations, which belong to no capability; an action is a choice, (teams,).
+
+    There is a choice only where a team and those that it sees have some capability twice.
+    """
+
+    def encode(self, view: View) -> Relations:
+        """Return each team's relations."""
+        return relate(view)
+
+    def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
+        """Return which teams have several legal choices and see doubles, as (teams,)."""
+        is_open: Array = (tokens[-1].sum(axis=1) > 1) & sees_doubles(view)
+        return is_open
+
+    def decode(self, view: View, action: Array) -> Array:
+        """Return the counts that choices stand for, as (teams, caps)."""
+        return wanted_counts(view, action)
+
+
+def any_fleet(content: bytes, name: str) -> Learned:
+    """Return the policy that a network's file makes."""
+    return Learned(AnyFleetCodec(), GreedyChoice(OnnxNetwork(content, name, Relations._fields)))
+
+
+def teamformer_any() -> Learned:
+    """Return the policy that comes with the package."""
+    return any_fleet(shipped(f"{NAME}.onnx"), NAME)

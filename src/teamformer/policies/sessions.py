@@ -1,0 +1,69 @@
+"""Networks in ONNX files, run by onnxruntime: no torch, one thread."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from teamformer.errors import TeamformerError
+from teamformer.sim.arrays import Array
+
+
+class OnnxNetwork:
+    """A network that is run with its inputs by position and returns its outputs.
+
+    Raises `TeamformerError` if the file holds no network, or one with other inputs than `inputs`.
+    """
+
+    def __init__(self, content: bytes, name: str, inputs: tuple[str, ...]) -> None:
+        self._session = _start(content, name)
+        self._inputs = inputs
+        found = tuple(given.name for given in self._session.get_inputs())
+        if found != inputs:
+            hint = "it is another network or of another version; train or export it again"
+            raise TeamformerError(f"{name} takes {found}, not {inputs}", hint)
+
+    def __call__(self, *values: Array) -> list[Array]:
+        """Return the network's outputs."""
+        fed = dict(zip(self._inputs, values, strict=True))
+        outputs: list[Array] = self._session.run(None, fed)
+        return outputs
+
+
+class GreedyChoice:
+    """Takes the action that a network with one output, (teams, actions), scores highest."""
+
+    def __init__(self, network: OnnxNetwork) -> None:
+        self.network = network
+
+    def __call__(self, tokens: tuple[Array, ...]) -> Array:
+        """Return actions (teams,) from tokens (teams, ...)."""
+        [scores] = self.network(*tokens)
+        best: Array = scores.argmax(axis=1)
+        return best
+
+
+def shipped(name: str) -> bytes:
+    """Return a file of `weights/`, as it comes with the package."""
+    return files("teamformer").joinpath("weights", name).read_bytes()
+
+
+def read_network(file: Path) -> bytes:
+    """Return a network file's content; raises `TeamformerError` if it cannot be read."""
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise TeamformerError(f"{file} cannot be read: {error.strerror}") from None
+
+
+def _start(content: bytes, name: str) -> Any:
+    import onnxruntime  # type: ignore[import-untyped]  # heavy, and only needed here
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.log_severity_level = 3
+    try:
+        return onnxruntime.InferenceSession(content, options, ["CPUExecutionProvider"])
+    except Exception as error:  # onnxruntime's errors have no public common class
+        raise TeamformerError(f"{name} holds no network that runs: {error}") from None

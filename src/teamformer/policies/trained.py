@@ -1,0 +1,68 @@
+"""Policies in folders: what `teamformer train` leaves behind, run without torch."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from teamformer.errors import TeamformerError
+from teamformer.policies.any_fleet import any_fleet
+from teamformer.policies.protocol import Policy
+from teamformer.policies.sessions import read_network
+
+ABOUT, NETWORK = "policy.json", "network.onnx"
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class About:
+    """What a folder says of its policy."""
+
+    network: str  # the kind: any, teamformer, deepset, gnn
+    capabilities: int | None  # the most that a scenario may have; None: any number
+    format: int = FORMAT
+
+
+def load_trained(folder: Path) -> Policy:
+    """Return the policy in a folder, or in one of its `best` and `last`.
+
+    Raises `TeamformerError` if there is none, it is broken, or of a newer format.
+    """
+    found = next((f for f in (folder, folder / "best", folder / "last") if _has_policy(f)), None)
+    if found is None:
+        hint = f"a trained policy has {ABOUT} and {NETWORK}; make one with teamformer train"
+        raise TeamformerError(f"{folder} holds no policy", hint)
+    about = _read(found / ABOUT)
+    make = RUNTIMES.get(about.network)
+    if make is None:
+        raise TeamformerError(f"{found / ABOUT}: there is no network '{about.network}'")
+    return make(found, about)
+
+
+def describe_policy(about: About, folder: Path) -> None:
+    """Write what the folder's policy is."""
+    (folder / ABOUT).write_text(json.dumps(asdict(about), indent=2) + "\n")
+
+
+def _has_policy(folder: Path) -> bool:
+    return (folder / ABOUT).is_file()
+
+
+def _read(file: Path) -> About:
+    try:
+        about = About(**json.loads(file.read_text()))
+    except (OSError, ValueError, TypeError):
+        raise TeamformerError(f"{file} is not readable", "export the policy again") from None
+    if about.format > FORMAT:
+        hint = f"this version reads up to {FORMAT}; update teamformer"
+        raise TeamformerError(f"{file} has policy format {about.format}", hint)
+    return about
+
+
+def _any(folder: Path, about: About) -> Policy:
+    return any_fleet(read_network(folder / NETWORK), str(folder / NETWORK))
+
+
+RUNTIMES: dict[str, Callable[[Path, About], Policy]] = {"any": _any}

@@ -1,0 +1,54 @@
+"""Curves of a training for TensorBoard."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+
+from teamformer.train.trainer import Report
+
+
+class Board:
+    """Writes every report's figures to a folder that TensorBoard shows."""
+
+    def __init__(self, folder: Path) -> None:
+        from torch.utils.tensorboard import SummaryWriter
+
+        self._writer = SummaryWriter(str(folder))
+
+    def write(self, report: Report) -> None:
+        """Add a point to every curve, at the number of world steps so far."""
+        for name, value in figures(report).items():
+            self._writer.add_scalar(name, value, report.progress.steps)
+
+    def __enter__(self) -> Board:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._writer.close()
+
+
+def figures(report: Report) -> dict[str, float]:
+    """Return what there is to plot of an iteration."""
+    found = {
+        "play/reward": report.reward,
+        "play/ended": report.ended,
+        "play/splits": report.splits,
+        "speed/steps per second": report.steps_per_second,
+        "learn/entropy": report.update.entropy,
+        "learn/policy loss": report.update.policy_loss,
+        "learn/value loss": report.update.value_loss,
+        "learn/clipped": report.update.clipped,
+    }
+    if report.score is not None:
+        found["held out/ratio to join-all"] = report.score.ratio
+        found["held out/failures"] = report.score.failures
+        found["held out/splits"] = report.score.splits
+        for number, steps in enumerate(report.score.steps):
+            found[f"held out/steps, setting {number + 1}"] = steps
+    return found

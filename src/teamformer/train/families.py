@@ -1,0 +1,61 @@
+"""The kinds of network that can be trained, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from torch import nn
+
+from teamformer.errors import TeamformerError
+from teamformer.nets.relational import RelationalPolicy, RelationalSettings
+from teamformer.policies import relations
+from teamformer.policies.any_fleet import AnyFleetCodec
+from teamformer.policies.codec import Codec
+from teamformer.scenarios.generate import Spec
+from teamformer.train.export import export_any_fleet
+from teamformer.train.worlds import ANY_SELECTION, Mixture
+
+
+@dataclass(frozen=True)
+class Family:
+    """A kind of network; `capabilities` is None for one that serves any number."""
+
+    make: Callable[[int | None], nn.Module]
+    codec: Callable[[int | None], Codec]
+    export: Callable[[nn.Module, int | None, Path], None]  # writes ONNX files into a folder
+    mixture: Callable[[int | None], Mixture]
+    selection: Callable[[int | None], tuple[Spec, ...]]
+    is_for_any_number: bool = False
+
+
+def _make_any(capabilities: int | None) -> nn.Module:
+    return RelationalPolicy(
+        RelationalSettings(relations.OWN_FEATURES, relations.TEAM_FEATURES, relations.TASK_FEATURES)
+    )
+
+
+FAMILIES = {
+    "any": Family(
+        make=_make_any,
+        codec=lambda capabilities: AnyFleetCodec(),
+        export=export_any_fleet,
+        mixture=lambda capabilities: Mixture(),
+        selection=lambda capabilities: ANY_SELECTION,
+        is_for_any_number=True,
+    ),
+}
+
+
+def find_family(network: str, capabilities: int | None) -> Family:
+    """Return a family; raises `TeamformerError` if it is unknown or the number does not fit."""
+    family = FAMILIES.get(network)
+    if family is None:
+        raise TeamformerError(f"there is no network '{network}'", f"use {' or '.join(FAMILIES)}")
+    if family.is_for_any_number and capabilities is not None:
+        hint = "leave --capabilities out, or choose another --network"
+        raise TeamformerError(f"network '{network}' serves any number of capabilities", hint)
+    if not family.is_for_any_number and capabilities is None:
+        raise TeamformerError(f"network '{network}' is made for a number of capabilities; give it")
+    return family

@@ -1,0 +1,39 @@
+"""A training as a user runs it: one process or many, a table's rows and TensorBoard's curves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import torch
+
+from teamformer.errors import TeamformerError
+from teamformer.train import ranks
+from teamformer.train.board import Board
+from teamformer.train.trainer import Report, TrainSettings, train
+from teamformer.train.worlds import selection_worlds
+
+
+def run_session(
+    settings: TrainSettings, held_out: int, folder: Path, on_report: Callable[[Report], None]
+) -> bool:
+    """Train with `held_out` worlds of each setting to select on; return whether we are the first.
+
+    Started by torchrun, all processes train one policy; only the first one reports.
+    """
+    if settings.device == "cuda" and not torch.cuda.is_available():
+        raise TeamformerError("torch finds no CUDA device", "use --device cpu")
+    torch.set_num_threads(1)
+    worlds = selection_worlds(held_out, settings.family.selection(settings.capabilities))
+    with ranks.joined(settings.device):
+        if ranks.rank() > 0:
+            train(settings, folder, worlds)
+            return False
+        with Board(folder / "tensorboard") as board:
+
+            def report_twice(report: Report) -> None:
+                board.write(report)
+                on_report(report)
+
+            train(settings, folder, worlds, report_twice)
+        return True

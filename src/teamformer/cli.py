@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -125,13 +126,49 @@ def policies(as_json: AsJson = False) -> None:
 
 @app.command()
 def bench(
-    suite: Annotated[str, typer.Argument(metavar="SUITE", help="speed")],
+    suite: Annotated[str, typer.Argument(metavar="SUITE", help="a name, or a .yaml file")],
+    trials: Annotated[int | None, typer.Option(min=1, help="of each policy and setting")] = None,
+    policies: Annotated[str, typer.Option(help="names, with commas; else the suite's")] = "",
+    without: Annotated[str, typer.Option(help="policies to leave out")] = "",
+    settings: Annotated[str, typer.Option(help="the only ones wanted")] = "",
+    seed: Annotated[int, typer.Option(min=0, help="of the first world")] = 0,
+    time_limit: Annotated[
+        float | None, typer.Option(min=0, help="seconds that central may plan")
+    ] = None,
+    worlds: Annotated[
+        list[Path] | None, typer.Option(help="files or folders of worlds, for `authors`")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="folder for rows, tables and figures")] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="processes; one for each core by default")
+    ] = None,
+    engine: Annotated[str, typer.Option(help="local or ray")] = "local",
     as_json: AsJson = False,
 ) -> None:
-    """Measure: `speed` times the simulator."""
+    """Measure policies on a suite of settings; `speed` times the simulator.
+
+    Run it again with the same folder to go on after an interruption, or for more trials.
+    """
+    from teamformer.commands.bench import Options
     from teamformer.commands.bench import bench as command
 
-    raise typer.Exit(command(suite, as_json))
+    options = Options(
+        trials=trials,
+        seed=seed,
+        time_limit=time_limit,
+        policies=_split(policies),
+        without=_split(without),
+        settings=_split(settings),
+        worlds=tuple(worlds or ()),
+        workers=workers or os.cpu_count() or 1,
+        engine=engine,
+        folder=out,
+    )
+    raise typer.Exit(command(suite, options, as_json))
+
+
+def _split(names: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in names.split(",") if name.strip())
 
 
 @app.command()

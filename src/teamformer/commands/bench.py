@@ -2,29 +2,140 @@
 
 from __future__ import annotations
 
-import difflib
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
-from teamformer.commands.console import announce_compiling, err, out, print_json
+from teamformer.bench.engines import ENGINES
+from teamformer.bench.report import write_report
+from teamformer.bench.rows import Row
+from teamformer.bench.runner import Request, run_benchmark
+from teamformer.bench.store import Store
+from teamformer.bench.suites import Suite, load_suite
+from teamformer.bench.summary import Summary, summarise
+from teamformer.bench.tables import cells_of, headers_for
+from teamformer.commands.console import (
+    Counting,
+    announce_compiling,
+    err,
+    out,
+    prepare_folder,
+    print_json,
+    say,
+)
 from teamformer.errors import TeamformerError
+from teamformer.scenarios.authors import read_worlds
 
-SUITES = ("speed",)
+wide = Console(highlight=False, width=200)
+"""A terminal wraps what it cannot hold, Rich would cut it."""
 
 
-def bench(suite: str, as_json: bool) -> int:
+@dataclass(frozen=True)
+class Options:
+    """What the command line says; None leaves it to the suite."""
+
+    trials: int | None = None
+    seed: int = 0
+    time_limit: float | None = None
+    policies: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()
+    worlds: tuple[Path, ...] = ()
+    workers: int = 1
+    engine: str = "local"
+    folder: Path | None = None
+    results: Path | None = None
+
+
+def bench(suite_name: str, options: Options, as_json: bool) -> int:
     """Measure and show; return the exit status."""
-    if suite not in SUITES:
-        near = difflib.get_close_matches(suite, SUITES, 1)
-        hint = f"did you mean '{near[0]}'?" if near else f"there are {', '.join(SUITES)}"
-        raise TeamformerError(f"there is no suite '{suite}'", hint)
+    if suite_name == "speed":
+        return _measure_speed(as_json)
+    if options.engine not in ENGINES:
+        hint = f"there are {', '.join(ENGINES)}"
+        raise TeamformerError(f"there is no engine '{options.engine}'", hint)
+    request = _request(load_suite(suite_name), options)
+    if options.folder is not None:
+        prepare_folder(options.folder)
+    place = TemporaryDirectory() if options.folder is None else nullcontext(options.folder)
+    with place as folder, Store(Path(folder), request.about, say) as store:
+        announce_compiling(request.policies)
+        with Counting("trials") as counting:
+            run_benchmark(request, store, ENGINES[options.engine], say, counting.update)
+        rows = list(store.rows.values())
+        if options.folder is not None:
+            for path in write_report(request.suite, rows, options.folder, say):
+                say(f"written: {path}")
+    _show(rows, as_json)
+    return 0
+
+
+def _request(suite: Suite, options: Options) -> Request:
+    worlds = {path: read_worlds(path)[0].setting for path in _files(options.worlds)}
+    settings = options.settings or tuple(worlds.values())
+    if suite.name == "authors" and not worlds:
+        raise TeamformerError("the suite 'authors' needs its worlds", "add --worlds FILE")
+    for setting in settings:
+        if setting not in suite.settings:
+            hint = f"it has {', '.join(suite.settings)}"
+            raise TeamformerError(f"suite '{suite.name}' has no setting '{setting}'", hint)
+    limit = suite.time_limit if options.time_limit is None else options.time_limit
+    return Request(
+        suite=suite,
+        trials=options.trials or suite.trials,
+        first_seed=options.seed,
+        time_limit=limit,
+        policies=options.policies,
+        without=options.without,
+        settings=settings,
+        workers=options.workers,
+        worlds={setting: path.resolve() for path, setting in worlds.items()},
+    )
+
+
+def _files(paths: tuple[Path, ...]) -> list[Path]:
+    """Return files, with those in a folder in its place."""
+    return [
+        file
+        for path in paths
+        for file in (sorted(path.glob("*.jsonl")) if path.is_dir() else [path])
+    ]
+
+
+def _show(rows: list[Row], as_json: bool) -> None:
+    if as_json:
+        for row in rows:
+            print_json(vars(row))
+        return
+    summaries = summarise(rows)
+    for setting in dict.fromkeys(summary.setting for summary in summaries):
+        out.print(Text(setting, style="bold"))
+        wide.print(_table([s for s in summaries if s.setting == setting]))
+
+
+def _table(summaries: list[Summary]) -> Table:
+    headers = [header for header in headers_for(summaries) if header != "setting"]
+    table = Table(box=None, header_style="dim")
+    for header in headers:
+        table.add_column(header, justify="left" if header == "policy" else "right")
+    for summary in summaries:
+        table.add_row(*cells_of(summary, headers))
+    return table
+
+
+def _measure_speed(as_json: bool) -> int:
     from teamformer.bench.speed import measure_speed
 
     announce_compiling()
     table = Table("what", "figure", "unit", box=None, header_style="dim")
     for row in measure_speed():
         if as_json:
-            print_json({"suite": suite, **vars(row)})
+            print_json({"suite": "speed", **vars(row)})
         else:
             err.print(f"{row.setting} ...", markup=False)
             table.add_row(row.setting, f"{row.value:,.4g}", row.unit)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from teamformer.errors import TeamformerError
 
@@ -17,6 +17,7 @@ out = Console(highlight=False, soft_wrap=True)
 err = Console(stderr=True, highlight=False, soft_wrap=True)
 
 PATIENCE = 1.0  # seconds before progress is shown
+LONG_PATIENCE = 30.0  # seconds between lines where there is no terminal to show it on
 
 
 def say(message: str) -> None:
@@ -69,6 +70,44 @@ class StepProgress:
         self._bar.update(self._task, completed=tasks_done, steps=steps)
 
     def __enter__(self) -> StepProgress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar.live.is_started:
+            self._bar.stop()
+
+
+class Counting:
+    """A bar of how many of something are done, once that has taken a while.
+
+    Where there is no terminal, a line now and then.
+    """
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._begun = self._told = time.monotonic()
+        self._bar = Progress(
+            BarColumn(),
+            TextColumn("{task.completed}/{task.total} " + what),
+            TimeRemainingColumn(),
+            console=err,
+            transient=True,
+        )
+        self._task = self._bar.add_task("", total=None)
+
+    def update(self, done: int, total: int) -> None:
+        """Show how many are done."""
+        now = time.monotonic()
+        if not err.is_terminal:
+            if now - self._told > LONG_PATIENCE:
+                self._told = now
+                say(f"{done}/{total} {self._what}")
+            return
+        if not self._bar.live.is_started and now - self._begun > PATIENCE:
+            self._bar.start()
+        self._bar.update(self._task, completed=done, total=total)
+
+    def __enter__(self) -> Counting:
         return self
 
     def __exit__(self, *_: object) -> None:

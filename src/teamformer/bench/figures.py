@@ -1,0 +1,167 @@
+"""Figures like the paper's: bars with standard errors, and growth curves on logarithmic axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from teamformer.bench.statistics import growth_exponent
+from teamformer.bench.suites import Suite
+from teamformer.bench.summary import Summary
+from teamformer.scenarios.settings import spec_of
+
+# Okabe and Ito's colours, which colour-blind readers can tell apart.
+FAMILIES = {
+    "teamformer": "#0072b2",
+    "teamformer-any": "#56b4e9",
+    "deepset": "#e69f00",
+    "gnn": "#cc79a7",
+    "heuristic": "#d55e00",
+    "authors-heuristic": "#8c3b00",
+    "join-all": "#009e73",
+    "central": "#444444",
+}
+OTHERS = ("#999999", "#7f6000", "#5e3c99", "#b2182b", "#1a9850", "#8073ac")
+RESOLUTION = 150  # dots an inch
+
+
+def draw_suite(suite: Suite, summaries: Sequence[Summary], folder: Path) -> Iterator[Path]:
+    """Draw every figure of a suite for which there are trials; yield the files."""
+    for part in suite.figures:
+        wanted = [summary for summary in summaries if summary.setting in part.settings]
+        if wanted:
+            figure = _curves(part, wanted) if part.axes else _bars(part, wanted)
+            path = folder / f"{part.name}.png"
+            figure.savefig(path)
+            yield path
+
+
+def _bars(part: Suite, summaries: Sequence[Summary]) -> Figure:
+    """Draw mean makespans with standard errors, a group of bars for each setting."""
+    settings = [s for s in part.settings if any(summary.setting == s for summary in summaries)]
+    policies = list(dict.fromkeys(summary.policy for summary in summaries))
+    figure, [axes] = _begin(part.about, 1, width=max(5.0, 1.5 + 0.45 * len(summaries)))
+    width = 0.8 / len(policies)
+    for summary in summaries:
+        middle = settings.index(summary.setting)
+        place = policies.index(summary.policy)
+        left = middle - 0.4 + (place + 0.5) * width
+        _bar(axes, summary, left, width, is_first=middle == 0)
+    for middle, setting in enumerate(settings):
+        _draw_bars_to_beat(axes, [s for s in summaries if s.setting == setting], middle)
+    axes.set_xticks(range(len(settings)), settings)
+    axes.set_ylabel("mean makespan, steps")
+    _finish(figure, axes)
+    return figure
+
+
+def _bar(axes: Axes, summary: Summary, left: float, width: float, is_first: bool) -> None:
+    mean = summary.makespan
+    colour = colour_of(summary.policy)
+    height = 0.0 if math.isnan(mean.value) else mean.value
+    error = 0.0 if math.isnan(mean.error) else mean.error
+    axes.bar(left, height, width * 0.92, yerr=error, color=colour, label=summary.policy, capsize=2)
+    told = f"{height:.0f}" if height >= 100 else f"{height:.1f}"
+    if summary.failures:
+        told += f"\n{summary.failures} failed"
+    axes.annotate(
+        told,
+        (left, height + error),
+        (0, 2),
+        textcoords="offset points",
+        ha="center",
+        fontsize=6.5,
+        color="#333333",
+    )
+
+
+def _draw_bars_to_beat(axes: Axes, summaries: Sequence[Summary], middle: int) -> None:
+    """Draw what nobody can beat, and the best that is known, across a group."""
+    lines = (("lower bound", "lower_bound", ":"), ("best known", "best_known", "--"))
+    for label, name, style in lines:
+        value = getattr(summaries[0], name).value
+        if not math.isnan(value):
+            ends = (middle - 0.42, middle + 0.42)
+            axes.hlines(value, *ends, color="black", linestyle=style, linewidth=1, label=label)
+
+
+def _makespan(summary: Summary) -> float:
+    return summary.makespan.value
+
+
+def _inference(summary: Summary) -> float:
+    return summary.inference.value
+
+
+MEASURES: tuple[tuple[str, Callable[[Summary], float]], ...] = (
+    ("makespan, steps", _makespan),
+    ("inference for a trial, CPU s", _inference),
+)
+
+
+def _curves(part: Suite, summaries: Sequence[Summary]) -> Figure:
+    """Draw makespan and inference time along each axis, with fitted growth exponents."""
+    count = len(part.axes)
+    figure, panels = _begin(part.about, 2 * count, columns=count, width=4.2 * count, height=7.0)
+    for column, (axis, settings) in enumerate(part.axes.items()):
+        for row, (label, value_of) in enumerate(MEASURES):
+            axes = panels[row * count + column]
+            for policy in dict.fromkeys(summary.policy for summary in summaries):
+                points = {
+                    getattr(spec_of(s.setting), axis): value_of(s)
+                    for s in summaries
+                    if s.policy == policy and s.setting in settings and not math.isnan(value_of(s))
+                }
+                _curve(axes, policy, points)
+            axes.set_xscale("log", base=2)
+            axes.set_yscale("log")
+            axes.set_xlabel(axis)
+            axes.set_ylabel(label)
+            axes.legend(fontsize=7, frameon=False)
+    return figure
+
+
+def _curve(axes: Axes, policy: str, points: dict[int, float]) -> None:
+    if not points:
+        return
+    sizes, values = zip(*sorted(points.items()), strict=True)
+    exponent = growth_exponent(sizes, values)
+    label = policy if math.isnan(exponent) else f"{policy}: n^{exponent:.2f}"
+    axes.plot(sizes, values, "o-", color=colour_of(policy), label=label, markersize=4)
+
+
+def colour_of(policy: str) -> str:
+    """Return the colour of a policy, the same in every figure."""
+    family = policy.rsplit("-c", 1)[0]
+    if family in FAMILIES:
+        return FAMILIES[family]
+    return OTHERS[sum(policy.encode()) % len(OTHERS)]
+
+
+def _begin(
+    title: str, panels: int, columns: int = 1, width: float = 5.0, height: float = 4.0
+) -> tuple[Figure, list[Axes]]:
+    figure = Figure(figsize=(width, height), dpi=RESOLUTION, layout="constrained")
+    figure.suptitle(title, fontsize=10)
+    axes = [figure.add_subplot(panels // columns, columns, n + 1) for n in range(panels)]
+    for each in axes:
+        each.spines[["top", "right"]].set_visible(False)
+    return figure, axes
+
+
+def _finish(figure: Figure, axes: Axes) -> None:
+    """Add the legend, each policy once, under the figure."""
+    handles, labels = axes.get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    figure.legend(
+        list(unique.values()),
+        list(unique),
+        loc="outside lower center",
+        ncols=4,
+        fontsize=8,
+        frameon=False,
+    )

@@ -1,0 +1,31 @@
+"""The files that a benchmark leaves beside its rows: tables and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+from teamformer.bench.rows import Row
+from teamformer.bench.suites import Suite
+from teamformer.bench.summary import summarise
+from teamformer.bench.tables import summary_csv, summary_markdown
+
+
+def write_report(
+    suite: Suite, rows: Sequence[Row], folder: Path, say: Callable[[str], None]
+) -> Iterator[Path]:
+    """Write tables and figures; yield each file. Without matplotlib the figures are left out."""
+    summaries = summarise(rows)
+    report = folder / "report.md"
+    heading = f"# {suite.name}: {suite.about}\n\n"
+    report.write_text(heading + summary_markdown(summaries), encoding="utf-8")
+    yield report
+    table = folder / "summary.csv"
+    table.write_text(summary_csv(summaries), encoding="utf-8")
+    yield table
+    try:
+        from teamformer.bench.figures import draw_suite
+    except ImportError:
+        say("no figures: they need matplotlib; pip install 'teamformer[plots]'")
+        return
+    yield from draw_suite(suite, summaries, folder)

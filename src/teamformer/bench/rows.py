@@ -1,0 +1,111 @@
+"""Rows: what is kept of a trial, one JSON object a line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, replace
+from types import UnionType
+from typing import Any, get_args, get_type_hints
+
+Key = tuple[str, str, int]
+"""Setting, policy and world seed: what tells one trial from all others in a folder."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A trial, as `run --json` tells it, and everything needed to run it again.
+
+    `decision_seconds` is by the clock on the wall, `decision_cpu_seconds` what the process used;
+    a trial that ran with others `side_by_side` has its share of theirs, by its `decisions` (rows
+    of views answered). `list_schedule` is the makespan of the list schedule along the task order,
+    `relaxed` that of the planner's schedule; in both joining is free. `code` tells versions of
+    this package apart. None: not known, or not measured.
+    """
+
+    suite: str
+    setting: str
+    world_seed: int
+    scenario: str
+    policy: str
+    seed: int
+    completed: bool
+    makespan: int | None
+    steps: int | None
+    tasks_done: int | None
+    tasks: int
+    robots: int
+    capabilities: int
+    joins: int | None
+    splits: int | None
+    illegal_decisions: int | None
+    decisions: int | None
+    decision_seconds: float | None
+    decision_cpu_seconds: float | None
+    total_seconds: float | None
+    side_by_side: int
+    best_known: int | None
+    lower_bound: int | None
+    list_schedule: int | None
+    relaxed: int | None
+    relaxed_bound: int | None
+    time_limit: float | None
+    code: str
+    rerun: str
+
+    @property
+    def key(self) -> Key:
+        """Return what tells this trial from all others."""
+        return self.setting, self.policy, self.world_seed
+
+    def to_line(self) -> str:
+        """Return the row as a line of JSON."""
+        return json.dumps(vars(self), ensure_ascii=False) + "\n"
+
+
+KINDS: dict[str, tuple[type, ...]] = {
+    name: tuple(get_args(hint)) if isinstance(hint, UnionType) else (hint,)
+    for name, hint in get_type_hints(Row).items()
+}
+
+
+def row_of(line: str) -> Row | None:
+    """Read a line; None if it is no row, a cut-off one for example."""
+    try:
+        tree = json.loads(line)
+    except ValueError:
+        return None
+    if not isinstance(tree, dict) or set(tree) != {field.name for field in fields(Row)}:
+        return None
+    return Row(**tree) if all(_is_of(tree[name], KINDS[name]) for name in KINDS) else None
+
+
+def _is_of(value: Any, kinds: tuple[type, ...]) -> bool:
+    if isinstance(value, bool):
+        return bool in kinds
+    return isinstance(value, kinds) or (isinstance(value, int) and float in kinds)
+
+
+def with_bars(rows: Iterable[Row]) -> list[Row]:
+    """Fill in what all trials of a world know together: its best makespan and its best bound."""
+    rows = list(rows)
+    best: dict[tuple[str, int], int] = {}
+    bound: dict[tuple[str, int], int] = {}
+    listed: dict[tuple[str, int], int] = {}
+    for row in rows:
+        world = row.setting, row.world_seed
+        if row.makespan is not None:
+            best[world] = min(row.makespan, best.get(world, row.makespan))
+        known = max(row.lower_bound or 0, row.relaxed_bound or 0)
+        bound[world] = max(known, bound.get(world, 0))
+        if row.list_schedule is not None:
+            listed[world] = row.list_schedule
+    return [
+        replace(
+            row,
+            best_known=best.get((row.setting, row.world_seed)),
+            lower_bound=bound[row.setting, row.world_seed] or None,
+            list_schedule=listed.get((row.setting, row.world_seed)),
+        )
+        for row in rows
+    ]

@@ -1,0 +1,208 @@
+"""The benchmark: every setting with every policy and every seed, each trial exactly once."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+
+from teamformer.bench.engines import Engine
+from teamformer.bench.lots import Lot, known_row, ready_policy
+from teamformer.bench.rows import Row
+from teamformer.bench.store import About, Store
+from teamformer.bench.suites import Suite, cells
+from teamformer.errors import TeamformerError
+from teamformer.policies import POLICIES
+from teamformer.scenarios.authors import read_worlds
+from teamformer.scenarios.settings import spec_of
+
+TIMED = 50
+"""The first so many trials of each policy in each setting run one by one, for their time."""
+
+TIMED_AT_ONCE = 5
+MOST_SIDE_BY_SIDE = 50
+MOST_ROBOTS_SIDE_BY_SIDE = 1000
+"""How large lots are: what a crash can cost, and what memory a process needs."""
+
+AUTHORS = "authors-heuristic"
+"""The name of the authors' own heuristic, whose makespans come with their worlds."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for; empty `policies` and `settings` mean the suite's own.
+
+    `worlds` are files with worlds of the paper's authors, by setting.
+    """
+
+    suite: Suite
+    trials: int
+    first_seed: int = 0
+    time_limit: float = 10.0
+    policies: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()
+    workers: int = 1
+    worlds: Mapping[str, Path] = field(default_factory=dict)
+
+    @property
+    def about(self) -> About:
+        """Return what all rows of this benchmark have in common."""
+        stamp = hashlib.sha256()
+        for path in sorted(self.worlds.values()):
+            stamp.update(path.read_bytes())
+        return About(
+            suite=self.suite.name,
+            first_seed=self.first_seed,
+            time_limit=self.time_limit,
+            rules=dict(self.suite.rules),
+            worlds=stamp.hexdigest()[:12] if self.worlds else "",
+        )
+
+    def seeds(self, setting: str) -> list[int]:
+        """Return the world seeds of a setting."""
+        if setting in self.worlds:
+            seeds = [world.seed for world in read_worlds(self.worlds[setting])]
+            return [seed for seed in seeds if seed >= self.first_seed][: self.trials]
+        return list(range(self.first_seed, self.first_seed + self.trials))
+
+
+def run_benchmark(
+    request: Request,
+    store: Store,
+    engine: Engine,
+    say: Callable[[str], None],
+    on_rows: Callable[[int, int], None] = lambda done, total: None,
+) -> None:
+    """Run every trial that the store does not hold yet.
+
+    What cannot be run, a policy that is not there or does not fit, is said and left out.
+    `on_rows` is told how many trials are there, of how many.
+    """
+    wanted = list(fitting_cells(request, say))
+    if not wanted:
+        raise TeamformerError("no policy of those asked for fits any setting of those asked for")
+    code = code_stamp()
+    store.add(_authors_rows(request, code))
+    if {row.code for row in store.rows.values()} - {code}:
+        say(f"{store.folder}: holds rows that other versions of the code made; they are kept")
+    lots = list(_lots(request, wanted, store, code))
+    total = sum(len(request.seeds(setting)) for setting, _ in wanted)
+    missing = sum(len(lot.seeds) for lot in lots)
+    if 0 < missing < total:
+        say(f"{total - missing} of {total} trials are there already")
+    on_rows(total - missing, total)
+    for rows in engine(lots, request.workers):
+        store.add(rows)
+        missing -= len(rows)
+        on_rows(total - missing, total)
+    store.finish(_order(wanted))
+
+
+def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tuple[str, str]]:
+    """Yield every (setting, policy) that can be run; say which cannot, and why."""
+    listed = {listing.name for listing in POLICIES}
+    said: set[str] = set()
+    for setting, policy in cells(request.suite, request.policies, request.settings):
+        if policy in request.without:
+            continue
+        why = ""
+        if policy not in (*listed, AUTHORS) and not request.policies:
+            why = f"{policy}: not in this installation; skipped"
+        elif not fits(policy, setting):
+            why = f"{policy}: does not fit {setting}; skipped"
+        elif policy != AUTHORS:
+            ready_policy(policy, request.time_limit)  # an unknown name ends it here
+        if not why:
+            yield setting, policy
+        elif why not in said:
+            said.add(why)
+            say(why)
+
+
+def fits(policy: str, setting: str) -> bool:
+    """Say whether a policy made for a number of capabilities, `-c4`, can serve a setting."""
+    most = re.search(r"-c(\d+)$", policy)
+    return most is None or spec_of(setting).capabilities <= int(most[1])
+
+
+def _lots(
+    request: Request, wanted: Iterable[tuple[str, str]], store: Store, code: str
+) -> Iterator[Lot]:
+    """Yield what is still to be run; the first lot that meets a world works out its bars."""
+    known = {(row.setting, row.world_seed) for row in store.rows.values() if row.lower_bound}
+    for setting, policy in wanted:
+        lot = Lot(
+            request.suite.name,
+            setting,
+            policy,
+            (),
+            request.time_limit,
+            code,
+            worlds=request.worlds.get(setting),
+            rules=request.suite.rules,
+        )
+        alone = _goes_alone(policy, request)
+        groups: dict[tuple[bool, bool], list[int]] = defaultdict(list)
+        for place, seed in enumerate(request.seeds(setting)):
+            if (setting, policy, seed) not in store.rows:
+                groups[alone or place < TIMED, (setting, seed) not in known].append(seed)
+                known.add((setting, seed))
+        for (is_timed, bare), seeds in groups.items():
+            for some in _in_lots(seeds, _lot_size(setting, is_timed, alone)):
+                yield replace(lot, seeds=some, is_timed=is_timed, with_bars=bare)
+
+
+def _goes_alone(policy: str, request: Request) -> bool:
+    """Say whether trials must not share a batch: a planner's, and those of a user's own policy."""
+    is_listed = policy in {listing.name for listing in POLICIES}
+    return not is_listed or ready_policy(policy, request.time_limit).needs_everything
+
+
+def _lot_size(setting: str, is_timed: bool, alone: bool) -> int:
+    if alone:
+        return 1
+    if is_timed:
+        return TIMED_AT_ONCE
+    return max(1, min(MOST_SIDE_BY_SIDE, MOST_ROBOTS_SIDE_BY_SIDE // spec_of(setting).robots))
+
+
+def _in_lots(seeds: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
+    for begin in range(0, len(seeds), size):
+        yield tuple(seeds[begin : begin + size])
+
+
+def _authors_rows(request: Request, code: str) -> Iterator[Row]:
+    """Yield the makespans that come with the authors' worlds, as rows of their heuristic."""
+    for setting, path in request.worlds.items():
+        lot = Lot(request.suite.name, setting, AUTHORS, (), 0.0, code, worlds=path)
+        seeds = set(request.seeds(setting))
+        for world in read_worlds(path):
+            if world.seed in seeds:
+                yield known_row(lot, world.seed, world.scenario, world.heuristic)
+
+
+def _order(wanted: Sequence[tuple[str, str]]) -> Callable[[Row], tuple[int, str, str, int]]:
+    """Return what rows are put in order by: first as they were asked for."""
+    place = {cell: number for number, cell in enumerate(wanted)}
+
+    def key(row: Row) -> tuple[int, str, str, int]:
+        last = place.get((row.setting, row.policy), len(place))
+        return last, row.setting, row.policy, row.world_seed
+
+    return key
+
+
+@cache
+def code_stamp() -> str:
+    """Return a text that changes when the code, a suite or a shipped network does."""
+    root = Path(__file__).parents[1]
+    stamp = hashlib.sha256()
+    for path in sorted(root.rglob("*")):
+        if path.suffix in (".py", ".yaml", ".onnx"):
+            stamp.update(str(path.relative_to(root)).encode() + path.read_bytes())
+    return stamp.hexdigest()[:12]

@@ -1,0 +1,160 @@
+"""The folder of a benchmark: rows appended as they come, one benchmark at a time, resumable."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from teamformer.bench.rows import Key, Row, row_of, with_bars
+from teamformer.errors import TeamformerError
+from teamformer.scenarios.disk import read_text
+
+ROWS, BROKEN, ABOUT, LOCK = "rows.jsonl", "broken-rows.txt", "bench.json", ".lock"
+FORMAT = 1
+LARGEST_ROWS = 2_000_000_000  # bytes
+
+
+@dataclass(frozen=True)
+class About:
+    """What all rows of a folder have in common; trials and policies may be added later."""
+
+    suite: str
+    first_seed: int
+    time_limit: float
+    rules: dict[str, Any]
+    worlds: str = ""  # stamp of the files that worlds were read from
+    format: int = FORMAT
+
+
+class Store:
+    """Rows in a folder; use it in a `with` statement, which keeps others out.
+
+    Entering raises `TeamformerError` if the folder belongs to another benchmark or is in use.
+    Lines that are no rows are set aside into `broken-rows.txt`, and `say` is told.
+    """
+
+    def __init__(self, folder: Path, about: About, say: Callable[[str], None]) -> None:
+        self.folder = folder
+        self.rows: dict[Key, Row] = {}
+        self._about, self._say = about, say
+        self._lock = self._file = -1
+
+    def __enter__(self) -> Store:
+        self._lock = os.open(self.folder / LOCK, os.O_CREAT | os.O_RDWR, 0o644)
+        try:
+            self._begin()
+        except BaseException:
+            os.close(self._lock)
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        os.close(self._file)
+        os.close(self._lock)  # and with it the lock goes
+
+    def add(self, rows: Iterable[Row]) -> None:
+        """Append rows, each in one write; what was there already stays as it was."""
+        for row in rows:
+            if row.key not in self.rows:
+                self.rows[row.key] = row
+                _write_all(self._file, row.to_line().encode())
+
+    def finish(self, order: Callable[[Row], Any]) -> None:
+        """Put all rows in order, with best makespans and bounds filled in."""
+        rows = with_bars(sorted(self.rows.values(), key=order))
+        self.rows = {row.key: row for row in rows}
+        self._rewrite()
+
+    def _begin(self) -> None:
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            hint = "wait until it is done, or name another folder"
+            raise TeamformerError(f"{self.folder}: another bench is at work here", hint) from None
+        self._check_about()
+        if self._read_rows():
+            self._rewrite()
+        else:
+            self._open()
+
+    def _open(self) -> None:
+        flags = os.O_CREAT | os.O_WRONLY | os.O_APPEND
+        self._file = os.open(self.folder / ROWS, flags, 0o644)
+
+    def _check_about(self) -> None:
+        """Refuse a folder of another benchmark; sign one that is new."""
+        path, ours = self.folder / ABOUT, asdict(self._about)
+        if not path.exists():
+            if (self.folder / ROWS).exists():
+                what = f"{self.folder}: holds rows, but no {ABOUT} that says what they are"
+                raise TeamformerError(what, "name another folder")
+            _replace(path, json.dumps(ours, indent=1) + "\n")
+            return
+        try:
+            theirs = json.loads(read_text(path, 1_000_000))
+            differing = [key for key in ours if theirs.get(key) != ours[key]]
+        except (ValueError, AttributeError):
+            raise TeamformerError(f"{path}: cannot be understood", "name another folder") from None
+        if differing:
+            told = [f"{key} {theirs.get(key)!r}, not {ours[key]!r}" for key in differing]
+            what = f"{self.folder}: holds rows of another benchmark: {'; '.join(told)}"
+            raise TeamformerError(what, "name another folder, or ask for the same again")
+
+    def _read_rows(self) -> bool:
+        """Read the rows there are; return whether the file has to be put in order."""
+        path = self.folder / ROWS
+        if not path.exists():
+            return False
+        text = path.read_bytes().decode("utf-8", errors="replace")
+        lines = text.split("\n")
+        broken = []
+        for number, line in enumerate(lines, start=1):
+            row = row_of(line)
+            if row is not None:
+                self.rows.setdefault(row.key, row)
+            elif line:
+                broken.append((number, line))
+        if broken:
+            self._set_aside(broken)
+        return bool(broken) or not text.endswith("\n")
+
+    def _set_aside(self, broken: list[tuple[int, str]]) -> None:
+        path = self.folder / BROKEN
+        with path.open("a", encoding="utf-8") as file:
+            file.writelines(f"{ROWS}:{number}: {line}\n" for number, line in broken)
+        numbers = ", ".join(str(number) for number, _ in broken[:5])
+        more = f" and {len(broken) - 5} more" if len(broken) > 5 else ""
+        plural = "s" if len(broken) > 1 else ""
+        self._say(
+            f"{self.folder / ROWS}: line{plural} {numbers}{more} cannot be read; set aside into "
+            f"{path.name}, and the trial{plural} will be run again"
+        )
+
+    def _rewrite(self) -> None:
+        _replace(self.folder / ROWS, "".join(row.to_line() for row in self.rows.values()))
+        if self._file != -1:
+            os.close(self._file)
+        self._open()
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write a file such that there is always either the old one or all of the new one."""
+    draft = path.with_name(f".{path.name}.new")
+    with suppress(FileNotFoundError):
+        draft.unlink()
+    with draft.open("w", encoding="utf-8") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+    draft.replace(path)
+
+
+def _write_all(file: int, data: bytes) -> None:
+    while data:
+        data = data[os.write(file, data) :]

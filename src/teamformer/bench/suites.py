@@ -1,0 +1,157 @@
+"""Suites: which policies meet which settings under which rules, read from YAML files."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.scenarios.disk import read_text
+from teamformer.scenarios.reading import Reader
+from teamformer.scenarios.settings import spec_of
+from teamformer.scenarios.yaml_tree import parse
+
+LARGEST_FILE = 1_000_000  # bytes
+KEYS = ("about", "settings", "axes", "parts", "policies", "trials", "time_limit", "rules", "figure")
+RULES = ("order", "allocation", "forming_steps")
+FIGURES = ("bars", "curves", "none")
+
+
+@dataclass(frozen=True)
+class Suite:
+    """A cross product of settings and policies, or several of them (`parts`).
+
+    `policies` of a suite with parts run in each of their settings besides the parts' own. `rules`
+    are fields of every scenario. `axes` are the settings of each curve, by what grows along it.
+    `trials` and `time_limit` (seconds that a planner may take) hold unless the command line says
+    otherwise.
+    """
+
+    name: str
+    about: str
+    settings: tuple[str, ...] = ()
+    policies: tuple[str, ...] = ()
+    trials: int = 50
+    time_limit: float = 10.0
+    rules: Mapping[str, str | int] = field(default_factory=dict)
+    figure: str = "bars"
+    axes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    parts: tuple[Suite, ...] = ()
+
+    @property
+    def figures(self) -> tuple[Suite, ...]:
+        """Return the suites that are drawn: the parts, or this one."""
+        drawn = self.parts if self.figure != "none" else ()
+        return drawn or ((self,) if self.figure != "none" else ())
+
+
+def names_of_suites() -> list[str]:
+    """Return the suites that come with the package."""
+    folder = files("teamformer").joinpath("bench", "suites")
+    return sorted(file.name.removesuffix(".yaml") for file in folder.iterdir())
+
+
+def load_suite(name: str) -> Suite:
+    """Return a suite by its name, or from a file of the user's own that ends in .yaml.
+
+    Raises `TeamformerError` for an unknown name (with the nearest ones) and for what is wrong in
+    a file, by line.
+    """
+    if name.endswith((".yaml", ".yml")):
+        return _read(read_text(Path(name), LARGEST_FILE), Path(name).stem, name)
+    known = names_of_suites()
+    if name not in known:
+        near = difflib.get_close_matches(name, known)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(known)}"
+        raise TeamformerError(f"there is no suite '{name}'", f"{hint}; your own is a .yaml file")
+    file = files("teamformer").joinpath("bench", "suites", f"{name}.yaml")
+    return _read(file.read_text(encoding="utf-8"), name, f"{name}.yaml")
+
+
+def _read(text: str, name: str, source: str) -> Suite:
+    tree = parse(text)
+    reader = Reader(tree)
+    suite = None
+    if not tree.problems:
+        suite = _read_suite(reader, tree.value, name)
+    if suite is None or tree.problems:
+        found = sorted(tree.problems, key=lambda at: at[0])
+        lines = [f"{source}:{line}: {problem.message}" for line, problem in found]
+        raise ScenarioError([problem for _, problem in found], lines)
+    return suite
+
+
+def _read_suite(reader: Reader, value: Any, name: str) -> Suite:
+    said = reader.mapping((), value, dict.fromkeys(KEYS, False))
+    axes = {
+        axis: _settings(reader, ("axes", axis), part) for axis, part in said.get("axes", {}).items()
+    }
+    settings = _settings(reader, ("settings",), said.get("settings", []))
+    parts = tuple(load_suite(part) for part in reader.names(("parts",), said.get("parts", [])))
+    along_axes = (setting for axis in axes.values() for setting in axis)
+    of_parts = (setting for part in parts for setting in part.settings)
+    suite = Suite(
+        name=name,
+        about=reader.text(("about",), said.get("about", name)),
+        settings=tuple(dict.fromkeys((*settings, *along_axes, *of_parts))),
+        policies=tuple(reader.names(("policies",), said.get("policies", []))),
+        trials=reader.whole(("trials",), said.get("trials", Suite.trials), least=1),
+        time_limit=reader.number(("time_limit",), said.get("time_limit", Suite.time_limit)),
+        rules=_rules(reader, said.get("rules", {})),
+        figure=_figure(reader, said.get("figure", "curves" if axes else "bars")),
+        axes=axes,
+        parts=parts,
+    )
+    if not reader.tree.problems and not (suite.settings and (suite.policies or parts)):
+        reader.refuse((), "a suite needs settings and policies, or parts; add them")
+    return suite
+
+
+def _settings(reader: Reader, where: tuple[str, ...], value: Any) -> tuple[str, ...]:
+    names = reader.names(where, value)
+    for number, name in enumerate(names):
+        try:
+            spec_of(name)
+        except TeamformerError as error:
+            reader.refuse((*where, number), f"{error}; {error.hint}")
+    return tuple(names)
+
+
+def _rules(reader: Reader, value: Any) -> dict[str, str | int]:
+    rules = reader.mapping(("rules",), value, dict.fromkeys(RULES, False))
+    return {
+        key: reader.whole(("rules", key), part, 0)
+        if key == "forming_steps"
+        else reader.text(("rules", key), part)
+        for key, part in rules.items()
+    }
+
+
+def _figure(reader: Reader, value: Any) -> str:
+    figure = reader.text(("figure",), value)
+    if figure not in FIGURES:
+        reader.refuse(("figure",), f"figure is '{figure}'; write {' or '.join(FIGURES)}")
+    return figure
+
+
+def cells(
+    suite: Suite, policies: Sequence[str] = (), settings: Sequence[str] = ()
+) -> Iterator[tuple[str, str]]:
+    """Yield every (setting, policy) of a suite once.
+
+    `policies`, if given, stand in for those of the suite, in each of its settings; `settings`, if
+    given, are the only ones wanted.
+    """
+    listed = [
+        (setting, policy)
+        for part in suite.parts or (suite,)
+        for setting in part.settings
+        for policy in policies or (*suite.policies, *part.policies)
+    ]
+    for setting, policy in dict.fromkeys(listed):
+        if not settings or setting in settings:
+            yield setting, policy

@@ -1,0 +1,115 @@
+"""What the rows of each policy in each setting come to."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from teamformer.bench.rows import Row
+from teamformer.bench.statistics import Mean, mean_of, wilson
+
+BASELINES = ("heuristic", "join-all", "authors-heuristic")
+"""What every policy is compared with, world by world."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One policy in one setting.
+
+    `makespan` is over completed trials only, as the paper has it; `steps` over all, a failure
+    counting as its step limit. `against` holds, for each baseline, the difference of makespans
+    over the worlds that both completed. `inference` is the CPU time that deciding took in a trial,
+    `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
+    ratios of the makespan to the best known and to the lower bound of the same world, less one;
+    `to_list` is the difference to the list schedule. The last three hold averages for the worlds
+    of these trials.
+    """
+
+    setting: str
+    policy: str
+    trials: int
+    failures: int
+    makespan: Mean
+    steps: Mean
+    against: Mapping[str, Mean]
+    inference: Mean
+    waiting: Mean
+    to_best: Mean
+    to_bound: Mean
+    to_list: Mean
+    illegal: int
+    lower_bound: Mean
+    list_schedule: Mean
+    best_known: Mean
+    relaxed: Mean
+    proven: int  # worlds in which the planner's schedule was proven optimal
+
+    @property
+    def failure_interval(self) -> tuple[float, float]:
+        """Return the 95% interval of the failure rate."""
+        return wilson(self.failures, self.trials)
+
+
+def summarise(rows: Iterable[Row]) -> list[Summary]:
+    """Return a summary for each setting and policy, in the order in which the rows have them."""
+    cells: dict[tuple[str, str], list[Row]] = defaultdict(list)
+    for row in rows:
+        cells[row.setting, row.policy].append(row)
+    makespans = {
+        cell: {row.world_seed: row.makespan for row in cells[cell] if row.makespan is not None}
+        for cell in cells
+    }
+    return [
+        _summary(
+            cells[setting, policy],
+            {
+                bar: differences(makespans[setting, policy], makespans[setting, bar])
+                for bar in BASELINES
+                if bar != policy and (setting, bar) in makespans
+            },
+        )
+        for setting, policy in cells
+    ]
+
+
+def differences(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
+    """Return the mean of ours less theirs over the worlds that both have."""
+    return mean_of([ours[world] - theirs[world] for world in ours if world in theirs])
+
+
+def _summary(rows: Sequence[Row], against: Mapping[str, Mean]) -> Summary:
+    alone = [row for row in rows if row.side_by_side == 1]
+    done = [row for row in rows if row.makespan is not None]
+    return Summary(
+        setting=rows[0].setting,
+        policy=rows[0].policy,
+        trials=len(rows),
+        failures=len(rows) - len(done),
+        makespan=_mean(row.makespan for row in done),
+        steps=_mean(row.steps for row in rows),
+        against=against,
+        inference=_mean(row.decision_cpu_seconds for row in alone),
+        waiting=_mean(row.decision_seconds for row in alone),
+        to_best=_mean(_ratio(row.makespan, row.best_known) for row in done),
+        to_bound=_mean(_ratio(row.makespan, row.lower_bound) for row in done),
+        to_list=_mean(_difference(row.makespan, row.list_schedule) for row in done),
+        illegal=sum(row.illegal_decisions or 0 for row in rows),
+        lower_bound=_mean(row.lower_bound for row in rows),
+        list_schedule=_mean(row.list_schedule for row in rows),
+        best_known=_mean(row.best_known for row in rows),
+        relaxed=_mean(row.relaxed for row in rows),
+        proven=sum(row.relaxed is not None and row.relaxed == row.relaxed_bound for row in rows),
+    )
+
+
+def _mean(values: Iterable[float | None]) -> Mean:
+    return mean_of([value for value in values if value is not None])
+
+
+def _ratio(makespan: int | None, bar: int | None) -> float | None:
+    return makespan / bar - 1 if makespan is not None and bar else None
+
+
+def _difference(makespan: int | None, bar: int | None) -> float | None:
+    return makespan - bar if makespan is not None and bar is not None else None

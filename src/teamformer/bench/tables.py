@@ -1,0 +1,169 @@
+"""Summaries as tables: for the terminal, as Markdown and as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Sequence
+
+from teamformer.bench.statistics import Mean
+from teamformer.bench.summary import BASELINES, Summary
+
+HEADERS = (
+    "setting",
+    "policy",
+    "trials",
+    "makespan",
+    "failures",
+    "with failures",
+    "to heuristic",
+    "to join-all",
+    "inference, s",
+    "to best",
+    "to bound",
+)
+EXPLANATION = """\
+`makespan`: mean steps over completed trials ± standard error; `with failures`: over all trials, a
+failure counting as its step limit. `failures`: how many, and the 95% interval of the rate (Wilson).
+`to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
+interval (paired, Student's t). `inference`: CPU seconds that the policy takes in a whole trial,
+mean ± standard deviation, over trials that ran alone, one after the other, one thread each (the
+first 50 of a setting; all others share batches and are not timed). `to best`, `to bound`: how much
+longer than the best makespan known of each world, by whatever policy here, and than what is proven
+that no plan can beat.
+"""
+
+
+def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
+    """Return the cells of a table's row."""
+    low, high = summary.failure_interval
+    cells = {
+        "setting": summary.setting,
+        "policy": summary.policy,
+        "trials": str(summary.trials),
+        "makespan": plus_minus(summary.makespan, summary.makespan.error),
+        "failures": f"{summary.failures} ({100 * low:.1f}-{100 * high:.1f}%)",
+        "with failures": number(summary.steps.value),
+        "inference, s": seconds(summary.inference),
+        "to best": percent(summary.to_best),
+        "to bound": percent(summary.to_bound),
+    }
+    for bar in BASELINES:
+        difference = summary.against.get(bar)
+        cells[f"to {bar}"] = "" if difference is None else interval(difference)
+    return [cells[header] for header in headers]
+
+
+def headers_for(summaries: Sequence[Summary]) -> list[str]:
+    """Return the columns that have something in them."""
+    headers = list(HEADERS)
+    if any("authors-heuristic" in summary.against for summary in summaries):
+        headers.insert(headers.index("to join-all") + 1, "to authors-heuristic")
+    return headers
+
+
+def markdown(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table: the words to the left, the numbers to the right."""
+    is_text = ("setting", "policy", "claim")
+    lines = [_line(headers), _line(["---" if h in is_text else "---:" for h in headers])]
+    return "".join(f"{line}\n" for line in [*lines, *map(_line, rows)])
+
+
+def summary_markdown(summaries: Sequence[Summary]) -> str:
+    """Return the table of summaries with what its columns mean."""
+    headers = headers_for(summaries)
+    table = markdown(headers, [cells_of(summary, headers) for summary in summaries])
+    return f"{table}\n{EXPLANATION}"
+
+
+def summary_csv(summaries: Iterable[Summary]) -> str:
+    """Return all numbers of the summaries, one line each."""
+    text = io.StringIO()
+    lines = [_numbers(summary) for summary in summaries]
+    writer = csv.DictWriter(text, list(lines[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(lines)
+    return text.getvalue()
+
+
+def _numbers(summary: Summary) -> dict[str, str | int | float]:
+    low, high = summary.failure_interval
+    numbers: dict[str, str | int | float] = {
+        "setting": summary.setting,
+        "policy": summary.policy,
+        "trials": summary.trials,
+        "failures": summary.failures,
+        "failure_rate_low": low,
+        "failure_rate_high": high,
+        "makespan_mean": summary.makespan.value,
+        "makespan_error": summary.makespan.error,
+        "steps_mean_with_failures": summary.steps.value,
+        "illegal_decisions": summary.illegal,
+        "inference_cpu_seconds_mean": summary.inference.value,
+        "inference_cpu_seconds_deviation": summary.inference.deviation,
+        "inference_seconds_mean": summary.waiting.value,
+        "inference_seconds_deviation": summary.waiting.deviation,
+        "timed_trials": summary.inference.count,
+        "to_best_known": summary.to_best.value,
+        "to_lower_bound": summary.to_bound.value,
+        "lower_bound_mean": summary.lower_bound.value,
+        "best_known_mean": summary.best_known.value,
+        "list_schedule_mean": summary.list_schedule.value,
+        "relaxed_mean": summary.relaxed.value,
+        "relaxed_proven": summary.proven,
+    }
+    for bar in BASELINES:
+        difference = summary.against.get(bar)
+        numbers |= {
+            f"{bar}_difference": difference.value if difference else "",
+            f"{bar}_half_width": difference.half_width if difference else "",
+            f"{bar}_pairs": difference.count if difference else "",
+        }
+    return {key: _blank(value) for key, value in numbers.items()}
+
+
+def _blank(value: str | int | float) -> str | int | float:
+    if not isinstance(value, float):
+        return value
+    return "" if math.isnan(value) else round(value, 6)
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def number(value: float) -> str:
+    """Return a number with one decimal; nothing for what is not known."""
+    return "" if math.isnan(value) else f"{value:.1f}"
+
+
+def plus_minus(mean: Mean, spread: float) -> str:
+    """Return a mean and its spread."""
+    return number(mean.value) + ("" if math.isnan(spread) else f" ± {spread:.1f}")
+
+
+def interval(difference: Mean) -> str:
+    """Return a difference with its 95% interval."""
+    if difference.count == 0:
+        return ""
+    value, reach = difference.value, difference.half_width
+    if math.isnan(reach):
+        return f"{value:+.1f}"
+    return f"{value:+.1f} ({value - reach:+.1f} to {value + reach:+.1f})"
+
+
+def percent(mean: Mean) -> str:
+    """Return a share as percent."""
+    return "" if math.isnan(mean.value) else f"{100 * mean.value:+.0f}%"
+
+
+def seconds(mean: Mean) -> str:
+    """Return a time with its standard deviation, three digits of it."""
+    if math.isnan(mean.value):
+        return ""
+    digits = 3 if mean.value < 1 else 2
+    if mean.value < 0.01:
+        digits = 4
+    spread = "" if math.isnan(mean.deviation) else f" ± {mean.deviation:.{digits}f}"
+    return f"{mean.value:.{digits}f}{spread}"

@@ -1,0 +1,57 @@
+"""Test settings by name: `20N100T-C4` is 20 robots, 100 tasks and 4 capabilities.
+
+`-R10` fixes the requirements of each task, `4N20+20T` has 20 tasks more that appear together,
+`-tsp` or `-nn` says how these come into the order (a new tour, or after the nearest task), and
+`-30x30` sets the grid. Without it the grid is the paper's: 10 x 10, from 100 robots or tasks on
+20 x 20 (Boehme and Hollinger, ICRA 2026, section V).
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from teamformer.errors import TeamformerError
+from teamformer.model import Grid, Scenario
+from teamformer.scenarios.generate import Spec, generate
+
+NAME = re.compile(
+    r"(?P<robots>\d+)N(?P<tasks>\d+)(\+(?P<late_tasks>\d+))?T-C(?P<capabilities>\d+)"
+    r"(-R(?P<requirements>\d+))?(-(?P<width>\d+)x(?P<height>\d+))?(-(?P<insertion>tsp|nn))?"
+)
+INSERTIONS = {"tsp": "resolve", "nn": "nearest"}
+MANY = 100
+"""So many robots or tasks take the larger grid."""
+
+TEST = 3
+"""First number of the seeds of test worlds; training uses the lower ones."""
+
+
+def spec_of(setting: str) -> Spec:
+    """Return what a setting generates; an impossible name raises `TeamformerError`."""
+    match = NAME.fullmatch(setting)
+    if match is None:
+        hint = "write for example 4N20T-C4, 100N20T-C100-R10, 4N20+20T-C4-nn or 8N20T-C4-30x30"
+        raise TeamformerError(f"'{setting}' is no setting", hint)
+    said = {key: int(text) for key, text in match.groupdict("0").items() if text.isdigit()}
+    side = 20 if max(said["robots"], said["tasks"]) >= MANY else 10
+    return Spec(
+        robots=said["robots"],
+        tasks=said["tasks"],
+        capabilities=said["capabilities"],
+        requirements=said["requirements"] or None,
+        world=Grid(said["width"] or side, said["height"] or side),
+        late_tasks=said["late_tasks"],
+        new_tasks=INSERTIONS[match["insertion"] or "tsp"],
+    )
+
+
+def world_of(setting: str, world_seed: int) -> Scenario:
+    """Return a test world of a setting; the same seed gives the same one everywhere.
+
+    Settings that differ only in how late tasks are inserted have the same worlds.
+    """
+    name = re.sub("-(tsp|nn)$", "", setting)
+    rng = np.random.default_rng([TEST, world_seed, *name.encode()])
+    return generate(spec_of(setting), rng, f"{setting}, world {world_seed}")

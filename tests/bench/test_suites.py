@@ -1,0 +1,107 @@
+"""Suites as data: what ships, what a user's own may say, what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from teamformer.bench.suites import cells, load_suite, names_of_suites
+from teamformer.errors import TeamformerError
+
+SHIPPED = [
+    "authors",
+    "fig3",
+    "fig4a",
+    "fig4b",
+    "fig5a",
+    "fig5b",
+    "fig6",
+    "fig9",
+    "fleet",
+    "paper",
+    "scale",
+    "table1",
+]
+
+PAPER_SETTINGS = [
+    "4N4T-C4",
+    "4N20T-C4",
+    "20N100T-C4",
+    "8N20T-C8",
+    "24N100T-C8",
+    "100N20T-C100-R10",
+    "100N20T-C100-R20",
+    "100N20T-C100-R50",
+    "100N20T-C100-R90",
+    "4N20+20T-C4-tsp",
+    "4N20+20T-C4-nn",
+]
+
+
+def test_every_suite_that_ships_can_be_read() -> None:
+    assert names_of_suites() == SHIPPED
+    for name in SHIPPED:
+        suite = load_suite(name)
+        assert suite.settings
+        assert list(cells(suite))
+
+
+def test_the_paper_is_its_figures() -> None:
+    suite = load_suite("paper")
+    assert list(suite.settings) == PAPER_SETTINGS
+    assert [part.name for part in suite.figures] == SHIPPED[1:8]
+    assert ("8N20T-C8", "gnn-c8") in cells(suite)
+    assert ("8N20T-C8", "gnn-c4") not in cells(suite)
+    assert ("4N20+20T-C4-nn", "central") not in cells(suite)  # nobody can plan for what appears
+
+
+def test_the_paper_s_suites_keep_the_paper_s_rules() -> None:
+    for name in set(SHIPPED) - {"fleet"}:
+        assert load_suite(name).rules == {"order": "tsp", "allocation": "paper"}
+    assert load_suite("fleet").rules == {}
+
+
+def test_policies_and_settings_can_be_chosen() -> None:
+    suite = load_suite("fig6")
+    assert list(cells(suite, ["join-all"], ["100N20T-C100-R20", "100N20T-C100-R50"])) == [
+        ("100N20T-C100-R20", "join-all"),
+        ("100N20T-C100-R50", "join-all"),
+    ]
+    assert len(list(cells(suite))) == 4 * 5
+
+
+def test_an_unknown_name_is_told_the_nearest() -> None:
+    with pytest.raises(TeamformerError) as refused:
+        load_suite("fig4")
+    assert "fig4a" in refused.value.hint
+    assert "fig4b" in refused.value.hint
+
+
+def test_a_suite_of_one_s_own(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text("settings: [6N5T-C3, 6N5T-C3-R2]\npolicies: [join-all]\ntrials: 7\n")
+    suite = load_suite(str(path))
+    assert suite.name == "mine"
+    assert suite.trials == 7
+    assert list(cells(suite)) == [("6N5T-C3", "join-all"), ("6N5T-C3-R2", "join-all")]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("settings: [4N4T-C4]\npolices: [a]\n", "mine.yaml:2: the file has no key 'polices'"),
+        ("settings: [4N]\npolicies: [a]\n", "mine.yaml:1: '4N' is no setting"),
+        ("settings: [4N4T-C4-R5]\npolicies: [a]\n", "mine.yaml:1: requirements is 5"),
+        ("settings: [4N4T-C4]\npolicies: [a]\ntrials: 0\n", "mine.yaml:3: trials is 0"),
+        ("settings: [4N4T-C4]\npolicies: [a]\nfigure: pie\n", "mine.yaml:3: figure is 'pie'"),
+        ("about: nothing\n", "needs settings and policies"),
+        ("[]\n", "the file is a list"),
+    ],
+)
+def test_what_is_wrong_is_told_by_line(tmp_path: Path, text: str, told: str) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    with pytest.raises(TeamformerError) as refused:
+        load_suite(str(path))
+    assert told in str(refused.value)

@@ -18,6 +18,8 @@ from teamformer.scenarios.yaml_tree import parse
 LARGEST_FILE = 1_000_000  # bytes
 KEYS = ("about", "settings", "axes", "parts", "policies", "trials", "time_limit", "rules", "figure")
 RULES = ("order", "allocation", "forming_steps")
+OTHERS = ("speed", "robotarium")
+"""Measured by code of their own."""
 FIGURES = ("bars", "curves", "none")
 
 
@@ -65,8 +67,10 @@ def load_suite(name: str) -> Suite:
         return _read(read_text(Path(name), LARGEST_FILE), Path(name).stem, name)
     known = names_of_suites()
     if name not in known:
+        known += OTHERS
         near = difflib.get_close_matches(name, known)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(known)}"
+        hint = "did you mean " + " or ".join(f"'{one}'" for one in near) + "?"
+        hint = hint if near else f"there are {', '.join(known)}"
         raise TeamformerError(f"there is no suite '{name}'", f"{hint}; your own is a .yaml file")
     file = files("teamformer").joinpath("bench", "suites", f"{name}.yaml")
     return _read(file.read_text(encoding="utf-8"), name, f"{name}.yaml")

@@ -32,7 +32,7 @@ def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
     for listing in listings:
         if listing.name == name:
             return _instance(listing.where)
-    if Path(name).is_dir():
+    if name and Path(name).is_dir():
         from teamformer.policies.trained import load_trained  # brings all that networks need
 
         return load_trained(Path(name))

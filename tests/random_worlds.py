@@ -5,34 +5,42 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.errors import ScenarioError
-from teamformer.model import BLOCKED, FREE, Grid, Robot, Scenario, Task
+from teamformer.model import BLOCKED, FREE, Grid, Place, Robot, Scenario, Task, World
+from teamformer.plane import Plane
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 
 
 def random_world(
-    rng: np.random.Generator, with_losses: bool = True, with_arrivals: bool = True
+    rng: np.random.Generator,
+    with_losses: bool = True,
+    with_arrivals: bool = True,
+    is_plane: bool = False,
 ) -> Scenario:
-    """Return a small possible world with walls, counts, durations, radii, late tasks, losses."""
+    """Return a small possible world with walls, counts, durations, radii, late tasks, losses.
+
+    On a plane some places are hardly more than the arrival radius apart.
+    """
     while True:
         try:
-            return _draw(rng, with_losses, with_arrivals)
+            return _draw(rng, with_losses, with_arrivals, is_plane)
         except ScenarioError:  # an island, or a task too hard: draw another
             continue
 
 
-def _draw(rng: np.random.Generator, with_losses: bool, with_arrivals: bool) -> Scenario:
-    grid = _grid(rng)
-    free = [(x, y) for y in range(grid.height) for x in range(grid.width) if grid.is_free((x, y))]
+def _draw(
+    rng: np.random.Generator, with_losses: bool, with_arrivals: bool, is_plane: bool
+) -> Scenario:
+    world: World = _plane(rng) if is_plane else _grid(rng)
+    free = _points(world, rng) if isinstance(world, Plane) else _free_cells(world)
     caps = tuple(f"c{i}" for i in range(rng.integers(1, 5)))
 
     def counts() -> dict[str, int]:
         chosen = rng.choice(caps, rng.integers(1, min(3, len(caps)) + 1), replace=False)
         return {str(c): int(rng.choice([1, 1, 1, 2])) for c in chosen}
 
-    def place() -> tuple[int, int]:
-        x, y = free[rng.integers(len(free))]
-        return x, y
+    def place() -> Place:
+        return free[rng.integers(len(free))]
 
     home, robots = place(), []
     together = rng.random() < 0.6
@@ -47,7 +55,7 @@ def _draw(rng: np.random.Generator, with_losses: bool, with_arrivals: bool) -> S
     sensing = float(rng.choice([0, 1, 1, 2.5, np.inf]))
     return Scenario(
         "random",
-        grid,
+        world,
         caps,
         tuple(robots),
         tuple(tasks),
@@ -57,6 +65,29 @@ def _draw(rng: np.random.Generator, with_losses: bool, with_arrivals: bool) -> S
         forming_steps=int(rng.integers(0, 2)),
         new_tasks=str(rng.choice(["resolve", "nearest"])),
     )
+
+
+def _free_cells(grid: Grid) -> list[Place]:
+    cells = ((x, y) for y in range(grid.height) for x in range(grid.width))
+    return [cell for cell in cells if grid.is_free(cell)]
+
+
+def _plane(rng: np.random.Generator) -> Plane:
+    width, height = (float(side) for side in rng.uniform(0.3, 6.0, size=2).round(2))
+    return Plane(
+        width,
+        height,
+        step=float(rng.choice([1.0, 0.5, 0.2])),
+        arrival_radius=float(rng.choice([0.05, 0.05, 0.2, 0.0])),
+    )
+
+
+def _points(plane: Plane, rng: np.random.Generator) -> list[Place]:
+    """Return points anywhere, and beside half of them one that is nearly in the same place."""
+    points = rng.uniform((0, 0), plane.corner, size=(8, 2))
+    beside = points[:4] + rng.uniform(-1.2, 1.2, size=(4, 2)) * plane.arrival_radius
+    inside = np.clip(np.concatenate([points, beside]), 0, plane.corner).round(3)
+    return [(float(x), float(y)) for x, y in inside]
 
 
 def _grid(rng: np.random.Generator) -> Grid:

@@ -14,7 +14,7 @@ import teamformer
 
 ROOT = Path(teamformer.__file__).parent
 
-CORE = {"errors", "model", "capabilities", "regions", "jit"}
+CORE = {"errors", "model", "capabilities", "plane", "regions", "jit"}
 SEES = {
     "core": CORE,
     "scenarios": CORE,

@@ -11,10 +11,11 @@ from typing import Literal
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem, ScenarioError
+from teamformer.plane import Plane
 from teamformer.regions import Regions, find_regions, flood
 
-Place = tuple[int, int]
-"""A cell, as `(x, y)`."""
+Place = tuple[float, float]
+"""A cell of a grid, two whole numbers, or a point of a plane in metres: `(x, y)`."""
 
 MOST_WALKING = 10**6
 MOST_WAITING = 10**9
@@ -40,6 +41,15 @@ class Grid:
     rows: tuple[str, ...] = ()
     y_axis: Literal["up", "down"] = "up"
 
+    @property
+    def corner(self) -> Place:
+        """Return the place with the largest coordinates."""
+        return self.width - 1, self.height - 1
+
+    def pace(self, speed: float) -> float:
+        """Return the cells that a robot of so many cells a step walks in a step."""
+        return speed
+
     def is_inside(self, place: Place) -> bool:
         """Say whether a place is on the map at all."""
         x, y = place
@@ -47,8 +57,9 @@ class Grid:
 
     def is_free(self, place: Place) -> bool:
         """Say whether a robot can be at a place."""
-        x, y = place
-        return self.is_inside(place) and (not self.rows or self.rows[y][x] == FREE)
+        if not self.is_inside(place):
+            return False
+        return not self.rows or self.rows[int(place[1])][int(place[0])] == FREE
 
     def neighbours(self, place: Place) -> Iterator[Place]:
         """Return the free cells that one step leads to."""
@@ -74,15 +85,18 @@ class Grid:
 
     def region(self, place: Place) -> int:
         """Return the connected part that a free place lies in; without obstacles there is one."""
-        return self.regions.number(*place) if self.rows else 0
+        return self.regions.number(int(place[0]), int(place[1])) if self.rows else 0
+
+
+World = Grid | Plane
 
 
 @dataclass(frozen=True)
 class Robot:
     """A robot: where it starts, what it can do, how fast it is.
 
-    `speed` is in cells a step. `lost` is the step from which the robot counts for nothing
-    (the first step of a trial is step 1); None means never.
+    `speed` is in cells a step, on a plane in metres a second. `lost` is the step from which the
+    robot counts for nothing (the first step of a trial is step 1); None means never.
     """
 
     name: str
@@ -112,12 +126,13 @@ class Scenario:
     """A world with its robots, tasks and rules: what a scenario file holds.
 
     `teams` are the starting teams, as robot numbers; robots named in none start alone.
-    Distances (`sensing_radius`, `join_radius`) are Euclidean, in cells. Building an impossible
-    scenario raises `ScenarioError` with every problem found.
+    Distances (`sensing_radius`, `join_radius`) are Euclidean, in cells or, on a plane, in metres;
+    teams in the same place sense and may join one another, however small they are. Building an
+    impossible scenario raises `ScenarioError` with every problem found.
     """
 
     name: str
-    world: Grid
+    world: World
     capabilities: tuple[str, ...]
     robots: tuple[Robot, ...]
     tasks: tuple[Task, ...]
@@ -155,20 +170,28 @@ def default_step_limit(scenario: Scenario) -> int:
 
     They are walked by the slowest robot; every duration and the latest arrival are added.
     """
-    slowest = min(robot.speed for robot in scenario.robots)
+    slowest = min(scenario.world.pace(robot.speed) for robot in scenario.robots)
     walks = 4 * (len(scenario.tasks) + 1) * _longest_walk(scenario)
     waits = sum(task.duration for task in scenario.tasks)
     latest = max(task.appears for task in scenario.tasks)
-    return min(math.ceil(walks / slowest), MOST_WALKING) + min(waits + latest, MOST_WAITING)
+    steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(waits + latest, MOST_WAITING)
+    return steps + _forming_time(scenario)
 
 
-def _longest_walk(scenario: Scenario) -> int:
-    """Return steps that suffice between any two cells that a robot can walk between."""
+def _forming_time(scenario: Scenario) -> int:
+    """Return steps for forming on a plane, where walks may be shorter than what forming takes."""
+    if isinstance(scenario.world, Grid):
+        return 0
+    return 4 * (len(scenario.tasks) + 1) * len(scenario.robots)
+
+
+def _longest_walk(scenario: Scenario) -> float:
+    """Return a length that suffices between any two places that a robot can walk between."""
     world = scenario.world
     across = world.width + world.height
     if not world.rows:
         return across
-    begins = {world.region(robot.at): robot.at for robot in scenario.robots}
+    begins = {world.region(r.at): (int(r.at[0]), int(r.at[1])) for r in scenario.robots}
     return 2 * max(across, flood(world.rows, FREE, begins.values()))  # there and back
 
 
@@ -185,7 +208,10 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
     yield from _problems_of_tasks(scenario, places_are_good=not spatial)
 
 
-def _problems_of_world(world: Grid) -> Iterator[Problem]:
+def _problems_of_world(world: World) -> Iterator[Problem]:
+    if isinstance(world, Plane):
+        yield from (Problem(("world",), message) for message in world.problems())
+        return
     if world.width < 1 or world.height < 1:
         size = f"{world.width} x {world.height}"
         yield Problem(("world",), f"the grid is {size}; make it 1 x 1 or more")
@@ -245,10 +271,11 @@ def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
             where, what = (key, number, "at"), f"{key[:-1]} '{thing.name}'"
             x, y = thing.at
             if not world.is_inside(thing.at):
+                last_x, last_y = world.corner
                 yield Problem(
                     where,
                     f"{what} is at [{x}, {y}], outside the map; "
-                    f"x goes from 0 to {world.width - 1} and y from 0 to {world.height - 1}",
+                    f"x goes from 0 to {last_x} and y from 0 to {last_y}",
                 )
             elif not world.is_free(thing.at):
                 yield Problem(where, f"{what} is at [{x}, {y}], inside an obstacle; move it")

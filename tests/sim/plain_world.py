@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from teamformer.model import Grid, Place, Scenario
+from teamformer.plane import Plane
 
 NEVER = 10**9
 
@@ -22,6 +23,11 @@ def walk(grid: Grid, goal: Place) -> dict[Place, int]:
                 away[beside] = away[cell] + 1
                 frontier.append(beside)
     return away
+
+
+def apart_squared(one: Place, other: Place) -> float:
+    away_x, away_y = one[0] - other[0], one[1] - other[1]
+    return away_x * away_x + away_y * away_y
 
 
 @dataclass
@@ -43,7 +49,11 @@ class PlainWorld:
         self.steps = 0
         self.done: dict[int, int] = {}
         self.open = [k for k, task in enumerate(scenario.tasks) if task.appears == 0]
-        self.fields = [walk(scenario.world, task.at) for task in scenario.tasks]
+        world = scenario.world
+        self.here = world.arrival_radius if isinstance(world, Plane) else 0.0
+        self.fields = (
+            [walk(world, task.at) for task in scenario.tasks] if isinstance(world, Grid) else []
+        )
         self.teams = {
             team[0]: PlainTeam(list(team), scenario.robots[team[0]].at)
             for team in scenario.starting_teams
@@ -61,7 +71,15 @@ class PlainWorld:
         return [self.s.tasks[task].needs.get(c, 0) for c in self.s.capabilities]
 
     def travel(self, at: Place, task: int) -> int:
+        if not self.fields:
+            return self.micrometres(at, self.s.tasks[task].at)
         return self.fields[task].get(at, NEVER)
+
+    def micrometres(self, one: Place, other: Place) -> int:
+        return round(math.dist(one, other) * 1e6)
+
+    def is_same(self, one: Place, other: Place) -> bool:
+        return apart_squared(one, other) <= self.here**2
 
     # One step. `wanted` is a list of counts for each slot; `order` is the shared order.
 
@@ -117,8 +135,9 @@ class PlainWorld:
         team = self.teams[slot]
         found = []
         for other_slot, other in self.teams.items():
-            away = math.dist(team.at, other.at)
-            if other_slot == slot or other.serving or away > self.s.join_radius:
+            away = apart_squared(team.at, other.at)
+            reach = max(self.s.join_radius, self.here)
+            if other_slot == slot or other.serving or away > reach**2:
                 continue
             if self.sum_of(team.robots + other.robots) == want:
                 shares = team.task is not None and team.task == other.task
@@ -141,7 +160,7 @@ class PlainWorld:
                 continue
             if partner in gone or self.teams[partner].formed:
                 continue
-            if self.teams[slot].at == self.teams[partner].at:
+            if self.is_same(self.teams[slot].at, self.teams[partner].at):
                 gone.add(max(slot, partner))
                 self.unite(slot, partner, order_rank=self.rank)
             else:
@@ -155,7 +174,11 @@ class PlainWorld:
         if not (any_free or one.is_detour or other.is_detour):
             task = min(one.task, other.task, key=lambda k: order_rank[k])
         robots = sorted(one.robots + other.robots)
-        self.teams[robots[0]] = PlainTeam(robots, one.at, task, formed=True)
+        at = other.at
+        if task is not None:
+            goal = self.s.tasks[task].at
+            at = min(other.at, one.at, key=lambda place: apart_squared(place, goal))
+        self.teams[robots[0]] = PlainTeam(robots, at, task, formed=True)
         self.joins += 1
 
     @property
@@ -186,7 +209,8 @@ class PlainWorld:
         team = self.teams[slot]
         helpers: list[int] = []
         for other_slot, other in self.teams.items():
-            senses = math.dist(team.at, other.at) <= self.s.sensing_radius
+            sensing = max(self.s.sensing_radius, self.here)
+            senses = apart_squared(team.at, other.at) <= sensing**2
             if other_slot != slot and senses and other.task == task:
                 mine = (self.travel(team.at, task), slot)
                 if (self.travel(other.at, task), other_slot) < mine:
@@ -210,7 +234,10 @@ class PlainWorld:
     def tour(self, places: list[Place]) -> int:
         length = 0
         for here, there in pairwise(places):
-            length += walk(self.s.world, there).get(here, 2**30)
+            if isinstance(self.s.world, Plane):
+                length += self.micrometres(here, there)
+            else:
+                length += walk(self.s.world, there).get(here, 2**30)
         return length
 
     def move(self, walkers: dict[int, int]) -> None:
@@ -229,10 +256,19 @@ class PlainWorld:
             other_slot = next(s for s, t in self.teams.items() if partner in t.robots)
             other = self.teams[other_slot]
             self.walk_towards(team, other.at)
-            if not waits and not other.formed and team.at == other.at:
+            if not waits and not other.formed and self.is_same(team.at, other.at):
                 self.unite(slot, other_slot, self.rank)
 
     def walk_towards(self, team: PlainTeam, goal: Place) -> None:
+        if isinstance(self.s.world, Plane):
+            pace = self.s.world.step * min(self.s.robots[r].speed for r in team.robots)
+            away, (x, y) = math.dist(team.at, goal), team.at
+            to = goal
+            if away > pace + 1e-9:
+                to = (x + (goal[0] - x) * pace / away, y + (goal[1] - y) * pace / away)
+                to = (round(to[0] * 1e6) / 1e6, round(to[1] * 1e6) / 1e6)
+            team.at = to
+            return
         away = walk(self.s.world, goal)
         if team.at not in away or away[team.at] == 0:
             team.credit = 0.0
@@ -269,7 +305,7 @@ class PlainWorld:
         for _, team in sorted(self.teams.items()):
             for task in sorted(team.serving):
                 team.serving[task] -= 1
-                if not self.covers(self.has(team), task):
+                if not (self.covers(self.has(team), task) and self.is_at(team, task)):
                     del team.serving[task]
                 elif team.serving[task] == 0:
                     del team.serving[task]
@@ -277,13 +313,15 @@ class PlainWorld:
         for _, team in sorted(self.teams.items()):
             for task in sorted(self.open):
                 is_free = not any(task in t.serving for t in self.teams.values())
-                here = team.at == self.s.tasks[task].at
-                if here and is_free and self.covers(self.has(team), task):
+                if self.is_at(team, task) and is_free and self.covers(self.has(team), task):
                     if self.s.tasks[task].duration == 0:
                         self.finish(task, step)
                     else:
                         team.serving[task] = self.s.tasks[task].duration
                         team.credit = 0.0
+
+    def is_at(self, team: PlainTeam, task: int) -> bool:
+        return self.is_same(team.at, self.s.tasks[task].at)
 
     def finish(self, task: int, step: int) -> None:
         self.done[task] = step

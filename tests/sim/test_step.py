@@ -22,7 +22,7 @@ def compare(env: TeamFormation, twin: PlainWorld) -> None:
     for slot, team in twin.teams.items():
         record = teams[slot]
         assert np.flatnonzero(env.worlds.robots["team"][0] == slot).tolist() == team.robots
-        assert (int(record["x"]), int(record["y"])) == team.at
+        assert (record["x"], record["y"]) == team.at
         assert record["task"] == (NOBODY if team.task is None else team.task)
         assert bool(record["is_detour"]) == team.is_detour
         assert record["serves"] == len(team.serving)
@@ -43,11 +43,12 @@ def wanted_by_slot(view: View, decision: Decision) -> dict[int, list[int]]:
     return dict(zip(view.slot.tolist(), decision.wanted.tolist(), strict=True))
 
 
+@pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
 @pytest.mark.parametrize("part", range(4))
-def test_step_is_what_the_plain_twin_does(part: int) -> None:
+def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
     rng = np.random.default_rng(part)
     for _ in range(100):
-        scenario = random_world(rng)
+        scenario = random_world(rng, is_plane=is_plane)
         env, twin = TeamFormation([scenario]), PlainWorld(scenario)
         twin.order = shared_order(env)
         compare(env, twin)
@@ -81,7 +82,7 @@ def check_promises(env: TeamFormation, was_done: np.ndarray) -> None:
             assert len(members) == sizes[slot]
             assert (worlds.has[w, slot] == worlds.brings[w, members].sum(axis=0)).all()
             team = worlds.teams[w, slot]
-            assert env.scenarios[w].world.is_free((int(team["x"]), int(team["y"])))
+            assert env.scenarios[w].world.is_free((float(team["x"]), float(team["y"])))
     done = worlds.tasks["done_at"] != NOBODY
     assert (done | ~was_done).all()
     assert not (done & worlds.tasks["is_open"]).any()
@@ -90,7 +91,7 @@ def check_promises(env: TeamFormation, was_done: np.ndarray) -> None:
 
 def test_worlds_keep_their_promises_under_random_decisions() -> None:
     rng = np.random.default_rng(7)
-    env = TeamFormation([random_world(rng) for _ in range(150)])
+    env = TeamFormation([random_world(rng, is_plane=w % 3 == 0) for w in range(150)])
     was_done = env.worlds.tasks["done_at"] != NOBODY
     for _ in range(40):
         env.step(random_decision(env.view(), rng))
@@ -104,17 +105,23 @@ def test_nothing_blocks_whatever_happened_before(policy: Policy) -> None:
     assert blocked_worlds(policy, count=2500, seed=11) == []
 
 
+@pytest.mark.parametrize("policy", [Heuristic(), JoinAll()], ids=["heuristic", "join-all"])
+def test_nothing_blocks_on_planes(policy: Policy) -> None:
+    assert blocked_worlds(policy, count=500, seed=13, is_plane=True) == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("policy", [Heuristic(), JoinAll()], ids=["heuristic", "join-all"])
 def test_nothing_blocks_in_ten_thousand_worlds(policy: Policy) -> None:
     assert blocked_worlds(policy, count=10_000, seed=12) == []
+    assert blocked_worlds(policy, count=5000, seed=14, is_plane=True) == []
 
 
-def blocked_worlds(policy: Policy, count: int, seed: int) -> list[Scenario]:
+def blocked_worlds(policy: Policy, count: int, seed: int, is_plane: bool = False) -> list[Scenario]:
     rng = np.random.default_rng(seed)
     blocked = []
     for _ in range(count // 500):
-        env = TeamFormation([random_world(rng) for _ in range(500)])
+        env = TeamFormation([random_world(rng, is_plane=is_plane) for _ in range(500)])
         for _ in range(int(rng.integers(0, 25))):
             if env.is_running.any():
                 env.step(random_decision(env.view(), rng))
@@ -128,7 +135,7 @@ def blocked_worlds(policy: Policy, count: int, seed: int) -> list[Scenario]:
 
 def test_threads_and_batches_change_nothing() -> None:
     rng = np.random.default_rng(3)
-    scenarios = [random_world(rng) for _ in range(37)]
+    scenarios = [random_world(rng, is_plane=w % 3 == 0) for w in range(37)]
     batch, threaded = TeamFormation(scenarios), TeamFormation(scenarios, threads=4)
     alone = [TeamFormation([scenario]) for scenario in scenarios]
     policy = JoinAll()
@@ -147,7 +154,7 @@ def test_threads_and_batches_change_nothing() -> None:
 
 def test_reset_brings_the_start_back() -> None:
     rng = np.random.default_rng(4)
-    env = TeamFormation([random_world(rng) for _ in range(20)])
+    env = TeamFormation([random_world(rng, is_plane=w % 3 == 0) for w in range(20)])
     policy = JoinAll()
 
     def play() -> list[object]:

@@ -59,9 +59,8 @@ def _worlds(count: int, robots: int, tasks: int, side: int, caps: int) -> list[S
 def _spread_out(scenario: Scenario) -> Scenario:
     """Put the robots anywhere: a crowd at one point would cost by its density, not its size."""
     rng = np.random.default_rng(1)
-    places = rng.integers(
-        (scenario.world.width, scenario.world.height), size=(len(scenario.robots), 2)
-    )
+    side = int(scenario.world.width)
+    places = rng.integers(side, size=(len(scenario.robots), 2))
     robots = [
         replace(r, at=(int(x), int(y))) for r, (x, y) in zip(scenario.robots, places, strict=True)
     ]

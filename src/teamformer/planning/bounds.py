@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.jit import entry
 from teamformer.model import Scenario
 from teamformer.planning.paths import LARGEST_EXACT, Times, bound_paths, shortest_path, span
 from teamformer.planning.relaxed import FAR, NOBODY, Relaxed, relax
@@ -115,9 +116,20 @@ def _one_for_each_place(problem: Relaxed, tasks: Numbers, start: Numbers) -> Num
     """Keep the task that ends last of those in one place."""
     by_end = tasks[np.argsort(-(start + problem.duration)[tasks], kind="stable")]
     is_same = problem.cells[np.ix_(by_end, by_end)] == 0  # (tasks, tasks)
-    first_here = is_same.argmax(axis=1)  # (tasks,)
-    kept: Numbers = by_end[np.unique(first_here)]
+    kept: Numbers = by_end[_are_apart(is_same)]
     return kept
+
+
+@entry
+def _are_apart(is_same):  # type: ignore[no-untyped-def]
+    """Choose, in turn, what is not in the same place as anything chosen before, as (tasks,) bool.
+
+    On a plane one place may touch two that do not touch each other.
+    """
+    is_chosen = np.zeros(len(is_same), np.bool_)
+    for task in range(len(is_same)):
+        is_chosen[task] = not (is_same[task] & is_chosen).any()
+    return is_chosen
 
 
 def _legs(problem: Relaxed, robots: Numbers, tasks: Numbers) -> tuple[Times, float]:

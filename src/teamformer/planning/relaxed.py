@@ -5,6 +5,10 @@ and not before every robot of its crew is there; it ends `duration` steps later,
 until then. A crew is any set of robots that together have what the task needs. A robot that stays
 in one place may serve all tasks there at once, as a team does. A robot lost at step l serves only
 tasks that end before l. The makespan is the last end.
+
+On a plane, ways are counted in cells that are a small fraction of a step long. They are counted
+from the edge of one place to the edge of the next, so that tasks whose places touch are in the same
+place here, and in favour of the robots, so that no plan under the rules is faster.
 """
 
 from __future__ import annotations
@@ -15,8 +19,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.model import Scenario
-from teamformer.planning.travel import UNREACHABLE, travel_matrix
+from teamformer.model import Grid, Scenario
+from teamformer.plane import Plane
+from teamformer.planning.travel import UNREACHABLE, straight_ways, travel_matrix
 
 Whole = npt.NDArray[np.int32]
 
@@ -28,6 +33,11 @@ NOBODY = -1
 
 ROUNDING = 1e-9
 """Speeds are binary fractions: ten steps at 0.1 must make one cell."""
+
+SHORTEST_CELL = 1e-4  # metres
+MOST_CELLS = 200_000
+"""Of a plane: how long a cell is, and how many the longest way has at most."""
+MICROMETRE = 1e-6  # metres; places on a plane are rounded to it, in every step
 
 
 class Relaxed(NamedTuple):
@@ -48,10 +58,8 @@ class Relaxed(NamedTuple):
 def relax(scenario: Scenario) -> Relaxed:
     """Return the relaxed problem of a scenario."""
     robots, tasks = scenario.robots, scenario.tasks
-    places = [task.at for task in tasks] + [robot.at for robot in robots]
-    cells = travel_matrix(scenario.world, places, [task.at for task in tasks]).T  # (tasks, places)
+    cells, speed = _ways(scenario)
     no_way = 1 + int(cells[cells < UNREACHABLE].max())
-    speed = np.array([robot.speed for robot in robots])
     speeds, pace = np.unique(speed, return_inverse=True)
     counts = _table([robot.can for robot in robots], scenario.capabilities)
     return Relaxed(
@@ -71,11 +79,39 @@ def relax(scenario: Scenario) -> Relaxed:
 def is_true_relaxation(problem: Relaxed) -> bool:
     """Say whether no plan under the rules is faster than the best relaxed one.
 
-    So it is if all speeds are whole numbers. At 0.5 cells a step a robot on its way stands in each
-    cell for two steps, and a task that appears there in the second costs it nothing; and at 0.8
-    two legs of a cell take 2 + 2 steps, but two cells at a stretch 3.
+    So it is on planes, and if all speeds are whole numbers. At 0.5 cells a step a robot on its way
+    stands in each cell for two steps, and a task that appears there in the second costs it nothing;
+    and at 0.8 two legs of a cell take 2 + 2 steps, but two cells at a stretch 3.
     """
     return bool((problem.speed % 1 == 0).all())
+
+
+def _ways(scenario: Scenario) -> tuple[Whole, npt.NDArray[np.float64]]:
+    """Return the cells from places to tasks, (tasks, places), and what robots walk in a step."""
+    tasks, speed = [t.at for t in scenario.tasks], np.array([r.speed for r in scenario.robots])
+    places = tasks + [robot.at for robot in scenario.robots]
+    if isinstance(scenario.world, Grid):
+        return travel_matrix(scenario.world, places, tasks).T, speed
+    pace = _most_walked(scenario.world, speed, scenario.forming_steps)
+    touching = np.where(np.arange(len(places)) < len(tasks), 2, 1) * scenario.world.arrival_radius
+    metres = straight_ways(tasks, places) * (1 - MICROMETRE / pace.min()) - touching
+    cell = max(SHORTEST_CELL, float(metres.max()) / MOST_CELLS)
+    cells = np.floor(np.maximum(metres, 0.0) / cell).astype(np.int32)
+    return cells, np.ceil(pace / cell - ROUNDING)
+
+
+def _most_walked(
+    plane: Plane, speed: npt.NDArray[np.float64], forming_steps: int
+) -> npt.NDArray[np.float64]:
+    """Return how many metres each robot gets on in a step at most.
+
+    A join puts the joiner where its partner is, which may be the arrival radius away; robots walk
+    in that step too where forming costs none.
+    """
+    pace: npt.NDArray[np.float64] = speed * plane.step
+    if forming_steps == 0:
+        return pace + plane.arrival_radius
+    return np.maximum(pace, plane.arrival_radius)
 
 
 def _steps_of_cells(speeds: npt.NDArray[np.float64], no_way: int) -> Whole:

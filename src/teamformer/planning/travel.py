@@ -1,4 +1,4 @@
-"""How far it is: walking distances on a grid, by breadth-first distance fields."""
+"""How far it is: on a grid by breadth-first distance fields, on a plane straight on."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def distance_fields(grid: Grid, places: Sequence[Place]) -> Distances:
     blocked = blocked_cells(grid)
     fields = np.full((len(places), grid.height, grid.width), UNREACHABLE, dtype=np.int32)
     for field, (x, y) in zip(fields, places, strict=True):
-        fill_field(blocked, x, y, field)
+        fill_field(blocked, int(x), int(y), field)
     return fields
 
 
@@ -51,6 +51,13 @@ def travel_matrix(grid: Grid, origins: Sequence[Place], goals: Sequence[Place]) 
         fill_field(blocked, to_x[goal], to_y[goal], field)
         distances[:, goal] = field[from_y, from_x]
     return distances
+
+
+def straight_ways(origins: Sequence[Place], goals: Sequence[Place]) -> npt.NDArray[np.float64]:
+    """Return the distances between points of a plane in metres, as (origins, goals)."""
+    apart = np.reshape(origins, (-1, 1, 2)) - np.reshape(goals, (1, -1, 2))  # (origins, goals, 2)
+    ways: npt.NDArray[np.float64] = np.hypot(apart[..., 0], apart[..., 1])
+    return ways
 
 
 @entry

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from teamformer.capabilities import covers, total
 from teamformer.model import Scenario
+from teamformer.plane import Plane
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Tally, TeamFormation
 from teamformer.sim.replay import Ending, Replay, Step, TeamAt
@@ -28,6 +30,7 @@ class Recorder:
     def __init__(self, env: TeamFormation) -> None:
         self._env = env
         self._scenario = env.scenarios[0]
+        self._along = float if isinstance(self._scenario.world, Plane) else int
         self._steps: list[Step] = []
         self._orders: list[tuple[int, tuple[int, ...]]] = []
         self._before = self._snapshot()
@@ -50,7 +53,7 @@ class Recorder:
                 joins=self._joins(before.groups, formed),
                 splits=_splits(before.groups, formed, robots["stays"]),
                 lost=tuple(np.flatnonzero(is_lost).tolist()),
-                teams=_changed_teams(before, self._before),
+                teams=_changed_teams(before, self._before, self._along),
                 done=tuple((int(k), int(tasks["done_by"][k])) for k in done),
             )
         )
@@ -149,12 +152,15 @@ def _splits(
     return tuple(sorted(splits, key=lambda split: min(*split[0], *split[1])))
 
 
-def _changed_teams(before: _Snapshot, after: _Snapshot) -> tuple[TeamAt, ...]:
+def _changed_teams(
+    before: _Snapshot, after: _Snapshot, along: Callable[[float], float]
+) -> tuple[TeamAt, ...]:
+    """Return the teams that are new or elsewhere or head elsewhere; `along` turns coordinates."""
     changed = []
     for slot in sorted(after.groups):
         was, now = before.teams[slot], after.teams[slot]
         same = all(was[field] == now[field] for field in ("x", "y", "task"))
         if slot not in before.groups or not same:
             task = None if now["task"] == NOBODY else int(now["task"])
-            changed.append(TeamAt(slot, int(now["x"]), int(now["y"]), task))
+            changed.append(TeamAt(slot, along(now["x"]), along(now["y"]), task))
     return tuple(changed)

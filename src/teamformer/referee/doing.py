@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-
 from teamformer.capabilities import describe, missing
 from teamformer.model import Place, Scenario
-from teamformer.referee.fleet import Fleet, Team
+from teamformer.referee.fleet import Fleet, Team, are_together
 from teamformer.referee.verdict import Notes
 
 
@@ -16,13 +14,22 @@ class Tasks:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
         self.done: dict[int, int] = {}  # task -> step
-        self.at: dict[Place, list[int]] = defaultdict(list)
-        for number, task in enumerate(scenario.tasks):
-            self.at[task.at].append(number)
+        self._near: dict[Place, list[int]] = {}  # place -> tasks there, as far as asked for
 
     def is_open(self, task: int, steps_made: int) -> bool:
         """Say whether a task is known once so many steps are made, and undone."""
         return task not in self.done and self.scenario.tasks[task].appears <= steps_made
+
+    def _at(self, place: Place) -> list[int]:
+        """Return the tasks that a team in a place stands at."""
+        if place not in self._near:
+            world = self.scenario.world
+            self._near[place] = [
+                number
+                for number, task in enumerate(self.scenario.tasks)
+                if are_together(world, place, task.at)
+            ]
+        return self._near[place]
 
     def complete(self, fleet: Fleet, recorded: dict[int, int], step: int, notes: Notes) -> None:
         """Work out what is done in a step and compare it with the record, task -> slot."""
@@ -32,7 +39,7 @@ class Tasks:
                 self._serve(fleet, slot, team, task, found)
         served = {task for team in fleet.teams.values() for task in team.services}
         for slot, team in sorted(fleet.teams.items()):
-            for task in self.at.get(team.at, ()):
+            for task in self._at(team.at):
                 is_free = task not in found and task not in served
                 if is_free and self.is_open(task, step - 1) and fleet.covers(team, task):
                     self._begin(slot, team, task, found)
@@ -88,7 +95,7 @@ class Tasks:
         team = fleet.teams.get(slot)
         if team is None:
             return f"there is no team of robot {self.scenario.robots[slot].name} as its lowest"
-        if team.at != wanted.at:
+        if not fleet.is_at(team, wanted.at):
             return f"{fleet.name(team)} is at {list(team.at)}, the task at {list(wanted.at)}"
         if not fleet.covers(team, task):
             short = describe(missing(team.counts, wanted.needs))

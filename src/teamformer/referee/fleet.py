@@ -6,15 +6,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from teamformer.capabilities import covers, total
-from teamformer.model import Place, Scenario
+from teamformer.model import Grid, Place, Scenario, World
 
 
 @dataclass
 class Team:
     """A team: who is in it, where it is, and what it may still do in this step.
 
-    `counts` (what it can do together) and `speed` (that of its slowest, in cells a step) follow
-    from its robots when it is put into a fleet.
+    `counts` (what it can do together) and `speed` (that of its slowest, in cells or metres a step)
+    follow from its robots when it is put into a fleet.
     """
 
     robots: set[int]
@@ -22,9 +22,18 @@ class Team:
     task: int | None = None
     credit: float = 0.0  # the most that it can have saved of its speed
     has_formed: bool = False
+    met_at: Place | None = None  # where the other one of two that have just joined stood
     services: dict[int, int] = field(default_factory=dict)  # task -> steps left
     counts: dict[str, int] = field(default_factory=dict)
     speed: float = 0.0
+
+
+def are_together(world: World, one: Place, other: Place) -> bool:
+    """Say whether two places are the same: one cell, or points within the arrival radius."""
+    if isinstance(world, Grid):
+        return one == other
+    away_x, away_y = one[0] - other[0], one[1] - other[1]
+    return away_x * away_x + away_y * away_y <= world.arrival_radius**2
 
 
 class Fleet:
@@ -44,11 +53,15 @@ class Fleet:
         shown = names if len(names) <= 6 else [*names[:5], f"and {len(names) - 5} more"]
         return f"team [{', '.join(shown)}]"
 
+    def is_at(self, team: Team, place: Place) -> bool:
+        """Say whether a team is in a place: in its cell, or near enough on a plane."""
+        return are_together(self.scenario.world, team.at, place)
+
     def put(self, team: Team) -> None:
         """Enter a team at its slot."""
         robots = [self.scenario.robots[robot] for robot in team.robots]
         team.counts = total(robot.can for robot in robots)
-        team.speed = min(robot.speed for robot in robots)
+        team.speed = min(self.scenario.world.pace(robot.speed) for robot in robots)
         self.teams[min(team.robots)] = team
 
     def accept(self, slot: int) -> None:

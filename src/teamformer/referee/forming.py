@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 
 from teamformer.capabilities import covers, total
+from teamformer.plane import Plane
 from teamformer.referee.fleet import Fleet, Team
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay import Step
+
+ROUNDING = 1e-9
 
 
 def split_teams(fleet: Fleet, step: Step, notes: Notes) -> None:
@@ -52,21 +55,26 @@ def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -
                 notes.note(f"{fleet.name(team)} joins while it serves a task")
             if team.has_formed:
                 notes.note(f"{fleet.name(team)} forms twice in one step")
-        if one.at != other.at:
+        if not fleet.is_at(one, other.at):
             notes.note(
                 f"{fleet.name(one)} at {list(one.at)} joins {fleet.name(other)} at "
                 f"{list(other.at)}; they are not in the same place"
             )
         task = min(one, other, key=lambda team: min(team.robots)).task
-        fleet.put(Team(one.robots | other.robots, other.at, task, has_formed=True))
+        robots = one.robots | other.robots
+        at, met_at = (one.at, other.at) if joiner < partner else (other.at, one.at)
+        fleet.put(Team(robots, at, task, has_formed=True, met_at=met_at))
 
 
 def check_reach(fleet: Fleet, pairs: tuple[tuple[int, int], ...], notes: Notes) -> None:
     """Note which teams are too far apart to want the join for which they walk."""
+    world = fleet.scenario.world
+    here = world.arrival_radius if isinstance(world, Plane) else 0.0
+    reach = max(fleet.scenario.join_radius, here) + ROUNDING
     for pair in pairs:
         teams = [fleet.teams[slot] for slot in pair if slot in fleet.teams]
         places = [team.at for team in teams]
-        if len(teams) == 2 and math.dist(*places) > fleet.scenario.join_radius + 1e-9:
+        if len(teams) == 2 and math.dist(*places) > reach:
             one, other = (fleet.name(team) for team in teams)
             notes.note(f"{one} joins {other} from beyond the join radius")
 

@@ -46,7 +46,7 @@ def _judge_step(
 ) -> None:
     slots = set(fleet.teams)
     for team in fleet.teams.values():
-        team.has_formed = False
+        team.has_formed, team.met_at = False, None
     split_teams(fleet, step, notes)
     met = [pair for pair in step.joins if _are_together(fleet, pair)]
     walked = tuple(pair for pair in step.joins if pair not in met)
@@ -69,7 +69,7 @@ def _judge_step(
 
 def _are_together(fleet: Fleet, pair: tuple[int, int]) -> bool:
     one, other = (fleet.teams.get(slot) for slot in pair)
-    return one is not None and other is not None and one.at == other.at
+    return one is not None and other is not None and fleet.is_at(one, other.at)
 
 
 def _move(
@@ -88,7 +88,7 @@ def _move(
         slot = _slot_after(teams[0].robots | teams[1].robots, due)
         place = places.get(slot, fleet.teams[min(pair)].at)
         for team in teams:
-            move_team(fleet, team, place, notes)
+            move_team(fleet, team, place, notes, meets=True)
     join_teams(fleet, walked, notes)
 
 

@@ -110,12 +110,14 @@ class Reader:
             return value
         return 1 if least is None else max(least, 1)
 
-    def place(self, where: Where, value: Any) -> Place:
-        """Return a cell, `[x, y]`."""
+    def place(self, where: Where, value: Any, is_point: bool = False) -> Place:
+        """Return a cell or, in a plane, a point: `[x, y]`."""
         if not isinstance(value, list) or len(value) != 2:
-            self.refuse(where, f"{name_of(where)} is {describe(value)}; write a cell as [x, y]")
+            what = "point" if is_point else "cell"
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; write a {what} as [x, y]")
             return (0, 0)
-        x, y = (self.whole((*where, axis), part) for axis, part in enumerate(value))
+        read = self.number if is_point else self.whole
+        x, y = (read((*where, axis), part) for axis, part in enumerate(value))
         return (x, y)
 
     def counts(self, where: Where, value: Any) -> dict[str, int]:

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.model import Robot, Scenario, Task, World
+from teamformer.plane import Plane
 from teamformer.scenarios.reading import INFINITE, Reader
 from teamformer.scenarios.worlds import read_world
 from teamformer.scenarios.yaml_words import shorten
@@ -66,13 +67,15 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
     top = reader.mapping((), reader.tree.value, TOP_KEYS)
     if not _knows_version(reader, top):
         return None
-    robots = _read_robots(reader, top.get("robots", []))
+    world = read_world(reader, top.get("world", {"grid": [1, 1]}), folder)
+    is_plane = isinstance(world, Plane)
+    robots = _read_robots(reader, top.get("robots", []), is_plane)
     parts = {
         "name": reader.text(("name",), top.get("name", name)),
-        "world": read_world(reader, top.get("world", {"grid": [1, 1]}), folder),
+        "world": world,
         "capabilities": tuple(reader.names(("capabilities",), top.get("capabilities", []))),
         "robots": robots,
-        "tasks": _read_tasks(reader, top.get("tasks", [])),
+        "tasks": _read_tasks(reader, top.get("tasks", []), is_plane),
         "teams": _read_teams(reader, top.get("teams", []), [robot.name for robot in robots]),
         **_read_rules(reader, top),
     }
@@ -86,7 +89,14 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
         return None
 
 
-def _world_to_tree(world: Grid) -> dict[str, Any]:
+def _world_to_tree(world: World) -> dict[str, Any]:
+    if isinstance(world, Plane):
+        return {
+            "plane": [world.width, world.height],
+            "step": world.step,
+            "arrival_radius": world.arrival_radius,
+            "unit": world.unit,
+        }
     if world.rows:
         return {"rows": list(world.rows), "y_axis": world.y_axis}
     turned = {} if world.y_axis == "up" else {"y_axis": world.y_axis}
@@ -139,7 +149,7 @@ def _knows_version(reader: Reader, top: Mapping[str, Any]) -> bool:
     return version <= VERSION
 
 
-def _read_robots(reader: Reader, value: Any) -> tuple[Robot, ...]:
+def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[Robot, ...]:
     robots = []
     for number, part in enumerate(reader.sequence(("robots",), value)):
         where = ("robots", number)
@@ -147,7 +157,7 @@ def _read_robots(reader: Reader, value: Any) -> tuple[Robot, ...]:
         robots.append(
             Robot(
                 name=reader.text((*where, "name"), keys.get("name", f"r{number + 1}")),
-                at=reader.place((*where, "at"), keys.get("at", [0, 0])),
+                at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
                 can=reader.counts((*where, "can"), keys.get("can", [])),
                 speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
                 lost=reader.whole((*where, "lost"), keys["lost"]) if "lost" in keys else None,
@@ -156,7 +166,7 @@ def _read_robots(reader: Reader, value: Any) -> tuple[Robot, ...]:
     return tuple(robots)
 
 
-def _read_tasks(reader: Reader, value: Any) -> tuple[Task, ...]:
+def _read_tasks(reader: Reader, value: Any, is_plane: bool) -> tuple[Task, ...]:
     tasks = []
     for number, part in enumerate(reader.sequence(("tasks",), value)):
         where = ("tasks", number)
@@ -164,7 +174,7 @@ def _read_tasks(reader: Reader, value: Any) -> tuple[Task, ...]:
         tasks.append(
             Task(
                 name=reader.text((*where, "name"), keys.get("name", f"t{number + 1}")),
-                at=reader.place((*where, "at"), keys.get("at", [0, 0])),
+                at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
                 needs=reader.counts((*where, "needs"), keys.get("needs", [])),
                 duration=reader.whole((*where, "duration"), keys.get("duration", 0)),
                 appears=reader.whole((*where, "appears"), keys.get("appears", 0)),

@@ -1,4 +1,4 @@
-"""The `world` of a scenario file: a bare grid, rows of cells, or a map in another file."""
+"""The `world` of a scenario file: a grid, rows of cells, a map in another file, or a plane."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from teamformer.errors import TeamformerError
-from teamformer.model import BLOCKED, FREE, Grid
+from teamformer.model import BLOCKED, FREE, Grid, World
+from teamformer.plane import Plane
 from teamformer.scenarios.maps import LARGEST_MAP, read_map
 from teamformer.scenarios.reading import Reader
 from teamformer.scenarios.yaml_words import describe
@@ -15,7 +16,7 @@ FORMS = {
     "grid": {"grid", "y_axis"},
     "rows": {"rows", "y_axis"},
     "map": {"map", "cell"},
-    "plane": {"plane", "step"},
+    "plane": {"plane", "step", "arrival_radius", "unit"},
 }
 KEYS = dict.fromkeys(sorted(set().union(*FORMS.values())), False)
 WHERE = ("world",)
@@ -23,13 +24,13 @@ STAND_IN = Grid(1, 1)
 """Read instead of a world that is wrong, so that reading can go on."""
 
 
-def read_world(reader: Reader, value: Any, folder: Path | None) -> Grid:
+def read_world(reader: Reader, value: Any, folder: Path | None) -> World:
     """Return the map; problems are noted in the reader. `folder` is where map files lie."""
     world = reader.mapping(WHERE, value, KEYS)
     forms = [form for form in FORMS if form in world]
     if len(forms) != 1:
         if isinstance(value, dict):
-            choice = "grid: [width, height], rows: [...] and map: FILE"
+            choice = "grid: [width, height], rows: [...], map: FILE and plane: [width, height]"
             reader.refuse(WHERE, f"the world needs exactly one of {choice}")
         return STAND_IN
     for extra in sorted(set(world) - FORMS[forms[0]]):
@@ -40,8 +41,7 @@ def read_world(reader: Reader, value: Any, folder: Path | None) -> Grid:
         return _read_rows(reader, world)
     if forms == ["map"]:
         return _read_map(reader, world, folder)
-    reader.refuse((*WHERE, "plane"), "planes are not supported yet; use a grid or a map")
-    return STAND_IN
+    return _read_plane(reader, world)
 
 
 def _read_grid(reader: Reader, world: dict[str, Any]) -> Grid:
@@ -90,6 +90,17 @@ def _read_map(reader: Reader, world: dict[str, Any], folder: Path | None) -> Gri
             hint = f"; {error.hint}" if error.hint else ""
             reader.refuse(where, f"{error}{hint}")
     return STAND_IN
+
+
+def _read_plane(reader: Reader, world: dict[str, Any]) -> Plane:
+    where, size = (*WHERE, "plane"), world["plane"]
+    if not isinstance(size, list) or len(size) != 2:
+        reader.refuse(where, "the plane is not a pair; write it as [width, height], in metres")
+        size = [1, 1]
+    width, height = (reader.number((*where, axis), part) for axis, part in enumerate(size))
+    keys = ("step", "arrival_radius", "unit")
+    given = {key: reader.number((*WHERE, key), world[key]) for key in keys if key in world}
+    return Plane(width, height, **given)
 
 
 def _read_y_axis(

@@ -7,6 +7,7 @@ no team, a padded task is never open.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -14,7 +15,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.model import Scenario
+from teamformer.model import Grid, Place, Scenario
+from teamformer.plane import DECIMALS, Plane
 from teamformer.planning.travel import UNREACHABLE, blocked_cells, distance_fields
 
 Array = npt.NDArray[Any]
@@ -33,18 +35,20 @@ RULES = np.dtype(
     [
         ("robots", np.int32),  # how many there are
         ("tasks", np.int32),
-        ("width", np.int32),  # cells
+        ("width", np.int32),  # cells; on a plane they only serve to look around
         ("height", np.int32),
         ("forming_steps", np.int32),
         ("step_limit", np.int32),
         ("new_tasks", np.int32),  # RESOLVE or NEAREST
         ("has_walls", np.bool_),
-        ("sensing_radius", np.float64),  # cells
+        ("is_plane", np.bool_),
+        ("sensing_radius", np.float64),  # cells, on a plane metres
         ("join_radius", np.float64),
-        ("start_x", np.float64),  # the cell at the robots' centroid, where the first tour begins
+        ("start_x", np.float64),  # the place at the robots' centroid, where the first tour begins
         ("start_y", np.float64),
         ("arrival_radius", np.float64),  # teams so near to each other are in the same place
-        ("unit", np.float64),  # the length that counts as one cell
+        ("unit", np.float64),  # the length that counts as one cell for a learned policy
+        ("cells_per_length", np.float64),  # 1 on a grid
     ],
     align=True,
 )
@@ -68,7 +72,7 @@ ROBOT = np.dtype(
         ("region", np.int32),  # connected part of the map
         ("lost", np.int32),  # the step it counts for nothing from, or NEVER
         ("stays", np.bool_),  # in the split being made
-        ("speed", np.float64),  # cells a step
+        ("pace", np.float64),  # cells a step, on a plane metres a step
     ],
     align=True,
 )
@@ -76,7 +80,7 @@ TEAM = np.dtype(
     [
         ("x", np.float64),
         ("y", np.float64),
-        ("pace", np.float64),  # speed of the slowest member
+        ("pace", np.float64),  # of the slowest member
         ("credit", np.float64),  # fraction of a cell walked
         ("size", np.int32),  # robots; 0 where the slot has no team
         ("task", np.int32),  # assignment, or NOBODY
@@ -135,6 +139,7 @@ class Worlds(NamedTuple):
     near: Array  # (worlds, robots) teams found nearby
     near_key: Array  # (worlds, robots) what these are sorted by
     room: Array  # (worlds, caps) what still fits into a split
+    here: Array  # (worlds, tasks) tasks found where a team is
 
 
 World = Worlds
@@ -161,6 +166,7 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.near[w],
         worlds.near_key[w],
         worlds.room[w],
+        worlds.here[w],
     )
 
 
@@ -171,8 +177,8 @@ def pack_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         _pack_rules(worlds, w, scenario)
         _pack_robots(worlds, w, scenario)
         _pack_tasks(worlds, w, scenario)
-        if scenario.world.rows:
-            _pack_map(worlds, w, scenario)
+        if isinstance(scenario.world, Grid) and scenario.world.rows:
+            _pack_map(worlds, w, scenario.world, [task.at for task in scenario.tasks])
     return worlds
 
 
@@ -181,16 +187,16 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     robots = max(len(s.robots) for s in scenarios)
     tasks = max(len(s.tasks) for s in scenarios)
     caps = max(len(s.capabilities) for s in scenarios)
-    width = max(s.world.width for s in scenarios)
-    height = max(s.world.height for s in scenarios)
-    walls = (height, width) if any(s.world.rows for s in scenarios) else (0, 0)
+    cells = max(width * height for width, height, _ in map(_cells_of, scenarios))
+    maps = [s.world for s in scenarios if isinstance(s.world, Grid) and s.world.rows]
+    walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
     worlds = Worlds(
         rules=np.zeros(count, dtype=RULES),
         count=np.zeros(count, dtype=COUNT),
         robots=np.zeros((count, robots), dtype=ROBOT),
         teams=np.zeros((count, robots), dtype=TEAM),
         tasks=np.zeros((count, tasks), dtype=TASK),
-        cells=np.zeros((count, width * height), dtype=CELL),
+        cells=np.zeros((count, cells), dtype=CELL),
         brings=np.zeros((count, robots, caps), dtype=np.int16),
         has=np.zeros((count, robots, caps), dtype=np.int16),
         needs=np.zeros((count, tasks, caps), dtype=np.int16),
@@ -201,6 +207,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         near=np.zeros((count, robots), dtype=np.int32),
         near_key=np.zeros((count, robots), dtype=np.int64),
         room=np.zeros((count, caps), dtype=np.int32),
+        here=np.zeros((count, tasks), dtype=np.int32),
     )
     worlds.robots["team"] = NOBODY
     worlds.robots["lost"] = NEVER
@@ -213,30 +220,54 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
 
 
 def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
-    start_x, start_y = _centroid(scenario)
-    worlds.rules[w] = (
-        len(scenario.robots),
-        len(scenario.tasks),
-        scenario.world.width,
-        scenario.world.height,
-        scenario.forming_steps,
-        scenario.step_limit,
-        NEAREST if scenario.new_tasks == "nearest" else RESOLVE,
-        bool(scenario.world.rows),
-        scenario.sensing_radius,
-        scenario.join_radius,
-        start_x,
-        start_y,
-        0.0,
-        1.0,
-    )
+    width, height, cells_per_length = _cells_of(scenario)
+    plane = scenario.world if isinstance(scenario.world, Plane) else None
+    here = plane.arrival_radius if plane else 0.0
+    rules = {
+        "robots": len(scenario.robots),
+        "tasks": len(scenario.tasks),
+        "width": width,
+        "height": height,
+        "forming_steps": scenario.forming_steps,
+        "step_limit": scenario.step_limit,
+        "new_tasks": NEAREST if scenario.new_tasks == "nearest" else RESOLVE,
+        "has_walls": bool(scenario.world.rows),
+        "is_plane": plane is not None,
+        "sensing_radius": max(scenario.sensing_radius, here),
+        "join_radius": max(scenario.join_radius, here),
+        "arrival_radius": here,
+        "unit": plane.unit if plane else 1.0,
+        "cells_per_length": cells_per_length,
+    }
+    for name, value in rules.items():
+        worlds.rules[name][w] = value
+    worlds.rules["start_x"][w], worlds.rules["start_y"][w] = _centroid(scenario)
 
 
-def _centroid(scenario: Scenario) -> tuple[int, int]:
-    """Return the cell at the robots' centroid; where that is blocked, the nearest robot's."""
+def _cells_of(scenario: Scenario) -> tuple[int, int, float]:
+    """Return how many cells across and up, and how many a length; on a plane, to look around.
+
+    There a cell is wider than any finite radius, so that what is near lies in the cells around,
+    and there are no more of them than a few for each robot and task.
+    """
+    world = scenario.world
+    if isinstance(world, Grid):
+        return world.width, world.height, 1.0
+    radii = (scenario.sensing_radius, scenario.join_radius, world.arrival_radius)
+    widest = max((radius for radius in radii if radius < math.inf), default=0.0)
+    most = 4 * (len(scenario.robots) + len(scenario.tasks))
+    area, longest = world.width * world.height, max(world.width, world.height)
+    side = max(1.001 * widest, math.sqrt(area / most), longest / most)
+    return int(world.width / side) + 1, int(world.height / side) + 1, 1 / side
+
+
+def _centroid(scenario: Scenario) -> Place:
+    """Return the place at the robots' centroid; where that is blocked, the nearest robot's."""
     places = [robot.at for robot in scenario.robots]
     x = sum(x for x, _ in places) / len(places)
     y = sum(y for _, y in places) / len(places)
+    if isinstance(scenario.world, Plane):
+        return round(x, DECIMALS), round(y, DECIMALS)
     cell = (int(x + 0.5), int(y + 0.5))
     if scenario.world.is_free(cell):
         return cell
@@ -247,7 +278,7 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
     column = {name: c for c, name in enumerate(scenario.capabilities)}
     for r, robot in enumerate(scenario.robots):
         record = worlds.robots[w, r]
-        record["speed"] = robot.speed
+        record["pace"] = scenario.world.pace(robot.speed)
         record["lost"] = NEVER if robot.lost is None else robot.lost
         record["region"] = scenario.world.region(robot.at)
         for name, count in robot.can.items():
@@ -257,13 +288,14 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         team = worlds.teams[w, slot]
         team["x"], team["y"] = scenario.robots[slot].at
         team["size"] = len(members)
-        team["pace"] = worlds.robots[w, robots]["speed"].min()
+        team["pace"] = worlds.robots[w, robots]["pace"].min()
         worlds.robots["team"][w, robots] = slot
         worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
 
 
 def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario) -> None:
-    column = {name: c for c, name in enumerate(scenario.capabilities)}
+    cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
+    width, _, cells_per_length = _cells_of(scenario)
     for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
         task, record = scenario.tasks[k], worlds.tasks[w, k]
         record["x"], record["y"] = task.at
@@ -271,18 +303,17 @@ def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario) -> None:
         record["appears"] = task.appears
         record["region"] = scenario.world.region(task.at)
         record["is_open"] = task.appears == 0
-        cell = worlds.cells[w, task.at[1] * scenario.world.width + task.at[0]]
+        column, row = (int(along * cells_per_length) for along in task.at)
+        cell = worlds.cells[w, row * width + column]
         record["next_here"], cell["first_task"] = cell["first_task"], k
         for name, count in task.needs.items():
-            worlds.needs[w, k, column[name]] = count
+            worlds.needs[w, k, cap_of[name]] = count
     known = np.flatnonzero(worlds.tasks["is_open"][w])
     worlds.order[w, : len(known)] = known
     worlds.demand[w] = (worlds.needs[w, known] > 0).sum(axis=0)
     worlds.count["open"][w] = worlds.count["arrived"][w] = len(known)
 
 
-def _pack_map(worlds: Worlds, w: int, scenario: Scenario) -> None:
-    grid = scenario.world
-    places = [task.at for task in scenario.tasks]
+def _pack_map(worlds: Worlds, w: int, grid: Grid, places: Sequence[Place]) -> None:
     worlds.blocked[w, : grid.height, : grid.width] = blocked_cells(grid)
     worlds.fields[w, : len(places), : grid.height, : grid.width] = distance_fields(grid, places)

@@ -5,32 +5,27 @@ from __future__ import annotations
 from teamformer.jit import kernel
 from teamformer.sim.allocation import can_do_alone
 from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NOBODY, STEP_LIMIT
-from teamformer.sim.neighbours import cell_of
+from teamformer.sim.neighbours import find_tasks_here, stands_at
 
 
 @kernel
 def complete_tasks(world, step):  # type: ignore[no-untyped-def]
     """Phase 6: teams do the tasks they stand at and cover; services go on, begin or break off."""
     done_before = world.count.done
-    for team in range(world.rules.robots):
-        if world.teams[team].serves > 0:
-            _serve(world, team, step)
+    for position in range(world.count.open):
+        task = world.order[position]
+        if world.tasks[task].server != NOBODY:
+            _serve(world, world.tasks[task].server, task, step)
     for team in range(world.rules.robots):
         if world.teams[team].size == 0:
             continue
-        task = _first_task_here(world, team)
-        while task != NOBODY:
+        for i in range(find_tasks_here(world, team)):
+            task = world.here[i]
             if _is_free(world, task) and can_do_alone(world, team, task):
                 _begin(world, team, task, step)
-            task = world.tasks[task].next_here
     if world.count.done > done_before:
         _close_gaps_in_order(world)
         _drop_assignments_to_done(world)
-
-
-@kernel
-def _first_task_here(world, team):  # type: ignore[no-untyped-def]
-    return world.cells[cell_of(world, world.teams[team].x, world.teams[team].y)].first_task
 
 
 @kernel
@@ -39,18 +34,17 @@ def _is_free(world, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _serve(world, team, step):  # type: ignore[no-untyped-def]
-    """One step of service; a team that has lost what the task needs breaks it off."""
-    task = _first_task_here(world, team)
-    while task != NOBODY:
-        if world.tasks[task].server == team and world.tasks[task].is_open:
-            world.tasks[task].remaining -= 1
-            if not can_do_alone(world, team, task):
-                _end_service(world, team, task)
-            elif world.tasks[task].remaining == 0:
-                _end_service(world, team, task)
-                _finish(world, team, task, step)
-        task = world.tasks[task].next_here
+def _serve(world, team, task, step):  # type: ignore[no-untyped-def]
+    """One step of service; a team that has lost what the task needs breaks it off.
+
+    So does one that is carried away from it: its motion may come from outside.
+    """
+    world.tasks[task].remaining -= 1
+    if not (can_do_alone(world, team, task) and stands_at(world, team, task)):
+        _end_service(world, team, task)
+    elif world.tasks[task].remaining == 0:
+        _end_service(world, team, task)
+        _finish(world, team, task, step)
 
 
 @kernel

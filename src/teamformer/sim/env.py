@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from teamformer.model import Scenario
+from teamformer.plane import DECIMALS
 from teamformer.sim.arrays import NOBODY, RUNNING, STATUS_NAMES, Array, Worlds, pack_worlds
 from teamformer.sim.order import order_tasks
 from teamformer.sim.reward import Reward
-from teamformer.sim.step import step_worlds
+from teamformer.sim.step import finish_worlds, form_worlds, step_worlds
 from teamformer.sim.view import View, fill_views, lay_out_rows, make_view
 
 
@@ -92,6 +93,37 @@ class TeamFormation:
 
     def step(self, decision: Decision) -> None:
         """Make one step in every running world, with a row for each row of the latest view."""
+        wanted, named = self._read(decision)
+        self._in_chunks(lambda begin, end: self._step_worlds(wanted, named, begin, end))
+        order_tasks(self.worlds)
+
+    def start_step(self, decision: Decision) -> None:
+        """Make the phases of a step before motion: decisions, splits, joins and allocation.
+
+        For motion from outside, such as that of real robots: they go where `worlds.teams` says
+        (its `task`; for a joiner, whose `intent` is JOIN, its `partner`), and `finish_step` ends
+        the step with where they have got to.
+        """
+        wanted, named = self._read(decision)
+        form_worlds(self.worlds, wanted, named, self._first_row)
+
+    def finish_step(self, places: Array) -> None:
+        """Make the phases after motion, with every team at its row of `places`.
+
+        `places` (worlds, robots, 2) has the place of each team at its slot; other rows mean
+        nothing. On a plane what lies outside counts as at its edge.
+        """
+        if places.shape != (*self.rewards.shape, 2):
+            raise ValueError(f"places has {places.shape}, not {(*self.rewards.shape, 2)}")
+        if not np.isfinite(places[self.worlds.teams["size"] > 0]).all():
+            raise ValueError("places has no finite place for some team")
+        corners = np.array([scenario.world.corner for scenario in self.scenarios])
+        inside = np.clip(np.round(places, DECIMALS), 0.0, corners[:, None])
+        finish_worlds(self.worlds, inside, self._weights, self.rewards)
+        order_tasks(self.worlds)
+
+    def _read(self, decision: Decision) -> tuple[Array, Array]:
+        """Return what the teams want and name, as the kernels take it."""
         rows, caps = int(self._first_row[-1]), self.worlds.has.shape[2]
         task = np.full(rows, NOBODY) if decision.task is None else decision.task
         wanted = np.ascontiguousarray(decision.wanted, dtype=np.int16)
@@ -101,8 +133,7 @@ class TeamFormation:
                 f"the latest view asks for wanted ({rows}, {caps}) and task ({rows},); "
                 f"the decision has {wanted.shape} and {named.shape}"
             )
-        self._in_chunks(lambda begin, end: self._step_worlds(wanted, named, begin, end))
-        order_tasks(self.worlds)
+        return wanted, named
 
     @property
     def is_running(self) -> Array:

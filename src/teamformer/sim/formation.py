@@ -6,7 +6,7 @@ import numpy as np
 
 from teamformer.jit import kernel
 from teamformer.sim.arrays import NEVER, NOBODY
-from teamformer.sim.neighbours import distance_squared, find_near
+from teamformer.sim.neighbours import distance_squared, distance_squared_to, find_near
 
 MAINTAIN, SPLIT, JOIN = 0, 1, 2
 
@@ -164,10 +164,8 @@ def form_joins(world):  # type: ignore[no-untyped-def]
 
 @kernel
 def is_in_same_place(world, team, other):  # type: ignore[no-untyped-def]
-    """Say whether two teams stand in the same cell."""
-    return (
-        world.teams[team].x == world.teams[other].x and world.teams[team].y == world.teams[other].y
-    )
+    """Say whether two teams stand in the same cell; on a plane, within the arrival radius."""
+    return distance_squared(world, team, other) <= world.rules.arrival_radius**2
 
 
 @kernel
@@ -175,6 +173,7 @@ def join_teams(world, joiner, partner):  # type: ignore[no-untyped-def]
     """Make one team of two; it gets the lower slot, and the joiner's command if there is one."""
     slot, other = min(joiner, partner), max(joiner, partner)
     task = _task_of_union(world, joiner, partner)
+    world.teams[slot].x, world.teams[slot].y = _place_of_union(world, joiner, partner, task)
     world.teams[slot].is_detour = False
     world.teams[slot].task = task
     world.teams[slot].credit = 0.0
@@ -201,6 +200,20 @@ def _task_of_union(world, team, other):  # type: ignore[no-untyped-def]
     if any_free or world.teams[team].is_detour or world.teams[other].is_detour:
         return np.int32(NOBODY)
     return task if world.tasks[task].rank <= world.tasks[other_task].rank else other_task
+
+
+@kernel
+def _place_of_union(world, joiner, partner, task):  # type: ignore[no-untyped-def]
+    """Return where the partner is; or the joiner, if it is nearer to the union's assignment.
+
+    So a union stands at its assignment if one of the two does. On a grid both are in one cell.
+    """
+    at = partner
+    if task != NOBODY:
+        away = distance_squared_to(world, partner, task)
+        if distance_squared_to(world, joiner, task) < away:
+            at = joiner
+    return world.teams[at].x, world.teams[at].y
 
 
 @kernel
@@ -262,6 +275,6 @@ def add_robot(world, slot, robot):  # type: ignore[no-untyped-def]
     """Put a robot into the team at a slot."""
     world.robots[robot].team = slot
     world.teams[slot].size += 1
-    world.teams[slot].pace = min(world.teams[slot].pace, world.robots[robot].speed)
+    world.teams[slot].pace = min(world.teams[slot].pace, world.robots[robot].pace)
     for cap in range(world.has.shape[1]):
         world.has[slot, cap] += world.brings[robot, cap]

@@ -9,9 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.plane import DECIMALS
 from teamformer.planning.travel import UNREACHABLE, fill_field
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
+
+MICROMETRE = 10.0**DECIMALS  # in a metre: places on a plane are kept to it
 
 ROUNDING = 1e-9
 """Speeds are binary fractions: ten steps at 0.1 must make one cell."""
@@ -41,6 +44,9 @@ def _walk_to_task(world, team):  # type: ignore[no-untyped-def]
     if task == NOBODY:
         world.teams[team].credit = 0.0
         return
+    if world.rules.is_plane:
+        _walk_straight(world, team, world.tasks[task].x, world.tasks[task].y)
+        return
     to_go = travel(world, world.teams[team].x, world.teams[team].y, task)
     for _ in range(_cells_to_walk(world, team, to_go)):
         x, y = advance(world, world.teams[team].x, world.teams[team].y, task)
@@ -50,16 +56,56 @@ def _walk_to_task(world, team):  # type: ignore[no-untyped-def]
 @entry
 def _walk_to_partner(world, team):  # type: ignore[no-untyped-def]
     partner = world.robots[world.teams[team].partner].team
+    if world.rules.is_plane:
+        _walk_straight(world, team, world.teams[partner].x, world.teams[partner].y)
+    else:
+        _walk_cells_to_partner(world, team, partner)
+    _merge_on_the_way(world, team, partner)
+
+
+@entry
+def _walk_cells_to_partner(world, team, partner):  # type: ignore[no-untyped-def]
     field = field_towards(world, world.teams[partner].x, world.teams[partner].y)
     to_go = field[int(world.teams[team].y), int(world.teams[team].x)]
     goal_x, goal_y = world.teams[partner].x, world.teams[partner].y
     for _ in range(_cells_to_walk(world, team, to_go)):
         x, y = downhill(field, world.teams[team].x, world.teams[team].y, goal_x, goal_y)
         world.teams[team].x, world.teams[team].y = x, y
+
+
+@kernel
+def _merge_on_the_way(world, team, partner):  # type: ignore[no-untyped-def]
+    """Join a partner at once that has been reached, where forming costs no step."""
     formed = world.teams[team].has_formed or world.teams[partner].has_formed
     if world.rules.forming_steps == 0 and not formed and is_in_same_place(world, team, partner):
         join_teams(world, team, partner)
         world.count.joins += 1
+
+
+@kernel
+def _walk_straight(world, team, goal_x, goal_y):  # type: ignore[no-untyped-def]
+    """Walk what the team walks in a step towards a point of a plane, or onto it if that is less."""
+    x, y, pace = world.teams[team].x, world.teams[team].y, world.teams[team].pace
+    to_go = np.sqrt((goal_x - x) * (goal_x - x) + (goal_y - y) * (goal_y - y))
+    if to_go <= pace + ROUNDING:
+        world.teams[team].x, world.teams[team].y = goal_x, goal_y
+    else:
+        world.teams[team].x = np.rint((x + (goal_x - x) * pace / to_go) * MICROMETRE) / MICROMETRE
+        world.teams[team].y = np.rint((y + (goal_y - y) * pace / to_go) * MICROMETRE) / MICROMETRE
+
+
+@kernel
+def place_teams(world, places):  # type: ignore[no-untyped-def]
+    """Phase 5 with motion from outside: put every team where `places` (robots, 2) has its slot.
+
+    Where forming costs no step, teams that have met join.
+    """
+    for team in range(world.rules.robots):
+        if world.teams[team].size > 0:
+            world.teams[team].x, world.teams[team].y = places[team, 0], places[team, 1]
+    for team in range(world.rules.robots):
+        if _can_walk(world, team) and world.teams[team].intent == JOIN:
+            _merge_on_the_way(world, team, world.robots[world.teams[team].partner].team)
 
 
 @kernel
@@ -79,7 +125,10 @@ def _cells_to_walk(world, team, to_go):  # type: ignore[no-untyped-def]
 
 @kernel
 def travel(world, x, y, task):  # type: ignore[no-untyped-def]
-    """Return the walking distance in cells from a place to a task."""
+    """Return the way from a place to a task as a whole number: cells, on a plane micrometres."""
+    if world.rules.is_plane:
+        away_x, away_y = world.tasks[task].x - x, world.tasks[task].y - y
+        return np.int64(np.rint(np.sqrt(away_x * away_x + away_y * away_y) * MICROMETRE))
     if world.rules.has_walls:
         return np.int64(world.fields[task, int(y), int(x)])
     away_x = abs(world.tasks[task].x - x)
@@ -88,7 +137,7 @@ def travel(world, x, y, task):  # type: ignore[no-untyped-def]
 
 @kernel
 def travel_between(world, task, other):  # type: ignore[no-untyped-def]
-    """Return the walking distance in cells between two tasks."""
+    """Return the way between two tasks, as `travel` does."""
     return travel(world, world.tasks[other].x, world.tasks[other].y, task)
 
 

@@ -1,4 +1,4 @@
-"""Who is near whom: teams listed by cell, so that looking around costs what is there."""
+"""Who is near whom: teams and tasks listed by cell, so that looking around costs what is there."""
 
 from __future__ import annotations
 
@@ -28,7 +28,16 @@ def forget_cells(world):  # type: ignore[no-untyped-def]
 @kernel
 def cell_of(world, x, y):  # type: ignore[no-untyped-def]
     """Return the number of the cell at a place."""
-    return int(y) * world.rules.width + int(x)
+    per_length = world.rules.cells_per_length
+    return int(y * per_length) * world.rules.width + int(x * per_length)
+
+
+@kernel
+def cells_around(world, at, radius, count):  # type: ignore[no-untyped-def]
+    """Return the first and the last of `count` columns or rows that lie within a radius."""
+    middle = int(at * world.rules.cells_per_length)
+    reach = int(min(radius * world.rules.cells_per_length, count)) + world.rules.is_plane
+    return max(0, middle - reach), min(count - 1, middle + reach)
 
 
 @kernel
@@ -39,17 +48,18 @@ def find_near(world, team, radius):  # type: ignore[no-untyped-def]
     """
     found = 0
     x, y = world.teams[team].x, world.teams[team].y
-    reach = int(min(radius, world.rules.width + world.rules.height))
-    if (2 * reach + 1) ** 2 > world.rules.robots:
+    left, right = cells_around(world, x, radius, world.rules.width)
+    low, high = cells_around(world, y, radius, world.rules.height)
+    if (right - left + 1) * (high - low + 1) > world.rules.robots:
         for other in range(world.rules.robots):
             is_other = other != team and world.teams[other].size > 0
             if is_other and distance_squared(world, team, other) <= radius * radius:
                 world.near[found] = other
                 found += 1
         return found
-    for cell_y in range(max(0, int(y) - reach), min(world.rules.height, int(y) + reach + 1)):
-        for cell_x in range(max(0, int(x) - reach), min(world.rules.width, int(x) + reach + 1)):
-            other = world.cells[cell_y * world.rules.width + cell_x].first_team
+    for row in range(low, high + 1):
+        for column in range(left, right + 1):
+            other = world.cells[row * world.rules.width + column].first_team
             while other != NOBODY:
                 if other != team and distance_squared(world, team, other) <= radius * radius:
                     world.near[found] = other
@@ -59,8 +69,40 @@ def find_near(world, team, radius):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def find_tasks_here(world, team):  # type: ignore[no-untyped-def]
+    """Collect the tasks that a team stands at in `world.here`; return how many."""
+    found = 0
+    radius = world.rules.arrival_radius
+    left, right = cells_around(world, world.teams[team].x, radius, world.rules.width)
+    low, high = cells_around(world, world.teams[team].y, radius, world.rules.height)
+    for row in range(low, high + 1):
+        for column in range(left, right + 1):
+            task = world.cells[row * world.rules.width + column].first_task
+            while task != NOBODY:
+                if stands_at(world, team, task):
+                    world.here[found] = task
+                    found += 1
+                task = world.tasks[task].next_here
+    return found
+
+
+@kernel
+def stands_at(world, team, task):  # type: ignore[no-untyped-def]
+    """Say whether a team is in the place of a task."""
+    return distance_squared_to(world, team, task) <= world.rules.arrival_radius**2
+
+
+@kernel
 def distance_squared(world, team, other):  # type: ignore[no-untyped-def]
     """Return the squared Euclidean distance between two teams."""
     away_x = world.teams[team].x - world.teams[other].x
     away_y = world.teams[team].y - world.teams[other].y
+    return away_x * away_x + away_y * away_y
+
+
+@kernel
+def distance_squared_to(world, team, task):  # type: ignore[no-untyped-def]
+    """Return the squared Euclidean distance from a team to a task."""
+    away_x = world.teams[team].x - world.tasks[task].x
+    away_y = world.teams[team].y - world.tasks[task].y
     return away_x * away_x + away_y * away_y

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.tour import plan_tour
-from teamformer.sim.arrays import NEAREST, NEVER, NOBODY, world_at
+from teamformer.planning.tour import FAR, plan_tour
+from teamformer.sim.arrays import NEAREST, NOBODY, world_at
 from teamformer.sim.motion import travel, travel_between
 
 
@@ -55,7 +55,7 @@ def _insert_after_nearest(world):  # type: ignore[no-untyped-def]
     count = world.count.open
     for arrived in range(count - world.count.arrived, count):
         task = world.order[arrived]
-        nearest, nearest_away = NOBODY, NEVER * 2
+        nearest, nearest_away = NOBODY, FAR
         for position in range(arrived):
             away = travel_between(world, task, world.order[position])
             if away < nearest_away:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import reprlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any, NamedTuple
 
 from teamformer.errors import ReplayError, TeamformerError
 from teamformer.model import Scenario
+from teamformer.plane import Plane
 from teamformer.scenarios.disk import read_text
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 
@@ -28,8 +30,8 @@ class TeamAt(NamedTuple):
     """Where a team is after a step and what it heads for."""
 
     slot: int
-    x: int
-    y: int
+    x: float  # a whole number on a grid
+    y: float
     task: int | None
 
 
@@ -66,7 +68,7 @@ class Replay:
     policy: str
     seed: int
     orders: tuple[tuple[int, tuple[int, ...]], ...]  # steps made, open tasks in order
-    start: tuple[tuple[int, tuple[int, ...], int, int], ...]  # slot, robots, x, y
+    start: tuple[tuple[int, tuple[int, ...], float, float], ...]  # slot, robots, x, y
     steps: tuple[Step, ...]
     end: Ending
     lower_bound: int | None = None
@@ -206,16 +208,21 @@ def _inside(where: str) -> Iterator[None]:
         raise _DamageError(f"{where}: {damage}") from None
 
 
+Coordinate = Callable[[Any], float]
+"""Reads a coordinate: whole on a grid."""
+
+
 def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
     robots, tasks = len(scenario.robots), len(scenario.tasks)
     bound = tree["lower_bound"]
+    along = _metres if isinstance(scenario.world, Plane) else _number
     with _inside("orders"):
         orders = tuple(
             (_count(at), _numbers(order, tasks)) for at, order in _rows(tree["orders"], 2)
         )
     with _inside("start"):
         start = tuple(
-            (_below(slot, robots), _numbers(members, robots), _number(x), _number(y))
+            (_below(slot, robots), _numbers(members, robots), along(x), along(y))
             for slot, members, x, y in _rows(tree["start"], 4)
         )
     with _inside("end"):
@@ -226,7 +233,7 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         seed=_number(tree["seed"]),
         orders=orders,
         start=start,
-        steps=tuple(_steps(tree["steps"], robots, tasks)),
+        steps=tuple(_steps(tree["steps"], robots, tasks, along)),
         end=end,
         lower_bound=None if bound is None else _count(bound),
     )
@@ -242,13 +249,13 @@ def _ending(tree: Any) -> Ending:
     return Ending(status=tree["status"], makespan=makespan, blocked_tasks=blocked, **counts)
 
 
-def _steps(trees: Any, robots: int, tasks: int) -> Iterator[Step]:
+def _steps(trees: Any, robots: int, tasks: int, along: Coordinate) -> Iterator[Step]:
     for number, tree in enumerate(_list(trees), start=1):
         with _inside(f"step {number}"):
-            yield _step(tree, robots, tasks)
+            yield _step(tree, robots, tasks, along)
 
 
-def _step(tree: Any, robots: int, tasks: int) -> Step:
+def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
     _check_keys(tree, STEP_KEYS)
     joins, splits = _rows(tree.get("joins", []), 2), _rows(tree.get("splits", []), 2)
     teams, done = _rows(tree.get("teams", []), 4), _rows(tree.get("done", []), 2)
@@ -259,8 +266,8 @@ def _step(tree: Any, robots: int, tasks: int) -> Step:
         teams=tuple(
             TeamAt(
                 _below(slot, robots),
-                _number(x),
-                _number(y),
+                along(x),
+                along(y),
                 None if task is None else _below(task, tasks),
             )
             for slot, x, y, task in teams
@@ -313,6 +320,13 @@ def _number(value: Any) -> int:
     if not _is_number(value):
         raise _DamageError(f"{_short(value)} stands where a whole number belongs")
     return int(value)
+
+
+def _metres(value: Any) -> float:
+    """Return a coordinate in a plane."""
+    if type(value) not in (int, float) or not math.isfinite(value):
+        raise _DamageError(f"{_short(value)} stands where a number belongs")
+    return float(value)
 
 
 def _is_number(value: Any) -> bool:

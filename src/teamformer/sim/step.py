@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
 from teamformer.sim.allocation import allocate_tasks
 from teamformer.sim.arrays import RUNNING, world_at
 from teamformer.sim.completion import (
@@ -12,32 +12,9 @@ from teamformer.sim.completion import (
     release_tasks,
 )
 from teamformer.sim.formation import form_joins, lose_robots, read_decisions, split_teams
-from teamformer.sim.motion import move_teams
+from teamformer.sim.motion import move_teams, place_teams
 from teamformer.sim.neighbours import forget_cells, list_teams_by_cell
 from teamformer.sim.reward import reward_teams
-
-
-@entry
-def step_world(world, wanted, named, first_row, weights, rewards):  # type: ignore[no-untyped-def]
-    """Make one step; the order of the phases alone decides that nothing blocks for ever."""
-    step = world.count.steps + 1
-    list_teams_by_cell(world)
-    read_decisions(world, wanted, named, first_row)
-    forget_cells(world)
-    split_teams(world, wanted)
-    form_joins(world)
-    list_teams_by_cell(world)
-    allocate_tasks(world, named)
-    forget_cells(world)
-    move_teams(world)
-    any_lost = lose_robots(world, step)
-    complete_tasks(world, step)
-    world.count.steps = step
-    reward_teams(world, weights, rewards)
-    any_released = release_tasks(world, step)
-    if any_lost or any_released:
-        drop_assignments(world)
-    judge_status(world, any_lost)
 
 
 @entry
@@ -49,6 +26,56 @@ def step_worlds(worlds, wanted, named, first_row, weights, rewards, begin, end):
     """
     for w in range(begin, end):
         if worlds.count[w].status == RUNNING:
-            step_world(world_at(worlds, w), wanted, named, first_row[w], weights, rewards[w])
+            world = world_at(worlds, w)
+            form_teams(world, wanted, named, first_row[w])
+            move_teams(world)
+            finish_step(world, weights, rewards[w])
         else:
             rewards[w, :] = 0.0
+
+
+@entry
+def form_worlds(worlds, wanted, named, first_row):  # type: ignore[no-untyped-def]
+    """Make the phases before motion in all running worlds, of a step that others move in."""
+    for w in range(len(worlds.rules)):
+        if worlds.count[w].status == RUNNING:
+            form_teams(world_at(worlds, w), wanted, named, first_row[w])
+
+
+@entry
+def finish_worlds(worlds, places, weights, rewards):  # type: ignore[no-untyped-def]
+    """Put all teams where they have got to, (worlds, robots, 2) by slot, and end the step."""
+    for w in range(len(worlds.rules)):
+        if worlds.count[w].status == RUNNING:
+            world = world_at(worlds, w)
+            place_teams(world, places[w])
+            finish_step(world, weights, rewards[w])
+        else:
+            rewards[w, :] = 0.0
+
+
+@kernel
+def form_teams(world, wanted, named, first_row):  # type: ignore[no-untyped-def]
+    """Phases 1 to 4; the order of the phases alone decides that nothing blocks for ever."""
+    list_teams_by_cell(world)
+    read_decisions(world, wanted, named, first_row)
+    forget_cells(world)
+    split_teams(world, wanted)
+    form_joins(world)
+    list_teams_by_cell(world)
+    allocate_tasks(world, named)
+    forget_cells(world)
+
+
+@kernel
+def finish_step(world, weights, rewards):  # type: ignore[no-untyped-def]
+    """Phases 6 and 7, rewards, and what becomes known."""
+    step = world.count.steps + 1
+    any_lost = lose_robots(world, step)
+    complete_tasks(world, step)
+    world.count.steps = step
+    reward_teams(world, weights, rewards)
+    any_released = release_tasks(world, step)
+    if any_lost or any_released:
+        drop_assignments(world)
+    judge_status(world, any_lost)

@@ -14,11 +14,14 @@ from teamformer.sim.neighbours import (
     find_near,
     forget_cells,
     list_teams_by_cell,
+    stands_at,
 )
 
 NEAREST_TEAMS = 16
 NEXT_TASKS = 16
 """How many teams and tasks a view holds at most, so that a decision's cost stays constant."""
+FARTHEST = 2.0**38
+"""Squared cells times 1024: a sort key has no room for more."""
 
 
 class View(NamedTuple):
@@ -121,11 +124,7 @@ def _write_own(world, view, row, team):  # type: ignore[no-untyped-def]
     view.size[row] = world.teams[team].size
     task = world.teams[team].task
     view.task[row] = task
-    view.is_at_task[row] = (
-        task != NOBODY
-        and world.tasks[task].x == world.teams[team].x
-        and world.tasks[task].y == world.teams[team].y
-    )
+    view.is_at_task[row] = task != NOBODY and stands_at(world, team, task)
     view.is_serving[row] = world.teams[team].serves > 0
     view.unit[row] = world.rules.unit
     view.arrival_radius[row] = world.rules.arrival_radius
@@ -186,7 +185,8 @@ def _nearest_first(world, team, found, most):  # type: ignore[no-untyped-def]
 @kernel
 def _sort_key(world, team, other):  # type: ignore[no-untyped-def]
     """Return a number that is less for what comes first: near, of help, with a slot close by."""
-    away = int(distance_squared(world, team, other) * 1024)
+    cells_squared = distance_squared(world, team, other) / world.rules.unit**2
+    away = int(min(cells_squared * 1024, FARTHEST))
     use = 2
     if _helps(world, team, other):
         use = 0 if world.teams[other].task == world.teams[team].task else 1

@@ -9,6 +9,7 @@ from test_broken_files import CASES, GOOD, problems_of
 
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.trees import ROBOT_KEYS, TASK_KEYS, TOP_KEYS
+from teamformer.scenarios.worlds import FORMS
 
 DOCS = Path(__file__).parents[2] / "docs" / "scenarios.md"
 
@@ -19,6 +20,7 @@ def test_the_table_has_every_key_and_says_which_must_be_there() -> None:
     known = dict(TOP_KEYS)
     known |= {f"robots[].{key}": must for key, must in ROBOT_KEYS.items()}
     known |= {f"tasks[].{key}": must for key, must in TASK_KEYS.items()}
+    known |= {f"world.{key}": key == "plane" for key in FORMS["plane"]}
     assert told == known
 
 

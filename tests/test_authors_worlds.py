@@ -6,16 +6,16 @@ The worlds and the makespans of the authors' heuristic were made by their public
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.model import Scenario
 from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.scripted import JoinAll
 from teamformer.policies.trial import run_trials
+from teamformer.scenarios.authors import read_worlds
 
 AUTHORS = Path(__file__).parents[2] / "shared" / "data" / "authors"
 
@@ -23,25 +23,8 @@ pytestmark = pytest.mark.skipif(not AUTHORS.is_dir(), reason=f"{AUTHORS} is not 
 
 
 def load(setting: str) -> tuple[list[Scenario], list[int | None]]:
-    lines = (AUTHORS / f"{setting}.jsonl").read_text(encoding="utf-8").splitlines()
-    worlds = [json.loads(line) for line in lines]
-    return [scenario_of(world) for world in worlds], [w["authors_heuristic"] for w in worlds]
-
-
-def scenario_of(world: dict[str, list[list[int]]]) -> Scenario:
-    names = tuple(f"c{index}" for index in range(world["caps"]))
-    return Scenario(
-        name=f"{world['setting']}-{world['seed']}",
-        world=Grid(world["cols"], world["rows"]),
-        capabilities=names,
-        robots=tuple(
-            Robot(f"r{i}", (x, y), {names[c]: 1}) for i, (x, y, c) in enumerate(world["robots"])
-        ),
-        tasks=tuple(
-            Task(f"t{i}", (x, y), {names[c]: 1 for c in needs})
-            for i, (x, y, needs) in enumerate(world["tasks"])
-        ),
-    )
+    worlds = read_worlds(AUTHORS / f"{setting}.jsonl")
+    return [world.scenario for world in worlds], [world.heuristic for world in worlds]
 
 
 def test_on_four_robots_and_four_tasks() -> None:

@@ -68,10 +68,9 @@ def load_suite(name: str) -> Suite:
     known = names_of_suites()
     if name not in known:
         known += OTHERS
-        near = difflib.get_close_matches(name, known)
-        hint = "did you mean " + " or ".join(f"'{one}'" for one in near) + "?"
-        hint = hint if near else f"there are {', '.join(known)}"
-        raise TeamformerError(f"there is no suite '{name}'", f"{hint}; your own is a .yaml file")
+        near = " or ".join(f"'{one}'" for one in difflib.get_close_matches(name, known))
+        hint = f"did you mean {near}?" if near else f"there are {', '.join(known)};"
+        raise TeamformerError(f"there is no suite '{name}'", f"{hint} your own is a .yaml file")
     file = files("teamformer").joinpath("bench", "suites", f"{name}.yaml")
     return _read(file.read_text(encoding="utf-8"), name, f"{name}.yaml")
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from teamformer.model import Grid, Scenario
+from teamformer.model import Scenario
 from teamformer.nets.actor import Actor
 from teamformer.policies.codec import Codec
 from teamformer.policies.heuristic import Heuristic
@@ -20,23 +20,26 @@ from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted import JoinAll
 from teamformer.policies.trained import load_trained
 from teamformer.policies.trial import run_trials
-from teamformer.scenarios.generate import Spec, generate
+from teamformer.scenarios.generate import generate
+from teamformer.scenarios.settings import spec_of
 from teamformer.sim.arrays import Array
 from teamformer.train.checkpoint import load_policy_weights, read_about
 from teamformer.train.evaluation import torch_brain
 from teamformer.train.trainer import TrainSettings, make_learner
 from teamformer.train.worlds import FINAL
 
-LARGE = Grid(20, 20)
 SETTINGS = {
-    "4N4T-C4": Spec(4, 4, 4),
-    "4N20T-C4": Spec(4, 20, 4),
-    "8N20T-C8": Spec(8, 20, 8),
-    "20N100T-C4": Spec(20, 100, 4, world=LARGE),
-    "24N100T-C8": Spec(24, 100, 8, world=LARGE),
-    "100N20T-R10": Spec(100, 20, 100, requirements=10, world=LARGE),
-    "100N20T-R50": Spec(100, 20, 100, requirements=50, world=LARGE),
-    "100N20T-R90": Spec(100, 20, 100, requirements=90, world=LARGE),
+    name: spec_of(name)
+    for name in (
+        "4N4T-C4",
+        "4N20T-C4",
+        "8N20T-C8",
+        "20N100T-C4",
+        "24N100T-C8",
+        "100N20T-C100-R10",
+        "100N20T-C100-R50",
+        "100N20T-C100-R90",
+    )
 }
 
 

@@ -1,0 +1,192 @@
+"""The benchmark on real small runs: every trial once, alike wherever and however it is run."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from teamformer.bench.engines import run_here, run_in_processes
+from teamformer.bench.lots import Lot, list_schedule, run_lot
+from teamformer.bench.rows import Key, Row
+from teamformer.bench.runner import TIMED, Request, fits, run_benchmark
+from teamformer.bench.store import Store
+from teamformer.bench.suites import Suite
+from teamformer.errors import TeamformerError
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.planning.bounds import lower_bound
+from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trial import run_trial
+from teamformer.scenarios.settings import world_of
+
+SMALL = Suite(
+    "small",
+    "two settings, two policies",
+    settings=("4N4T-C4", "3N2T-C2"),
+    policies=("heuristic", "join-all"),
+    rules={"order": "tsp", "allocation": "paper"},
+)
+
+
+def measured(
+    folder: Path,
+    request: Request,
+    engine: Callable[[Sequence[Lot], int], Iterator[list[Row]]] = run_here,
+    say: Callable[[str], None] = print,
+) -> dict[Key, Row]:
+    with Store(folder, request.about, say) as store:
+        run_benchmark(request, store, engine, say)
+        return dict(store.rows)
+
+
+def outcome(row: Row) -> Row:
+    """A row without what clocks said."""
+    return replace(row, decision_seconds=0, decision_cpu_seconds=0, total_seconds=0)
+
+
+def test_every_setting_meets_every_policy_on_every_seed(tmp_path: Path) -> None:
+    rows = measured(tmp_path, Request(SMALL, trials=3, first_seed=10))
+    wanted = itertools.product(SMALL.settings, SMALL.policies, (10, 11, 12))
+    assert list(rows) == list(wanted)
+    assert {row.suite for row in rows.values()} == {"small"}
+
+
+def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:
+    rows = measured(tmp_path, Request(SMALL, trials=2))
+    row = rows["4N4T-C4", "join-all", 1]
+    scenario = world_of("4N4T-C4", 1)
+    end = run_trial(scenario, JoinAll(), "join-all", seed=1).replay.end
+    assert (row.makespan, row.steps, row.joins) == (end.makespan, end.steps, end.joins)
+    assert (row.tasks_done, row.tasks, row.robots, row.capabilities) == (4, 4, 4, 4)
+    assert row.lower_bound == lower_bound(scenario)
+    others = [rows["4N4T-C4", policy, 1].makespan or 0 for policy in SMALL.policies]
+    assert row.best_known == min(others)
+    assert row.decision_seconds is not None
+    assert 0 < row.decision_seconds < (row.total_seconds or 0)
+    assert row.rerun == (
+        "teamformer bench small --settings 4N4T-C4 --policies join-all --seed 1 --trials 1 --json"
+    )
+
+
+def test_going_on_runs_only_what_is_missing(tmp_path: Path) -> None:
+    before = measured(tmp_path, Request(SMALL, trials=2, policies=("join-all",)))
+    asked: list[Lot] = []
+
+    def watching(lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
+        asked.extend(lots)
+        return run_here(lots)
+
+    said: list[str] = []
+    rows = measured(tmp_path, Request(SMALL, trials=3), watching, said.append)
+    assert len(rows) == 2 * 2 * 3
+    run = [(lot.setting, lot.policy, seed) for lot in asked for seed in lot.seeds]
+    assert sorted([*run, *before]) == sorted(rows)
+    assert "4 of 12 trials are there already" in said
+    kept = {key: rows[key].total_seconds for key in before}
+    assert kept == {key: row.total_seconds for key, row in before.items()}
+
+
+def test_an_interrupted_benchmark_ends_like_any_other(tmp_path: Path) -> None:
+    def breaking(lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
+        yield from itertools.islice(run_here(lots), 2)
+        raise KeyboardInterrupt
+
+    request = Request(SMALL, trials=7)
+    (tmp_path / "whole").mkdir()
+    (tmp_path / "parts").mkdir()
+    with pytest.raises(KeyboardInterrupt):
+        measured(tmp_path / "parts", request, breaking)
+    assert (tmp_path / "parts" / "rows.jsonl").read_text().count("\n") == 7  # lots of 5 and 2
+    parts = measured(tmp_path / "parts", request)
+    whole = measured(tmp_path / "whole", request)
+    assert list(map(outcome, parts.values())) == list(map(outcome, whole.values()))
+
+
+def test_processes_give_the_same_rows(tmp_path: Path) -> None:
+    request = Request(SMALL, trials=6, workers=2)
+    (tmp_path / "here").mkdir()
+    (tmp_path / "there").mkdir()
+    here = measured(tmp_path / "here", request, run_here)
+    there = measured(tmp_path / "there", request, run_in_processes)
+    assert list(map(outcome, here.values())) == list(map(outcome, there.values()))
+
+
+@pytest.mark.parametrize("policy", ["heuristic", "join-all", "teamformer-any"])
+def test_side_by_side_or_alone_a_trial_is_the_same(policy: str) -> None:
+    lot = Lot("small", "8N9T-C4", policy, tuple(range(12)), 1.0, "code")
+    alone, together = run_lot(lot), run_lot(replace(lot, is_timed=False))
+    assert {row.side_by_side for row in alone} == {1}
+    assert {row.side_by_side for row in together} == {12}
+    assert [replace(outcome(row), side_by_side=0) for row in alone] == [
+        replace(outcome(row), side_by_side=0) for row in together
+    ]
+
+
+def test_what_deciding_took_is_shared_out_whole() -> None:
+    lot = Lot("small", "8N9T-C4", "join-all", tuple(range(5)), 1.0, "code", is_timed=False)
+    rows = run_lot(lot)
+    deciding = sum(row.decision_seconds or 0 for row in rows)
+    assert 0 < deciding < sum(row.total_seconds or 0 for row in rows)
+    assert all((row.decisions or 0) >= (row.steps or 0) for row in rows)  # a team a step at least
+
+
+def test_only_the_first_trials_are_timed(tmp_path: Path) -> None:
+    request = Request(SMALL, trials=TIMED + 3, settings=("3N2T-C2",), policies=("join-all",))
+    rows = measured(tmp_path, request)
+    assert [row.side_by_side for row in rows.values()] == [1] * TIMED + [3] * 3
+
+
+def test_a_policy_of_one_s_own_runs_alone(tmp_path: Path) -> None:
+    mine = "teamformer.policies.scripted:JoinAll"
+    request = Request(SMALL, trials=2, settings=("3N2T-C2",), policies=(mine,))
+    rows = measured(tmp_path, request)
+    assert {row.side_by_side for row in rows.values()} == {1}
+    assert [row.completed for row in rows.values()] == [True, True]
+
+
+def test_what_does_not_fit_is_said_and_left_out(tmp_path: Path) -> None:
+    suite = replace(SMALL, settings=("4N4T-C4", "8N4T-C8"), policies=("gnn-c4", "join-all"))
+    said: list[str] = []
+    rows = measured(tmp_path, Request(suite, trials=1), say=said.append)
+    assert {policy for _, policy, _ in rows} >= {"join-all"}
+    assert ("8N4T-C8", "gnn-c4") not in {(setting, policy) for setting, policy, _ in rows}
+    assert any(line.startswith("gnn-c4: ") and line.endswith("skipped") for line in said)
+
+
+def test_fitting_goes_by_the_name() -> None:
+    assert fits("gnn-c4", "4N4T-C4")
+    assert fits("teamformer-c100", "4N4T-C4")
+    assert not fits("teamformer-c4", "8N20T-C8")
+    assert fits("join-all", "100N20T-C100-R90")
+
+
+def test_an_unknown_policy_ends_it_at_once(tmp_path: Path) -> None:
+    with pytest.raises(TeamformerError, match="there is no policy 'join-al'"):
+        measured(tmp_path, Request(SMALL, trials=1, policies=("join-al",)))
+    assert (tmp_path / "rows.jsonl").read_text() == ""
+
+
+def test_a_planner_says_what_it_found(tmp_path: Path) -> None:
+    request = Request(SMALL, trials=2, time_limit=1.0, settings=("3N2T-C2",), policies=("central",))
+    for row in measured(tmp_path, request).values():
+        assert row.time_limit == 1.0
+        assert row.relaxed == row.relaxed_bound == row.lower_bound  # proven
+        assert (row.relaxed or 0) <= (row.makespan or 0)
+        assert "--time-limit 1 " in row.rerun
+
+
+def test_the_list_schedule_of_two_tasks_in_a_row() -> None:
+    """Robot at 0, tasks at 2 and 5: done in steps 2 and 5, whatever forming costs."""
+    scenario = Scenario(
+        "row",
+        Grid(9, 1),
+        ("a",),
+        (Robot("r", (0, 0), {"a": 1}),),
+        (Task("far", (5, 0), {"a": 1}), Task("near", (2, 0), {"a": 1})),
+    )
+    assert list_schedule(scenario) == 5
+    late = replace(scenario, tasks=(scenario.tasks[0], replace(scenario.tasks[1], appears=3)))
+    assert list_schedule(late) is None

@@ -83,6 +83,7 @@ def generate(
     requirements: Annotated[int | None, typer.Option(min=1, help="of each task")] = None,
     late_tasks: Annotated[int, typer.Option(min=0, help="tasks that appear later")] = 0,
     grid: Annotated[str | None, typer.Option(help="WIDTHxHEIGHT, 10x10 by default")] = None,
+    plane: Annotated[str | None, typer.Option(help="WIDTHxHEIGHT in metres")] = None,
     map_path: Annotated[Path | None, typer.Option("--map", help="a .map or a ROS map")] = None,
     cell: Annotated[float | None, typer.Option(help="metres a cell, for a ROS map")] = None,
     seed: Seed = 0,
@@ -93,7 +94,7 @@ def generate(
     from teamformer.scenarios.generate import Spec
 
     spec = Spec(robots, tasks, capabilities, requirements, late_tasks=late_tasks)
-    raise typer.Exit(command(spec, grid, map_path, cell, seed, out, as_json))
+    raise typer.Exit(command(spec, grid, plane, map_path, cell, seed, out, as_json))
 
 
 @app.command()

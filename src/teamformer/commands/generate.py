@@ -9,7 +9,8 @@ import numpy as np
 
 from teamformer.commands.console import prepare_file, print_json, say
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid
+from teamformer.model import Grid, World
+from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
 from teamformer.scenarios.generate import Spec
 from teamformer.scenarios.generate import generate as generate_scenario
@@ -19,6 +20,7 @@ from teamformer.scenarios.maps import read_map
 def generate(
     spec: Spec,
     grid: str | None,
+    plane: str | None,
     map_path: Path | None,
     cell: float | None,
     seed: int,
@@ -27,7 +29,7 @@ def generate(
 ) -> int:
     """Write a random scenario; return the exit status."""
     prepare_file(path)
-    world = _world(grid, map_path, cell)
+    world = _world(grid, plane, map_path, cell)
     name = f"{spec.robots} robots, {spec.tasks} tasks, seed {seed}"
     spec = Spec(**{**vars(spec), "world": world})
     scenario = generate_scenario(spec, np.random.default_rng(seed), name)
@@ -39,14 +41,25 @@ def generate(
     return 0
 
 
-def _world(grid: str | None, map_path: Path | None, cell: float | None) -> Grid:
+def _world(grid: str | None, plane: str | None, map_path: Path | None, cell: float | None) -> World:
+    if sum(given is not None for given in (grid, plane, map_path)) > 1:
+        raise TeamformerError("--grid, --plane and --map exclude each other; give one")
     if map_path is not None:
-        if grid is not None:
-            raise TeamformerError("--grid and --map exclude each other; give one")
         return read_map(map_path, cell)
-    size = re.fullmatch(r"(\d{1,4})x(\d{1,4})", grid or "10x10")
-    if size is None or "0" in size.groups():
+    if plane is not None:
+        width, height = _size("--plane", plane, r"\d{1,5}(?:\.\d{1,3})?", "3.2x2.0")
+        return Plane(width, height)
+    width, height = _size("--grid", grid or "10x10", r"\d{1,4}", "20x10")
+    return Grid(int(width), int(height))
+
+
+def _size(flag: str, text: str, number: str, example: str) -> tuple[float, float]:
+    """Return the width and the height in a text such as `20x10`."""
+    size = re.fullmatch(f"({number})x({number})", text)
+    sides = [float(side) for side in size.groups()] if size else []
+    if not sides or min(sides) == 0:
         raise TeamformerError(
-            f"--grid {grid} is no size", "write it as WIDTHxHEIGHT, such as 20x10"
+            f"{flag} {text} is no size", f"write it as WIDTHxHEIGHT, such as {example}"
         )
-    return Grid(int(size.group(1)), int(size.group(2)))
+    width, height = sides
+    return width, height

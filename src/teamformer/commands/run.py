@@ -21,6 +21,7 @@ from teamformer.commands.console import (
     say,
 )
 from teamformer.model import Scenario
+from teamformer.plane import Plane
 from teamformer.planning.bounds import lower_bound
 from teamformer.policies import POLICIES
 from teamformer.policies.protocol import Policy
@@ -110,6 +111,7 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
         "completed": end.status == "completed",
         "status": end.status,
         "makespan": end.makespan,
+        "makespan_seconds": _seconds(replay.scenario, end.makespan),
         "steps": end.steps,
         "tasks_done": end.tasks_done,
         "tasks": len(replay.scenario.tasks),
@@ -156,15 +158,24 @@ def _show(trial: Trial, policy: Policy) -> None:
     )
 
 
+def _seconds(scenario: Scenario, steps: int | None) -> float | None:
+    """Return how long steps take on a plane; None on grids, whose steps have no length."""
+    if steps is None or not isinstance(scenario.world, Plane):
+        return None
+    return round(steps * scenario.world.step, 3)
+
+
 def _verdict(replay: Replay) -> str:
     end = replay.end
     if end.makespan is not None:
-        bound = replay.lower_bound
+        bound, seconds = replay.lower_bound, _seconds(replay.scenario, end.makespan)
+        done = f"all done after {end.makespan} steps"
+        if seconds is not None:
+            done = f"{done}, {seconds:g} s"
         if not bound:
-            return f"all done after {end.makespan} steps"
+            return done
         ratio = 100 * (end.makespan / bound - 1)
-        best = f"no plan can take less than {bound} (+{ratio:.0f}%)"
-        return f"all done after {end.makespan} steps; {best}"
+        return f"{done}; no plan can take less than {bound} (+{ratio:.0f}%)"
     if end.status == "infeasible":
         return f"given up at step {end.steps}: {', '.join(end.blocked_tasks)} can never be done"
     if end.status == "interrupted":

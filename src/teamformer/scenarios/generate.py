@@ -8,21 +8,27 @@ from functools import lru_cache
 import numpy as np
 
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Place, Robot, Scenario, Task
+from teamformer.model import Grid, Place, Robot, Scenario, Task, World
+from teamformer.plane import Plane
 
 SPAWN_RADIUS = 3
-"""Robots start within so many cells of the spawn point, along each axis."""
+"""Robots start within so many cells, on planes units, of the spawn point, along each axis."""
+
+MILLIMETRES = 1000.0  # in a metre: places on planes are drawn in whole ones
 
 
 @dataclass(frozen=True)
 class Spec:
-    """What to generate; the defaults are the paper's smallest test."""
+    """What to generate; the defaults are the paper's smallest test.
+
+    Radii are in cells; on a plane in its units, of which robots walk one in a step.
+    """
 
     robots: int = 4
     tasks: int = 4
     capabilities: int = 4
     requirements: int | None = None  # for each task; None: 1 to |C|, uniformly
-    world: Grid = field(default_factory=lambda: Grid(10, 10))
+    world: World = field(default_factory=lambda: Grid(10, 10))
     late_tasks: int = 0  # tasks besides, that appear together
     late_between: tuple[int, int] = (10, 25)  # the steps in which they may, both included
     step_limit: int = 0
@@ -52,22 +58,25 @@ def generate(spec: Spec, rng: np.random.Generator, name: str = "generated") -> S
     Robots start around a random spawn point, capabilities are dealt out evenly, and task places
     are uniform; on maps all lie in the largest connected part.
     """
+    world = spec.world
+    unit, speed = (world.unit, world.unit / world.step) if isinstance(world, Plane) else (1.0, 1.0)
     caps = tuple(f"c{number}" for number in range(1, spec.capabilities + 1))
     dealt = _deal(spec, rng)
     labels = _draw_teams(spec, rng)
     places = _spawn(spec, rng)
     robots = tuple(
-        Robot(f"r{r + 1}", places[labels[r]], {caps[dealt[r]]: 1}) for r in range(spec.robots)
+        Robot(f"r{r + 1}", places[labels[r]], {caps[dealt[r]]: 1}, speed)
+        for r in range(spec.robots)
     )
     return Scenario(
         name=name,
-        world=spec.world,
+        world=world,
         capabilities=caps,
         robots=robots,
         tasks=_draw_tasks(spec, [caps[c] for c in sorted(set(dealt))], rng),
         teams=_teams(labels),
-        sensing_radius=spec.sensing_radius,
-        join_radius=spec.join_radius,
+        sensing_radius=spec.sensing_radius * unit,
+        join_radius=spec.join_radius * unit,
         step_limit=spec.step_limit,
         new_tasks=spec.new_tasks,
     )
@@ -114,17 +123,34 @@ def _teams(labels: list[int]) -> tuple[tuple[int, ...], ...]:
 
 def _spawn(spec: Spec, rng: np.random.Generator) -> list[Place]:
     """Return a place for each robot within `SPAWN_RADIUS` of a random point; on maps, of steps."""
-    [(x, y)] = _random_places(spec.world, 1, rng)
-    if spec.world.rows:
-        near = _within_steps(spec.world, (x, y), SPAWN_RADIUS)
+    world = spec.world
+    [(x, y)] = _random_places(world, 1, rng)
+    if isinstance(world, Plane):
+        reach = SPAWN_RADIUS * world.unit
+        return _random_points(
+            (max(x - reach, 0.0), max(y - reach, 0.0)),
+            (min(x + reach, world.width), min(y + reach, world.height)),
+            spec.robots,
+            rng,
+        )
+    if world.rows:
+        near = _within_steps(world, (x, y), SPAWN_RADIUS)
         return [near[i] for i in rng.integers(len(near), size=spec.robots).tolist()]
     low = np.maximum((x - SPAWN_RADIUS, y - SPAWN_RADIUS), 0)
-    high = np.minimum((x + SPAWN_RADIUS + 1, y + SPAWN_RADIUS + 1), _size(spec.world))
+    high = np.minimum((x + SPAWN_RADIUS + 1, y + SPAWN_RADIUS + 1), _size(world))
     return [(to_x, to_y) for to_x, to_y in rng.integers(low, high, (spec.robots, 2)).tolist()]
 
 
-def _random_places(world: Grid, count: int, rng: np.random.Generator) -> list[Place]:
+def _random_points(low: Place, high: Place, count: int, rng: np.random.Generator) -> list[Place]:
+    """Return uniformly random points between two corners, to a millimetre."""
+    points = np.floor(rng.uniform(low, high, (count, 2)) * MILLIMETRES) / MILLIMETRES
+    return [(x, y) for x, y in points.tolist()]
+
+
+def _random_places(world: World, count: int, rng: np.random.Generator) -> list[Place]:
     """Return uniformly random free places, all of them connected."""
+    if isinstance(world, Plane):
+        return _random_points((0.0, 0.0), world.corner, count, rng)
     if not world.rows:
         return [(x, y) for x, y in rng.integers(0, _size(world), (count, 2)).tolist()]
     region = _largest_region(world)

@@ -194,7 +194,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         """Return the least and the largest value in an array of an observation."""
         scenario = self._env.scenarios[0]
         if name.endswith("place"):
-            return 0, max(scenario.world.width, scenario.world.height) - 1
+            return 0, max(scenario.world.corner)
         if name.endswith("counts") or name == "task_needs":
             return 0, LARGEST_COUNT
         if array.dtype == np.int8:

@@ -18,7 +18,7 @@ from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay import replay_to_tree
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-READING = ("scenario", "counts", "history", "services", "scene")
+READING = ("scenario", "plane", "counts", "history", "services", "scene")
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def scripts(browser: Any) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("policy", [Heuristic, JoinAll])
-@pytest.mark.parametrize("name", ["warehouse", "breakdown", "late-tasks"])
+@pytest.mark.parametrize("name", ["warehouse", "breakdown", "late-tasks", "plane"])
 def test_the_page_rebuilds_what_the_simulator_had(scripts: Any, name: str, policy: Any) -> None:
     env = TeamFormation([read_scenario(EXAMPLES / f"{name}.yaml")])
     recorder, chooser = Recorder(env), policy()
@@ -54,7 +54,7 @@ def moment(env: TeamFormation) -> list[list[Any]]:
     return [
         slots,
         [
-            [int(teams[slot][key]) for key in ("x", "y", "task")] + [slot in servers]
+            [float(teams[slot][key]) for key in ("x", "y", "task")] + [slot in servers]
             for slot in sorted(set(slots) - {-1})
         ],
     ]
@@ -62,10 +62,12 @@ def moment(env: TeamFormation) -> list[list[Any]]:
 
 MOMENTS = """(tree) => {
   const history = frames(tree);
+  const { square = 1 } = history.scenario.world;
+  const metres = (along) => Math.round(along * square * 1e6) / 1e6;
   const list = ({ state, teams }) => [
     [...state.team],
     [...teams.values()].sort((one, other) => one.slot - other.slot)
-      .map(({ slot, x, y, service }) => [x, y, state.task[slot], service !== null]),
+      .map(({ slot, x, y, service }) => [metres(x), metres(y), state.task[slot], service !== null]),
   ];
   return Array.from({ length: history.last + 1 }, (_, step) => list(sceneAt(history, step)));
 }"""

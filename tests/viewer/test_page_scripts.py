@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_states
 
-PURE = ("scenario", "counts", "history", "services", "scene", "packing")
+PURE = ("scenario", "plane", "counts", "history", "services", "scene", "packing")
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from pathlib import Path
 from string import Template
 
 SCRIPTS = (
-    *("scenario", "counts", "history", "services", "scene", "story", "words"),
+    *("scenario", "plane", "counts", "history", "services", "scene", "story", "words"),
     *("packing", "placing", "palette", "camera"),
     *("draw_world", "draw_tasks", "draw_teams", "draw_extras", "draw_names", "map"),
     *("dom", "chips", "waiting", "inspector", "rows", "lists"),

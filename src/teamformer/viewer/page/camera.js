@@ -6,6 +6,7 @@ const LEAST_PIXELS_PER_CELL = 1.5;
 class Camera {
   constructor(world) {
     this.world = world;
+    this.middle = world.isPlane ? 0 : 0.5; // whole numbers are the middles of cells
     this.cell = 1; // pixels
     this.left = 0;
     this.top = 0;
@@ -37,18 +38,22 @@ class Camera {
     this.isFitted = false;
   }
 
-  // The pixel of a place; whole numbers are the middles of cells.
+  // The pixel of a place.
   x(x) {
-    return this.left + (x + 0.5) * this.cell;
+    return this.left + (x + this.middle) * this.cell;
   }
 
   y(y) {
-    return this.top + ((this.world.yIsUp ? this.world.height - 1 - y : y) + 0.5) * this.cell;
+    return this.top + (this.turned(y) + this.middle) * this.cell;
+  }
+
+  turned(y) {
+    return this.world.yIsUp ? this.world.height - 2 * this.middle - y : y;
   }
 
   // The place under a pixel.
   placeAt(px, py) {
-    const y = (py - this.top) / this.cell - 0.5;
-    return [(px - this.left) / this.cell - 0.5, this.world.yIsUp ? this.world.height - 1 - y : y];
+    const y = (py - this.top) / this.cell - this.middle;
+    return [(px - this.left) / this.cell - this.middle, this.turned(y)];
   }
 }

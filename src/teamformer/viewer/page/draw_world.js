@@ -18,6 +18,7 @@ function drawWorld(view) {
   drawNumbers(view);
 }
 
+// On a plane from its lower left corner.
 function drawGridLines({ ctx, camera, theme, scenario }, width, height) {
   ctx.beginPath();
   for (let column = 1; column < scenario.world.width; column++) {
@@ -26,7 +27,8 @@ function drawGridLines({ ctx, camera, theme, scenario }, width, height) {
     ctx.lineTo(x, camera.top + height);
   }
   for (let row = 1; row < scenario.world.height; row++) {
-    const y = Math.round(camera.top + row * camera.cell) + 0.5;
+    const up = scenario.world.yIsUp ? scenario.world.height - row : row;
+    const y = Math.round(camera.top + up * camera.cell) + 0.5;
     ctx.moveTo(camera.left, y);
     ctx.lineTo(camera.left + width, y);
   }
@@ -51,17 +53,30 @@ function wallsImage(world, colour) {
   return canvas;
 }
 
-// x along the bottom and y along the left, at a spacing that leaves room for the digits.
+const SPACINGS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
+
+// x along the bottom and y along the left, at a spacing that leaves room for the digits: the
+// numbers of cells, or metres on a plane.
 function drawNumbers({ ctx, camera, theme, scenario }) {
   const { world } = scenario;
-  const every = [1, 2, 5, 10, 20, 50, 100].find((step) => step * camera.cell >= 34) ?? 200;
+  const { isPlane, square = 1 } = world;
+  const spacings = isPlane ? SPACINGS : SPACINGS.filter(Number.isInteger);
+  const every = spacings.find((step) => (step / square) * camera.cell >= 34) ?? SPACINGS.at(-1);
+  const marks = (side) => {
+    const last = isPlane ? side * square : side - 1;
+    return Array.from({ length: Math.floor(last / every + 1e-9) + 1 }, (_, mark) => mark * every);
+  };
   ctx.fillStyle = theme.faint;
   ctx.font = `10px ${theme.font}`;
   ctx.textBaseline = "top";
   ctx.textAlign = "center";
   const below = camera.top + world.height * camera.cell + 18; // names of tasks come first
-  for (let x = 0; x < world.width; x += every) ctx.fillText(x, camera.x(x), below);
+  for (const x of marks(world.width)) ctx.fillText(short(x), camera.x(x / square), below);
   ctx.textBaseline = "middle";
   ctx.textAlign = "right";
-  for (let y = 0; y < world.height; y += every) ctx.fillText(y, camera.left - 7, camera.y(y));
+  for (const y of marks(world.height)) ctx.fillText(short(y), camera.left - 7, camera.y(y / square));
+}
+
+function short(number) {
+  return String(Number(number.toFixed(1)));
 }

@@ -76,9 +76,12 @@ function showFigures(app) {
   );
 }
 
-function ratioText({ end, lowerBound }) {
-  if (end.makespan === null || !lowerBound) return "";
-  return ` ${(end.makespan / lowerBound).toFixed(2)} x the bound`;
+function ratioText({ end, lowerBound, scenario }) {
+  if (end.makespan === null) return "";
+  const seconds = describeSteps(scenario.world, end.makespan);
+  const ratio = lowerBound ? `${(end.makespan / lowerBound).toFixed(2)} x the bound` : "";
+  const notes = [seconds, ratio].filter(Boolean);
+  return notes.length ? ` ${notes.join(", ")}` : "";
 }
 
 function figure(title, value, note) {

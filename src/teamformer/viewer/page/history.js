@@ -6,7 +6,8 @@ const NOBODY = -1;
 
 // Read a replay once; then `at(step)` gives the state after that many steps. Memory stays bounded:
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
-function frames(replay) {
+function frames(recorded) {
+  const replay = inSquares(recorded);
   const scenario = readScenario(replay.scenario);
   const history = {
     replay,

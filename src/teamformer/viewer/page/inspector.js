@@ -83,7 +83,7 @@ function taskDetails(app, task) {
   return [
     heading(app, taskMark(app, task), name),
     lead(capitalised(describeStanding(history, task, app.scene()))),
-    element("p", { class: "muted" }, `At [${at[0]}, ${at[1]}]${steps}${orderText(app, task)}`),
+    element("p", { class: "muted" }, `At ${describePlace(history.scenario.world, at)}${steps}${orderText(app, task)}`),
     ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
     isOpen ? waitingFor(app, task, missingOfBest(app, task), null) : null,
     isOpen || standing === "served" ? assignedTeams(app, task) : null,

@@ -13,7 +13,7 @@ function readScenario(tree) {
       can: readCounts(robot.can, numbers),
     })),
     tasks,
-    taskAt: new Map(tasks.map(({ at }, task) => [cellKey(...at), task])),
+    taskAt: new Map(tasks.map(({ at }, task) => [cellKey(...at.map(Math.round)), task])),
     sensingRadius: readRadius(tree.sensing_radius),
   };
 }
@@ -50,6 +50,7 @@ function readCounts(counts, numbers) {
 
 // A plain grid is drawn with y upwards, a map of rows as it says (downwards if it does not).
 function readWorld(world) {
+  if (world.plane) return readPlane(world);
   const rows = world.rows ?? [];
   const [width, height] = world.grid ?? [rows[0].length, rows.length];
   const yAxis = world.y_axis ?? (rows.length ? "down" : "up");
@@ -72,8 +73,9 @@ function usedPart(width, height, rows) {
 
 const FIELDS_KEPT = 64;
 
-// Cells to walk between two places, or Infinity; distance fields are kept by their goal.
+// Cells to walk between two places, or Infinity, on planes squares straight on; distance fields are kept by their goal.
 function walkingDistance(world, from, goal) {
+  if (world.isPlane) return Math.hypot(from[0] - goal[0], from[1] - goal[1]);
   if (!world.rows.length) return Math.abs(from[0] - goal[0]) + Math.abs(from[1] - goal[1]);
   const key = goal[1] * world.width + goal[0];
   if (!world.fields.has(key)) {

@@ -10,11 +10,11 @@ function serviceKeeper(history) {
   const running = new Map(); // task -> its service, with the robots that began it
   return (state, change, step) => {
     if (!lasting.length) return;
-    const cells = teamsByCell(state, scenario.world.width);
+    const teamsAt = teamFinder(scenario.world, state);
     endServices(scenario, running, state, change, step);
     for (const task of lasting) {
       if (running.has(task) || isClosed(history, task, step) || isDoneIn(change, task)) continue;
-      const service = findServer(scenario, state, cells, task, step);
+      const service = findServer(scenario, state, teamsAt, task, step);
       if (!service) continue;
       running.set(task, service);
       services[task].push(service);
@@ -47,10 +47,8 @@ function endServices(scenario, running, state, change, step) {
   }
 }
 
-function findServer(scenario, state, cells, task, step) {
-  const [x, y] = scenario.tasks[task].at;
-  const here = cells.get(y * scenario.world.width + x) ?? [];
-  const slot = here.find((team) =>
+function findServer(scenario, state, teamsAt, task, step) {
+  const slot = teamsAt(scenario.tasks[task].at).find((team) =>
     covers(countsOfTeam(scenario, state, team), scenario.tasks[task].needs),
   );
   if (slot === undefined) return null;
@@ -59,19 +57,23 @@ function findServer(scenario, state, cells, task, step) {
 
 function standsAndCovers(scenario, state, slot, task) {
   const { at, needs } = scenario.tasks[task];
-  const stands = state.x[slot] === at[0] && state.y[slot] === at[1];
+  const stands = isSamePlace(scenario.world, [state.x[slot], state.y[slot]], at);
   return stands && covers(countsOfTeam(scenario, state, slot), needs);
 }
 
-function teamsByCell(state, width) {
+// Returns what finds the slots of the teams in a place, lowest first.
+function teamFinder(world, state) {
+  const slots = [...state.team.keys()].filter((slot) => state.team[slot] === slot);
+  if (world.isPlane) {
+    return (at) => slots.filter((slot) => isSamePlace(world, [state.x[slot], state.y[slot]], at));
+  }
   const cells = new Map();
-  for (let slot = 0; slot < state.team.length; slot++) {
-    if (state.team[slot] !== slot) continue; // a team's slot is its lowest robot
-    const cell = state.y[slot] * width + state.x[slot];
+  for (const slot of slots) {
+    const cell = cellKey(state.x[slot], state.y[slot]);
     if (cells.has(cell)) cells.get(cell).push(slot);
     else cells.set(cell, [slot]);
   }
-  return cells;
+  return (at) => cells.get(cellKey(...at)) ?? [];
 }
 
 function robotsOfTeam(state, slot) {

@@ -37,8 +37,9 @@ function assignedByDistance(app, task) {
 }
 
 function farText(scenario, team, task) {
-  const cells = distanceTo(scenario, team, task);
-  return cells === 0 ? "is there" : `is ${plural(cells, "cell")} away`;
+  const { at } = scenario.tasks[task];
+  if (isSamePlace(scenario.world, [team.x, team.y], at)) return "is there";
+  return `is ${describeWay(scenario.world, distanceTo(scenario, team, task))} away`;
 }
 
 function nobodyBrings({ history, player }, cap) {

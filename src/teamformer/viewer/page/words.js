@@ -44,7 +44,7 @@ function capitalised(text) {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
-// Cells to walk from a team to a task.
+// How far a team has to walk to a task.
 function distanceTo(scenario, team, task) {
   return walkingDistance(scenario.world, [team.x, team.y], scenario.tasks[task].at);
 }
@@ -54,8 +54,8 @@ function activityOf(scenario, team) {
   if (team.service) return "serves";
   if (team.justDone !== NOBODY) return "done";
   if (team.assigned === NOBODY) return "idle";
-  const [x, y] = scenario.tasks[team.assigned].at;
-  return team.x === x && team.y === y ? "waits" : "walks";
+  const { at } = scenario.tasks[team.assigned];
+  return isSamePlace(scenario.world, [team.x, team.y], at) ? "waits" : "walks";
 }
 
 function describeDoing(scenario, team, step) {
@@ -73,7 +73,8 @@ function describeDoing(scenario, team, step) {
     case "waits":
       return team.isMet ? `is at ${name} with all it needs` : `waits at ${name} for ${lack}`;
     default: {
-      const way = `${plural(distanceTo(scenario, team, team.assigned), "cell")} to go`;
+      const away = distanceTo(scenario, team, team.assigned);
+      const way = `${describeWay(scenario.world, away)} to go`;
       return team.isMet
         ? `walks to ${name} with all it needs, ${way}`
         : `walks to ${name}, ${way}; lacks ${lack}`;

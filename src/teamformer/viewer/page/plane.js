@@ -1,0 +1,69 @@
+// Planes: places in metres, which the page draws in squares as if these were cells.
+
+const MOST_SQUARES = 300; // along a side
+
+// The same replay with all lengths in squares; on a grid, the replay itself.
+function inSquares(replay) {
+  const { world } = replay.scenario;
+  if (!world.plane) return replay;
+  const square = squareOf(world);
+  const team = ([slot, x, y, task]) => [slot, x / square, y / square, task];
+  return {
+    ...replay,
+    scenario: scenarioInSquares(replay.scenario, square),
+    start: replay.start.map(([slot, robots, x, y]) => [slot, robots, x / square, y / square]),
+    steps: replay.steps.map((step) => (step.teams ? { ...step, teams: step.teams.map(team) } : step)),
+  };
+}
+
+function scenarioInSquares(scenario, square) {
+  const placed = (thing) => ({ ...thing, at: thing.at.map((along) => along / square) });
+  const radius = readRadius(scenario.sensing_radius);
+  return {
+    ...scenario,
+    robots: scenario.robots.map(placed),
+    tasks: scenario.tasks.map(placed),
+    sensing_radius: Math.max(radius, scenario.world.arrival_radius) / square,
+  };
+}
+
+// Metres a square: the plane's unit, or more where it is large.
+function squareOf({ plane, unit }) {
+  return Math.max(unit, Math.max(...plane) / MOST_SQUARES);
+}
+
+function readPlane(world) {
+  const square = squareOf(world);
+  const [width, height] = world.plane.map((side) => side / square);
+  return {
+    width,
+    height,
+    rows: [],
+    isBlocked: () => false,
+    used: { left: 0, low: 0, width, height },
+    yIsUp: true,
+    isPlane: true,
+    square,
+    arrival: world.arrival_radius / square,
+    stepSeconds: world.step,
+  };
+}
+
+// One cell, or points within the arrival radius.
+function isSamePlace(world, one, other) {
+  if (!world.isPlane) return one[0] === other[0] && one[1] === other[1];
+  return Math.hypot(one[0] - other[0], one[1] - other[1]) <= world.arrival + 1e-9;
+}
+
+function describeWay(world, length) {
+  return world.isPlane ? `${(length * world.square).toFixed(2)} m` : plural(length, "cell");
+}
+
+function describePlace(world, at) {
+  const [x, y] = world.isPlane ? at.map((along) => (along * world.square).toFixed(2)) : at;
+  return `[${x}, ${y}]${world.isPlane ? " m" : ""}`;
+}
+
+function describeSteps(world, steps) {
+  return world.isPlane ? `${Number((steps * world.stepSeconds).toFixed(2))} s` : "";
+}

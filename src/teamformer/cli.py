@@ -179,8 +179,8 @@ def train(
     capabilities: Annotated[
         int | None, typer.Option(min=1, help="how many the network is made for; not for `any`")
     ] = None,
-    iterations: Annotated[int, typer.Option(min=1, help="at most so many")] = 60,
-    minutes: Annotated[float | None, typer.Option(min=0, help="at most so long")] = None,
+    iterations: Annotated[int | None, typer.Option(min=1, help="at most; 60, or endless")] = None,
+    minutes: Annotated[float | None, typer.Option(min=0, help="at most")] = None,
     worlds: Annotated[int, typer.Option(min=1, help="played in each iteration")] = 256,
     held_out: Annotated[int, typer.Option(min=1, help="worlds of each setting")] = 48,
     reward: Annotated[str, typer.Option(help="mission, or team as in the paper")] = "mission",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def train(
     network: str,
     capabilities: int | None,
-    iterations: int,
+    iterations: int | None,
     minutes: float | None,
     worlds: int,
     held_out: int,
@@ -44,7 +44,7 @@ def train(
 def _settings(
     network: str,
     capabilities: int | None,
-    iterations: int,
+    iterations: int | None,
     minutes: float | None,
     worlds: int,
     reward: str,

@@ -24,6 +24,8 @@ from teamformer.train.rewards import MissionReward, TeamReward
 from teamformer.train.rollout import Rollout, play, sampler
 from teamformer.train.worlds import Mixture, training_worlds
 
+ITERATIONS, NO_LIMIT = 60, 10**9
+
 
 @dataclass(frozen=True)
 class TrainSettings:
@@ -32,8 +34,8 @@ class TrainSettings:
     network: str = "any"
     capabilities: int | None = None  # None: any number
     seed: int = 0
-    iterations: int = 60
-    minutes: float | None = None  # ends the training where that is earlier
+    iterations: int | None = None  # None: as many as the minutes allow, else 60
+    minutes: float | None = None  # ends the training, where that is earlier
     worlds: int = 256  # in each iteration and process
     mixture: Mixture | None = None  # None: the network's own
     mission_reward: MissionReward | None = field(default_factory=MissionReward)
@@ -45,6 +47,13 @@ class TrainSettings:
 
     def __post_init__(self) -> None:
         find_family(self.network, self.capabilities)
+
+    @property
+    def last_iteration(self) -> int:
+        """Return how many iterations there are at most."""
+        if self.iterations is not None:
+            return self.iterations
+        return ITERATIONS if self.minutes is None else NO_LIMIT
 
     @property
     def family(self) -> Family:
@@ -160,7 +169,7 @@ def _described(settings: TrainSettings) -> dict[str, object]:
 
 
 def _is_over(settings: TrainSettings, progress: Progress, until: int | None) -> bool:
-    last = min(until or settings.iterations, settings.iterations)
+    last = min(until or settings.last_iteration, settings.last_iteration)
     out_of_time = settings.minutes is not None and progress.seconds >= 60 * settings.minutes
     return progress.iteration >= last or out_of_time
 
@@ -204,7 +213,7 @@ def _iterate(learner: Learner, settings: TrainSettings, progress: Progress) -> R
 
 def _share(settings: TrainSettings, progress: Progress) -> float:
     """Return how much of the training is over, from 0 to 1."""
-    of_iterations = progress.iteration / max(settings.iterations, 1)
+    of_iterations = progress.iteration / settings.last_iteration
     if settings.minutes is None:
         return of_iterations
     return min(1.0, max(of_iterations, progress.seconds / (60 * settings.minutes)))

@@ -32,7 +32,7 @@ TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may 
 @app.command()
 def run(
     scenario: ScenarioPath,
-    policy: Annotated[str, typer.Option(help="who decides; see `policies`")] = "join-all",
+    policy: Annotated[str, typer.Option(help="who decides; see `policies`")] = "teamformer",
     order: Order = None,
     allocation: Allocation = None,
     seed: Seed = 0,
@@ -57,7 +57,7 @@ def compare(
     scenario: ScenarioPath,
     policies: Annotated[
         str, typer.Option(help="names, with commas")
-    ] = "heuristic,join-all,central",
+    ] = "heuristic,join-all,teamformer,central",
     seeds: Annotated[int, typer.Option(min=1, help="trials of each policy")] = 1,
     order: Order = None,
     allocation: Allocation = None,
@@ -174,10 +174,15 @@ def _split(names: str) -> tuple[str, ...]:
 
 @app.command()
 def train(
-    out: Annotated[Path, typer.Option(help="folder of the training; goes on if it holds one")],
-    network: Annotated[str, typer.Option(help="any, teamformer, deepset or gnn")] = "any",
     capabilities: Annotated[
-        int | None, typer.Option(min=1, help="how many the network is made for; not for `any`")
+        int | None, typer.Option(min=1, help="how many the network is made for; none: any number")
+    ] = None,
+    network: Annotated[
+        str | None, typer.Option(help="any, teamformer, deepset or gnn; chosen by --capabilities")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="folder, runs/NETWORK-SEED by default; goes on if it has one"),
     ] = None,
     iterations: Annotated[int | None, typer.Option(min=1, help="at most; 60, or endless")] = None,
     minutes: Annotated[float | None, typer.Option(min=0, help="at most")] = None,
@@ -199,7 +204,7 @@ def train(
             raise TeamformerError(f"{name} {given} is unknown", f"use {' or '.join(known)}")
     raise typer.Exit(
         command(
-            network,
+            network or ("any" if capabilities is None else "teamformer"),
             capabilities,
             iterations,
             minutes,

@@ -2,39 +2,62 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numba as nb
 
+ROOT = Path(__file__).parent
+IMPORT = re.compile(r"^ *from teamformer\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
 
-def _stamp_of_sources() -> str:
-    """Return a text that changes when any file of the package does."""
-    root = Path(__file__).parent
+
+@cache
+def stamp_of(source: Path) -> str:
+    """Return a text that changes when a file of the package does, or any that it imports."""
+    seen, waiting = set[Path](), [source]
+    while waiting:
+        path = waiting.pop()
+        if path not in seen:
+            seen.add(path)
+            waiting += _imported(path)
     stamp = sha256()
-    for path in sorted(root.rglob("*.py")):
-        about = path.stat()
-        stamp.update(f"{path.relative_to(root)} {about.st_size} {about.st_mtime_ns}\n".encode())
+    for path in sorted(seen):
+        stamp.update(path.name.encode() + _content(path))
     return stamp.hexdigest()
 
 
-_STAMP = _stamp_of_sources()
+@cache
+def _imported(path: Path) -> tuple[Path, ...]:
+    """Return the files of the package that a file imports from."""
+    found = []
+    for module, names in IMPORT.findall(_content(path).decode()):
+        place = ROOT.joinpath(*module.split("."))
+        parts = [place / name for name in re.findall(r"\w+", names)]
+        found += [p.with_suffix(".py") for p in (place, *parts)]
+    return tuple(file for file in found if file.is_file())
+
+
+@cache
+def _content(path: Path) -> bytes:
+    return path.read_bytes()
 
 
 def _compile(function: Callable[..., Any], **options: Any) -> Any:
-    """Compile on first use, and keep the result until any source of the package changes.
+    """Compile on first use, and keep the result until the function's file or one below changes.
 
     numba looks only at a function's own file, so that code inlined from another file would stay
-    as it was; its check of versions is made to look at all of them.
+    as it was; its check of versions is made to look at all that the file imports.
     """
     try:
         compiled = nb.njit(cache=True, nogil=True, **options)(function)
     except RuntimeError:  # nowhere to write: compile in every process
         return nb.njit(nogil=True, **options)(function)
     if hasattr(compiled, "_cache"):  # absent where numba is switched off
-        compiled._cache._cache_file._version += _STAMP
+        compiled._cache._cache_file._version += stamp_of(Path(function.__code__.co_filename))
     return compiled
 
 

@@ -22,13 +22,14 @@ def train(
     reward: str,
     seed: int,
     device: str,
-    folder: Path,
+    folder: Path | None,
     as_json: bool,
 ) -> int:
     """Train, printing a row for each iteration; return the exit status."""
     settings = _settings(network, capabilities, iterations, minutes, worlds, reward, seed, device)
     from teamformer.train.session import run_session
 
+    folder = folder or Path("runs", _name(network, capabilities, seed))
     prepare_folder(folder)
     announce_compiling()
     try:
@@ -39,6 +40,11 @@ def train(
     if is_first:
         say(f"the policy is in {folder}; run it with --policy {folder}")
     return 0
+
+
+def _name(network: str, capabilities: int | None, seed: int) -> str:
+    made_for = "" if capabilities is None else f"-c{capabilities}"
+    return f"{network}{made_for}-{seed}"
 
 
 def _settings(

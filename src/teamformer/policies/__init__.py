@@ -6,6 +6,12 @@ A new policy is one file and one line in `POLICIES`.
 from teamformer.policies.registry import Listing
 
 POLICIES = (
+    Listing(
+        "teamformer",
+        "teamformer.policies.any_fleet:teamformer_any",
+        "the best learned policy that comes with the package: teamformer-any",
+        trained_on="any number of capabilities",
+    ),
     Listing("heuristic", "teamformer.policies.heuristic:Heuristic", "the paper's heuristic"),
     Listing(
         "join-all",

@@ -139,9 +139,8 @@ def train(
                 _keep(folder / "best", learner, settings, progress)
                 if exports:
                     _export(folder / "best", learner, settings)
-            _keep(folder / "last", learner, settings, progress)
+        _keep(folder / "last", learner, settings, progress)
         on_report(report)
-    _keep(folder / "last", learner, settings, progress)
     if exports:
         _export(folder / "last", learner, settings)
     return learner

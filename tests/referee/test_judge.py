@@ -211,7 +211,8 @@ class Restless:
 def test_real_records_are_legal(policy: Policy) -> None:
     rng = np.random.default_rng(5)
     for seed in range(200):
-        replay = run_trial(random_world(rng), policy, "any", seed).replay
+        scenario = random_world(rng, is_plane=seed % 2 == 1)
+        replay = run_trial(scenario, policy, "any", seed).replay
         assert judge(replay).findings == ()
 
 
@@ -238,6 +239,7 @@ def forgeries(replay: Replay, rng: np.random.Generator) -> list[Replay]:
 def test_changes_of_single_facts_are_found() -> None:
     rng = np.random.default_rng(6)
     for seed in range(100):
-        replay = run_trial(random_world(rng, with_losses=False), JoinAll(), "any", seed).replay
+        scenario = random_world(rng, with_losses=False, is_plane=seed % 2 == 1)
+        replay = run_trial(scenario, JoinAll(), "any", seed).replay
         for forged in forgeries(replay, rng):
             assert judge(forged).findings

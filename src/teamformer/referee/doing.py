@@ -2,10 +2,38 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+
 from teamformer.capabilities import describe, missing
-from teamformer.model import Place, Scenario
+from teamformer.model import Grid, Place, Scenario
 from teamformer.referee.fleet import Fleet, Team, are_together
 from teamformer.referee.verdict import Notes
+
+SMALLEST_SQUARE = 1e-3  # metres
+
+
+class _Places:
+    """Finds the tasks in a place, by cell; on a plane by squares as wide as the arrival radius."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        world = scenario.world
+        self._reach = 0 if isinstance(world, Grid) else 1  # squares around
+        self._side = 1.0 if isinstance(world, Grid) else max(world.arrival_radius, SMALLEST_SQUARE)
+        self._tasks: dict[tuple[int, int], list[int]] = defaultdict(list)
+        for number, task in enumerate(scenario.tasks):
+            self._tasks[self._square(task.at)].append(number)
+
+    def tasks_at(self, place: Place) -> list[int]:
+        """Return the tasks that a team in a place stands at."""
+        column, row = self._square(place)
+        around = range(-self._reach, self._reach + 1)
+        near = (self._tasks.get((column + i, row + j), ()) for i in around for j in around)
+        world, tasks = self._scenario.world, self._scenario.tasks
+        return sorted(k for part in near for k in part if are_together(world, place, tasks[k].at))
+
+    def _square(self, place: Place) -> tuple[int, int]:
+        return int(place[0] / self._side), int(place[1] / self._side)
 
 
 class Tasks:
@@ -14,22 +42,11 @@ class Tasks:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
         self.done: dict[int, int] = {}  # task -> step
-        self._near: dict[Place, list[int]] = {}  # place -> tasks there, as far as asked for
+        self._places = _Places(scenario)
 
     def is_open(self, task: int, steps_made: int) -> bool:
         """Say whether a task is known once so many steps are made, and undone."""
         return task not in self.done and self.scenario.tasks[task].appears <= steps_made
-
-    def _at(self, place: Place) -> list[int]:
-        """Return the tasks that a team in a place stands at."""
-        if place not in self._near:
-            world = self.scenario.world
-            self._near[place] = [
-                number
-                for number, task in enumerate(self.scenario.tasks)
-                if are_together(world, place, task.at)
-            ]
-        return self._near[place]
 
     def complete(self, fleet: Fleet, recorded: dict[int, int], step: int, notes: Notes) -> None:
         """Work out what is done in a step and compare it with the record, task -> slot."""
@@ -39,7 +56,7 @@ class Tasks:
                 self._serve(fleet, slot, team, task, found)
         served = {task for team in fleet.teams.values() for task in team.services}
         for slot, team in sorted(fleet.teams.items()):
-            for task in self._at(team.at):
+            for task in self._places.tasks_at(team.at):
                 is_free = task not in found and task not in served
                 if is_free and self.is_open(task, step - 1) and fleet.covers(team, task):
                     self._begin(slot, team, task, found)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError
 from teamformer.model import Robot, Scenario, Task, World
-from teamformer.plane import Plane
+from teamformer.plane import DECIMALS, Plane
 from teamformer.scenarios.reading import INFINITE, Reader
 from teamformer.scenarios.worlds import read_world
 from teamformer.scenarios.yaml_words import shorten
@@ -70,6 +71,8 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
     world = read_world(reader, top.get("world", {"grid": [1, 1]}), folder)
     is_plane = isinstance(world, Plane)
     robots = _read_robots(reader, top.get("robots", []), is_plane)
+    if isinstance(world, Plane) and "arrival_radius" not in top["world"]:
+        world = _with_usual_radius(world, robots)
     parts = {
         "name": reader.text(("name",), top.get("name", name)),
         "world": world,
@@ -164,6 +167,14 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[Robot, ...
             )
         )
     return tuple(robots)
+
+
+def _with_usual_radius(plane: Plane, robots: tuple[Robot, ...]) -> Plane:
+    """Let the places of a plane be no wider than what the slowest robot walks in a step."""
+    slowest = min((plane.pace(robot.speed) for robot in robots), default=math.inf)
+    if not 0 < slowest < plane.arrival_radius:
+        return plane
+    return replace(plane, arrival_radius=round(slowest, DECIMALS))
 
 
 def _read_tasks(reader: Reader, value: Any, is_plane: bool) -> tuple[Task, ...]:

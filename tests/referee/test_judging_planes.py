@@ -1,0 +1,106 @@
+"""The referee on planes: who went too far, joined from too far, or did what is too far away."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from teamformer.model import Robot, Scenario, Task
+from teamformer.plane import Plane
+from teamformer.policies.scripted import JoinAll
+from teamformer.policies.trial import run_trial
+from teamformer.referee import judge
+from teamformer.sim.replay import Replay, TeamAt
+
+FIELD = Scenario(
+    name="field",
+    world=Plane(4.0, 2.0, step=0.5),
+    capabilities=("a", "b"),
+    robots=(
+        Robot("ann", (1.0, 1.0), {"a": 1}, speed=0.4),
+        Robot("bob", (1.0, 1.04), {"b": 1}, speed=0.8),
+    ),
+    tasks=(Task("joint", (1.5, 1.0), {"a": 1, "b": 1}),),
+    step_limit=50,
+)
+"""Two robots in touching places, half a metre from a task that needs both."""
+
+LEGAL = run_trial(FIELD, JoinAll(), "join-all", 0).replay
+
+
+def test_the_legal_record() -> None:
+    """They join at bob's place, then walk 0.2 m a step: ann is the slower one."""
+    assert judge(LEGAL).findings == ()
+    assert LEGAL.steps[0].joins == ((0, 1),)
+    assert LEGAL.steps[0].teams == (TeamAt(0, 1.0, 1.04, 0),)
+    assert [step.teams[0].x for step in LEGAL.steps[1:]] == pytest.approx(
+        [1.199363, 1.398726, 1.5], abs=1e-6
+    )
+    assert LEGAL.end.makespan == 4
+
+
+def with_team(number: int, x: float, y: float) -> Callable[[Replay], Replay]:
+    def forge(replay: Replay) -> Replay:
+        steps = list(replay.steps)
+        step = steps[number - 1]
+        steps[number - 1] = replace(step, teams=(step.teams[0]._replace(x=x, y=y),))
+        return replace(replay, steps=tuple(steps))
+
+    return forge
+
+
+def with_start(x: float, y: float) -> Callable[[Replay], Replay]:
+    """Let bob start elsewhere, in the scenario too."""
+
+    def forge(replay: Replay) -> Replay:
+        ann, bob = FIELD.robots
+        scenario = replace(FIELD, robots=(ann, replace(bob, at=(x, y))))
+        return replace(replay, scenario=scenario, start=(replay.start[0], (1, (1,), x, y)))
+
+    return forge
+
+
+@pytest.mark.parametrize(
+    ("forge", "message"),
+    [
+        (
+            with_team(2, 1.3, 1.04),
+            "step 2: team [ann, bob] jumped from [1.0, 1.04] to [1.3, 1.04]; it can walk 0.2 m now",
+        ),
+        (
+            with_team(1, 1.01, 1.02),
+            "step 1: team [ann, bob] moves from [1.0, 1.0] to [1.01, 1.02] "
+            "in the step in which it formed",
+        ),
+        (
+            with_team(2, 1.0, -0.1),
+            "step 2: team [ann, bob] is at [1.0, -0.1], where no robot can be",
+        ),
+        (
+            with_team(4, 1.44, 1.0),
+            "step 4: task joint cannot be done: "
+            "team [ann, bob] is at [1.44, 1.0], the task at [1.5, 1.0]",
+        ),
+        (
+            with_start(1.0, 1.06),
+            "step 1: team [ann] at [1.0, 1.0] joins team [bob] at [1.0, 1.06]; "
+            "they are not in the same place",
+        ),
+    ],
+)
+def test_a_forgery_is_found(forge: Callable[[Replay], Replay], message: str) -> None:
+    assert message in [finding.message for finding in judge(forge(LEGAL)).findings]
+
+
+def test_a_union_may_stand_where_either_of_the_two_stood() -> None:
+    staying = with_team(1, 1.0, 1.0)(LEGAL)
+    on_the_way = with_team(2, 1.2, 1.0)(with_team(3, 1.4, 1.0)(staying))
+    assert judge(on_the_way).findings == ()
+
+
+def test_a_task_within_the_arrival_radius_must_be_done() -> None:
+    forged = with_team(3, 1.46, 1.0)(with_team(2, 1.27, 1.0)(with_team(1, 1.0, 1.0)(LEGAL)))
+    messages = [finding.message for finding in judge(forged).findings]
+    assert "step 3: team [ann, bob] does task joint, and the record leaves it out" in messages

@@ -23,8 +23,10 @@ ScenarioPath = Annotated[Path, typer.Argument(metavar="SCENARIO", help="a scenar
 ReplayPath = Annotated[Path, typer.Argument(metavar="REPLAY", help="a replay.json")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 Seed = Annotated[int, typer.Option(min=0, help="of all randomness")]
-Order = Annotated[str | None, typer.Option(help="the shared task order: tsp")]
-Allocation = Annotated[str | None, typer.Option(help="how teams are given tasks: paper")]
+Order = Annotated[str | None, typer.Option(help="the shared task order: tsp or schedule")]
+Allocation = Annotated[
+    str | None, typer.Option(help="who heads for which task: paper, nearest or crews")
+]
 StepLimit = Annotated[int | None, typer.Option(min=1, help="give up after so many steps")]
 TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may plan")]
 
@@ -136,6 +138,8 @@ def bench(
     time_limit: Annotated[
         float | None, typer.Option(min=0, help="seconds that central may plan")
     ] = None,
+    order: Order = None,
+    allocation: Allocation = None,
     worlds: Annotated[
         list[Path] | None, typer.Option(help="files or folders of worlds, for `authors`")
     ] = None,
@@ -157,6 +161,8 @@ def bench(
         trials=trials,
         seed=seed,
         time_limit=time_limit,
+        order=order,
+        allocation=allocation,
         policies=_split(policies),
         without=_split(without),
         settings=_split(settings),

@@ -160,9 +160,9 @@ class Scenario:
         return tuple(sorted((*(tuple(sorted(team)) for team in self.teams), *alone)))
 
 
-ORDERS = ("tsp",)
+ORDERS = ("tsp", "schedule")
 NEW_TASKS = ("resolve", "nearest")
-ALLOCATIONS = ("paper",)
+ALLOCATIONS = ("paper", "nearest", "crews")
 
 
 def default_step_limit(scenario: Scenario) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -29,6 +29,7 @@ from teamformer.commands.console import (
     say,
 )
 from teamformer.errors import TeamformerError
+from teamformer.model import ALLOCATIONS, ORDERS
 from teamformer.scenarios.authors import read_worlds
 
 wide = Console(highlight=False, width=200)
@@ -42,6 +43,8 @@ class Options:
     trials: int | None = None
     seed: int = 0
     time_limit: float | None = None
+    order: str | None = None
+    allocation: str | None = None
     policies: tuple[str, ...] = ()
     without: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
@@ -75,6 +78,18 @@ def bench(suite_name: str, options: Options, as_json: bool) -> int:
     return 0
 
 
+def _changed_rules(options: Options) -> dict[str, str]:
+    """Return the rules that the command line puts in place of the suite's."""
+    rules: dict[str, str] = {}
+    for name, known in (("order", ORDERS), ("allocation", ALLOCATIONS)):
+        value = getattr(options, name)
+        if value is not None and value not in known:
+            raise TeamformerError(f"there is no {name} '{value}'", f"use {' or '.join(known)}")
+        if value is not None:
+            rules[name] = value
+    return rules
+
+
 def _request(suite: Suite, options: Options) -> Request:
     worlds = {path: read_worlds(path)[0].setting for path in _files(options.worlds)}
     settings = options.settings or tuple(worlds.values())
@@ -86,7 +101,7 @@ def _request(suite: Suite, options: Options) -> Request:
             raise TeamformerError(f"suite '{suite.name}' has no setting '{setting}'", hint)
     limit = suite.time_limit if options.time_limit is None else options.time_limit
     return Request(
-        suite=suite,
+        suite=replace(suite, rules={**suite.rules, **_changed_rules(options)}),
         trials=options.trials or suite.trials,
         first_seed=options.seed,
         time_limit=limit,

@@ -1,4 +1,4 @@
-"""Who is in which crew: as many crews as are complete, each of robots that can reach one another."""
+"""Who is in which crew: as many crews as are complete, of robots that can reach one another."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ class Shared(NamedTuple):
     after all tasks.
     """
 
-    now: int  # steps made
+    now: np.int64  # steps made
     ways: Array  # (places, tasks) float64, from places to tasks
     slowness: Array  # (robots,) float64, steps for one unit of way
     counts: Array  # (robots, caps)
@@ -48,7 +48,7 @@ class Lists(NamedTuple):
 class Parties(NamedTuple):
     """The crews as they stand: each party is robots that are together."""
 
-    count: Array  # (crews,)
+    size: Array  # (crews,) how many
     place: Array  # (crews, parties)
     ready: Array  # (crews, parties) the step from which they walk
     slowness: Array  # (crews, parties)
@@ -151,14 +151,14 @@ def gather_parties(shared, parties, crew, number):  # type: ignore[no-untyped-de
             if shared.counts[robot, cap] > 0:
                 bit = np.uint64(1) << np.uint64(cap % WORD)
                 parties.can[number, party, cap // WORD] |= bit
-    parties.count[number] = count
+    parties.size[number] = count
     _count_forming(shared, parties, crew, number)
 
 
 @kernel
 def _count_forming(shared, parties, crew, number):  # type: ignore[no-untyped-def]
     """Let those that start in the same place walk only when they are one team."""
-    for party in range(parties.count[number]):
+    for party in range(parties.size[number]):
         teams = 0
         for robot in range(len(crew)):
             if crew[robot] == number and shared.place[robot] == parties.place[number, party]:

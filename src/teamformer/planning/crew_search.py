@@ -50,9 +50,7 @@ def improve_lists(shared, lists, parties, crew, is_able, room, rounds, may_trade
         if may_trade and draw_below(room.random, TRADES) == 0:
             cost = _try_trade(shared, lists, parties, crew, room, reference, cost, limit)
         else:
-            cost = _try_change(
-                shared, lists, parties, is_able, near, room, reference, cost, limit
-            )
+            cost = _try_change(shared, lists, parties, is_able, near, room, reference, cost, limit)
         memory[turn % MEMORY] = cost
         if cost < best_cost:
             best_cost = cost

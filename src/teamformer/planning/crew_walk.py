@@ -77,7 +77,7 @@ def walk_list(shared, parties, number, tasks, length, room):  # type: ignore[no-
 
 @kernel
 def _load(parties, number, room):  # type: ignore[no-untyped-def]
-    count = parties.count[number]
+    count = parties.size[number]
     for party in range(count):
         room.place[party] = parties.place[number, party]
         room.ready[party] = parties.ready[number, party]

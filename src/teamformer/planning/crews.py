@@ -24,13 +24,14 @@ from teamformer.planning.crew_walk import empty_room, walk_list
 from teamformer.planning.relaxed import NOBODY
 from teamformer.planning.tour import plan_tour
 
+
 @entry
-def plan_crews(shared, crew, task_crew, ends, in_one_crew, rounds):  # type: ignore[no-untyped-def]
+def plan_crews(shared, crew, task_crew, in_one_crew, rounds):  # type: ignore[no-untyped-def]
     """Write the crew of each robot and task; return the tasks in the order they will be done in.
 
     `crew` (robots,) holds the crews so far, NOBODY for all at the start; `task_crew` (tasks,) whose
-    list a task is on, NOBODY for those on none; tasks come in the order they had so far. `ends`
-    (tasks,) is only written. `rounds` is how many changes are tried.
+    list a task is on, NOBODY for those on none; tasks come in the order they had so far. `rounds`
+    is how many changes are tried.
     """
     is_start = crew.max() == NOBODY
     if is_start:
@@ -46,11 +47,22 @@ def plan_crews(shared, crew, task_crew, ends, in_one_crew, rounds):  # type: ign
     else:
         _keep_lists(shared, lists, parties, is_able, task_crew, room)
     improve_lists(shared, lists, parties, crew, is_able, room, rounds, is_start)
-    for number in range(len(is_able)):
+    return _merge_lists(shared, lists, parties, task_crew, room)
+
+
+@entry
+def _merge_lists(shared, lists, parties, task_crew, room):  # type: ignore[no-untyped-def]
+    """Write whose list each task is on; return all in one order, by the steps they are done in."""
+    sequence = np.empty(len(task_crew), dtype=np.int64)
+    end = np.empty(len(task_crew), dtype=np.int64)
+    count = 0
+    for number in range(len(lists.length)):
         walk_list(shared, parties, number, lists.tasks[number], lists.length[number], room)
         for position in range(lists.length[number]):
-            task = lists.tasks[number, position]
-            task_crew[task], ends[task] = number, room.ends[position]
+            sequence[count], end[count] = lists.tasks[number, position], room.ends[position]
+            task_crew[sequence[count]] = number
+            count += 1
+    return sequence[np.argsort(end, kind="mergesort")]
 
 
 @entry
@@ -88,7 +100,7 @@ def _cut_tour(shared, lists, is_able):  # type: ignore[no-untyped-def]
 
 @entry
 def _keep_lists(shared, lists, parties, is_able, task_crew, room):  # type: ignore[no-untyped-def]
-    """Take the lists over as far as their crews can do them; insert the rest where it costs least."""
+    """Take over what is on lists of crews that can do it; insert the rest where it costs least."""
     for task in range(len(task_crew)):
         number = task_crew[task]
         if number != NOBODY and is_able[number, task]:

@@ -19,6 +19,11 @@ POLICIES = (
         "joins whom it helps to join, never splits",
     ),
     Listing(
+        "join-crew",
+        "teamformer.policies.scripted:JoinCrew",
+        "as join-all, but joins only its own crew",
+    ),
+    Listing(
         "teamformer-any",
         "teamformer.policies.any_fleet:teamformer_any",
         "learned; for any fleet, joins only whom it pays to join",

@@ -48,7 +48,7 @@ def _decide(view, wanted):  # type: ignore[no-untyped-def]
 
 @kernel
 def _join_at_task(view, row, wanted):  # type: ignore[no-untyped-def]
-    other = pair_by_slot(view, row, True)
+    other = pair_by_slot(view, row, True, False)
     if other != NOBODY:
         for cap in range(len(wanted)):
             wanted[cap] += view.seen_counts[row, other, cap]

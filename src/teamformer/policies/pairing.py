@@ -7,7 +7,7 @@ from teamformer.sim.arrays import NOBODY
 
 
 @kernel
-def pair_by_slot(view, row, for_same_task):  # type: ignore[no-untyped-def]
+def pair_by_slot(view, row, for_same_task, only_mates):  # type: ignore[no-untyped-def]
     """Return the column of the team that pairs off with this one, or NOBODY.
 
     Teams in one place pair off in the order of their slots, first with second, third with fourth.
@@ -17,7 +17,7 @@ def pair_by_slot(view, row, for_same_task):  # type: ignore[no-untyped-def]
     before = after = NOBODY  # the columns of the next lower and the next higher slot here
     lower_slots = 0
     for other in range(view.seen_slot.shape[1]):
-        if not is_partner(view, row, other, for_same_task):
+        if not is_partner(view, row, other, for_same_task, only_mates):
             continue
         slot = view.seen_slot[row, other]
         if slot < view.slot[row]:
@@ -30,8 +30,13 @@ def pair_by_slot(view, row, for_same_task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def is_partner(view, row, other, for_same_task):  # type: ignore[no-untyped-def]
-    """Say whether a seen team stands here and can be joined, and heads for the same task."""
+def is_partner(view, row, other, for_same_task, only_mates):  # type: ignore[no-untyped-def]
+    """Say whether a seen team stands here and can be joined, and heads for the same task.
+
+    Both but the first may be asked for or not: the same task, and the same crew.
+    """
     if not (view.is_here[row, other] and view.can_join[row, other]):
+        return False
+    if only_mates and not view.is_mate[row, other]:
         return False
     return not for_same_task or view.seen_task[row, other] == view.task[row]

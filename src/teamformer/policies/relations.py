@@ -206,7 +206,7 @@ def _relate_rest(view, out, row, column, kept):  # type: ignore[no-untyped-def]
 def _relate_teams(view, relations, row):  # type: ignore[no-untyped-def]
     have = view.counts[row]
     own = _column_of_task(view, row, view.task[row])
-    pair = pair_by_slot(view, row, False)
+    pair = pair_by_slot(view, row, False, True)
     for other in range(min(TEAMS, view.seen_slot.shape[1])):
         if view.seen_slot[row, other] == NOBODY:
             continue

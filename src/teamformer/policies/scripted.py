@@ -23,6 +23,7 @@ class JoinAll:
     """
 
     needs_everything = False
+    only_mates = False
 
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
         """Nothing to prepare."""
@@ -30,20 +31,26 @@ class JoinAll:
     def decide(self, view: View) -> Decision:
         """Join whom it helps to join."""
         wanted = view.counts.copy()
-        _decide(view, wanted)
+        _decide(view, wanted, self.only_mates)
         return Decision(wanted)
 
 
+class JoinCrew(JoinAll):
+    """Do as `JoinAll`, but join only teams of the own crew, where there are crews."""
+
+    only_mates = True
+
+
 @entry
-def _decide(view, wanted):  # type: ignore[no-untyped-def]
+def _decide(view, wanted, only_mates):  # type: ignore[no-untyped-def]
     lacks = np.empty(view.counts.shape[1], dtype=np.bool_)
     for row in range(len(wanted)):
         if view.is_serving[row]:
             continue
         _mark_lacks(view, row, lacks)
-        chosen = pair_by_slot(view, row, False)
+        chosen = pair_by_slot(view, row, False, only_mates)
         if chosen == NOBODY or not _is_useful(view, row, chosen, lacks):
-            chosen = _first_useful(view, row, lacks)
+            chosen = _first_useful(view, row, lacks, only_mates)
         if chosen != NOBODY:
             for cap in range(len(lacks)):
                 wanted[row, cap] += view.seen_counts[row, chosen, cap]
@@ -59,9 +66,10 @@ def _mark_lacks(view, row, lacks):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _first_useful(view, row, lacks):  # type: ignore[no-untyped-def]
+def _first_useful(view, row, lacks, only_mates):  # type: ignore[no-untyped-def]
     for other in range(view.seen_slot.shape[1]):
-        if is_partner(view, row, other, False) and _is_useful(view, row, other, lacks):
+        is_possible = is_partner(view, row, other, False, only_mates)
+        if is_possible and _is_useful(view, row, other, lacks):
             return other
     return NOBODY
 

@@ -5,17 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import kernel
-from teamformer.sim.arrays import NOBODY
+from teamformer.planning.tour import FAR
+from teamformer.sim.arrays import CREWS, NEAREST_ALONE, NOBODY
 from teamformer.sim.motion import travel, travel_between
 from teamformer.sim.neighbours import find_near
 
 
 @kernel
 def allocate_tasks(world, named):  # type: ignore[no-untyped-def]
-    """Phase 4, in slot order: tasks that decisions name, and the paper's rule for the others.
+    """Phase 4, in slot order: tasks that decisions name, and the allocation's for the others.
 
     The part that leaves a team under command waits for its own decision.
     """
+    has_crews = world.rules.allocation == CREWS
+    if has_crews:
+        _find_earliest_tasks(world)
     for team in range(world.rules.robots):
         world.teams[team].pursued = world.teams[team].task
         if world.teams[team].size == 0 or world.teams[team].serves > 0:
@@ -24,10 +28,26 @@ def allocate_tasks(world, named):  # type: ignore[no-untyped-def]
             row = world.teams[team].row
             world.teams[team].task = NOBODY if row == NOBODY else named[row]
             world.teams[team].is_detour = False
+        elif has_crews:
+            world.teams[team].task = world.teams[team].next
+            world.teams[team].is_detour = False
         elif world.teams[team].task == NOBODY and contributes_to_any(world, team):
             task, is_detour = choose_task(world, team)
             world.teams[team].task, world.teams[team].is_detour = task, is_detour
         world.teams[team].pursued = world.teams[team].task
+
+
+@kernel
+def _find_earliest_tasks(world):  # type: ignore[no-untyped-def]
+    """Find each team's task by the lists of its robots' crews: the earliest of their next ones."""
+    for team in range(world.rules.robots):
+        world.teams[team].next = NOBODY
+    for robot in range(world.rules.robots):
+        team, task = world.robots[robot].team, world.robots[robot].next
+        if team != NOBODY and task != NOBODY:
+            earliest = world.teams[team].next
+            if earliest == NOBODY or world.tasks[task].rank < world.tasks[earliest].rank:
+                world.teams[team].next = task
 
 
 @kernel
@@ -41,16 +61,20 @@ def contributes_to_any(world, team):  # type: ignore[no-untyped-def]
 
 @kernel
 def choose_task(world, team):  # type: ignore[no-untyped-def]
-    """Return the team's task by the paper's rule, and whether it is a detour.
+    """Return the team's task by the shared order, and whether it is a detour.
 
     The first open task in the order that it can contribute to and that nearer teams it senses do
-    not cover already, or a later one that it can do alone on a detour that shortens the tour.
+    not cover already, or a later one that it can do alone on a detour: one that shortens the tour,
+    or under the nearest-alone rule the nearest.
     """
     near = find_near(world, team, world.rules.sensing_radius)
     for position in range(world.count.open):
         task = world.order[position]
         if contributes(world, team, task) and not is_covered(world, near, team, task):
-            detour = _best_detour(world, near, team, position)
+            if world.rules.allocation == NEAREST_ALONE:
+                detour = _nearest_alone(world, near, team, position)
+            else:
+                detour = _best_detour(world, near, team, position)
             if detour != NOBODY:
                 return detour, True
             return task, False
@@ -131,4 +155,27 @@ def _best_detour(world, near, team, position):  # type: ignore[no-untyped-def]
             change += travel_between(world, before, after) - travel_between(world, task, after)
         if change < best_change and not is_covered(world, near, team, task):
             best, best_change = task, change
+    return best
+
+
+@kernel
+def _nearest_alone(world, near, team, position):  # type: ignore[no-untyped-def]
+    """Return the nearest later task that it can do alone; NOBODY if none is, or its next one is.
+
+    Its next one, at `position`, comes first if it can do that alone and is no farther from it.
+    """
+    best, best_away = np.int32(NOBODY), np.int64(FAR)
+    x, y = world.teams[team].x, world.teams[team].y
+    following = world.order[position]
+    if can_do_alone(world, team, following):
+        best_away = travel(world, x, y, following)
+    for later in range(position + 1, world.count.open):
+        task = world.order[later]
+        if world.robots[team].region != world.tasks[task].region:
+            continue
+        if not can_do_alone(world, team, task):
+            continue
+        away = travel(world, x, y, task)
+        if away < best_away and not is_covered(world, near, team, task):
+            best, best_away = task, away
     return best

@@ -15,7 +15,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.model import Grid, Place, Scenario
+from teamformer.model import ALLOCATIONS, Grid, Place, Scenario
 from teamformer.plane import DECIMALS, Plane
 from teamformer.planning.travel import UNREACHABLE, blocked_cells, distance_fields
 
@@ -24,12 +24,17 @@ Array = npt.NDArray[Any]
 NEVER = 2**30
 NOBODY = -1
 """No team, no task, no robot."""
+MIXED = -2
+"""The crew of a team whose robots are of several."""
 
 RUNNING, COMPLETED, STEP_LIMIT, INFEASIBLE = 0, 1, 2, 3
 STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
 
 RESOLVE, NEAREST = 0, 1
 """What happens to the order when tasks appear: a new tour, or each after its nearest."""
+
+PAPER, NEAREST_ALONE, CREWS = 0, 1, 2
+"""Who heads for which task: allocations as in `model.ALLOCATIONS`."""
 
 RULES = np.dtype(
     [
@@ -40,6 +45,8 @@ RULES = np.dtype(
         ("forming_steps", np.int32),
         ("step_limit", np.int32),
         ("new_tasks", np.int32),  # RESOLVE or NEAREST
+        ("allocation", np.int32),  # PAPER, NEAREST_ALONE or CREWS
+        ("has_schedule", np.bool_),  # the order is planned, no tour
         ("has_walls", np.bool_),
         ("is_plane", np.bool_),
         ("sensing_radius", np.float64),  # cells, on a plane metres
@@ -58,6 +65,8 @@ COUNT = np.dtype(
         ("open", np.int32),  # released tasks that are not done
         ("arrived", np.int32),  # of these, tasks that the order does not know yet
         ("done", np.int32),
+        ("noted", np.int32),  # of these, tasks that the crews know of
+        ("plans", np.int32),  # how often the order and the crews were planned
         ("joins", np.int32),
         ("splits", np.int32),
         ("illegal", np.int32),
@@ -72,6 +81,13 @@ ROBOT = np.dtype(
         ("region", np.int32),  # connected part of the map
         ("lost", np.int32),  # the step it counts for nothing from, or NEVER
         ("stays", np.bool_),  # in the split being made
+        ("crew", np.int32),  # NOBODY once it is known to be lost
+        ("next", np.int32),  # the first open task of its crew's list that needs it, or NOBODY
+        # What everybody knows of it: that it was there then, together with others.
+        ("spot_x", np.float64),
+        ("spot_y", np.float64),
+        ("left_at", np.int32),  # step
+        ("company", np.int32),  # the lowest robot among them
         ("pace", np.float64),  # cells a step, on a plane metres a step
     ],
     align=True,
@@ -94,6 +110,8 @@ TEAM = np.dtype(
         ("row", np.int32),  # of its decision
         ("pursued", np.int32),  # assignment during the step
         ("next_here", np.int32),  # the next team in the same cell
+        ("next", np.int32),  # the earliest of its robots' next tasks
+        ("crew", np.int32),  # that of all its robots, or MIXED
     ],
     align=True,
 )
@@ -106,6 +124,7 @@ TASK = np.dtype(
         ("region", np.int32),
         ("next_here", np.int32),  # the next task in the same cell
         ("rank", np.int32),  # place in the order while open
+        ("crew", np.int32),  # whose list it is on
         ("server", np.int32),  # team that serves it, or NOBODY
         ("remaining", np.int32),  # steps of service
         ("done_at", np.int32),  # step, or NOBODY
@@ -214,8 +233,9 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     worlds.teams["task"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
     worlds.tasks["appears"] = NEVER
-    for field in ("next_here", "server", "done_at", "done_by"):
+    for field in ("next_here", "server", "done_at", "done_by", "crew"):
         worlds.tasks[field] = NOBODY
+    worlds.robots["crew"] = worlds.robots["next"] = NOBODY
     return worlds
 
 
@@ -231,6 +251,8 @@ def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
         "forming_steps": scenario.forming_steps,
         "step_limit": scenario.step_limit,
         "new_tasks": NEAREST if scenario.new_tasks == "nearest" else RESOLVE,
+        "allocation": ALLOCATIONS.index(scenario.allocation),
+        "has_schedule": scenario.order == "schedule",
         "has_walls": bool(scenario.world.rows),
         "is_plane": plane is not None,
         "sensing_radius": max(scenario.sensing_radius, here),
@@ -281,6 +303,7 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         record["pace"] = scenario.world.pace(robot.speed)
         record["lost"] = NEVER if robot.lost is None else robot.lost
         record["region"] = scenario.world.region(robot.at)
+        record["spot_x"], record["spot_y"] = robot.at
         for name, count in robot.can.items():
             worlds.brings[w, r, column[name]] = count
     for members in scenario.starting_teams:
@@ -289,7 +312,7 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         team["x"], team["y"] = scenario.robots[slot].at
         team["size"] = len(members)
         team["pace"] = worlds.robots[w, robots]["pace"].min()
-        worlds.robots["team"][w, robots] = slot
+        worlds.robots["team"][w, robots] = worlds.robots["company"][w, robots] = slot
         worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
 
 

@@ -9,24 +9,35 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.tour import FAR, plan_tour
-from teamformer.sim.arrays import NEAREST, NOBODY, world_at
+from teamformer.sim.arrays import CREWS, NEAREST, NOBODY, RUNNING, world_at
+from teamformer.sim.crews import update_plan
 from teamformer.sim.motion import travel, travel_between
 
 
 @entry
 def order_tasks(worlds):  # type: ignore[no-untyped-def]
-    """Bring the order up to date in every world where tasks have arrived."""
+    """Bring order and crews up to date in every world that goes on."""
     for w in range(len(worlds.rules)):
-        if worlds.count[w].arrived == 0:
-            continue
         world = world_at(worlds, w)
-        if world.rules.new_tasks == NEAREST and world.count.arrived < world.count.open:
-            _insert_after_nearest(world)
-        else:
-            _solve_anew(world)
+        if world.count.status != RUNNING:
+            continue
+        if world.rules.allocation == CREWS or world.rules.has_schedule:
+            update_plan(world)
+        elif world.count.arrived > 0:
+            _order_arrived(world)
         world.count.arrived = 0
-        for position in range(world.count.open):
-            world.tasks[world.order[position]].rank = position
+
+
+@entry
+def _order_arrived(world):  # type: ignore[no-untyped-def]
+    """Give the tasks that have arrived a place in the tour, or make a new one."""
+    if world.rules.new_tasks == NEAREST and world.count.arrived < world.count.open:
+        _insert_after_nearest(world)
+    else:
+        _solve_anew(world)
+    for position in range(world.count.open):
+        world.tasks[world.order[position]].rank = position
+    world.count.plans += 1
 
 
 @entry

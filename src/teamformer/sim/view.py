@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.sim.arrays import NOBODY, RUNNING, Array, world_at
+from teamformer.sim.arrays import CREWS, MIXED, NOBODY, RUNNING, Array, world_at
 from teamformer.sim.formation import is_in_same_place
 from teamformer.sim.neighbours import (
     distance_squared,
@@ -32,7 +32,8 @@ class View(NamedTuple):
     on a plane; divided by `unit` they are in cells on both, as learned policies need them.
     Teams are the nearest within the sensing radius: of those equally far, first the ones that
     bring what the own task still needs, of these the ones with the same assignment, then those
-    with the nearest slots. Tasks are the own assignment, then the open tasks in their shared order.
+    with the nearest slots. Tasks are the own assignment, then the open tasks in their shared order;
+    where there are crews, those on the list of the own crew come before the others.
     """
 
     world: Array  # (teams,) int32, index into the batch
@@ -52,6 +53,7 @@ class View(NamedTuple):
     seen_task: Array  # (teams, seen) int32
     is_here: Array  # (teams, seen) bool, in the same place
     can_join: Array  # (teams, seen) bool, wanting its counts more is legal
+    is_mate: Array  # (teams, seen) bool, of the same crew; all are where there are no crews
     task_number: Array  # (teams, tasks) int32
     task_place: Array  # (teams, tasks, 2) float64
     task_needs: Array  # (teams, tasks, caps) int16
@@ -83,6 +85,7 @@ def fill_views(worlds, view, first_row, first_member, begin, end):  # type: igno
             continue
         world = world_at(worlds, w)
         list_teams_by_cell(world)
+        _name_crews(world)
         _write_members(world, view, first_row[w], first_member[w])
         row = first_row[w]
         for team in range(world.rules.robots):
@@ -94,6 +97,32 @@ def fill_views(worlds, view, first_row, first_member, begin, end):  # type: igno
                 row += 1
         forget_cells(world)
     view.first_member[first_row[end]] = first_member[end]
+
+
+@kernel
+def _name_crews(world):  # type: ignore[no-untyped-def]
+    """Write down each team's crew: that of all its robots, or MIXED."""
+    for team in range(world.rules.robots):
+        world.teams[team].crew = world.robots[team].crew
+    for robot in range(world.rules.robots):
+        team = world.robots[robot].team
+        if team != NOBODY and world.robots[robot].crew != world.teams[team].crew:
+            world.teams[team].crew = MIXED
+
+
+@kernel
+def _are_mates(world, team, other):  # type: ignore[no-untyped-def]
+    """Say whether some robot of a team is in the crew of some robot of another one."""
+    if world.rules.allocation != CREWS:
+        return True
+    if world.teams[team].crew != MIXED and world.teams[other].crew != MIXED:
+        return world.teams[team].crew == world.teams[other].crew
+    for robot in range(world.rules.robots):
+        for mate in range(world.rules.robots):
+            are_theirs = world.robots[robot].team == team and world.robots[mate].team == other
+            if are_theirs and world.robots[robot].crew == world.robots[mate].crew:
+                return True
+    return False
 
 
 @kernel
@@ -150,6 +179,7 @@ def _write_seen(world, view, row, team):  # type: ignore[no-untyped-def]
         view.is_here[row, column] = is_in_same_place(world, team, other)
         is_busy = world.teams[team].serves > 0 or world.teams[other].serves > 0
         view.can_join[row, column] = not is_busy and distance_squared(world, team, other) <= reach
+        view.is_mate[row, column] = _are_mates(world, team, other)
 
 
 @kernel
@@ -161,6 +191,7 @@ def _pad_seen(view, row, column):  # type: ignore[no-untyped-def]
     view.seen_task[row, column] = NOBODY
     view.is_here[row, column] = False
     view.can_join[row, column] = False
+    view.is_mate[row, column] = False
 
 
 @kernel
@@ -212,10 +243,22 @@ def _write_tasks(world, view, row, team):  # type: ignore[no-untyped-def]
     if own != NOBODY:
         _write_task(world, view, row, column, own)
         column += 1
-    for position in range(min(columns, world.count.open)):
-        if column < columns and world.order[position] != own:
-            _write_task(world, view, row, column, world.order[position])
+    has_crews = world.rules.allocation == CREWS
+    crew = world.robots[team].crew
+    position = 0
+    while has_crews and column < columns and position < world.count.open:
+        task = world.order[position]
+        if task != own and world.tasks[task].crew == crew:
+            _write_task(world, view, row, column, task)
             column += 1
+        position += 1
+    position = 0
+    while column < columns and position < world.count.open:
+        task = world.order[position]
+        if task != own and not (has_crews and world.tasks[task].crew == crew):
+            _write_task(world, view, row, column, task)
+            column += 1
+        position += 1
     for padded in range(column, columns):
         view.task_number[row, padded] = NOBODY
         view.task_place[row, padded, 0] = view.task_place[row, padded, 1] = 0.0
@@ -255,6 +298,7 @@ def make_view(worlds: int, robots: int, tasks: int, caps: int) -> View:
         seen_task=np.zeros((teams, seen), dtype=np.int32),
         is_here=np.zeros((teams, seen), dtype=np.bool_),
         can_join=np.zeros((teams, seen), dtype=np.bool_),
+        is_mate=np.zeros((teams, seen), dtype=np.bool_),
         task_number=np.zeros((teams, shown), dtype=np.int32),
         task_place=np.zeros((teams, shown, 2)),
         task_needs=np.zeros((teams, shown, caps), dtype=np.int16),

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from teamformer import cli
+from teamformer.referee import judge
 from teamformer.sim.replay import read_replay
 
 ROOT = Path(__file__).parent.parent
@@ -172,35 +173,63 @@ def test_your_own_policy_by_module_and_class(
     assert (row["joins"], row["tasks_done"]) == (0, 1)  # only t2 needs one robot alone
 
 
-def test_ctrl_c_leaves_what_was_done_readable(tmp_path: Path) -> None:
-    (tmp_path / "slow.py").write_text(
-        "import time\n"
-        "from teamformer.policies.scripted import JoinAll\n"
-        "class Slow(JoinAll):\n"
-        "    def decide(self, view):\n"
-        "        print('deciding', flush=True)\n"
-        "        time.sleep(0.2)\n"
-        "        return super().decide(view)\n",
-        encoding="utf-8",
-    )
-    command = [sys.executable, "-m", "teamformer.cli", "run", FOUR, "--policy", "slow:Slow"]
-    process = subprocess.Popen(
-        [*command, "--out", "out"],
-        cwd=tmp_path,
+SLOW = """
+import time
+from teamformer.policies.scripted import JoinAll
+class Slow(JoinAll):
+    def decide(self, view):
+        print('deciding', flush=True)
+        time.sleep({pause})
+        return super().decide(view)
+"""
+
+
+def start_slow(folder: Path, pause: float, *words: str) -> subprocess.Popen[str]:
+    """Start the command line in a folder that has a policy of which each step can be seen."""
+    (folder / "slow.py").write_text(SLOW.format(pause=pause), encoding="utf-8")
+    return subprocess.Popen(
+        [sys.executable, "-m", "teamformer.cli", *words],
+        cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join((str(folder), *sys.path))},
     )
+
+
+def press_ctrl_c(process: subprocess.Popen[str], steps: int, wait: float) -> tuple[str, str]:
+    """Wait for the last of so many steps to begin, and a little; return what is shown then."""
     assert process.stdout is not None
-    for _ in range(3):
+    for _ in range(steps):
         assert process.stdout.readline() == "deciding\n"
-    time.sleep(0.05)
+    time.sleep(wait)
     process.send_signal(signal.SIGINT)
-    shown, errors = process.communicate(timeout=60)
+    return process.communicate(timeout=60)
+
+
+@pytest.mark.parametrize(("pause", "wait"), [(0.2, 0.05), (0.0, 0.0), (0.0, 0.001), (0.0, 0.003)])
+def test_ctrl_c_leaves_a_legal_record_of_what_was_done(
+    pause: float, wait: float, tmp_path: Path
+) -> None:
+    process = start_slow(tmp_path, pause, "run", FOUR, "--policy", "slow:Slow", "--out", "out")
+    shown, errors = press_ctrl_c(process, 3, wait)
+    assert "Traceback" not in errors
+    replay = read_replay(tmp_path / "out" / "replay.json")
+    assert judge(replay).findings == ()
+    assert replay.end.steps >= 2
+    if pause:
+        assert process.returncode == 1
+        assert replay.end.status == "interrupted"
+        assert f"interrupted at step {replay.end.steps}" in shown
+
+
+def test_ctrl_c_ends_a_comparison_and_shows_what_was_done(tmp_path: Path) -> None:
+    words = ("compare", FOUR, "--policies", "join-all,slow:Slow,heuristic", "--seeds", "2")
+    process = start_slow(tmp_path, 0.2, *words)
+    shown, errors = press_ctrl_c(process, 2, 0.05)
     assert "Traceback" not in errors
     assert process.returncode == 1
-    assert "interrupted at step" in shown
-    replay = read_replay(tmp_path / "out" / "replay.json")
-    assert replay.end.status == "interrupted"
-    assert 1 <= replay.end.steps == len(replay.steps) <= 4
+    rows = [line.split() for line in shown.splitlines() if " slow" in line or " join-" in line]
+    assert [row[:2] for row in rows] == [["join-all", "0"], ["join-all", "1"], ["slow:Slow", "0"]]
+    assert rows[2][2] == "interrupted"
+    assert "interrupted: 2 of 6 trials" in errors

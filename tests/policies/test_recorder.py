@@ -41,7 +41,7 @@ def test_a_split_says_who_stays() -> None:
     recorder = Recorder(env)
     play(env, splits={0: [1]})
     recorder.step()
-    [step] = recorder.finish("by hand", 0, None, is_interrupted=True).steps
+    [step] = recorder.finish("by hand", 0, None).steps
     assert step.splits == (((1,), (0, 2)),)
     assert step.teams == (TeamAt(0, 0, 0, 0), TeamAt(1, 0, 0, 0))
 
@@ -53,7 +53,7 @@ def test_a_loss_changes_the_slot_after_the_formation() -> None:
     recorder = Recorder(env)
     play(env, joins={0: 1})
     recorder.step()
-    [step] = recorder.finish("by hand", 0, None, is_interrupted=True).steps
+    [step] = recorder.finish("by hand", 0, None).steps
     assert step.joins == ((0, 1),)
     assert step.lost == (0,)
     assert step.teams == ()  # slot 1 stands where it stood, without assignment

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+import sys
+from collections import Counter
 from collections.abc import Sequence
+from types import FrameType
 
 import numpy as np
 import pytest
@@ -11,7 +15,8 @@ from random_worlds import random_decision, random_world
 from small_worlds import two_robots_one_task, two_tasks_two_pairs, walker
 from teamformer.model import Scenario
 from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trial, run_trials
+from teamformer.policies.trial import Trial, run_trial, run_trials
+from teamformer.referee import judge
 from teamformer.sim.env import Decision, Tally
 from teamformer.sim.view import View
 
@@ -79,6 +84,55 @@ def test_ctrl_c_keeps_what_was_done() -> None:
     assert (replay.end.status, replay.end.steps, replay.end.makespan) == ("interrupted", 2, None)
     assert len(replay.steps) == 2
     assert replay.steps[0].joins == ((0, 1),)
+
+
+class Interrupter:
+    """Presses Ctrl-C before one line, counted from 1, of what runs and records a trial."""
+
+    FILES = ("trial.py", "recorder.py", "env.py")
+
+    def __init__(self, line: int) -> None:
+        self.lines_left = line
+
+    def __call__(self, frame: FrameType, event: str, _: object) -> Interrupter | None:
+        if not frame.f_code.co_filename.endswith(self.FILES):
+            return None
+        if event == "line":
+            self.lines_left -= 1
+            if self.lines_left == 0:
+                raise KeyboardInterrupt
+        return self
+
+    def run(self, scenario: Scenario) -> Trial | None:
+        """Return the trial, None if nothing could be recorded."""
+        before = sys.gettrace()
+        sys.settrace(self)
+        try:
+            return run_trial(scenario, JoinAll(), "join-all")
+        except KeyboardInterrupt:
+            return None
+        finally:
+            sys.settrace(before)
+
+
+def test_ctrl_c_at_any_line_leaves_a_legal_record() -> None:
+    scenario = two_tasks_two_pairs(step_limit=6)
+    endings: Counter[tuple[str, int]] = Counter()
+    unrecorded = 0
+    for line in itertools.count(1):
+        interrupter = Interrupter(line)
+        trial = interrupter.run(scenario)
+        if trial is None:
+            unrecorded += 1
+            continue
+        assert judge(trial.replay).findings == ()
+        assert trial.is_interrupted == (interrupter.lines_left <= 0)
+        if not trial.is_interrupted:
+            break
+        endings[trial.replay.end.status, trial.replay.end.steps] += 1
+    last = trial.replay.end.steps
+    assert set(endings) == {("completed", last), *(("interrupted", n) for n in range(last))}
+    assert sum(endings.values()) > unrecorded  # while the trial is set up or handed over
 
 
 def test_each_step_is_reported() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.table import Table
@@ -10,6 +10,8 @@ from rich.text import Text
 
 from teamformer.commands.console import announce_compiling, out, print_json, say
 from teamformer.commands.run import Changes, best_known, ready_policy, result_row, watch_trial
+from teamformer.model import Scenario
+from teamformer.policies.protocol import Policy
 from teamformer.policies.trial import Trial
 from teamformer.scenarios.files import read_scenario
 
@@ -26,11 +28,7 @@ def compare(
     scenario = changes.apply(read_scenario(path))
     policies = {name: ready_policy(name, time_limit) for name in policy_names}
     announce_compiling(policy_names)
-    trials = []
-    for name, policy in policies.items():
-        for seed in range(seeds):
-            say(f"{name}, seed {seed} ...")
-            trials.append(watch_trial(scenario, policy, name, seed))
+    trials = _run_all(scenario, policies, seeds)
     best = best_known(trials)
     if as_json:
         for trial in trials:
@@ -40,7 +38,22 @@ def compare(
         out.print(_table(trials, best))
         bound = trials[0].replay.lower_bound
         out.print(f"best known {best or '-'}, lower bound {bound or '-'}")
-    return 0 if all(trial.replay.end.status == "completed" for trial in trials) else 1
+    is_complete = len(trials) == len(policies) * seeds
+    return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
+
+
+def _run_all(scenario: Scenario, policies: Mapping[str, Policy], seeds: int) -> list[Trial]:
+    """Run every policy with every seed; Ctrl-C ends it with what was done so far."""
+    trials: list[Trial] = []
+    for name, policy in policies.items():
+        for seed in range(seeds):
+            say(f"{name}, seed {seed} ...")
+            trials.append(watch_trial(scenario, policy, name, seed))
+            if trials[-1].is_interrupted:
+                done = sum(trial.replay.end.status != "interrupted" for trial in trials)
+                say(f"interrupted: {done} of {len(policies) * seeds} trials ran to their end")
+                return trials
+    return trials
 
 
 def _table(trials: Sequence[Trial], best: int | None) -> Table:

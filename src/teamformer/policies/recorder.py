@@ -22,10 +22,16 @@ Groups = dict[int, tuple[int, ...]]
 class _Snapshot:
     teams: Array
     groups: Groups
+    tally: Tally
 
 
 class Recorder:
-    """Records the first world of an environment; call `step()` after each of its steps."""
+    """Records the first world of an environment; call `step()` after each of its steps.
+
+    The totals of the record are those of the last step written down, so that a trial that is cut
+    short anywhere, between or inside the two calls too, still leaves a record that agrees with
+    itself.
+    """
 
     def __init__(self, env: TeamFormation) -> None:
         self._env = env
@@ -42,8 +48,8 @@ class Recorder:
 
     def step(self) -> None:
         """Write down what the step just made has changed."""
-        before, self._before = self._before, self._snapshot()
-        steps = len(self._steps) + 1
+        before, after = self._before, self._snapshot()
+        steps = after.tally.steps
         robots, tasks = self._env.worlds.robots[0], self._env.worlds.tasks[0]
         formed = _groups(robots["formed"])
         is_lost = (robots["formed"] != NOBODY) & (robots["team"] == NOBODY)
@@ -53,32 +59,31 @@ class Recorder:
                 joins=self._joins(before.groups, formed),
                 splits=_splits(before.groups, formed, robots["stays"]),
                 lost=tuple(np.flatnonzero(is_lost).tolist()),
-                teams=_changed_teams(before, self._before, self._along),
+                teams=_changed_teams(before, after, self._along),
                 done=tuple((int(k), int(tasks["done_by"][k])) for k in done),
             )
         )
         if (tasks["appears"] == steps).any():
             self._write_order(steps)
+        self._before = after  # last: only now does the step count as written down
 
-    def finish(
-        self, policy: str, seed: int, lower_bound: int | None, is_interrupted: bool = False
-    ) -> Replay:
-        """Return the whole record."""
-        tally = self._env.tally()
+    def finish(self, policy: str, seed: int, lower_bound: int | None) -> Replay:
+        """Return the record so far: one of a trial that still runs is of an interrupted one."""
+        made = self._before.tally.steps
         return Replay(
             scenario=self._scenario,
             policy=policy,
             seed=seed,
-            orders=tuple(self._orders),
+            orders=tuple(order for order in self._orders if order[0] <= made),
             start=self._start,
-            steps=tuple(self._steps),
-            end=self._ending(tally, is_interrupted),
+            steps=tuple(self._steps[:made]),
+            end=self._ending(),
             lower_bound=lower_bound,
         )
 
     def _snapshot(self) -> _Snapshot:
         groups = _groups(self._env.worlds.robots["team"][0])
-        return _Snapshot(self._env.worlds.teams[0].copy(), groups)
+        return _Snapshot(self._env.worlds.teams[0].copy(), groups, self._env.tally())
 
     def _write_order(self, steps: int) -> None:
         count = self._env.worlds.count["open"][0]
@@ -96,11 +101,11 @@ class Recorder:
                 joins.append((lower, higher) if partners[lower] == higher else (higher, lower))
         return tuple(sorted(joins, key=min))
 
-    def _ending(self, tally: Tally, is_interrupted: bool) -> Ending:
-        is_completed = tally.status == "completed"
+    def _ending(self) -> Ending:
+        tally = self._before.tally
         return Ending(
-            status="interrupted" if is_interrupted else tally.status,
-            makespan=tally.steps if is_completed else None,
+            status="interrupted" if tally.status == "running" else tally.status,
+            makespan=tally.steps if tally.status == "completed" else None,
             steps=tally.steps,
             tasks_done=tally.tasks_done,
             joins=tally.joins,

@@ -17,11 +17,15 @@ from teamformer.sim.replay import Replay
 
 @dataclass(frozen=True)
 class Trial:
-    """A finished trial: its record, and what the clock said (which the record never holds)."""
+    """A finished trial: its record, and what the clock said (which the record never holds).
+
+    `is_interrupted` says that Ctrl-C was pressed, be it in the very last step.
+    """
 
     replay: Replay
     decision_seconds: float
     total_seconds: float
+    is_interrupted: bool = False
 
 
 def run_trial(
@@ -54,8 +58,8 @@ def run_trial(
                 on_step(env.tally())
     except KeyboardInterrupt:
         is_interrupted = True
-    replay = recorder.finish(name, seed, lower_bound, is_interrupted)
-    return Trial(replay, deciding, time.perf_counter() - begun)
+    replay = recorder.finish(name, seed, lower_bound)
+    return Trial(replay, deciding, time.perf_counter() - begun, is_interrupted)
 
 
 def run_trials(

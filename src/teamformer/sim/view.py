@@ -30,10 +30,11 @@ class View(NamedTuple):
     Padding (fewer teams or tasks than columns) has slot or task NOBODY (-1) and zeros. Counts
     are how often each capability is there. Places and lengths are in cells on a grid and in metres
     on a plane; divided by `unit` they are in cells on both, as learned policies need them.
-    Teams are the nearest within the sensing radius: of those equally far, first the ones that
-    bring what the own task still needs, of these the ones with the same assignment, then those
-    with the nearest slots. Tasks are the own assignment, then the open tasks in their shared order;
-    where there are crews, those on the list of the own crew come before the others.
+    Teams are the nearest within the sensing radius: of those equally far (all in the same place
+    are), first the ones that bring what the own task still needs, of these the ones with the same
+    assignment, then those with the nearest slots. Tasks are the own assignment, then the open tasks
+    in their shared order; where there are crews, those on the list of the own crew come before the
+    others.
     """
 
     world: Array  # (teams,) int32, index into the batch
@@ -216,8 +217,10 @@ def _nearest_first(world, team, found, most):  # type: ignore[no-untyped-def]
 @kernel
 def _sort_key(world, team, other):  # type: ignore[no-untyped-def]
     """Return a number that is less for what comes first: near, of help, with a slot close by."""
-    cells_squared = distance_squared(world, team, other) / world.rules.unit**2
-    away = int(min(cells_squared * 1024, FARTHEST))
+    away = 0  # all in the same place are equally near
+    if not is_in_same_place(world, team, other):
+        cells_squared = distance_squared(world, team, other) / world.rules.unit**2
+        away = 1 + int(min(cells_squared * 1024, FARTHEST))
     use = 2
     if _helps(world, team, other):
         use = 0 if world.teams[other].task == world.teams[team].task else 1

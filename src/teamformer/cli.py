@@ -148,6 +148,12 @@ def bench(
         int | None, typer.Option(min=1, help="processes; one for each core by default")
     ] = None,
     engine: Annotated[str, typer.Option(help="local or ray")] = "local",
+    report: Annotated[
+        Path | None, typer.Option(help="write the paper's claims beside what was measured here")
+    ] = None,
+    beside: Annotated[
+        list[Path] | None, typer.Option(help="folders of other suites, for --report")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Measure policies on a suite of settings; `speed` times the simulator.
@@ -170,6 +176,8 @@ def bench(
         workers=workers or os.cpu_count() or 1,
         engine=engine,
         folder=out,
+        results=report,
+        beside=tuple(beside or ()),
     )
     raise typer.Exit(command(suite, options, as_json))
 

@@ -121,7 +121,8 @@ def _curves(part: Suite, summaries: Sequence[Summary]) -> Figure:
             axes.set_yscale("log")
             axes.set_xlabel(axis)
             axes.set_ylabel(label)
-            axes.legend(fontsize=7, frameon=False)
+            if axes.lines:
+                axes.legend(fontsize=7, frameon=False)
     return figure
 
 

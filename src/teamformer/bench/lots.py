@@ -89,7 +89,7 @@ def run_lot(lot: Lot) -> list[Row]:
     """Run the trials of a lot."""
     policy = ready_policy(lot.policy, lot.time_limit)
     worlds = {seed: lot.scenario(seed) for seed in lot.seeds}
-    _warm_up(lot.policy, lot.time_limit, worlds[lot.seeds[0]].capabilities)
+    _warm_up(lot, policy)
     parts = [[seed] for seed in lot.seeds] if lot.is_timed else [list(lot.seeds)]
     rows = []
     for seeds in parts:
@@ -115,11 +115,19 @@ def ready_policy(name: str, time_limit: float) -> Policy:
     return policy
 
 
-@lru_cache(maxsize=64)
-def _warm_up(policy: str, time_limit: float, capabilities: tuple[str, ...]) -> None:
+_WARM: set[tuple[str, str]] = set()
+"""Policies and settings that have had a trial in this process."""
+
+
+def _warm_up(lot: Lot, policy: Policy) -> None:
     """Run a trial that does not count, so that loading compiled code is not timed."""
-    setting = f"{len(capabilities)}N1T-C{len(capabilities)}"
-    run_trials([world_of(setting, 0)], ready_policy(policy, time_limit))
+    if (lot.policy, lot.setting) in _WARM:
+        return
+    _WARM.add((lot.policy, lot.setting))
+    scenario = lot.scenario(lot.seeds[0])
+    if policy.needs_everything:  # planning takes as long as it may
+        scenario = world_of(f"{len(scenario.robots)}N1T-C{len(scenario.capabilities)}", 0)
+    run_trials([scenario], policy)
 
 
 def known_row(lot: Lot, seed: int, scenario: Scenario, makespan: int | None) -> Row:

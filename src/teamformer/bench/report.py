@@ -8,7 +8,7 @@ from pathlib import Path
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import summarise
-from teamformer.bench.tables import summary_csv, summary_markdown
+from teamformer.bench.tables import EXPLANATION, summary_csv, summary_table
 
 
 def write_report(
@@ -18,7 +18,7 @@ def write_report(
     summaries = summarise(rows)
     report = folder / "report.md"
     heading = f"# {suite.name}: {suite.about}\n\n"
-    report.write_text(heading + summary_markdown(summaries), encoding="utf-8")
+    report.write_text(f"{heading}{summary_table(summaries)}\n{EXPLANATION}", encoding="utf-8")
     yield report
     table = folder / "summary.csv"
     table.write_text(summary_csv(summaries), encoding="utf-8")

@@ -143,6 +143,16 @@ class Store:
         self._open()
 
 
+def read_folder(folder: Path) -> tuple[About, list[Row]]:
+    """Return what a finished benchmark's folder holds."""
+    try:
+        about = About(**json.loads(read_text(folder / ABOUT, 1_000_000)))
+    except (ValueError, TypeError):
+        raise TeamformerError(f"{folder / ABOUT}: cannot be understood") from None
+    lines = read_text(folder / ROWS, LARGEST_ROWS).splitlines()
+    return about, [row for row in map(row_of, lines) if row]
+
+
 def _replace(path: Path, text: str) -> None:
     """Write a file such that there is always either the old one or all of the new one."""
     draft = path.with_name(f".{path.name}.new")

@@ -63,18 +63,16 @@ def headers_for(summaries: Sequence[Summary]) -> list[str]:
     return headers
 
 
-def markdown(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a Markdown table: the words to the left, the numbers to the right."""
-    is_text = ("setting", "policy", "claim")
-    lines = [_line(headers), _line(["---" if h in is_text else "---:" for h in headers])]
-    return "".join(f"{line}\n" for line in [*lines, *map(_line, rows)])
+def markdown(headers: Sequence[str], rows: Iterable[Sequence[str]], words: int = 2) -> str:
+    """Return a Markdown table whose first columns are words, to the left; numbers to the right."""
+    dashes = ["---"] * words + ["---:"] * (len(headers) - words)
+    return "".join(f"{_line(cells)}\n" for cells in [headers, dashes, *rows])
 
 
-def summary_markdown(summaries: Sequence[Summary]) -> str:
-    """Return the table of summaries with what its columns mean."""
+def summary_table(summaries: Sequence[Summary]) -> str:
+    """Return the summaries as a Markdown table."""
     headers = headers_for(summaries)
-    table = markdown(headers, [cells_of(summary, headers) for summary in summaries])
-    return f"{table}\n{EXPLANATION}"
+    return markdown(headers, [cells_of(summary, headers) for summary in summaries])
 
 
 def summary_csv(summaries: Iterable[Summary]) -> str:

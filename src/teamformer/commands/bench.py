@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,9 +15,10 @@ from rich.text import Text
 
 from teamformer.bench.engines import ENGINES
 from teamformer.bench.report import write_report
+from teamformer.bench.results import write_results
 from teamformer.bench.rows import Row
 from teamformer.bench.runner import Request, run_benchmark
-from teamformer.bench.store import Store
+from teamformer.bench.store import Store, read_folder
 from teamformer.bench.suites import Suite, load_suite
 from teamformer.bench.summary import Summary, summarise
 from teamformer.bench.tables import cells_of, headers_for
@@ -24,6 +27,7 @@ from teamformer.commands.console import (
     announce_compiling,
     err,
     out,
+    prepare_file,
     prepare_folder,
     print_json,
     say,
@@ -53,6 +57,7 @@ class Options:
     engine: str = "local"
     folder: Path | None = None
     results: Path | None = None
+    beside: tuple[Path, ...] = ()
 
 
 def bench(suite_name: str, options: Options, as_json: bool) -> int:
@@ -65,6 +70,8 @@ def bench(suite_name: str, options: Options, as_json: bool) -> int:
     request = _request(load_suite(suite_name), options)
     if options.folder is not None:
         prepare_folder(options.folder)
+    if options.results is not None:
+        _prepare_results(options)
     place = TemporaryDirectory() if options.folder is None else nullcontext(options.folder)
     with place as folder, Store(Path(folder), request.about, say) as store:
         announce_compiling(request.policies)
@@ -74,6 +81,9 @@ def bench(suite_name: str, options: Options, as_json: bool) -> int:
         if options.folder is not None:
             for path in write_report(request.suite, rows, options.folder, say):
                 say(f"written: {path}")
+    if options.results is not None and options.folder is not None:
+        write_results(options.results, _command_line(), (options.folder, *options.beside))
+        say(f"written: {options.results}")
     _show(rows, as_json)
     return 0
 
@@ -88,6 +98,20 @@ def _changed_rules(options: Options) -> dict[str, str]:
         if value is not None:
             rules[name] = value
     return rules
+
+
+def _prepare_results(options: Options) -> None:
+    """Refuse what could not be written in the end before any work is done."""
+    if options.folder is None:
+        raise TeamformerError("--report needs a folder for the rows", "add --out FOLDER")
+    if options.results is not None:
+        prepare_file(options.results)
+    for folder in options.beside:
+        read_folder(folder)
+
+
+def _command_line() -> str:
+    return shlex.join(["teamformer", *sys.argv[1:]])
 
 
 def _request(suite: Suite, options: Options) -> Request:

@@ -1,0 +1,46 @@
+"""Figures: every part of a suite that has trials is drawn, with bars where they belong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hand_rows import rows_of
+from teamformer.bench.figures import colour_of, draw_suite
+from teamformer.bench.rows import Row
+from teamformer.bench.suites import load_suite
+from teamformer.bench.summary import summarise
+
+
+def draw(suite: str, rows: list[Row], folder: Path) -> list[str]:
+    return [path.name for path in draw_suite(load_suite(suite), summarise(rows), folder)]
+
+
+def test_only_parts_with_trials_are_drawn(tmp_path: Path) -> None:
+    rows = [
+        *rows_of("4N20T-C4", "heuristic", [80, 90]),
+        *rows_of("8N20T-C8", "gnn-c8", [70, None]),
+        *rows_of("8N20T-C8", "deepset-c8", [None, None]),  # no bar, and no complaint
+    ]
+    assert draw("paper", rows, tmp_path) == ["fig4a.png", "fig5a.png"]
+    for name in ("fig4a.png", "fig5a.png"):
+        assert len((tmp_path / name).read_bytes()) > 10_000
+
+
+def test_curves_have_a_panel_for_each_axis(tmp_path: Path) -> None:
+    settings = load_suite("scale").settings
+    rows = [row for setting in settings for row in rows_of(setting, "join-all", [50, 60])]
+    assert draw("scale", rows, tmp_path) == ["scale.png"]
+    assert len((tmp_path / "scale.png").read_bytes()) > 20_000
+
+
+def test_tables_are_not_drawn(tmp_path: Path) -> None:
+    assert draw("table1", rows_of("4N20T-C4", "heuristic", [80]), tmp_path) == []
+
+
+@pytest.mark.parametrize("policy", ["gnn-c4", "gnn-c8"])
+def test_a_family_has_one_colour(policy: str) -> None:
+    assert colour_of(policy) == colour_of("gnn")
+    assert colour_of(policy) != colour_of("join-all")
+    assert colour_of("mine:Policy") == colour_of("mine:Policy")

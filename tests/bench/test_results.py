@@ -1,0 +1,66 @@
+"""The document of results, written from the folder of a real small run."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from teamformer import cli
+from teamformer.bench.results import write_results
+
+
+def bench(*words: str) -> int:
+    argv, sys.argv = sys.argv, ["teamformer", "bench", *words]
+    try:
+        cli.main()
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else 0
+    finally:
+        sys.argv = argv
+    return 0
+
+
+def test_the_document_stands_on_the_rows(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, document = tmp_path / "rows", tmp_path / "docs" / "results.md"
+    chosen = ("--trials", "3", "--workers", "1", "--time-limit", "0.5", "--out", str(folder))
+    policies = ("--policies", "central,heuristic,join-all,teamformer-any")
+    words = ("paper", "--settings", "4N4T-C4,4N20+20T-C4-nn", "--without", "gnn-c4")
+    assert bench(*words, *chosen, *policies, "--report", str(document)) == 0
+    capsys.readouterr()
+    text = document.read_text()
+    assert "teamformer bench paper --settings 4N4T-C4,4N20+20T-C4-nn" in text
+    assert "It holds 24 trials: 3 of each policy" in text
+    assert "holds: 0 of 3 (0.0% to 56.1%)" in text
+    assert "$" not in text.replace("\n$ ", "")  # every blank is filled in
+    for image in ("fig3", "fig9"):
+        assert f"![{image}](images/results-{image}.png)" in text
+        assert (document.parent / "images" / f"results-{image}.png").exists()
+    room = next(line for line in text.splitlines() if line.startswith("| 4N4T-C4 |"))
+    assert "3 of 3" in room  # all proven
+
+
+def test_a_report_needs_a_folder_and_finished_ones_beside(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = str(tmp_path / "results.md")
+    assert bench("fig3", "--report", document) == 2
+    assert "add --out FOLDER" in capsys.readouterr().err
+    words = ("fig3", "--out", str(tmp_path / "rows"), "--report", document)
+    assert bench(*words, "--beside", str(tmp_path / "none")) == 2
+    assert "there is no such file" in capsys.readouterr().err
+
+
+def test_rows_of_several_suites_stand_one_after_the_other(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folders = [tmp_path / "fig3", tmp_path / "fig6"]
+    for folder in folders:
+        chosen = ("--trials", "1", "--policies", "join-all", "--workers", "1")
+        assert bench(folder.name, *chosen, "--out", str(folder)) == 0
+    write_results(tmp_path / "results.md", "some command", folders)
+    text = (tmp_path / "results.md").read_text()
+    assert text.index("### fig3") < text.index("### fig6")

@@ -1,0 +1,173 @@
+"""Summaries, savings and verdicts from rows made by hand."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import replace
+
+import pytest
+
+from hand_rows import rows_of
+from teamformer.bench.claims import FAILURES, INFERENCE, claims
+from teamformer.bench.evidence import Evidence
+from teamformer.bench.judging import (
+    TABLE_1,
+    as_quick,
+    faster_than,
+    near_optimum,
+    no_failure,
+    policy_for,
+    saves,
+    trend,
+)
+from teamformer.bench.summary import summarise
+from teamformer.bench.tables import cells_of, summary_csv, summary_table
+
+SMALL = "4N4T-C4"
+
+
+def test_means_with_and_without_failures() -> None:
+    [summary] = summarise(rows_of(SMALL, "gnn-c4", [10, 20, None, 30]))
+    assert (summary.trials, summary.failures) == (4, 1)
+    assert summary.makespan.value == 20.0
+    assert summary.makespan.error == pytest.approx(10 / math.sqrt(3))
+    assert summary.steps.value == 40.0  # (10 + 20 + 100 + 30) / 4
+
+
+def test_differences_are_paired_over_worlds_that_both_completed() -> None:
+    rows = [
+        *rows_of(SMALL, "heuristic", [30, 40, 50, None, 70]),
+        *rows_of(SMALL, "gnn-c4", [28, 36, None, 10, 64]),
+    ]
+    difference = summarise(rows)[1].against["heuristic"]
+    assert difference.count == 3  # worlds 0, 1 and 4: -2, -4, -6
+    assert difference.value == -4.0
+    assert difference.half_width == pytest.approx(4.303 * 2 / math.sqrt(3), abs=1e-3)
+    assert "heuristic" not in summarise(rows)[0].against
+
+
+def test_gaps_are_means_of_ratios() -> None:
+    rows = [
+        replace(row, best_known=10, lower_bound=8, list_schedule=9)
+        for row in rows_of(SMALL, "gnn-c4", [10, 15])
+    ]
+    [summary] = summarise(rows)
+    assert summary.to_best.value == pytest.approx(0.25)
+    assert summary.to_bound.value == pytest.approx((0.25 + 0.875) / 2)
+    assert summary.to_list.value == pytest.approx(3.5)
+
+
+def test_inference_is_of_trials_that_ran_alone() -> None:
+    alone = replace(rows_of(SMALL, "gnn-c4", [10])[0], decision_cpu_seconds=2.0)
+    shared = [
+        replace(row, decision_cpu_seconds=0.1, side_by_side=2, world_seed=7 + row.world_seed)
+        for row in rows_of(SMALL, "gnn-c4", [10, 10])
+    ]
+    [summary] = summarise([alone, *shared])
+    assert summary.inference.count == 1
+    assert summary.inference.value == 2.0
+
+
+def test_tables_say_the_same() -> None:
+    rows = [
+        *rows_of(SMALL, "heuristic", [30, 40, 50]),
+        *rows_of(SMALL, "gnn-c4", [28, 36, None]),
+    ]
+    summaries = summarise(rows)
+    assert cells_of(summaries[1])[:7] == [
+        SMALL,
+        "gnn-c4",
+        "3",
+        "32.0 ± 4.0",
+        "1 (6.1-79.2%)",
+        "54.7",
+        "-3.0 (-15.7 to +9.7)",
+    ]
+    table = summary_table(summaries).splitlines()
+    assert table[3].startswith("| 4N4T-C4 | gnn-c4 | 3 | 32.0 ± 4.0 |")
+    lines = list(csv.DictReader(summary_csv(summaries).splitlines()))
+    assert [line["failures"] for line in lines] == ["0", "1"]
+    assert lines[1]["heuristic_difference"] == "-3.0"
+    assert lines[0]["inference_cpu_seconds_mean"] == ""
+
+
+def test_a_saving_is_a_share_of_the_other_mean() -> None:
+    rows = [
+        *rows_of("4N20T-C4", "heuristic", [100, 80, 120, None]),
+        *rows_of("4N20T-C4", "teamformer-c4", [70, 60, 80, 50]),
+    ]
+    saving = Evidence(rows).saving("4N20T-C4", "teamformer-c4", "heuristic")
+    assert saving is not None
+    assert saving.value == pytest.approx(0.3)  # (300 - 210) / 300
+    assert saving.half_width == pytest.approx(4.303 * 10 / math.sqrt(3) / 100, abs=1e-4)
+    told = saves("4N20T-C4", "heuristic", 0.32)(Evidence(rows), "teamformer")
+    assert told.holds is True  # the interval reaches it
+    assert told.measured.startswith("30% (5% to 55%)")
+    assert saves("4N20T-C4", "heuristic", 0.6)(Evidence(rows), "teamformer").holds is False
+
+
+def test_the_optimum_is_what_was_proven() -> None:
+    planned = [
+        replace(row, relaxed=value, relaxed_bound=bound)
+        for row, (value, bound) in zip(
+            rows_of(SMALL, "central", [12, 13, 14]), [(10, 10), (11, 9), (12, 12)], strict=True
+        )
+    ]
+    evidence = Evidence([*planned, *rows_of(SMALL, "join-all", [11, 99, 14])])
+    found = evidence.from_optimum(SMALL, "join-all")
+    assert found is not None
+    assert (found.value, found.count) == (1.5, 2)  # world 1 is not proven
+    assert near_optimum(SMALL, 1.5)(evidence, "join-all").holds is True
+
+
+def test_verdicts() -> None:
+    evidence = Evidence(
+        [
+            *rows_of(SMALL, "teamformer-c4", [20, 22]),
+            *rows_of(SMALL, "gnn-c4", [24, 26]),
+            *rows_of(SMALL, "heuristic", [21, 20]),
+        ]
+    )
+    assert faster_than(SMALL, ("gnn",))(evidence, "teamformer").holds is True
+    beaten = faster_than(SMALL, ("gnn", "heuristic", "deepset"))(evidence, "teamformer")
+    assert beaten.holds is False
+    assert "(deepset not measured)" in beaten.measured
+    assert faster_than(SMALL, ("deepset",))(evidence, "teamformer").holds is None
+    assert no_failure(SMALL)(evidence, "teamformer").measured == "0 of 2 (0.0% to 65.8%)"
+    assert no_failure(SMALL)(evidence, "teamformer-any").holds is None
+    assert as_quick(SMALL, 1.0)(evidence, "teamformer").holds is None  # nothing was timed
+
+
+def test_trends_go_by_the_ends() -> None:
+    rows = [
+        row
+        for setting, makespan in zip(TABLE_1[4:], (100, 120, 110, 105), strict=True)
+        for row in rows_of(setting, "heuristic", [makespan, makespan])
+    ]
+    judgement = trend("heuristic", rises=True)(Evidence(rows), "teamformer")
+    assert judgement.measured == "100.0, 120.0, 110.0, 105.0"
+    assert judgement.holds is True
+
+
+def test_the_policy_of_a_family_fits_the_setting() -> None:
+    assert policy_for("gnn", "24N100T-C8") == "gnn-c8"
+    assert policy_for("teamformer", "100N20T-C100-R20") == "teamformer-c100"
+    assert policy_for("teamformer-any", "24N100T-C8") == "teamformer-any"
+
+
+def test_every_claim_can_be_judged_of_nothing() -> None:
+    known = list(claims())
+    assert {claim.figure for claim in known} == {
+        *("Fig. 3", "Fig. 4a", "Fig. 4b", "Fig. 5a", "Fig. 5b", "Fig. 6", "Fig. 9a", "Fig. 9b"),
+        "Table I",
+    }
+    for claim in known:
+        assert claim.judge(Evidence([]), "teamformer").holds is None
+
+
+def test_the_paper_s_table_has_eight_columns_and_four_for_the_others() -> None:
+    lengths = {name: len(times) for name, times in INFERENCE.items()}
+    assert lengths == {"teamformer": 8, "heuristic": 8, "deepset": 4, "gnn": 4}
+    assert FAILURES["deepset"] == (1, 1, 26, 12)
+    assert FAILURES["gnn"] == (1, 3, 21, 42)

@@ -67,7 +67,8 @@ def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:
     assert row.decision_seconds is not None
     assert 0 < row.decision_seconds < (row.total_seconds or 0)
     assert row.rerun == (
-        "teamformer bench small --settings 4N4T-C4 --policies join-all --seed 1 --trials 1 --json"
+        "teamformer bench small --settings 4N4T-C4 --policies join-all --seed 1 --trials 1 "
+        "--order tsp --allocation paper --json"
     )
 
 
@@ -175,7 +176,7 @@ def test_a_planner_says_what_it_found(tmp_path: Path) -> None:
         assert row.time_limit == 1.0
         assert row.relaxed == row.relaxed_bound == row.lower_bound  # proven
         assert (row.relaxed or 0) <= (row.makespan or 0)
-        assert "--time-limit 1 " in row.rerun
+        assert " --time-limit 1 " in row.rerun
 
 
 def test_the_list_schedule_of_two_tasks_in_a_row() -> None:

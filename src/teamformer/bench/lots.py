@@ -146,6 +146,8 @@ def known_row(lot: Lot, seed: int, scenario: Scenario, makespan: int | None) -> 
         tasks=len(scenario.tasks),
         robots=len(scenario.robots),
         capabilities=len(scenario.capabilities),
+        order=scenario.order,
+        allocation=scenario.allocation,
         joins=None,
         splits=None,
         illegal_decisions=None,
@@ -212,9 +214,15 @@ def list_schedule(scenario: Scenario) -> int | None:
 
 def rerun_command(lot: Lot, seed: int) -> str:
     """Return the command that runs this one trial again."""
-    worlds = f" --worlds {lot.worlds}" if lot.worlds else ""
-    limit = f" --time-limit {lot.time_limit:g}" if lot.policy == "central" else ""
-    return (
-        f"teamformer bench {lot.suite}{worlds} --settings {lot.setting} "
-        f"--policies {lot.policy} --seed {seed} --trials 1{limit} --json"
-    )
+    rules = {key: lot.rules[key] for key in ("order", "allocation") if key in lot.rules}
+    options: dict[str, object] = {
+        "worlds": lot.worlds,
+        "settings": lot.setting,
+        "policies": lot.policy,
+        "seed": seed,
+        "trials": 1,
+        **rules,
+        "time-limit": f"{lot.time_limit:g}" if lot.policy == "central" else None,
+    }
+    said = [f"--{key} {value}" for key, value in options.items() if value is not None]
+    return f"teamformer bench {lot.suite} {' '.join(said)} --json"

@@ -36,6 +36,8 @@ class Row:
     tasks: int
     robots: int
     capabilities: int
+    order: str
+    allocation: str
     joins: int | None
     splits: int | None
     illegal_decisions: int | None

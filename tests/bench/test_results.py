@@ -26,7 +26,7 @@ def test_the_document_stands_on_the_rows(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder, document = tmp_path / "rows", tmp_path / "docs" / "results.md"
-    chosen = ("--trials", "3", "--workers", "1", "--time-limit", "0.5", "--out", str(folder))
+    chosen = ("--trials", "3", "--workers", "1", "--time-limit", "20", "--out", str(folder))
     policies = ("--policies", "central,heuristic,join-all,teamformer-any")
     words = ("paper", "--settings", "4N4T-C4,4N20+20T-C4-nn", "--without", "gnn-c4")
     assert bench(*words, *chosen, *policies, "--report", str(document)) == 0
@@ -40,7 +40,7 @@ def test_the_document_stands_on_the_rows(
         assert f"![{image}](images/results-{image}.png)" in text
         assert (document.parent / "images" / f"results-{image}.png").exists()
     room = next(line for line in text.splitlines() if line.startswith("| 4N4T-C4 |"))
-    assert "3 of 3" in room  # all proven
+    assert "3 of 3" in room  # all proven, long before time is up
 
 
 def test_a_report_needs_a_folder_and_finished_ones_beside(

@@ -149,9 +149,9 @@ def test_the_worlds_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert bench("authors", *words, "--json") == 0
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     told = [(row["policy"], row["world_seed"], row["completed"]) for row in rows]
-    assert told[:2] == [("join-all", 6, True), ("join-all", 8, True)]
-    assert told[2:] == [("authors-heuristic", 6, True), ("authors-heuristic", 8, False)]
-    assert rows[2]["makespan"] == 33
+    assert told[:2] == [("authors-heuristic", 6, True), ("authors-heuristic", 8, False)]
+    assert told[2:] == [("join-all", 6, True), ("join-all", 8, True)]
+    assert rows[0]["makespan"] == 33
     wrong = tmp_path / "wrong.jsonl"
     wrong.write_text("{}\n")
     assert bench("authors", "--worlds", str(wrong)) == 2

@@ -59,7 +59,7 @@ def test_the_paper_is_its_figures() -> None:
 def test_the_paper_s_suites_keep_the_paper_s_rules() -> None:
     for name in set(SHIPPED) - {"fleet"}:
         assert load_suite(name).rules == {"order": "tsp", "allocation": "paper"}
-    assert load_suite("fleet").rules == {}
+    assert load_suite("fleet").rules == {"order": "schedule", "allocation": "crews"}
 
 
 def test_policies_and_settings_can_be_chosen() -> None:

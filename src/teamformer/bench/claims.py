@@ -109,8 +109,8 @@ def _claims_on_scaling() -> Iterator[Claim]:
         "Nobody who sees only what is near can be a fifth faster than a good plan."
     )
     slow = (
-        "The heuristic here is faster than the authors' own (see their worlds below): teams pair "
-        "off, so that many join in few steps, and the tour begins where the robots are."
+        "It depends on how slow a heuristic is. Ours follows the paper's words, but is another "
+        "program than the authors': teams pair off where they meet and part by halves."
     )
     trained = "The networks compared were trained here, alike, for as long: the gap was training."
     for bar, claimed, why in (

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from teamformer.bench.statistics import growth_exponent
 from teamformer.bench.suites import Suite
@@ -27,6 +29,7 @@ FAMILIES = {
 }
 OTHERS = ("#999999", "#7f6000", "#5e3c99", "#b2182b", "#1a9850", "#8073ac")
 RESOLUTION = 150  # dots an inch
+LETTERS_AN_INCH = 13  # of a title
 
 
 def draw_suite(suite: Suite, summaries: Sequence[Summary], folder: Path) -> Iterator[Path]:
@@ -117,13 +120,22 @@ def _curves(part: Suite, summaries: Sequence[Summary]) -> Figure:
                     if s.policy == policy and s.setting in settings and not math.isnan(value_of(s))
                 }
                 _curve(axes, policy, points)
-            axes.set_xscale("log", base=2)
-            axes.set_yscale("log")
+            _scale(axes, sorted({getattr(spec_of(setting), axis) for setting in settings}))
             axes.set_xlabel(axis)
             axes.set_ylabel(label)
             if axes.lines:
                 axes.legend(fontsize=7, frameon=False)
     return figure
+
+
+def _scale(axes: Axes, sizes: Sequence[int]) -> None:
+    """Make both axes logarithmic, with plain numbers on them."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xticks(sizes, [str(size) for size in sizes])
+    axes.minorticks_off()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_major_formatter("{x:g}")
 
 
 def _curve(axes: Axes, policy: str, points: dict[int, float]) -> None:
@@ -147,7 +159,8 @@ def _begin(
     title: str, panels: int, columns: int = 1, width: float = 5.0, height: float = 4.0
 ) -> tuple[Figure, list[Axes]]:
     figure = Figure(figsize=(width, height), dpi=RESOLUTION, layout="constrained")
-    figure.suptitle(title, fontsize=10)
+    letters = int(width * LETTERS_AN_INCH)
+    figure.suptitle("\n".join(textwrap.wrap(title, letters)), fontsize=10)
     axes = [figure.add_subplot(panels // columns, columns, n + 1) for n in range(panels)]
     for each in axes:
         each.spines[["top", "right"]].set_visible(False)

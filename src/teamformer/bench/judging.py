@@ -87,7 +87,7 @@ def saves(setting: str, bar: str, claimed: float) -> Judge:
         if found is None:
             return UNKNOWN
         low, high = found.value - _reach(found), found.value + _reach(found)
-        text = f"{found.value:.0%} ({low:.0%} to {high:.0%})"
+        text = f"{_percent(found.value)} ({_percent(low)} to {_percent(high)})"
         return Judgement(text, high >= claimed)
 
     return judge
@@ -174,3 +174,7 @@ def _failed(failures: int, trials: int) -> str:
 
 def _reach(mean: Mean) -> float:
     return mean.half_width if mean.count > 1 else 0.0
+
+
+def _percent(share: float) -> str:
+    return f"{round(100 * share)}%"

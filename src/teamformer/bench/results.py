@@ -15,6 +15,7 @@ from teamformer.bench.claims import FAILURES, INFERENCE, Claim, claims
 from teamformer.bench.evidence import Evidence
 from teamformer.bench.judging import TABLE_1, Judgement, policy_for
 from teamformer.bench.rows import Row
+from teamformer.bench.runner import AUTHORS
 from teamformer.bench.statistics import Mean, wilson
 from teamformer.bench.store import read_folder
 from teamformer.bench.summary import Summary
@@ -47,6 +48,7 @@ def write_results(file: Path, command: str, folders: Sequence[Path]) -> None:
         **_origin(command, evidence),
         **_claims(evidence),
         **_weight(evidence),
+        authors=_beside_the_authors(suites.get("authors", ())),
         figures=_figures(file, folders),
         table_1=_table_1(evidence),
         room=_room(evidence),
@@ -97,11 +99,16 @@ def _verdict(judgement: Judgement) -> str:
 
 
 def _figures(file: Path, folders: Sequence[Path]) -> str:
-    """Copy the figures beside the document and return what shows them."""
+    """Copy the figures beside the document and return what shows them.
+
+    They are all of the first folder, and of the others those of the suite as a whole.
+    """
     images = file.parent / "images"
     images.mkdir(exist_ok=True)
+    wholes = [folder / f"{read_folder(folder)[0].suite}.png" for folder in folders[1:]]
+    pictures = [*sorted(folders[0].glob("*.png")), *filter(Path.exists, wholes)]
     shown = []
-    for picture in (picture for folder in folders for picture in sorted(folder.glob("*.png"))):
+    for picture in pictures:
         copy = images / f"results-{picture.name}"
         shutil.copyfile(picture, copy)
         shown.append(f"![{picture.stem}](images/{copy.name})\n")
@@ -135,7 +142,10 @@ def _failures(evidence: Evidence, family: str, setting: str) -> str:
 def _inference(evidence: Evidence, family: str, setting: str) -> str:
     summary = evidence.summary(setting, policy_for(family, setting))
     theirs = _of_paper(INFERENCE, family, setting)
-    told = "-" if summary is None else seconds(summary.inference) or "-"
+    spent = None
+    if summary is not None:
+        spent = summary.waiting if family == "central" else summary.inference
+    told = (seconds(spent) if spent else "") or "-"
     return told if theirs is None else f"{told} ({theirs[0]:g})"
 
 
@@ -215,6 +225,27 @@ def _savings(evidence: Evidence) -> Iterator[str]:
         found = evidence.saving(setting, "join-all", "heuristic")
         if found:
             yield f"{found.value:.0%} on {setting}"
+
+
+def _beside_the_authors(rows: Sequence[Row]) -> str:
+    """Return how ours do beside the authors' own heuristic, on their worlds."""
+    evidence = Evidence(rows)
+    settings = dict.fromkeys(summary.setting for summary in evidence.summaries)
+    policies = ("heuristic", "join-all", "teamformer-any")
+    table = [[setting, *_beside(evidence, setting, policies)] for setting in settings]
+    if not table:
+        return "Not measured: `teamformer bench authors --worlds FILE` reads such worlds.\n"
+    headers = ["setting", "worlds", AUTHORS, "it failed", *policies]
+    return markdown(headers, table, words=1)
+
+
+def _beside(evidence: Evidence, setting: str, policies: Sequence[str]) -> Iterator[str]:
+    theirs = evidence.summary(setting, AUTHORS)
+    if theirs is not None:
+        yield from (str(theirs.trials), _mean(theirs), str(theirs.failures))
+    for policy in policies:
+        ours, saving = evidence.summary(setting, policy), evidence.saving(setting, policy, AUTHORS)
+        yield _mean(ours) + ("" if saving is None else f" ({-saving.value:+.0%})")
 
 
 def _power(evidence: Evidence) -> str:

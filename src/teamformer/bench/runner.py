@@ -100,7 +100,7 @@ def run_benchmark(
         store.add(rows)
         missing -= len(rows)
         on_rows(total - missing, total)
-    store.finish(_order(wanted))
+    store.finish(_order(request.suite))
 
 
 def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tuple[str, str]]:
@@ -186,13 +186,15 @@ def _authors_rows(request: Request, code: str) -> Iterator[Row]:
                 yield known_row(lot, world.seed, world.scenario, world.heuristic)
 
 
-def _order(wanted: Sequence[tuple[str, str]]) -> Callable[[Row], tuple[int, str, str, int]]:
-    """Return what rows are put in order by: first as they were asked for."""
-    place = {cell: number for number, cell in enumerate(wanted)}
+def _order(suite: Suite) -> Callable[[Row], tuple[int, int, str, int]]:
+    """Return what rows are put in order by: as the suite has settings and policies."""
+    settings = {name: place for place, name in enumerate(suite.settings)}
+    listed = dict.fromkeys(policy for _, policy in cells(suite))
+    policies = {name: place for place, name in enumerate(listed)}
 
-    def key(row: Row) -> tuple[int, str, str, int]:
-        last = place.get((row.setting, row.policy), len(place))
-        return last, row.setting, row.policy, row.world_seed
+    def key(row: Row) -> tuple[int, int, str, int]:
+        setting = settings.get(row.setting, len(settings))  # others: of an older suite file
+        return setting, policies.get(row.policy, len(policies)), row.policy, row.world_seed
 
     return key
 

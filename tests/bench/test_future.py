@@ -1,0 +1,71 @@
+"""Nobody knows of a task before it appears: another future changes nothing until then."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from teamformer.model import ALLOCATIONS, ORDERS, Scenario, Task
+from teamformer.policies import POLICIES
+from teamformer.policies.registry import load_policy
+from teamformer.scenarios.settings import world_of
+from teamformer.sim.env import Decision, TeamFormation
+from teamformer.sim.view import View
+
+MINE = [
+    listing.name for listing in POLICIES if not load_policy(listing.name, POLICIES).needs_everything
+]
+FITTING = [name for name in MINE if not name.endswith(("-c8", "-c100"))]
+
+
+def with_another_future(scenario: Scenario, kept: int) -> Scenario:
+    """Move the late tasks, change what they need, and leave some of them out."""
+    known = [task for task in scenario.tasks if task.appears == 0]
+    late = [task for task in scenario.tasks if task.appears > 0]
+    others: list[Task] = [
+        replace(task, at=(9 - task.at[0], 9 - task.at[1]), needs={"c1": 1}) for task in late[:kept]
+    ]
+    return replace(scenario, tasks=(*known, *others))
+
+
+def play(scenario: Scenario, policy_name: str, steps: int) -> list[tuple[View, Decision]]:
+    """Return what is seen and decided in the first steps."""
+    policy = load_policy(policy_name, POLICIES)
+    policy.begin(None, np.random.default_rng(0))
+    env = TeamFormation([scenario])
+    seen = []
+    for _ in range(steps):
+        view = View(*(part.copy() for part in env.view()))
+        decision = policy.decide(view)
+        seen.append((view, decision))
+        env.step(decision)
+    return seen
+
+
+def assert_alike(one: tuple[View, Decision], other: tuple[View, Decision]) -> None:
+    for name, ours, theirs in zip(View._fields, one[0], other[0], strict=True):
+        assert np.array_equal(ours, theirs), name
+    assert np.array_equal(one[1].wanted, other[1].wanted)
+
+
+@pytest.mark.parametrize("setting", ["4N20+20T-C4-tsp", "4N20+20T-C4-nn"])
+@pytest.mark.parametrize("policy", FITTING)
+@pytest.mark.parametrize(("order", "allocation"), [*itertools.product(ORDERS, ALLOCATIONS)])
+def test_another_future_changes_nothing_before_it(
+    policy: str, setting: str, order: str, allocation: str
+) -> None:
+    assert len(FITTING) >= 3
+    for seed in range(2):
+        scenario = replace(world_of(setting, seed), order=order, allocation=allocation)
+        appears = scenario.tasks[-1].appears
+        steps = appears + 1  # the view after `appears` steps is the first to know
+        now = play(scenario, policy, steps)
+        for kept in (20, 7):
+            then = play(with_another_future(scenario, kept), policy, steps)
+            for step in range(appears):
+                assert_alike(now[step], then[step])
+            with pytest.raises(AssertionError):
+                assert_alike(now[appears], then[appears])

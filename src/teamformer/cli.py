@@ -78,7 +78,11 @@ def compare(
 
 @app.command()
 def generate(
+    context: typer.Context,
     out: Annotated[Path, typer.Option("-o", "--out", help="the file to write")],
+    setting: Annotated[
+        str | None, typer.Option(help="a benchmark's, such as 4N20T-C4; with its --seed")
+    ] = None,
     robots: Annotated[int, typer.Option(min=1)] = 4,
     tasks: Annotated[int, typer.Option(min=1)] = 4,
     capabilities: Annotated[int, typer.Option(min=1)] = 4,
@@ -91,7 +95,15 @@ def generate(
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Write a random scenario."""
+    """Write a random scenario, or a world of a benchmark."""
+    if setting is not None:
+        from teamformer.commands.generate import generate_setting
+
+        others = {"out", "setting", "seed", "as_json"}
+        given = [name for name in context.params if _is_given(context, name)]
+        if not set(given) <= others:
+            raise TeamformerError("--setting says it all; leave out what else describes the world")
+        raise typer.Exit(generate_setting(setting, seed, out, as_json))
     from teamformer.commands.generate import generate as command
     from teamformer.scenarios.generate import Spec
 
@@ -180,6 +192,11 @@ def bench(
         beside=tuple(beside or ()),
     )
     raise typer.Exit(command(suite, options, as_json))
+
+
+def _is_given(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def _split(names: str) -> tuple[str, ...]:

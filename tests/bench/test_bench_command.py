@@ -18,8 +18,12 @@ COMMAND = [sys.executable, "-m", "teamformer.cli", "bench"]
 
 
 def bench(*words: str) -> int:
+    return teamformer("bench", *words)
+
+
+def teamformer(*words: str) -> int:
     """Run the command line in this process and return its exit status."""
-    argv, sys.argv = sys.argv, ["teamformer", "bench", *words]
+    argv, sys.argv = sys.argv, ["teamformer", *words]
     try:
         cli.main()
     except SystemExit as stop:
@@ -165,6 +169,7 @@ def test_the_worlds_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         (("fig3", "--trials", "0"), "--trials"),
         (("fig3", "--policies", "joinall"), "did you mean 'join-all'?"),
         (("fig3", "--settings", "4N20T-C4"), "suite 'fig3' has no setting '4N20T-C4'"),
+        (("fig3", "--without", "centrall"), "there is no 'centrall' to be left out"),
         (("fig3", "--engine", "slurm"), "there is no engine 'slurm'"),
         (("fig3", "--policies", "gnn-c4", "--without", "gnn-c4"), "no policy of those asked for"),
         (("authors",), "add --worlds FILE"),
@@ -179,6 +184,22 @@ def test_misuse_is_told(
     printed = capsys.readouterr()
     assert told in printed.err
     assert printed.out == ""
+
+
+def test_a_world_of_a_trial_can_be_run_by_itself(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert bench(*small(tmp_path / "rows", "--json")) == 0
+    row = json.loads(capsys.readouterr().out.splitlines()[6])
+    path = str(tmp_path / "world.yaml")
+    words = ("--setting", row["setting"], "--seed", str(row["world_seed"]), "-o", path)
+    assert teamformer("generate", *words) == 0
+    assert teamformer("run", path, "--policy", row["policy"], "--json") == 0
+    assert json.loads(capsys.readouterr().out)["makespan"] == row["makespan"]
+    assert teamformer("generate", *words, "--robots", "9") == 2
+    assert "--setting says it all" in capsys.readouterr().err
+    assert teamformer("generate", "--setting", "4N", "-o", path) == 2
+    assert "'4N' is no setting" in capsys.readouterr().err
 
 
 def test_another_suite_s_folder_is_refused(

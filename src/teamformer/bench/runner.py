@@ -106,6 +106,11 @@ def run_benchmark(
 def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tuple[str, str]]:
     """Yield every (setting, policy) that can be run; say which cannot, and why."""
     listed = {listing.name for listing in POLICIES}
+    asked = {policy for _, policy in cells(request.suite, request.policies)}
+    for policy in request.without:
+        if policy not in asked:
+            hint = f"there are {', '.join(sorted(asked))}"
+            raise TeamformerError(f"there is no '{policy}' to be left out", hint)
     said: set[str] = set()
     for setting, policy in cells(request.suite, request.policies, request.settings):
         if policy in request.without:

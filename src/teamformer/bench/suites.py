@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.model import ALLOCATIONS, ORDERS
 from teamformer.scenarios.disk import read_text
 from teamformer.scenarios.reading import Reader
 from teamformer.scenarios.settings import spec_of
@@ -17,10 +18,11 @@ from teamformer.scenarios.yaml_tree import parse
 
 LARGEST_FILE = 1_000_000  # bytes
 KEYS = ("about", "settings", "axes", "parts", "policies", "trials", "time_limit", "rules", "figure")
-RULES = ("order", "allocation", "forming_steps")
+RULES = {"order": ORDERS, "allocation": ALLOCATIONS, "forming_steps": ()}
+AXES = ("robots", "tasks", "capabilities")
 OTHERS = ("speed", "robotarium")
 """Measured by code of their own."""
-FIGURES = ("bars", "curves", "none")
+FIGURES = ("drawn", "none")
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class Suite:
     trials: int = 50
     time_limit: float = 10.0
     rules: Mapping[str, str | int] = field(default_factory=dict)
-    figure: str = "bars"
+    figure: str = "drawn"
     axes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     parts: tuple[Suite, ...] = ()
 
@@ -90,28 +92,45 @@ def _read(text: str, name: str, source: str) -> Suite:
 
 def _read_suite(reader: Reader, value: Any, name: str) -> Suite:
     said = reader.mapping((), value, dict.fromkeys(KEYS, False))
-    axes = {
-        axis: _settings(reader, ("axes", axis), part) for axis, part in said.get("axes", {}).items()
-    }
+    axes = _axes(reader, said.get("axes", {}))
+    parts = _parts(reader, said.get("parts", []))
     settings = _settings(reader, ("settings",), said.get("settings", []))
-    parts = tuple(load_suite(part) for part in reader.names(("parts",), said.get("parts", [])))
-    along_axes = (setting for axis in axes.values() for setting in axis)
-    of_parts = (setting for part in parts for setting in part.settings)
+    settings += tuple(setting for axis in axes.values() for setting in axis)
+    if parts and settings:
+        reader.refuse((), "a suite has either parts or settings; leave one of them out")
+    settings += tuple(setting for part in parts for setting in part.settings)
     suite = Suite(
         name=name,
         about=reader.text(("about",), said.get("about", name)),
-        settings=tuple(dict.fromkeys((*settings, *along_axes, *of_parts))),
+        settings=tuple(dict.fromkeys(settings)),
         policies=tuple(reader.names(("policies",), said.get("policies", []))),
         trials=reader.whole(("trials",), said.get("trials", Suite.trials), least=1),
         time_limit=reader.number(("time_limit",), said.get("time_limit", Suite.time_limit)),
         rules=_rules(reader, said.get("rules", {})),
-        figure=_figure(reader, said.get("figure", "curves" if axes else "bars")),
+        figure=_one_of(reader, ("figure",), said.get("figure", Suite.figure), FIGURES),
         axes=axes,
         parts=parts,
     )
+    if suite.time_limit < 0:
+        reader.refuse(("time_limit",), f"time_limit is {suite.time_limit:g}; write 0 or more")
     if not reader.tree.problems and not (suite.settings and (suite.policies or parts)):
         reader.refuse((), "a suite needs settings and policies, or parts; add them")
     return suite
+
+
+def _axes(reader: Reader, value: Any) -> dict[str, tuple[str, ...]]:
+    axes = reader.mapping(("axes",), value, dict.fromkeys(AXES, False))
+    return {axis: _settings(reader, ("axes", axis), part) for axis, part in axes.items()}
+
+
+def _parts(reader: Reader, value: Any) -> tuple[Suite, ...]:
+    names = reader.names(("parts",), value)
+    known = names_of_suites()
+    for number, name in enumerate(names):
+        if name not in known:
+            what = f"there is no suite '{name}'; use {', '.join(known)}"
+            reader.refuse(("parts", number), what)
+    return tuple(load_suite(name) for name in names if name in known)
 
 
 def _settings(reader: Reader, where: tuple[str, ...], value: Any) -> tuple[str, ...]:
@@ -126,19 +145,19 @@ def _settings(reader: Reader, where: tuple[str, ...], value: Any) -> tuple[str, 
 
 def _rules(reader: Reader, value: Any) -> dict[str, str | int]:
     rules = reader.mapping(("rules",), value, dict.fromkeys(RULES, False))
-    return {
-        key: reader.whole(("rules", key), part, 0)
-        if key == "forming_steps"
-        else reader.text(("rules", key), part)
-        for key, part in rules.items()
-    }
+    return {key: _rule(reader, ("rules", key), part) for key, part in rules.items()}
 
 
-def _figure(reader: Reader, value: Any) -> str:
-    figure = reader.text(("figure",), value)
-    if figure not in FIGURES:
-        reader.refuse(("figure",), f"figure is '{figure}'; write {' or '.join(FIGURES)}")
-    return figure
+def _rule(reader: Reader, where: tuple[str, str], value: Any) -> str | int:
+    known = RULES[where[1]]
+    return _one_of(reader, where, value, known) if known else reader.whole(where, value, 0, 1)
+
+
+def _one_of(reader: Reader, where: tuple[str, ...], value: Any, known: Sequence[str]) -> str:
+    word = reader.text(where, value)
+    if word not in known:
+        reader.refuse(where, f"{where[-1]} is '{word}'; write {' or '.join(known)}")
+    return word
 
 
 def cells(

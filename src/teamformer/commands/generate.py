@@ -9,12 +9,13 @@ import numpy as np
 
 from teamformer.commands.console import prepare_file, print_json, say
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, World
+from teamformer.model import Grid, Scenario, World
 from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
 from teamformer.scenarios.generate import Spec
 from teamformer.scenarios.generate import generate as generate_scenario
 from teamformer.scenarios.maps import read_map
+from teamformer.scenarios.settings import world_of
 
 
 def generate(
@@ -32,10 +33,20 @@ def generate(
     world = _world(grid, plane, map_path, cell)
     name = f"{spec.robots} robots, {spec.tasks} tasks, seed {seed}"
     spec = Spec(**{**vars(spec), "world": world})
-    scenario = generate_scenario(spec, np.random.default_rng(seed), name)
+    return _write(generate_scenario(spec, np.random.default_rng(seed), name), path, as_json)
+
+
+def generate_setting(setting: str, seed: int, path: Path, as_json: bool) -> int:
+    """Write a world that a benchmark runs on; return the exit status."""
+    prepare_file(path)
+    return _write(world_of(setting, seed), path, as_json)
+
+
+def _write(scenario: Scenario, path: Path, as_json: bool) -> int:
     write_scenario(scenario, path)
     if as_json:
-        print_json({"file": str(path), "robots": spec.robots, "tasks": len(scenario.tasks)})
+        robots, tasks = len(scenario.robots), len(scenario.tasks)
+        print_json({"file": str(path), "robots": robots, "tasks": tasks})
     else:
         say(f"scenario: {path}")
     return 0

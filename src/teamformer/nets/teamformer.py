@@ -214,7 +214,7 @@ class Teamformer(nn.Module):
         memories: tuple[Memory, ...],
         has_ended: Tensor,
     ) -> _Spellers:
-        """Return the teams that have still something to say: not ended, and not able to end only."""
+        """Return the teams that have more to say than the end."""
         legal = legal_symbols(self.settings.spelling, spellers.grammar, spelled)
         spellers = spellers._replace(
             change=change, is_legal=legal[0], is_maintain=legal[1], before=memories

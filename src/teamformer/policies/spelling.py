@@ -97,7 +97,7 @@ def _fill(view, tokens):  # type: ignore[no-untyped-def]
     for row in range(len(view.slot)):
         _find_box(view, row, box)
         _write_own(view, tokens, row, box)
-        paired = pair_by_slot(view, row, False)
+        paired = pair_by_slot(view, row, False, False)
         for other in range(view.seen_slot.shape[1]):
             if view.seen_slot[row, other] != NOBODY:
                 _write_team(view, tokens, row, other, box)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.model import Grid, Place, Robot, Scenario, Task
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 
@@ -105,6 +105,15 @@ def late_task(**rules: Any) -> Scenario:
     0     3         8
     """
     return make([robot("a", 3)], [task("a", 8), task("a", 0, appears=2)], **rules)
+
+
+def reachable(grid: Grid, place: Place) -> frozenset[Place]:
+    """Return every cell that can be walked to from a place, itself included."""
+    reached, frontier = {place}, {place}
+    while frontier:
+        frontier = {beside for cell in frontier for beside in grid.neighbours(cell)} - reached
+        reached |= frontier
+    return frozenset(reached)
 
 
 def play(

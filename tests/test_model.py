@@ -306,12 +306,21 @@ def test_cells_of_a_grid() -> None:
 
 
 def test_step_limit_on_an_open_grid() -> None:
-    # Two tasks, so 4 x 3 walks of 4 + 3 steps: 84, or 168 at half a cell a step.
+    # Two tasks, so 4 x 3 walks of 4 + 3 steps: 84, or 168 at half a cell a step;
+    # a step for each of two robots and 12 walks, to form.
     late = replace(CRATE, name="y", duration=5, appears=30)
     built = scenario(tasks=(CRATE, late), **robots(speed=0.5))
-    assert built.step_limit == 168 + 5 + 30
+    assert built.step_limit == 168 + 24 + 5 + 30
     assert default_step_limit(built) == built.step_limit
     assert scenario(step_limit=9).step_limit == 9  # what is set stays
+
+
+def test_step_limit_leaves_fast_robots_the_time_to_form() -> None:
+    """All three must be at the only task together; at their speed any walk is one step."""
+    fast = [Robot(name, (0, 0), {name: 1}, speed=1000.0) for name in "abc"]
+    task = Task("all", (3, 2), dict.fromkeys("abc", 1))
+    built = Scenario("fast", Grid(4, 3), tuple("abc"), tuple(fast), (task,))
+    assert built.step_limit == 1 + 4 * 2 * 3  # 4 x 2 walks of 7 cells fit into one step
 
 
 def test_step_limit_behind_walls() -> None:
@@ -327,15 +336,15 @@ def test_step_limit_behind_walls() -> None:
     """
     rows = ("....", "@@@.", "....", ".@@@", "....", "@@@.", "....")
     winding = scenario(world=Grid(4, 7, rows))
-    assert winding.step_limit == 4 * 2 * 2 * (3 * 4 + 3 * 2)
+    assert winding.step_limit == 4 * 2 * 2 * (3 * 4 + 3 * 2) + 16
     walled = scenario(world=Grid(4, 3, ("....", "..@.", "....")))
-    assert walled.step_limit == 4 * 2 * 2 * (4 + 3)
+    assert walled.step_limit == 4 * 2 * 2 * (4 + 3) + 16
 
 
 def test_step_limit_has_room_for_late_tasks_and_an_end_for_slow_robots() -> None:
-    assert scenario(**tasks(appears=5_000_000)).step_limit == 56 + 5_000_000
+    assert scenario(**tasks(appears=5_000_000)).step_limit == 56 + 16 + 5_000_000
     far = scenario(world=Grid(2000, 2000), **robots(speed=0.001), **tasks(duration=7))
-    assert far.step_limit == MOST_WALKING + 7
+    assert far.step_limit == MOST_WALKING + 16 + 7
     slow = replace(CRATE, duration=10**9)
     late = replace(CRATE, name="y", appears=10**9)
-    assert scenario(tasks=(slow, late)).step_limit == 84 + MOST_WAITING < 2**31
+    assert scenario(tasks=(slow, late)).step_limit == 84 + 24 + MOST_WAITING < 2**31

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from small_worlds import reachable
 from teamformer import regions as module
 from teamformer.model import BLOCKED, FREE, Grid
 from teamformer.regions import find_regions, flood
@@ -40,7 +41,7 @@ def test_parts_are_what_can_be_walked_to(seed: int) -> None:
     grid = Grid(width, height, rows)
     free = [(x, y) for y in range(height) for x in range(width) if grid.is_free((x, y))]
     for place in free:
-        walked = grid.reachable(place)
+        walked = reachable(grid, place)
         assert walked == {there for there in free if grid.region(there) == grid.region(place)}
         assert walked == set(grid.regions.cells(grid.region(place)))
 

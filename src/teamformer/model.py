@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,8 +17,9 @@ Place = tuple[float, float]
 """A cell of a grid, two whole numbers, or a point of a plane in metres: `(x, y)`."""
 
 MOST_WALKING = 10**6
+MOST_FORMING = 10**7
 MOST_WAITING = 10**9
-"""What walks and waits add to a step limit at most; steps are counted in 32 bits."""
+"""What walks, forming and waits add to a step limit at most; steps are counted in 32 bits."""
 
 LARGEST_COUNT = 30_000
 """What all robots together may have of one capability: kernels count in 16 bits."""
@@ -67,16 +67,6 @@ class Grid:
         for beside in ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)):
             if self.is_free(beside):
                 yield beside
-
-    def reachable(self, place: Place) -> frozenset[Place]:
-        """Return every cell that can be walked to from a place, itself included."""
-        reached, frontier = {place}, deque([place])
-        while frontier:
-            for beside in self.neighbours(frontier.popleft()):
-                if beside not in reached:
-                    reached.add(beside)
-                    frontier.append(beside)
-        return frozenset(reached)
 
     @cached_property
     def regions(self) -> Regions:
@@ -168,21 +158,16 @@ ALLOCATIONS = ("paper", "nearest", "crews")
 def default_step_limit(scenario: Scenario) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 
-    They are walked by the slowest robot; every duration and the latest arrival are added.
+    They are walked by the slowest robot. A step for each robot and walk, for forming, every
+    duration and the latest arrival are added.
     """
     slowest = min(scenario.world.pace(robot.speed) for robot in scenario.robots)
     walks = 4 * (len(scenario.tasks) + 1) * _longest_walk(scenario)
     waits = sum(task.duration for task in scenario.tasks)
     latest = max(task.appears for task in scenario.tasks)
-    steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(waits + latest, MOST_WAITING)
-    return steps + _forming_time(scenario)
-
-
-def _forming_time(scenario: Scenario) -> int:
-    """Return steps for forming on a plane, where walks may be shorter than what forming takes."""
-    if isinstance(scenario.world, Grid):
-        return 0
-    return 4 * (len(scenario.tasks) + 1) * len(scenario.robots)
+    forming = 4 * (len(scenario.tasks) + 1) * len(scenario.robots)
+    steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(forming, MOST_FORMING)
+    return steps + min(waits + latest, MOST_WAITING)
 
 
 def _longest_walk(scenario: Scenario) -> float:

@@ -89,7 +89,7 @@ def test_what_is_left_out_has_the_documented_value(tmp_path: Path) -> None:
     assert (scenario.robots[0].name, scenario.tasks[0].name) == ("r1", "t1")
     assert (scenario.sensing_radius, scenario.join_radius) == (1.0, 0.0)
     assert (scenario.forming_steps, scenario.new_tasks) == (1, "resolve")
-    assert scenario.step_limit == 4 * 2 * (2 + 1)  # four walks across, there and for one task
+    assert scenario.step_limit == 4 * 2 * (2 + 1 + 1)  # four walks of 2 + 1, one robot forms
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.view import NEXT_TASKS, View
 
@@ -69,12 +69,21 @@ def _hash_open_tasks(view, row):  # type: ignore[no-untyped-def]
 
     Only the first ones in the shared order count, which every team sees whatever its assignment.
     """
-    seen = np.int64(1)
+    seen = np.uint64(0)
     for column in range(view.task_number.shape[1]):
         task = view.task_number[row, column]
         if task != NOBODY and view.task_rank[row, column] < NEXT_TASKS - 1:
-            seen += (np.int64(task) + 1) * (np.int64(task) + 1) * np.int64(2654435761)
-    return seen
+            seen += _mix(np.uint64(task + 1))
+    return np.int64(seen)
+
+
+@kernel
+def _mix(number):  # type: ignore[no-untyped-def]
+    """Return a number as if by chance (splitmix64; Steele, Lea and Flood, OOPSLA 2014)."""
+    number *= np.uint64(0x9E3779B97F4A7C15)
+    number = (number ^ (number >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    number = (number ^ (number >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return number ^ (number >> np.uint64(31))
 
 
 @entry

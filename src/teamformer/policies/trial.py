@@ -66,11 +66,11 @@ def run_trials(
     scenarios: Sequence[Scenario], policy: Policy, seed: int = 0, threads: int = 1
 ) -> list[Tally]:
     """Run one trial of each scenario side by side, unrecorded, and return how each ended."""
-    env = TeamFormation(scenarios, threads=threads)
-    _begin(policy, scenarios, seed)
-    while env.is_running.any():
-        env.step(policy.decide(env.view()))
-    return [env.tally(w) for w in range(len(scenarios))]
+    with TeamFormation(scenarios, threads=threads) as env:
+        _begin(policy, scenarios, seed)
+        while env.is_running.any():
+            env.step(policy.decide(env.view()))
+        return [env.tally(w) for w in range(len(scenarios))]
 
 
 def _begin(policy: Policy, scenarios: Sequence[Scenario], seed: int) -> None:

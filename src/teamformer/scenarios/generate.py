@@ -82,22 +82,6 @@ def generate(spec: Spec, rng: np.random.Generator, name: str = "generated") -> S
     )
 
 
-def training_scenario(capabilities: int, rng: np.random.Generator) -> Scenario:
-    """Return one of the paper's training worlds.
-
-    Four robots with distinct capabilities, in random starting teams that each share a place, and
-    one to four tasks, on 10 x 10 cells and for 128 steps.
-    """
-    spec = Spec(
-        robots=min(4, capabilities),
-        tasks=int(rng.integers(1, 5)),
-        capabilities=capabilities,
-        step_limit=128,
-        starts_in_teams=True,
-    )
-    return generate(spec, rng, "training")
-
-
 def _deal(spec: Spec, rng: np.random.Generator) -> list[int]:
     """Return a capability for each robot, none more often than any other by more than one."""
     shuffled = rng.permutation(spec.capabilities)  # (caps,)

@@ -10,7 +10,7 @@ from teamformer.sim.neighbours import find_tasks_here, stands_at
 
 @kernel
 def complete_tasks(world, step):  # type: ignore[no-untyped-def]
-    """Phase 6: teams do the tasks they stand at and cover; services go on, begin or break off."""
+    """Phase 7: teams do the tasks they stand at and cover; services go on, begin or break off."""
     done_before = world.count.done
     for position in range(world.count.open):
         task = world.order[position]

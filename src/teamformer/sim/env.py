@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -48,13 +49,17 @@ class TeamFormation:
 
     Scenarios of different sizes may be mixed. The same scenarios and decisions give the same
     results with any number of threads. `rewards` (worlds, robots) holds the rewards of the last
-    step, by slot.
+    step, by slot. With more than one thread, `close()` it, or use it in a `with`, to end them.
     """
 
     def __init__(
         self, scenarios: Sequence[Scenario], reward: Reward | None = None, threads: int = 1
     ) -> None:
         self.scenarios = tuple(scenarios)
+        if not self.scenarios:
+            raise ValueError("there is no scenario; give one or more")
+        if threads < 1:
+            raise ValueError(f"threads is {threads}; use 1 or more")
         self._start = pack_worlds(self.scenarios)
         order_tasks(self._start)
         self.worlds = Worlds(*(array.copy() for array in self._start))
@@ -68,6 +73,19 @@ class TeamFormation:
         edges = [count * thread // threads for thread in range(threads + 1)]
         self._chunks = list(itertools.pairwise(edges))
         self.rewards = np.zeros((count, robots))
+        self._is_viewed = False
+
+    def __enter__(self) -> TeamFormation:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the threads; views and steps are then made without them."""
+        if self._pool is not None:
+            self._pool.shutdown()
+            self._pool = None
 
     def reset(self) -> None:
         """Put every world back to its start."""
@@ -75,6 +93,7 @@ class TeamFormation:
             if array is not self.worlds.fields:
                 array[:] = start
         self.rewards[:] = 0.0
+        self._is_viewed = False
 
     def view(self) -> View:
         """Return the views of all teams of the running worlds.
@@ -83,6 +102,7 @@ class TeamFormation:
         """
         lay_out_rows(self.worlds, self._first_row, self._first_member)
         self._in_chunks(self._fill_views)
+        self._is_viewed = True
         rows, members = int(self._first_row[-1]), int(self._first_member[-1])
         short = {
             "first_member": self._room.first_member[: rows + 1],
@@ -92,7 +112,11 @@ class TeamFormation:
         return View(*(short.get(f, getattr(self._room, f)[:rows]) for f in View._fields))
 
     def step(self, decision: Decision) -> None:
-        """Make one step in every running world, with a row for each row of the latest view."""
+        """Make one step in every running world, with a row for each row of the latest view.
+
+        Raises ValueError where the state has changed since that view, and where the decision has
+        other rows, fractions, or counts that 16 bits cannot hold.
+        """
         wanted, named = self._read(decision)
         self._in_chunks(lambda begin, end: self._step_worlds(wanted, named, begin, end))
         order_tasks(self.worlds)
@@ -125,14 +149,17 @@ class TeamFormation:
     def _read(self, decision: Decision) -> tuple[Array, Array]:
         """Return what the teams want and name, as the kernels take it."""
         rows, caps = int(self._first_row[-1]), self.worlds.has.shape[2]
-        task = np.full(rows, NOBODY) if decision.task is None else decision.task
-        wanted = np.ascontiguousarray(decision.wanted, dtype=np.int16)
-        named = np.ascontiguousarray(task, dtype=np.int32)
+        if not self._is_viewed:
+            raise ValueError("the state has changed since the latest view: call view() first")
+        task = np.full(rows, NOBODY, np.int32) if decision.task is None else decision.task
+        wanted = _whole("wanted", decision.wanted, np.dtype(np.int16))
+        named = _whole("task", task, np.dtype(np.int32))
         if wanted.shape != (rows, caps) or named.shape != (rows,):
             raise ValueError(
                 f"the latest view asks for wanted ({rows}, {caps}) and task ({rows},); "
                 f"the decision has {wanted.shape} and {named.shape}"
             )
+        self._is_viewed = False
         return wanted, named
 
     @property
@@ -164,3 +191,17 @@ class TeamFormation:
             work(0, len(self.scenarios))
         else:
             list(self._pool.map(work, *zip(*self._chunks, strict=True)))
+
+
+def _whole(name: str, values: Array, dtype: np.dtype[Any]) -> Array:
+    """Return an array of whole numbers as a kernel takes it; ValueError if it cannot hold them."""
+    given = np.asarray(values)
+    if given.dtype != dtype:
+        if given.dtype.kind not in "biuf":
+            raise ValueError(f"{name} holds {given.dtype}; use whole numbers")
+        with np.errstate(invalid="ignore"):
+            whole = given.astype(dtype)
+        if not np.array_equal(whole, given):
+            raise ValueError(f"{name} holds what is no whole number of {8 * dtype.itemsize} bits")
+        given = whole
+    return np.ascontiguousarray(given)

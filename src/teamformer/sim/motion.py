@@ -1,7 +1,7 @@
 """Motion: one step of a team towards its assignment or its partner.
 
-The seam between the step and the world it happens in: `travel`, `travel_between`, `advance` and
-`approach` are all that the other phases know about walking.
+The seam between the step and the world it happens in: `travel` and `travel_between` are all that
+the other phases know about walking.
 """
 
 from __future__ import annotations

@@ -147,7 +147,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
 
     def _decision(self, actions: dict[str, Any]) -> Decision:
         """Take each team's decision from its lowest robot; without an answer it maintains."""
-        wanted = self._view.counts.copy()
+        wanted: list[Any] = list(self._view.counts)
         for row, slot in enumerate(self._view.slot):
             answer = actions.get(self.possible_agents[slot])
             if answer is None:
@@ -156,7 +156,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
                 wanted[row] = wanted_from_action(self._view.counts[row], int(answer))
             else:
                 wanted[row] = answer
-        return Decision(wanted)
+        return Decision(np.array(wanted).reshape(self._view.counts.shape))
 
     def _observe(self) -> dict[str, Observation]:
         """Return what each robot sees that is in a team; members share the arrays."""

@@ -26,8 +26,9 @@ SEES = {
     "nets": set(),
     "train": {*CORE, "scenarios", "planning", "sim", "policies", "nets"},
     "bench": {*CORE, "scenarios", "planning", "sim", "policies", "referee"},
+    "robotarium": {*CORE, "scenarios", "planning", "sim", "policies"},
     "commands": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"}
-    | {"train"},
+    | {"train", "robotarium"},
     "cli": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"}
     | {"commands"},
 }
@@ -44,8 +45,12 @@ HOMES = {
     "click": ("cli.py", "commands/"),
     "rich": ("cli.py", "commands/", "bench/"),
     "yaml": ("scenarios/",),
-    "matplotlib": ("bench/figures.py",),
+    "matplotlib": ("bench/figures.py", "robotarium/draw.py", "robotarium/rps_robots.py"),
     "ray": ("bench/engines.py",),
+    "daqp": ("robotarium/solvers.py",),
+    "cvxopt": ("robotarium/solvers.py",),
+    "rps": ("robotarium/rps_robots.py",),
+    "PIL": ("robotarium/draw.py",),
 }
 NOWHERE = ("scipy", "pandas", "networkx")
 

@@ -1,0 +1,165 @@
+"""A mission: real or simulated robots form teams and do the tasks of a scenario.
+
+Teams decide once a step by their own views. The rules of the environment say what follows from
+decisions and from where the robots have got to; the controller moves the robots, tick by tick.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from teamformer.model import Scenario
+from teamformer.plane import Plane
+from teamformer.policies.protocol import Policy
+from teamformer.robotarium.arena import LONGEST, MIDDLE, TICK
+from teamformer.robotarium.barrier import Solver
+from teamformer.robotarium.controller import Controller, Steering
+from teamformer.robotarium.goals import Work, choose_goals
+from teamformer.robotarium.places import team_places
+from teamformer.robotarium.plant import Robots
+from teamformer.robotarium.teams import Team, teams_of
+from teamformer.sim.arrays import Array
+from teamformer.sim.env import Tally, TeamFormation
+
+
+@dataclass(frozen=True)
+class Moment:
+    """How a mission stood at a tick, for drawing."""
+
+    tick: int
+    poses: Array  # (robots, 3) in the arena's coordinates
+    teams: tuple[Team, ...]
+    is_open: Array  # (tasks,) known and not done
+
+
+@dataclass(frozen=True)
+class Timing:
+    """What the clock of the processor said, in seconds: means, and the longest decision."""
+
+    decision: float
+    longest_decision: float
+    tick: float  # filter and controller
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a mission; `done_at` has the tick in which each task was done, or None."""
+
+    tally: Tally
+    ticks: int
+    done_at: tuple[int | None, ...]
+    timing: Timing
+
+    @property
+    def is_completed(self) -> bool:
+        """Say whether all tasks were done."""
+        return self.tally.status == "completed"
+
+
+Watch = Callable[[Moment], None]
+
+
+def as_flown(scenario: Scenario, steering: Steering) -> Scenario:
+    """Return a scenario as the environment is to see it: with real paces and Robotarium's limit."""
+    plane = scenario.world
+    assert isinstance(plane, Plane)
+    step = ticks_per_step(plane) * TICK
+    robots = (replace(r, speed=min(r.speed, steering.speed)) for r in scenario.robots)
+    return replace(
+        scenario,
+        world=replace(plane, step=step),
+        robots=tuple(robots),
+        step_limit=min(scenario.step_limit, int(LONGEST / step)),
+    )
+
+
+def ticks_per_step(plane: Plane) -> int:
+    """Return how many ticks the teams act between two decisions."""
+    return max(1, round(plane.step / TICK))
+
+
+def fly(
+    scenario: Scenario,
+    policy: Policy,
+    robots: Robots,
+    solve: Solver,
+    seed: int = 0,
+    watch: Watch | None = None,
+) -> Outcome:
+    """Run a mission to its end; `watch` is called at every tick."""
+    return _Mission(scenario, policy, robots, solve, seed).run(watch or (lambda moment: None))
+
+
+class _Mission:
+    """The state of a mission under way."""
+
+    def __init__(
+        self, scenario: Scenario, policy: Policy, robots: Robots, solve: Solver, seed: int
+    ) -> None:
+        steering = Steering()
+        self._env = TeamFormation([as_flown(scenario, steering)])
+        self._policy = policy
+        self._robots = robots
+        self._controller = Controller(len(scenario.robots), solve, steering)
+        self._tasks = np.array([task.at for task in scenario.tasks])  # (tasks, 2)
+        worlds = self._env.worlds
+        self._work = Work(self._tasks - MIDDLE, worlds.needs[0], worlds.brings[0])
+        plane = scenario.world
+        assert isinstance(plane, Plane)
+        self._radius, self._ticks_per_step = plane.arrival_radius, ticks_per_step(plane)
+        self._ticks = 0
+        self._seconds: dict[str, list[float]] = {"decision": [], "tick": []}
+        policy.begin([scenario] if policy.needs_everything else None, np.random.default_rng(seed))
+
+    def run(self, watch: Watch) -> Outcome:
+        """Decide, move and see what came of it until all is done or time is up."""
+        poses = self._robots.poses()
+        while self._env.is_running[0]:
+            self._decide()
+            teams = teams_of(self._env)
+            goals = choose_goals(teams, poses[:, :2], self._work, self._is_open())
+            for _ in range(self._ticks_per_step):
+                watch(Moment(self._ticks, poses, tuple(teams), self._is_open()))
+                self._robots.drive(self._steer(poses, goals.places))
+                poses = self._robots.poses()
+                self._ticks += 1
+            places = team_places(teams, poses[:, :2], goals, self._tasks, self._radius)
+            self._env.finish_step(places[None])
+        watch(Moment(self._ticks, poses, tuple(teams_of(self._env)), self._is_open()))
+        return self._outcome()
+
+    def _decide(self) -> None:
+        """Let all teams decide, and carry out what they want."""
+        view = self._env.view()
+        begun = time.process_time()
+        decision = self._policy.decide(view)
+        self._seconds["decision"].append(time.process_time() - begun)
+        self._env.start_step(decision)
+
+    def _steer(self, poses: Array, goals: Array) -> Array:
+        begun = time.process_time()
+        velocities = self._controller.steer(poses, goals)
+        self._seconds["tick"].append(time.process_time() - begun)
+        return velocities
+
+    def _is_open(self) -> Array:
+        is_open: Array = self._env.worlds.tasks["is_open"][0].copy()
+        return is_open
+
+    def _outcome(self) -> Outcome:
+        steps = self._env.worlds.tasks["done_at"][0].tolist()
+        deciding, ticking = self._seconds["decision"], self._seconds["tick"]
+        return Outcome(
+            tally=self._env.tally(),
+            ticks=self._ticks,
+            done_at=tuple(s * self._ticks_per_step if s > 0 else None for s in steps),
+            timing=Timing(
+                decision=float(np.mean(deciding)),
+                longest_decision=max(deciding),
+                tick=float(np.mean(ticking)),
+            ),
+        )

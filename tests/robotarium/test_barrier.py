@@ -1,0 +1,60 @@
+"""The filter leaves safe wishes alone and stops dangerous ones, by hand and over long crossings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from teamformer.robotarium.barrier import POINT, Barrier, Safety
+from teamformer.robotarium.controller import Controller
+from teamformer.robotarium.plant import Plant, Weather
+
+pytest.importorskip("daqp")
+from teamformer.robotarium.solvers import with_daqp  # noqa: E402
+
+ROUGH = Weather(delay=0.066, blur=0.002, turn_blur=np.deg2rad(1))
+
+
+def test_a_safe_wish_is_granted() -> None:
+    poses = np.array([[0.0, 0.0, 0.0], [1.0, 0.5, np.pi / 2]])
+    wanted = np.array([[0.1, 0.0], [0.01, 0.1]])
+    velocities = Barrier(2, with_daqp()).filter(poses, wanted)
+    # In the second robot's frame, (0.01, 0.1) is 0.1 ahead and 0.01 to the right.
+    np.testing.assert_allclose(velocities, [[0.1, 0.0], [0.1, -0.01 / POINT]], atol=1e-6)
+
+
+def test_two_that_meet_slow_down_alike() -> None:
+    """0.06 m are between their points; they may come nearer by 3/s of what is beyond 0.185 m."""
+    safety = Safety()
+    apart = safety.apart + 0.02
+    poses = np.array([[0.0, 0.0, 0.0], [apart + 2 * POINT, 0.0, np.pi]])
+    velocities = Barrier(2, with_daqp()).filter(poses, np.array([[0.1, 0.0], [-0.1, 0.0]]))
+    np.testing.assert_allclose(velocities, [[0.03, 0.0], [0.03, 0.0]], atol=1e-6)
+
+
+def test_a_wall_stops_the_point_ahead() -> None:
+    poses = np.array([[1.6 - 0.06 - POINT - 0.01, 0.0, 0.0]])
+    velocities = Barrier(1, with_daqp()).filter(poses, np.array([[0.15, 0.0]]))
+    np.testing.assert_allclose(velocities, [[0.03, 0.0]], atol=1e-6)
+
+
+def test_too_near_already_comes_no_nearer() -> None:
+    poses = np.array([[0.0, 0.0, 0.0], [0.12, 0.0, 0.0], [0.24, 0.0, np.pi]])
+    velocities = Barrier(3, with_daqp()).filter(poses, np.array([[0.1, 0], [0.0, 0], [-0.1, 0]]))
+    assert np.isfinite(velocities).all()
+    assert velocities[0, 0] <= 1e-6 + velocities[1, 0]
+    assert -velocities[2, 0] >= velocities[1, 0] - 1e-6
+
+
+@pytest.mark.parametrize("weather", [Weather(), ROUGH], ids=["calm", "rough"])
+def test_twenty_cross_without_a_fault(weather: Weather) -> None:
+    """Twenty on a circle swap sides through its middle."""
+    angle = 2 * np.pi * np.arange(20) / 20
+    circle = np.stack((1.3 * np.cos(angle), 0.85 * np.sin(angle)), axis=1)
+    plant = Plant(np.column_stack((circle, angle)), weather, seed=1)
+    controller = Controller(20, with_daqp())
+    for _ in range(1500):
+        plant.drive(controller.steer(plant.poses(), -circle))
+    assert plant.faults.is_clean, plant.faults
+    left = np.linalg.norm(plant.true_poses[:, :2] + circle, axis=1)
+    assert (left < 0.05).all(), left.round(2)

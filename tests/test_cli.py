@@ -138,6 +138,10 @@ def test_generate_makes_a_scenario_that_runs(
         (("generate", "-o", "/proc/none/x.yaml"), "cannot be written"),
         (("generate", "-o", "x.yaml", "--grid", "ten"), "WIDTHxHEIGHT"),
         (("generate", "-o", "x.yaml", "--robots", "0"), "--robots"),
+        (("generate", "-o", "x.yaml", "--grid", "9999x9999"), "99,980,001 cells"),
+        (("generate", "-o", "x.yaml", "--cell", "0.5"), "add --map"),
+        (("compare", FOUR, "--policies", "heuristic,heuristic"), "'heuristic' is named twice"),
+        (("run", FOUR, "--policy", ".mine:X"), "write it as module:Class"),
         (("generate", "-o", "x.yaml", "--requirements", "9"), "requirements is 9"),
         (("check", FOUR), "not"),
         (("view", "nowhere.json"), "there is no such file"),
@@ -171,6 +175,33 @@ def test_your_own_policy_by_module_and_class(
     assert teamformer("run", FOUR, "--policy", "mine:Patient", "--step-limit", "50", "--json") == 1
     row = json.loads(capsys.readouterr().out)
     assert (row["joins"], row["tasks_done"]) == (0, 1)  # only t2 needs one robot alone
+
+
+@pytest.mark.parametrize("words", [(), ("--json",)])
+def test_names_that_the_terminal_cannot_show_and_narrow_pipes(
+    words: tuple[str, ...], tmp_path: Path
+) -> None:
+    text = Path(FOUR).read_text(encoding="utf-8").replace("name: four", "name: \u00e9\u4e2d four")
+    assert "\u00e9" in text
+    (tmp_path / "named.yaml").write_text(text, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "teamformer.cli", "run", "named.yaml", *words],
+        cwd=tmp_path,
+        capture_output=True,
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(sys.path),
+            "PYTHONIOENCODING": "ascii",
+            "COLUMNS": "20",
+        },
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    shown = done.stdout.decode("ascii")
+    if words:
+        assert json.loads(shown)["scenario"].startswith("\u00e9\u4e2d four")
+    else:
+        assert shown.startswith(r"\xe9\u4e2d four")
+        assert "step  task  needs" in shown
 
 
 SLOW = """

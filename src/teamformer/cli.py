@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from pathlib import Path
@@ -252,6 +253,9 @@ def train(
 
 def main() -> None:
     """Run the command line: exit 0 is good, 1 failed, 2 misused."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # names need not be text that it can hold
+            stream.reconfigure(errors="backslashreplace")
     try:
         app()
     except TeamformerError as error:

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from teamformer.commands.console import announce_compiling, out, print_json, say
 from teamformer.commands.run import Changes, best_known, ready_policy, result_row, watch_trial
+from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.policies.trial import Trial
@@ -25,6 +26,10 @@ def compare(
     as_json: bool,
 ) -> int:
     """Run every policy with every seed and show them together; return the exit status."""
+    twice = sorted({name for name in policy_names if policy_names.count(name) > 1})
+    if twice:
+        hint = "name it once; --seeds runs it more often"
+        raise TeamformerError(f"policy '{twice[0]}' is named twice", hint)
     scenario = changes.apply(read_scenario(path))
     policies = {name: ready_policy(name, time_limit) for name in policy_names}
     announce_compiling(policy_names)

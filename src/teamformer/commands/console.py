@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -13,7 +14,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from teamformer.errors import TeamformerError
 
-out = Console(highlight=False, soft_wrap=True)
+UNFOLDED = 1000  # columns, where no terminal folds the lines
+out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else UNFOLDED)
 err = Console(stderr=True, highlight=False, soft_wrap=True)
 
 PATIENCE = 1.0  # seconds before progress is shown
@@ -27,7 +29,7 @@ def say(message: str) -> None:
 
 def print_json(row: Mapping[str, Any]) -> None:
     """Print one JSON object on one line."""
-    print(json.dumps(row, ensure_ascii=False))
+    print(json.dumps(row))
 
 
 def prepare_folder(folder: Path) -> None:

@@ -14,7 +14,7 @@ from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
 from teamformer.scenarios.generate import Spec
 from teamformer.scenarios.generate import generate as generate_scenario
-from teamformer.scenarios.maps import read_map
+from teamformer.scenarios.maps import LARGEST_MAP, read_map
 from teamformer.scenarios.settings import world_of
 
 
@@ -55,12 +55,18 @@ def _write(scenario: Scenario, path: Path, as_json: bool) -> int:
 def _world(grid: str | None, plane: str | None, map_path: Path | None, cell: float | None) -> World:
     if sum(given is not None for given in (grid, plane, map_path)) > 1:
         raise TeamformerError("--grid, --plane and --map exclude each other; give one")
+    if cell is not None and map_path is None:
+        raise TeamformerError("--cell is the size of a map's cells", "add --map FILE")
     if map_path is not None:
         return read_map(map_path, cell)
     if plane is not None:
         width, height = _size("--plane", plane, r"\d{1,5}(?:\.\d{1,3})?", "3.2x2.0")
         return Plane(width, height)
     width, height = _size("--grid", grid or "10x10", r"\d{1,4}", "20x10")
+    if width * height > LARGEST_MAP:
+        raise TeamformerError(
+            f"--grid {grid} has {width * height:,.0f} cells", f"{LARGEST_MAP:,} are possible"
+        )
     return Grid(int(width), int(height))
 
 

@@ -49,7 +49,7 @@ def _instance(where: str) -> Policy:
     module_name, _, class_name = where.partition(":")
     if not all(part.isidentifier() for part in (*module_name.split("."), class_name)):
         hint = "write it as module:Class, such as mine:Patient for class Patient in mine.py"
-        raise TeamformerError(f"policy '{where}' names no class of a module", hint)
+        raise TeamformerError(f"policy '{where}' cannot be imported: it is no name", hint)
     if str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))
     try:

@@ -105,9 +105,15 @@ def test_compare_shows_every_policy_against_the_best(capsys: pytest.CaptureFixtu
     assert {row["best_known"] for row in rows} == {best}
     assert rows[2]["makespan"] == best
     assert all(row["lower_bound"] <= best for row in rows)
+    assert [row["percent_over_best"] == 0 for row in rows] == [r["makespan"] == best for r in rows]
+    assert ["relaxed" in row for row in rows] == [False, False, True]
+    assert rows[2]["proven"] is True
+    assert rows[2]["relaxed"] <= best
+    assert rows[2]["played_by"] in ("schedule", "join-all")
     assert teamformer(*words) == 0
     shown = capsys.readouterr().out
     assert f"best known {best}, lower bound {rows[0]['lower_bound']}" in shown
+    assert f"schedule with free joining: {rows[2]['relaxed']} (optimal" in shown
 
 
 def test_generate_makes_a_scenario_that_runs(

@@ -9,7 +9,15 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.commands.console import announce_compiling, out, print_json, say
-from teamformer.commands.run import Changes, best_known, ready_policy, result_row, watch_trial
+from teamformer.commands.run import (
+    Changes,
+    best_known,
+    percent_over,
+    plan_line,
+    ready_policy,
+    result_row,
+    watch_trial,
+)
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
@@ -43,6 +51,9 @@ def compare(
         out.print(_table(trials, best))
         bound = trials[0].replay.lower_bound
         out.print(f"best known {best or '-'}, lower bound {bound or '-'}")
+        for trial in trials:
+            if trial.plan is not None:
+                out.print(plan_line(trial.plan))
     is_complete = len(trials) == len(policies) * seeds
     return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
 
@@ -63,17 +74,29 @@ def _run_all(scenario: Scenario, policies: Mapping[str, Policy], seeds: int) -> 
 
 def _table(trials: Sequence[Trial], best: int | None) -> Table:
     table = Table(box=None, header_style="dim")
-    for column in ("policy", "seed", "makespan", "to best", "tasks", "joins", "splits", "deciding"):
+    columns = (
+        "policy",
+        "seed",
+        "makespan",
+        "to best",
+        "to bound",
+        "tasks",
+        "joins",
+        "splits",
+        "deciding",
+    )
+    for column in (*columns, "tasks", "joins", "splits", "deciding"):
         table.add_column(column, justify="left" if column == "policy" else "right")
     for trial in trials:
         replay, end = trial.replay, trial.replay.end
         makespan = end.status if end.makespan is None else str(end.makespan)
-        behind = "" if end.makespan is None or not best else f"+{end.makespan / best - 1:.0%}"
+        bars = (best, replay.lower_bound)
+        over = [percent_over(end.makespan, bar) for bar in bars]
         table.add_row(
             Text(replay.policy),
             str(replay.seed),
             makespan,
-            behind,
+            *("" if gap is None else f"{gap:+.0f}%" for gap in over),
             f"{end.tasks_done}/{len(replay.scenario.tasks)}",
             str(end.joins),
             str(end.splits),

@@ -24,6 +24,7 @@ from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.bounds import lower_bound
 from teamformer.policies import POLICIES
+from teamformer.policies.central import CentralPlan
 from teamformer.policies.protocol import Policy
 from teamformer.policies.registry import load_policy
 from teamformer.policies.trial import Trial, run_trial
@@ -69,7 +70,7 @@ def run(
     if as_json:
         print_json(result_row(trial, best_known=best_known([trial])))
     else:
-        _show(trial, policy)
+        _show(trial)
     return 0 if trial.replay.end.status == "completed" else 1
 
 
@@ -97,8 +98,34 @@ def watch_trial(scenario: Scenario, policy: Policy, name: str, seed: int) -> Tri
 
 def best_known(trials: Sequence[Trial]) -> int | None:
     """Return the fastest of several trials of one scenario; None if none was completed."""
-    makespans = [t.replay.end.makespan for t in trials if t.replay.end.makespan is not None]
-    return min(makespans, default=None)
+    makespans = [trial.replay.end.makespan for trial in trials]
+    makespans += [trial.plan.makespan for trial in trials if trial.plan]
+    return min((steps for steps in makespans if steps is not None), default=None)
+
+
+def percent_over(makespan: int | None, bar: int | None) -> float | None:
+    """Return by how many percent a makespan is above a bar, if there are both."""
+    return None if makespan is None or not bar else round(100 * (makespan / bar - 1), 2)
+
+
+def _plan_row(plan: CentralPlan | None) -> dict[str, Any]:
+    """Return what `--json` prints of the central planner's work."""
+    if plan is None:
+        return {}
+    return {
+        "relaxed": plan.solution.value,
+        "proven": plan.solution.status == "optimal",
+        "played_by": plan.played_by,
+    }
+
+
+def plan_line(plan: CentralPlan) -> str:
+    """Return what is shown of the central planner's work."""
+    solution = plan.solution
+    return (
+        f"schedule with free joining: {solution.value or 'none'} ({solution.status}, "
+        f"bound {solution.bound}); played: {plan.played_by}"
+    )
 
 
 def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
@@ -125,6 +152,9 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
         "total_seconds": round(trial.total_seconds, 6),
         "best_known": best_known,
         "lower_bound": replay.lower_bound,
+        "percent_over_best": percent_over(end.makespan, best_known),
+        "percent_over_bound": percent_over(end.makespan, replay.lower_bound),
+        **_plan_row(trial.plan),
     }
 
 
@@ -138,19 +168,15 @@ def _write(replay: Replay, folder: Path, with_page: bool) -> None:
         say(f"page:   {folder / 'replay.html'}")
 
 
-def _show(trial: Trial, policy: Policy) -> None:
+def _show(trial: Trial) -> None:
     replay, end = trial.replay, trial.replay.end
     scenario = replay.scenario
     out.print(Text(f"{scenario.name}: {replay.policy}, seed {replay.seed}", style="bold"))
     if len(scenario.tasks) <= LONGEST_TABLE:
         out.print(_task_table(replay))
     out.print(_verdict(replay), style="green" if end.status == "completed" else "red")
-    for plan in getattr(policy, "plans", []):
-        solution = plan.solution
-        out.print(
-            f"schedule with free joining: {solution.value or 'none'} ({solution.status}, "
-            f"bound {solution.bound}); played: {plan.played_by}"
-        )
+    if trial.plan is not None:
+        out.print(plan_line(trial.plan))
     out.print(
         f"{end.tasks_done} of {len(scenario.tasks)} tasks, {end.joins} joins, {end.splits} splits, "
         f"{end.illegal_decisions} illegal decisions; deciding took {trial.decision_seconds:.3f} s "

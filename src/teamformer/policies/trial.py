@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from teamformer.model import Scenario
+from teamformer.policies.central import CentralPlan
 from teamformer.policies.protocol import Policy
 from teamformer.policies.recorder import Recorder
 from teamformer.sim.env import Tally, TeamFormation
@@ -26,6 +27,7 @@ class Trial:
     decision_seconds: float
     total_seconds: float
     is_interrupted: bool = False
+    plan: CentralPlan | None = None  # where the central planner decided
 
 
 def run_trial(
@@ -59,7 +61,8 @@ def run_trial(
     except KeyboardInterrupt:
         is_interrupted = True
     replay = recorder.finish(name, seed, lower_bound)
-    return Trial(replay, deciding, time.perf_counter() - begun, is_interrupted)
+    plan = next(iter(getattr(policy, "plans", ())), None)
+    return Trial(replay, deciding, time.perf_counter() - begun, is_interrupted, plan)
 
 
 def run_trials(

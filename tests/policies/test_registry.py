@@ -66,10 +66,11 @@ def test_a_class_of_ones_own(own_module: str) -> None:
     ("name", "message", "hint"),
     [
         ("heuristik", "there is no policy 'heuristik'", "did you mean 'heuristic'?"),
-        ("quantum", "there is no policy 'quantum'", "known are heuristic, join-all"),
+        ("quantum", "there is no policy 'quantum'", "known are teamformer, heuristic, join-all"),
         ("no_such_module:Class", "cannot be imported", "the folder that holds the module"),
         ("broken_policies:Class", "no_such_library", "the folder that holds the module"),
-        (":Class", "cannot be imported", ""),
+        (":Class", "cannot be imported", "write it as module:Class"),
+        (".mine:X", "cannot be imported", "write it as module:Class"),
         ("my_own_policies:Nobody", "module 'my_own_policies' has no class 'Nobody'", ""),
         ("my_own_policies:Picky", "cannot be made without arguments", ""),
         ("my_own_policies:Deaf", "is no policy: it has no 'decide'", "docs/policies.md"),

@@ -267,4 +267,11 @@ def test_the_examples_print_what_they_say(code: str, capsys: pytest.CaptureFixtu
 
 
 def test_there_are_examples() -> None:
-    assert len(EXAMPLES) == 4
+    assert len(EXAMPLES) == 5
+
+
+def test_an_answer_with_fractions_is_refused() -> None:
+    env = TeamFormationParallel(CORRIDOR)
+    env.reset()
+    with pytest.raises(ValueError, match="no whole number"):
+        env.step({"ann": np.array([1.5, 0])})

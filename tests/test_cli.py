@@ -113,6 +113,7 @@ def test_compare_shows_every_policy_against_the_best(capsys: pytest.CaptureFixtu
     assert teamformer(*words) == 0
     shown = capsys.readouterr().out
     assert f"best known {best}, lower bound {rows[0]['lower_bound']}" in shown
+    assert shown.count("deciding") == 1
     assert f"schedule with free joining: {rows[2]['relaxed']} (optimal" in shown
 
 

@@ -85,7 +85,7 @@ def _table(trials: Sequence[Trial], best: int | None) -> Table:
         "splits",
         "deciding",
     )
-    for column in (*columns, "tasks", "joins", "splits", "deciding"):
+    for column in columns:
         table.add_column(column, justify="left" if column == "policy" else "right")
     for trial in trials:
         replay, end = trial.replay, trial.replay.end

@@ -64,6 +64,8 @@ def bench(suite_name: str, options: Options, as_json: bool) -> int:
     """Measure and show; return the exit status."""
     if suite_name == "speed":
         return _measure_speed(as_json)
+    if suite_name == "robotarium":
+        raise TeamformerError("the suite 'robotarium' is not in this installation")
     if options.engine not in ENGINES:
         hint = f"there are {', '.join(ENGINES)}"
         raise TeamformerError(f"there is no engine '{options.engine}'", hint)

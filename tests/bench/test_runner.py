@@ -179,6 +179,15 @@ def test_a_planner_says_what_it_found(tmp_path: Path) -> None:
         assert " --time-limit 1 " in row.rerun
 
 
+def test_plans_made_in_more_time_are_not_mixed_with_others(tmp_path: Path) -> None:
+    request = Request(SMALL, trials=1, time_limit=1.0, settings=("3N2T-C2",), policies=("central",))
+    measured(tmp_path, request)
+    others = replace(request, time_limit=2.0, policies=("join-all",))
+    assert len(measured(tmp_path, others)) == 2  # nobody plans, so the limit is nobody's
+    with pytest.raises(TeamformerError, match="central had 1 s here, not 2 s"):
+        measured(tmp_path, replace(request, time_limit=2.0))
+
+
 def test_the_list_schedule_of_two_tasks_in_a_row() -> None:
     """Robot at 0, tasks at 2 and 5: done in steps 2 and 5, whatever forming costs."""
     scenario = Scenario(

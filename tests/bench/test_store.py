@@ -15,7 +15,7 @@ from teamformer.bench.store import About, Store
 from teamformer.errors import TeamformerError
 from teamformer.scenarios.settings import world_of
 
-ABOUT = About("fig3", 0, 10.0, {"order": "tsp"})
+ABOUT = About("fig3", 0, {"order": "tsp"})
 
 
 def make_row(policy: str = "join-all", seed: int = 0, makespan: int | None = 20) -> Row:
@@ -98,7 +98,6 @@ def test_what_is_no_row(line: str) -> None:
     [
         (replace(ABOUT, suite="fig6"), "suite 'fig3', not 'fig6'"),
         (replace(ABOUT, first_seed=7), "first_seed 0, not 7"),
-        (replace(ABOUT, time_limit=2.0), "time_limit 10.0, not 2.0"),
         (replace(ABOUT, rules={}), "rules {'order': 'tsp'}, not {}"),
     ],
 )
@@ -161,7 +160,6 @@ def test_the_folder_says_what_it_is(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "bench.json").read_text()) == {
         "suite": "fig3",
         "first_seed": 0,
-        "time_limit": 10.0,
         "rules": {"order": "tsp"},
         "worlds": "",
         "format": 1,

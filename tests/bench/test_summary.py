@@ -58,6 +58,17 @@ def test_gaps_are_means_of_ratios() -> None:
     assert summary.to_list.value == pytest.approx(3.5)
 
 
+def test_gaps_to_the_best_are_over_planned_worlds() -> None:
+    """World 1 was not planned: what is best there nobody knows."""
+    rows = [
+        *rows_of(SMALL, "join-all", [12, 50]),
+        *(replace(row, relaxed=9) for row in rows_of(SMALL, "central", [10])),
+    ]
+    summaries = summarise([replace(row, best_known=10) for row in rows])
+    assert [summary.to_best.count for summary in summaries] == [1, 1]
+    assert summaries[0].to_best.value == pytest.approx(0.2)
+
+
 def test_inference_is_of_trials_that_ran_alone() -> None:
     alone = replace(rows_of(SMALL, "gnn-c4", [10])[0], decision_cpu_seconds=2.0)
     shared = [

@@ -58,7 +58,6 @@ class Request:
         return About(
             suite=self.suite.name,
             first_seed=self.first_seed,
-            time_limit=self.time_limit,
             rules=dict(self.suite.rules),
             worlds=stamp.hexdigest()[:12] if self.worlds else "",
         )
@@ -86,6 +85,7 @@ def run_benchmark(
     wanted = list(fitting_cells(request, say))
     if not wanted:
         raise TeamformerError("no policy of those asked for fits any setting of those asked for")
+    _check_limit(request, wanted, store)
     code = code_stamp()
     store.add(_authors_rows(request, code))
     if {row.code for row in store.rows.values()} - {code}:
@@ -101,6 +101,17 @@ def run_benchmark(
         missing -= len(rows)
         on_rows(total - missing, total)
     store.finish(_order(request.suite))
+
+
+def _check_limit(request: Request, wanted: Sequence[tuple[str, str]], store: Store) -> None:
+    """Refuse to mix plans that were given more time with plans that were given less."""
+    asked = {policy for _, policy in wanted}
+    for row in store.rows.values():
+        if row.policy in asked and row.time_limit not in (None, request.time_limit):
+            what = f"{row.policy} had {row.time_limit:g} s here, not {request.time_limit:g} s"
+            raise TeamformerError(
+                f"{store.folder}: {what}", "give the same --time-limit, or name another folder"
+            )
 
 
 def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tuple[str, str]]:

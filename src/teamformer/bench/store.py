@@ -26,7 +26,6 @@ class About:
 
     suite: str
     first_seed: int
-    time_limit: float
     rules: dict[str, Any]
     worlds: str = ""  # stamp of the files that worlds were read from
     format: int = FORMAT

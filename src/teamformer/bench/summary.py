@@ -21,7 +21,8 @@ class Summary:
     counting as its step limit. `against` holds, for each baseline, the difference of makespans
     over the worlds that both completed. `inference` is the CPU time that deciding took in a trial,
     `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
-    ratios of the makespan to the best known and to the lower bound of the same world, less one;
+    ratios of the makespan to the best known and to the lower bound of the same world, less one, the
+    former over worlds that a planner has planned, where there are such;
     `to_list` is the difference to the list schedule. The last three hold averages for the worlds
     of these trials.
     """
@@ -60,9 +61,13 @@ def summarise(rows: Iterable[Row]) -> list[Summary]:
         cell: {row.world_seed: row.makespan for row in cells[cell] if row.makespan is not None}
         for cell in cells
     }
+    planned: dict[str, set[int]] = defaultdict(set)
+    for (setting, _), found in cells.items():
+        planned[setting] |= {row.world_seed for row in found if row.relaxed is not None}
     return [
         _summary(
             cells[setting, policy],
+            planned[setting],
             {
                 bar: differences(makespans[setting, policy], makespans[setting, bar])
                 for bar in BASELINES
@@ -78,7 +83,8 @@ def differences(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
     return mean_of([ours[world] - theirs[world] for world in ours if world in theirs])
 
 
-def _summary(rows: Sequence[Row], against: Mapping[str, Mean]) -> Summary:
+def _summary(rows: Sequence[Row], planned: set[int], against: Mapping[str, Mean]) -> Summary:
+    known = [row for row in rows if row.world_seed in planned or not planned]
     alone = [row for row in rows if row.side_by_side == 1]
     done = [row for row in rows if row.makespan is not None]
     return Summary(
@@ -91,13 +97,13 @@ def _summary(rows: Sequence[Row], against: Mapping[str, Mean]) -> Summary:
         against=against,
         inference=_mean(row.decision_cpu_seconds for row in alone),
         waiting=_mean(row.decision_seconds for row in alone),
-        to_best=_mean(_ratio(row.makespan, row.best_known) for row in done),
+        to_best=_mean(_ratio(row.makespan, row.best_known) for row in known),
         to_bound=_mean(_ratio(row.makespan, row.lower_bound) for row in done),
         to_list=_mean(_difference(row.makespan, row.list_schedule) for row in done),
         illegal=sum(row.illegal_decisions or 0 for row in rows),
         lower_bound=_mean(row.lower_bound for row in rows),
         list_schedule=_mean(row.list_schedule for row in rows),
-        best_known=_mean(row.best_known for row in rows),
+        best_known=_mean(row.best_known for row in known),
         relaxed=_mean(row.relaxed for row in rows),
         proven=sum(row.relaxed is not None and row.relaxed == row.relaxed_bound for row in rows),
     )

@@ -8,51 +8,23 @@ import numpy as np
 import pytest
 import torch
 
-from random_worlds import random_decision, random_world
-from teamformer.nets.teamformer import Teamformer, TeamformerSettings
-from teamformer.policies.spelling import TASK_FEATURES, TEAM_FEATURES, SpellingCodec
-from teamformer.sim.arrays import Array
-from teamformer.sim.env import Decision, TeamFormation
+from spelling_views import CAPS, SPELLINGS, illegal_decisions, random_views, tensors, wild_network
+from teamformer.nets.grammar import changes, spell
+from teamformer.nets.teamformer import Tokens
+from teamformer.policies.spelling import SpellingCodec
+from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 
-CAPS = 4
 CODEC = SpellingCodec(CAPS)
-SPELLINGS = ["edit", "full"]
-
-
-def network(spelling: str, bias: float = 1.0, seed: int = 0) -> Teamformer:
-    """Return a network with large random weights, so that nothing is likely by default."""
-    torch.manual_seed(seed)
-    settings = TeamformerSettings(CAPS, TEAM_FEATURES, TASK_FEATURES, spelling, maintain_bias=bias)
-    net = Teamformer(settings).eval()
-    for weights in net.parameters():
-        torch.nn.init.normal_(weights, std=0.3) if weights.ndim > 1 else None
-    return net
-
-
-def tensors(tokens: tuple[Array, ...]) -> tuple[torch.Tensor, ...]:
-    return tuple(torch.from_numpy(np.asarray(part)) for part in tokens)
-
-
-def random_views(count: int, seed: int) -> list[tuple[View, TeamFormation]]:
-    """Return views from random worlds, some steps into their trials."""
-    rng, views = np.random.default_rng(seed), []
-    while len(views) < count:
-        env = TeamFormation([random_world(rng) for _ in range(4)])
-        for _ in range(int(rng.integers(0, 8))):
-            env.step(random_decision(env.view(), rng, 0.8))
-        if len(env.view().slot):
-            views.append((env.view(), env))
-    return views
 
 
 def legal_wishes(view: View, row: int) -> set[tuple[int, ...]]:
     """Return all counts that a team may want, by trying every one."""
     own, caps = view.counts[row].astype(int), view.counts.shape[1]
     padding = (0,) * (CAPS - caps)
-    wishes = {tuple(own)}
     if view.is_serving[row]:
-        return {tuple(own) + padding}
+        return {(*own, *padding)}
+    wishes = {tuple(own)}
     for other in np.flatnonzero(view.can_join[row]):
         wishes.add(tuple(own + view.seen_counts[row, other]))
     members = view.member_counts[view.first_member[row] : view.first_member[row + 1]]
@@ -64,9 +36,9 @@ def legal_wishes(view: View, row: int) -> set[tuple[int, ...]]:
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_probabilities_of_all_legal_decisions_sum_to_one(spelling: str) -> None:
-    net = network(spelling)
+    network = wild_network(spelling)
     checked = 0
-    for view, _ in random_views(60, 1):
+    for view, _ in random_views(40, 1):
         tokens = CODEC.encode(view)
         has_choice = CODEC.has_choice(view, tokens)
         for row in range(len(view.slot)):
@@ -74,24 +46,107 @@ def test_probabilities_of_all_legal_decisions_sum_to_one(spelling: str) -> None:
             assert (len(wishes) > 1) == has_choice[row]
             repeated = tuple(np.repeat(part[row : row + 1], len(wishes), 0) for part in tokens)
             with torch.no_grad():
-                log_prob, entropy = net.evaluate(tensors(repeated), torch.tensor(wishes))
-            assert log_prob.min() > -1e6
+                log_prob, entropy = network.evaluate(tensors(repeated), torch.tensor(wishes))
             assert log_prob.exp().sum().item() == pytest.approx(1.0, abs=1e-5)
-            assert (entropy >= -1e-6).all()
+            assert log_prob.min() > -1e6
+            assert entropy.min() >= -1e-6
             checked += len(wishes)
     assert checked > 500
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_sampled_decisions_are_legal_and_as_likely_as_evaluated(spelling: str) -> None:
-    net, generator = network(spelling), torch.Generator().manual_seed(1)
-    for view, env in random_views(100, 2):
+    network, generator = wild_network(spelling), torch.Generator().manual_seed(1)
+    teams, changed = 0, 0
+    for view, env in random_views(80, 2, worlds=40):
         tokens = CODEC.encode(view)
         with torch.no_grad():
-            action, log_prob = net.act(tensors(tokens), generator)
-            again, _ = net.evaluate(tensors(tokens), action)
+            action, log_prob = network.act(tensors(tokens), generator)
+            again, _ = network.evaluate(tensors(tokens), action)
         assert torch.allclose(log_prob, again, atol=1e-5)
-        before = sum(env.tally(w).illegal_decisions for w in range(len(env.scenarios)))
-        env.step(Decision(CODEC.decode(view, action.numpy())))
-        after = sum(env.tally(w).illegal_decisions for w in range(len(env.scenarios)))
-        assert after == before
+        wanted = CODEC.decode(view, action.numpy())
+        teams, changed = teams + len(wanted), changed + (wanted != view.counts).any(axis=1).sum()
+        before = illegal_decisions(env)
+        env.step(Decision(wanted))
+        assert illegal_decisions(env) == before
+    assert teams > 7000
+    assert changed > teams / 4
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_greedy_decisions_are_the_likeliest_symbols(spelling: str) -> None:
+    network = wild_network(spelling)
+    [(view, _)] = random_views(1, 3, worlds=30)
+    tokens = tensors(CODEC.encode(view))
+    with torch.no_grad():
+        action, log_prob = network.act(tokens, None)
+        again, _ = network.act(tokens, None)
+        assert torch.equal(action, again)
+        assert torch.allclose(log_prob, network.evaluate(tokens, action)[0], atol=1e-5)
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_padding_order_and_other_teams_change_nothing(spelling: str) -> None:
+    network, rng = wild_network(spelling), np.random.default_rng(4)
+    [(view, _)] = random_views(1, 5, worlds=20)
+    given = Tokens(*tensors(CODEC.encode(view)))
+    teams, tasks = given.is_team.shape[1], given.is_task.shape[1]
+    of_teams = torch.from_numpy(np.concatenate([[0], 1 + rng.permutation(teams - 1)]))
+    of_tasks = torch.from_numpy(np.concatenate([[0], 1 + rng.permutation(tasks - 1)]))
+    shuffled = Tokens(
+        *(part[:, of_teams] for part in given[:2]),
+        *(part[:, of_tasks] for part in given[2:4]),
+        given.is_team[:, of_teams],
+        given.is_task[:, of_tasks],
+        given.can_join[:, of_teams],
+        given.singles,
+        given.profiles.flip(1),
+    )
+    padded = Tokens(*(_pad(part) for part in given[:7]), given.singles, given.profiles)
+    with torch.no_grad():
+        action, _ = network.act(given, torch.Generator().manual_seed(6))
+        log_prob, entropy = network.evaluate(given, action)
+        for other in (shuffled, padded):
+            again = network.evaluate(other, action)
+            assert torch.allclose(log_prob, again[0], atol=1e-5)
+            assert torch.allclose(entropy, again[1], atol=1e-5)
+        for row in range(10):
+            alone = network.evaluate(
+                tuple(part[row : row + 1] for part in given), action[row : row + 1]
+            )
+            assert alone[0].item() == pytest.approx(log_prob[row].item(), abs=1e-5)
+
+
+def _pad(part: torch.Tensor) -> torch.Tensor:
+    """Add three tokens of padding, full of what must not be looked at."""
+    filler = torch.zeros_like(part[:, :1]) if part.dtype == torch.bool else 0 * part[:, :1] + 7.0
+    return torch.cat([part, filler, filler, filler], dim=1)
+
+
+def test_a_spelling_is_ascending_and_repeats_what_is_counted() -> None:
+    """Have 1 0 2, want 1 1 3: in full 0 1 2 2 2 end (3), in edit add 1, add 2, end (6)."""
+    own, wanted = torch.tensor([[1.0, 0.0, 2.0]]), torch.tensor([[1.0, 1.0, 3.0]])
+    assert spell("full", own, wanted)[0].tolist() == [[0, 1, 2, 2, 2, 3]]
+    assert spell("edit", own, wanted)[0].tolist() == [[1, 2, 6]]
+
+
+def test_what_is_dropped_has_symbols_of_its_own() -> None:
+    """Have 1 0 2, want 0 0 1: drop 0 (symbol 3), drop 2 (symbol 5), end; maintaining is the end."""
+    own = torch.tensor([[1.0, 0.0, 2.0], [1.0, 0.0, 2.0]])
+    wanted = torch.tensor([[0.0, 0.0, 1.0], [1.0, 0.0, 2.0]])
+    symbol, is_there = spell("edit", own, wanted)
+    assert symbol.tolist() == [[3, 5, 6], [6, 6, 6]]
+    assert is_there.tolist() == [[True, True, True], [True, False, False]]
+    assert changes("edit", symbol, 3)[0].tolist() == [[-1, 0, 0], [0, 0, -1], [0, 0, 0]]
+
+
+def test_maintaining_is_likely_before_training() -> None:
+    [(view, _)] = random_views(1, 7, worlds=60)
+    tokens = CODEC.encode(view)
+    rows = CODEC.has_choice(view, tokens)
+    given = tensors(tuple(part[rows] for part in tokens))
+    action = given[1][:, 0].long()
+    with torch.no_grad():
+        shy = wild_network("edit", bias=8.0).evaluate(given, action)[0].exp().mean()
+        bold = wild_network("edit", bias=0.0).evaluate(given, action)[0].exp().mean()
+    assert shy > 0.95 > 0.6 > bold

@@ -10,7 +10,7 @@ from teamformer.robotarium.controller import Controller
 from teamformer.robotarium.plant import Plant, Weather
 
 pytest.importorskip("daqp")
-from teamformer.robotarium.solvers import with_daqp  # noqa: E402
+from teamformer.robotarium.solvers import with_daqp
 
 ROUGH = Weather(delay=0.066, blur=0.002, turn_blur=np.deg2rad(1))
 

@@ -73,16 +73,13 @@ class DecoderLayer(nn.Module):
     ) -> tuple[Tensor, Memory]:
         """Return the new steps (teams, steps, d) and the memory of all steps so far.
 
-        Without a memory of steps before, each step sees itself and those before it; with one, a
-        single new step sees all.
+        Each new step sees those of which there is a memory, those before it, and itself.
         """
         normed = self.norm(steps)
         memory = self.attention.memory(normed)
-        is_seen = None
-        if before is None:
-            is_seen = _is_not_later(steps.shape[1], steps.device)
-        else:
+        if before is not None:
             memory = (torch.cat([before[0], memory[0]], 2), torch.cat([before[1], memory[1]], 2))
+        is_seen = _is_not_later(steps.shape[1], memory[0].shape[2], steps.device)
         steps = steps + self.attention(normed, memory, is_seen)
         across = self.cross_attention(self.cross_norm(steps), tokens, is_there[:, None, None])
         steps = steps + across
@@ -93,7 +90,11 @@ def _feed_forward(d: int, hidden: int) -> nn.Sequential:
     return nn.Sequential(nn.LayerNorm(d), nn.Linear(d, hidden), nn.ReLU(), nn.Linear(hidden, d))
 
 
-def _is_not_later(steps: int, device: torch.device) -> Tensor:
-    """Return which steps (the last axis) are not later than which, as (1, 1, steps, steps)."""
-    every = torch.ones(steps, steps, dtype=torch.bool, device=device)
-    return every.tril()[None, None]
+def _is_not_later(new: int, steps: int, device: torch.device) -> Tensor:
+    """Return which of all steps are not later than each of the last `new` ones.
+
+    The result is (1, 1, new, steps).
+    """
+    places = torch.arange(steps, device=device)
+    last = torch.arange(new, device=device).unsqueeze(1) + (steps - new)  # (new, 1)
+    return (places <= last)[None, None]

@@ -239,25 +239,20 @@ def key_features(tokens: Tokens) -> Tensor:
     """Return what a team's view says of each capability, as (teams, caps, KEY_FEATURES)."""
     own = tokens.team_counts[:, 0]  # (teams, caps)
     joinable = tokens.team_counts * tokens.can_join.unsqueeze(-1)  # (teams, seen, caps)
-    lacks = tokens.task_needs > own.unsqueeze(1)  # (teams, tasks, caps)
-    needed = (tokens.task_needs > 0).float()
+    needs = tokens.task_needs * tokens.is_task.unsqueeze(-1)  # (teams, tasks, caps)
+    lacks = needs > own.unsqueeze(1)
     open_tasks = tokens.is_task.sum(dim=1, keepdim=True).clamp(min=1)  # (teams, 1)
-    first_needs = _first(tokens.task_needs)
+    first_needs = needs[:, 0]
     features = [
         own.clamp(max=4.0) / 4,
         joinable.sum(dim=1).clamp(max=4.0) / 4,
         (first_needs > own).float(),
         ((first_needs < own) & (own > 0)).float(),
         lacks.any(dim=1).float(),
-        needed.sum(dim=1) / open_tasks,
-        lacks.float().sum(dim=1) / open_tasks,
+        (needs > 0).sum(dim=1) / open_tasks,
+        lacks.sum(dim=1) / open_tasks,
     ]
     return torch.stack(features, dim=-1)
-
-
-def _first(needs: Tensor) -> Tensor:
-    """Return the first task's needs (teams, caps), those of none being nothing."""
-    return nn.functional.pad(needs, (0, 0, 0, 1))[:, 0]
 
 
 def _pick(said: Tensor, generator: torch.Generator | None) -> Tensor:

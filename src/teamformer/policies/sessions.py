@@ -24,6 +24,12 @@ class OnnxNetwork:
             hint = "it is another network or of another version; train or export it again"
             raise TeamformerError(f"{name} takes {found}, not {inputs}", hint)
 
+    @property
+    def about(self) -> dict[str, str]:
+        """Return what was written into the file besides the network."""
+        found: dict[str, str] = self._session.get_modelmeta().custom_metadata_map
+        return found
+
     def __call__(self, *values: Array) -> list[Array]:
         """Return the network's outputs."""
         fed = dict(zip(self._inputs, values, strict=True))

@@ -11,6 +11,7 @@ from teamformer.errors import TeamformerError
 from teamformer.policies.any_fleet import any_fleet
 from teamformer.policies.protocol import Policy
 from teamformer.policies.sessions import read_network
+from teamformer.policies.spelled import spelled_in
 
 ABOUT, NETWORK = "policy.json", "network.onnx"
 FORMAT = 1
@@ -65,4 +66,12 @@ def _any(folder: Path, about: About) -> Policy:
     return any_fleet(read_network(folder / NETWORK), str(folder / NETWORK))
 
 
-RUNTIMES: dict[str, Callable[[Path, About], Policy]] = {"any": _any}
+def _spelled(folder: Path, about: About) -> Policy:
+    return spelled_in(folder)
+
+
+RUNTIMES: dict[str, Callable[[Path, About], Policy]] = {
+    "any": _any,
+    "teamformer": _spelled,
+    "teamformer-full": _spelled,
+}

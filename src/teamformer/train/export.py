@@ -32,8 +32,12 @@ def write_onnx(
     inputs: tuple[str, ...],
     outputs: tuple[str, ...],
     file: Path,
+    axes: tuple[dict[int, torch.export.Dim], ...] = (),
 ) -> None:
-    """Write a network that takes tensors (teams, ...) by position, for any number of teams."""
+    """Write a network that takes tensors (teams, ...) by position, for any number of teams.
+
+    `axes` says for each input which axes may have any size; as a rule the first.
+    """
     file.parent.mkdir(parents=True, exist_ok=True)
     any_teams = {0: torch.export.Dim("count", min=1)}
     with warnings.catch_warnings():
@@ -45,7 +49,7 @@ def write_onnx(
             dynamo=True,
             input_names=list(inputs),
             output_names=list(outputs),
-            dynamic_shapes=(tuple(any_teams for _ in inputs),),
+            dynamic_shapes=(axes or tuple(any_teams for _ in inputs),),
             external_data=False,
             verbose=False,
         )

@@ -10,12 +10,16 @@ from torch import nn
 
 from teamformer.errors import TeamformerError
 from teamformer.nets.relational import RelationalPolicy, RelationalSettings
-from teamformer.policies import relations
+from teamformer.nets.teamformer import Teamformer, TeamformerSettings
+from teamformer.policies import relations, spelling
 from teamformer.policies.any_fleet import AnyFleetCodec
 from teamformer.policies.codec import Codec
+from teamformer.policies.legal_symbols import EDIT, FULL
+from teamformer.policies.spelling import SpellingCodec
 from teamformer.scenarios.generate import Spec
 from teamformer.train.export import export_any_fleet
-from teamformer.train.worlds import ANY_SELECTION, Mixture
+from teamformer.train.export_teamformer import export_teamformer
+from teamformer.train.worlds import ANY_SELECTION, Mixture, paper_mixture, paper_selection
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,34 @@ def _make_any(capabilities: int | None) -> nn.Module:
     )
 
 
+def _spells(how: str, maintain_bias: float) -> Family:
+    """Return the paper's network, with one of its two spellings."""
+
+    def make(capabilities: int | None) -> nn.Module:
+        return Teamformer(
+            TeamformerSettings(
+                _given(capabilities),
+                spelling.TEAM_FEATURES,
+                spelling.TASK_FEATURES,
+                how,
+                maintain_bias=maintain_bias,
+            )
+        )
+
+    return Family(
+        make=make,
+        codec=lambda capabilities: SpellingCodec(_given(capabilities)),
+        export=export_teamformer,
+        mixture=paper_mixture,
+        selection=paper_selection,
+    )
+
+
+def _given(capabilities: int | None) -> int:
+    assert capabilities is not None  # find_family has seen to it
+    return capabilities
+
+
 FAMILIES = {
     "any": Family(
         make=_make_any,
@@ -45,6 +77,8 @@ FAMILIES = {
         selection=lambda capabilities: ANY_SELECTION,
         is_for_any_number=True,
     ),
+    "teamformer": _spells(EDIT, maintain_bias=2.0),
+    "teamformer-full": _spells(FULL, maintain_bias=3.0),
 }
 
 

@@ -103,7 +103,7 @@ def _keep_lists(shared, lists, parties, is_able, task_crew, room):  # type: igno
     """Take over what is on lists of crews that can do it; insert the rest where it costs least."""
     for task in range(len(task_crew)):
         number = task_crew[task]
-        if number != NOBODY and is_able[number, task]:
+        if NOBODY < number < len(is_able) and is_able[number, task]:
             append_task(lists, number, task)
     for task in range(len(task_crew)):
         if lists.crew[task] == NOBODY:

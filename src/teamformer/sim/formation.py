@@ -6,6 +6,7 @@ import numpy as np
 
 from teamformer.jit import kernel
 from teamformer.sim.arrays import NEVER, NOBODY
+from teamformer.sim.mates import are_mates, name_crews
 from teamformer.sim.neighbours import distance_squared, distance_squared_to, find_near
 
 MAINTAIN, SPLIT, JOIN = 0, 1, 2
@@ -18,6 +19,7 @@ def read_decisions(world, wanted, named, first_row):  # type: ignore[no-untyped-
     `wanted` is (teams, caps) and `named` is (teams,), one row for each team in slot order from
     `first_row` on. What is illegal counts as maintain, and is counted.
     """
+    name_crews(world)
     row = first_row
     for team in range(world.rules.robots):
         world.teams[team].has_formed = False
@@ -28,7 +30,7 @@ def read_decisions(world, wanted, named, first_row):  # type: ignore[no-untyped-
         if world.teams[team].size == 0:
             continue
         world.teams[team].row = row
-        intent, is_legal = _intent(world, team, wanted[row])
+        intent, is_legal = _intent(world, team, wanted[row], named[row] == NOBODY)
         task = named[row]
         if task != NOBODY:
             if 0 <= task < world.rules.tasks and world.tasks[task].is_open:
@@ -41,7 +43,7 @@ def read_decisions(world, wanted, named, first_row):  # type: ignore[no-untyped-
 
 
 @kernel
-def _intent(world, team, wanted):  # type: ignore[no-untyped-def]
+def _intent(world, team, wanted, prefers_mates):  # type: ignore[no-untyped-def]
     """Return what a team is about to do and whether it asked for something legal."""
     asks_more = asks_less = False
     for cap in range(len(wanted)):
@@ -55,7 +57,7 @@ def _intent(world, team, wanted):  # type: ignore[no-untyped-def]
         if choose_stayers(world, team, wanted) == 0:
             return MAINTAIN, False
         return SPLIT, True
-    world.teams[team].partner = _find_partner(world, team, wanted)
+    world.teams[team].partner = _find_partner(world, team, wanted, prefers_mates)
     if world.teams[team].partner == NOBODY:
         return MAINTAIN, False
     return JOIN, True
@@ -82,12 +84,13 @@ def choose_stayers(world, team, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _find_partner(world, team, wanted):  # type: ignore[no-untyped-def]
+def _find_partner(world, team, wanted, prefers_mates):  # type: ignore[no-untyped-def]
     """Return the nearest team within the join radius that has exactly what is wanted more.
 
-    Ties: the same assignment first, then the lower slot.
+    Ties: the same assignment first, then the lower slot. Where there are crews, one of the
+    own crew comes before all others, unless the decision names a task.
     """
-    partner, partner_away, partner_shares = NOBODY, 0.0, False
+    partner, partner_away, partner_shares, partner_is_mate = NOBODY, 0.0, False, False
     for i in range(find_near(world, team, world.rules.join_radius)):
         other = world.near[i]
         if world.teams[other].serves > 0 or not _completes(world, team, other, wanted):
@@ -95,11 +98,16 @@ def _find_partner(world, team, wanted):  # type: ignore[no-untyped-def]
         away = distance_squared(world, team, other)
         task = world.teams[team].task
         shares = task != NOBODY and task == world.teams[other].task
-        is_better = partner == NOBODY or away < partner_away
-        if not is_better and away == partner_away:
+        is_mate = prefers_mates and are_mates(world, team, other)
+        if partner == NOBODY or is_mate != partner_is_mate:
+            is_better = partner == NOBODY or is_mate
+        elif away != partner_away:
+            is_better = away < partner_away
+        else:
             is_better = shares > partner_shares or (shares == partner_shares and other < partner)
         if is_better:
             partner, partner_away, partner_shares = other, away, shares
+            partner_is_mate = is_mate
     return partner
 
 

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.sim.arrays import CREWS, MIXED, NOBODY, RUNNING, Array, world_at
+from teamformer.sim.arrays import CREWS, NOBODY, RUNNING, Array, world_at
 from teamformer.sim.formation import is_in_same_place
+from teamformer.sim.mates import are_mates, name_crews
 from teamformer.sim.neighbours import (
     distance_squared,
     find_near,
@@ -86,7 +87,7 @@ def fill_views(worlds, view, first_row, first_member, begin, end):  # type: igno
             continue
         world = world_at(worlds, w)
         list_teams_by_cell(world)
-        _name_crews(world)
+        name_crews(world)
         _write_members(world, view, first_row[w], first_member[w])
         row = first_row[w]
         for team in range(world.rules.robots):
@@ -98,32 +99,6 @@ def fill_views(worlds, view, first_row, first_member, begin, end):  # type: igno
                 row += 1
         forget_cells(world)
     view.first_member[first_row[end]] = first_member[end]
-
-
-@kernel
-def _name_crews(world):  # type: ignore[no-untyped-def]
-    """Write down each team's crew: that of all its robots, or MIXED."""
-    for team in range(world.rules.robots):
-        world.teams[team].crew = world.robots[team].crew
-    for robot in range(world.rules.robots):
-        team = world.robots[robot].team
-        if team != NOBODY and world.robots[robot].crew != world.teams[team].crew:
-            world.teams[team].crew = MIXED
-
-
-@kernel
-def _are_mates(world, team, other):  # type: ignore[no-untyped-def]
-    """Say whether some robot of a team is in the crew of some robot of another one."""
-    if world.rules.allocation != CREWS:
-        return True
-    if world.teams[team].crew != MIXED and world.teams[other].crew != MIXED:
-        return world.teams[team].crew == world.teams[other].crew
-    for robot in range(world.rules.robots):
-        for mate in range(world.rules.robots):
-            are_theirs = world.robots[robot].team == team and world.robots[mate].team == other
-            if are_theirs and world.robots[robot].crew == world.robots[mate].crew:
-                return True
-    return False
 
 
 @kernel
@@ -180,7 +155,7 @@ def _write_seen(world, view, row, team):  # type: ignore[no-untyped-def]
         view.is_here[row, column] = is_in_same_place(world, team, other)
         is_busy = world.teams[team].serves > 0 or world.teams[other].serves > 0
         view.can_join[row, column] = not is_busy and distance_squared(world, team, other) <= reach
-        view.is_mate[row, column] = _are_mates(world, team, other)
+        view.is_mate[row, column] = are_mates(world, team, other)
 
 
 @kernel

@@ -126,43 +126,28 @@ def empty_parties(shared, crew):  # type: ignore[no-untyped-def]
 
 @kernel
 def gather_parties(shared, parties, crew, number):  # type: ignore[no-untyped-def]
-    """Write the parties of one crew: robots that are together, or start in the same place.
-
-    Those that only start in the same place join first, in pairs.
-    """
+    """Write the parties of one crew, which are companies."""
     count = 0
-    for robot in range(len(crew)):
-        if crew[robot] != number:
+    for leader in range(len(crew)):
+        if crew[leader] != number or shared.company[leader] != leader:
             continue
-        party = 0
-        while party < count and parties.place[number, party] != shared.place[robot]:
-            party += 1
-        if party == count:
-            count += 1
-            parties.place[number, party] = shared.place[robot]
-            parties.slowness[number, party] = 0.0
-            parties.ready[number, party] = 0
-            for word in range(parties.can.shape[2]):
-                parties.can[number, party, word] = 0
-        slowness = max(parties.slowness[number, party], shared.slowness[robot])
-        parties.slowness[number, party] = slowness
-        parties.ready[number, party] = max(parties.ready[number, party], shared.ready[robot])
-        for cap in range(shared.counts.shape[1]):
-            if shared.counts[robot, cap] > 0:
-                bit = np.uint64(1) << np.uint64(cap % WORD)
-                parties.can[number, party, cap // WORD] |= bit
+        parties.place[number, count] = shared.place[leader]
+        parties.ready[number, count] = shared.ready[leader]
+        parties.slowness[number, count] = 0.0
+        for word in range(parties.can.shape[2]):
+            parties.can[number, count, word] = 0
+        for robot in range(leader, len(crew)):
+            if shared.company[robot] == leader:
+                _add_robot(shared, parties, number, count, robot)
+        count += 1
     parties.size[number] = count
-    _count_forming(shared, parties, crew, number)
 
 
 @kernel
-def _count_forming(shared, parties, crew, number):  # type: ignore[no-untyped-def]
-    """Let those that start in the same place walk only when they are one team."""
-    for party in range(parties.size[number]):
-        teams = 0
-        for robot in range(len(crew)):
-            if crew[robot] == number and shared.place[robot] == parties.place[number, party]:
-                teams += shared.company[robot] == robot
-        while teams > 1:
-            teams = (teams + 1) // 2
-            parties.ready[number, party] += 1
+def _add_robot(shared, parties, number, party, robot):  # type: ignore[no-untyped-def]
+    slowness = max(parties.slowness[number, party], shared.slowness[robot])
+    parties.slowness[number, party] = slowness
+    for cap in range(shared.counts.shape[1]):
+        if shared.counts[robot, cap] > 0:
+            bit = np.uint64(1) << np.uint64(cap % WORD)
+            parties.can[number, party, cap // WORD] |= bit

@@ -36,7 +36,11 @@ class JoinAll:
 
 
 class JoinCrew(JoinAll):
-    """Do as `JoinAll`, but join only teams of the own crew, where there are crews."""
+    """Do as `JoinAll`, but at the own task only, with others of the crew that it is given to too.
+
+    So robots of a crew that have different tasks next do them side by side, and who waits at a
+    task pairs off meanwhile, as the crew's list was planned.
+    """
 
     only_mates = True
 
@@ -45,10 +49,10 @@ class JoinCrew(JoinAll):
 def _decide(view, wanted, only_mates):  # type: ignore[no-untyped-def]
     lacks = np.empty(view.counts.shape[1], dtype=np.bool_)
     for row in range(len(wanted)):
-        if view.is_serving[row]:
+        if view.is_serving[row] or (only_mates and not view.is_at_task[row]):
             continue
         _mark_lacks(view, row, lacks)
-        chosen = pair_by_slot(view, row, False, only_mates)
+        chosen = pair_by_slot(view, row, only_mates, only_mates)
         if chosen == NOBODY or not _is_useful(view, row, chosen, lacks):
             chosen = _first_useful(view, row, lacks, only_mates)
         if chosen != NOBODY:
@@ -68,7 +72,7 @@ def _mark_lacks(view, row, lacks):  # type: ignore[no-untyped-def]
 @kernel
 def _first_useful(view, row, lacks, only_mates):  # type: ignore[no-untyped-def]
     for other in range(view.seen_slot.shape[1]):
-        is_possible = is_partner(view, row, other, False, only_mates)
+        is_possible = is_partner(view, row, other, only_mates, only_mates)
         if is_possible and _is_useful(view, row, other, lacks):
             return other
     return NOBODY

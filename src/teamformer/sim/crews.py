@@ -13,6 +13,7 @@ from teamformer.planning.crew_lists import Shared, bits_of
 from teamformer.planning.crews import plan_crews
 from teamformer.sim.arrays import CREWS, NEAREST, NOBODY
 from teamformer.sim.motion import MICROMETRE, travel
+from teamformer.sim.whereabouts import bring_up_to_date, is_needed, note_helpers
 
 ROUNDS = 1000
 """How many changes are tried for each open task in a plan."""
@@ -61,52 +62,10 @@ def _note_done(world):  # type: ignore[no-untyped-def]
     if world.count.noted < world.count.done:
         for task in range(world.rules.tasks):
             if world.tasks[task].done_at == world.count.steps:
-                _note_helpers(world, task)
+                note_helpers(world, task)
                 is_idle |= _has_nothing_left(world, world.tasks[task].crew)
         world.count.noted = world.count.done
     return is_idle and _any_has_several_left(world)
-
-
-@kernel
-def _note_helpers(world, task):  # type: ignore[no-untyped-def]
-    """Note that the robots of a crew that a task needs, and their company, have met there."""
-    leader = world.robots[0].company
-    is_known = False
-    for robot in range(world.rules.robots):
-        is_member = world.robots[robot].crew == world.tasks[task].crew != NOBODY
-        if is_member and _is_needed(world, robot, task):
-            if is_known:
-                leader = _merge_companies(world, leader, world.robots[robot].company)
-            else:
-                leader, is_known = world.robots[robot].company, True
-    for robot in range(world.rules.robots):
-        if is_known and world.robots[robot].company == leader:
-            world.robots[robot].spot_x = world.tasks[task].x
-            world.robots[robot].spot_y = world.tasks[task].y
-            world.robots[robot].left_at = world.tasks[task].done_at
-
-
-@kernel
-def _merge_companies(world, one, other):  # type: ignore[no-untyped-def]
-    """Make one company of two; return its leader."""
-    leader = min(one, other)
-    if one != other:
-        for robot in range(world.rules.robots):
-            company = world.robots[robot].company
-            if company == one or company == other:  # noqa: SIM109
-                world.robots[robot].company = leader
-    return leader
-
-
-@kernel
-def _is_needed(world, robot, task):  # type: ignore[no-untyped-def]
-    """Say whether a task needs something that a robot brings, and it can get there."""
-    if world.robots[robot].region != world.tasks[task].region:
-        return False
-    for cap in range(world.needs.shape[1]):
-        if world.needs[task, cap] > 0 and world.brings[robot, cap] > 0:
-            return True
-    return False
 
 
 @kernel
@@ -136,7 +95,7 @@ def _find_next_tasks(world):  # type: ignore[no-untyped-def]
         position = 0
         while crew != NOBODY and position < world.count.open:
             task = world.order[position]
-            if world.tasks[task].crew == crew and _is_needed(world, robot, task):
+            if world.tasks[task].crew == crew and is_needed(world, robot, task):
                 world.robots[robot].next = task
                 break
             position += 1
@@ -145,6 +104,7 @@ def _find_next_tasks(world):  # type: ignore[no-untyped-def]
 @entry
 def _plan(world, in_one_crew, rounds):  # type: ignore[no-untyped-def]
     """Plan crews and order from the state that everybody knows."""
+    bring_up_to_date(world)
     count = world.count.open
     tasks = world.order[:count].copy()
     robots = np.array([r for r in range(world.rules.robots) if world.robots[r].team != NOBODY])

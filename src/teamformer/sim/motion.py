@@ -86,12 +86,18 @@ def _merge_on_the_way(world, team, partner):  # type: ignore[no-untyped-def]
 def _walk_straight(world, team, goal_x, goal_y):  # type: ignore[no-untyped-def]
     """Walk what the team walks in a step towards a point of a plane, or onto it if that is less."""
     x, y, pace = world.teams[team].x, world.teams[team].y, world.teams[team].pace
+    world.teams[team].x, world.teams[team].y = straight_on(x, y, goal_x, goal_y, pace)
+
+
+@kernel
+def straight_on(x, y, goal_x, goal_y, length):  # type: ignore[no-untyped-def]
+    """Return where one is on a plane after so much of the way to a point, at most all of it."""
     to_go = np.sqrt((goal_x - x) * (goal_x - x) + (goal_y - y) * (goal_y - y))
-    if to_go <= pace + ROUNDING:
-        world.teams[team].x, world.teams[team].y = goal_x, goal_y
-    else:
-        world.teams[team].x = np.rint((x + (goal_x - x) * pace / to_go) * MICROMETRE) / MICROMETRE
-        world.teams[team].y = np.rint((y + (goal_y - y) * pace / to_go) * MICROMETRE) / MICROMETRE
+    if to_go <= length + ROUNDING:
+        return goal_x, goal_y
+    x = np.rint((x + (goal_x - x) * length / to_go) * MICROMETRE) / MICROMETRE
+    y = np.rint((y + (goal_y - y) * length / to_go) * MICROMETRE) / MICROMETRE
+    return x, y
 
 
 @kernel

@@ -1,0 +1,41 @@
+"""Which teams are of the same crew; where there are no crews, all are."""
+
+from __future__ import annotations
+
+from teamformer.jit import kernel
+from teamformer.sim.arrays import CREWS, MIXED, NOBODY
+
+
+@kernel
+def name_crews(world):  # type: ignore[no-untyped-def]
+    """Write down each team's crew: that of all its robots, or MIXED."""
+    for team in range(world.rules.robots):
+        world.teams[team].crew = world.robots[team].crew
+    for robot in range(world.rules.robots):
+        team = world.robots[robot].team
+        if team != NOBODY and world.robots[robot].crew != world.teams[team].crew:
+            world.teams[team].crew = MIXED
+
+
+@kernel
+def are_mates(world, team, other):  # type: ignore[no-untyped-def]
+    """Say whether some robot of a team is in the crew of some robot of another one.
+
+    Crews must have been named since teams or crews changed.
+    """
+    if world.rules.allocation != CREWS:
+        return True
+    if world.teams[team].crew != MIXED and world.teams[other].crew != MIXED:
+        return world.teams[team].crew == world.teams[other].crew
+    for robot in range(world.rules.robots):
+        if world.robots[robot].team == team and _has_one_of(world, other, world.robots[robot].crew):
+            return True
+    return False
+
+
+@kernel
+def _has_one_of(world, team, crew):  # type: ignore[no-untyped-def]
+    for robot in range(world.rules.robots):
+        if world.robots[robot].team == team and world.robots[robot].crew == crew:
+            return True
+    return False

@@ -1,0 +1,89 @@
+"""Where everybody knows the robots to be: from the tasks that were done, and the way they go on.
+
+Whoever helps with a task is where it was done, together with all others who did. From there, and
+at first from its start, a robot walks to its next task, and waits there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.jit import kernel
+from teamformer.sim.arrays import NEVER, NOBODY
+from teamformer.sim.motion import advance, straight_on, travel
+
+
+@kernel
+def is_needed(world, robot, task):  # type: ignore[no-untyped-def]
+    """Say whether a task needs something that a robot brings, and it can get there."""
+    if world.robots[robot].region != world.tasks[task].region:
+        return False
+    for cap in range(world.needs.shape[1]):
+        if world.needs[task, cap] > 0 and world.brings[robot, cap] > 0:
+            return True
+    return False
+
+
+@kernel
+def note_helpers(world, task):  # type: ignore[no-untyped-def]
+    """Note that the robots of a crew that a task needs, and their company, have met there."""
+    leader = np.int32(NOBODY)
+    for robot in range(world.rules.robots):
+        is_member = world.robots[robot].crew == world.tasks[task].crew != NOBODY
+        if is_member and is_needed(world, robot, task):
+            leader = _merge_companies(world, leader, world.robots[robot].company)
+    for robot in range(world.rules.robots):
+        if world.robots[robot].company == leader:
+            world.robots[robot].spot_x = world.tasks[task].x
+            world.robots[robot].spot_y = world.tasks[task].y
+            world.robots[robot].left_at = world.tasks[task].done_at
+
+
+@kernel
+def _merge_companies(world, one, other):  # type: ignore[no-untyped-def]
+    """Make one company of two, or of NOBODY and another one; return its leader."""
+    if one == NOBODY or one == other:
+        return other
+    leader, follower = min(one, other), max(one, other)
+    for robot in range(world.rules.robots):
+        if world.robots[robot].company == follower:
+            world.robots[robot].company = leader
+    return leader
+
+
+@kernel
+def bring_up_to_date(world):  # type: ignore[no-untyped-def]
+    """Move every company on to where it must be by now, on its way to its earliest next task."""
+    for leader in range(world.rules.robots):
+        pace, goal = np.float64(NEVER), np.int32(NOBODY)
+        for robot in range(world.rules.robots):
+            if world.robots[robot].company == leader and world.robots[robot].team != NOBODY:
+                pace = min(pace, world.robots[robot].pace)
+                task = world.robots[robot].next
+                is_earlier = goal == NOBODY or world.tasks[task].rank < world.tasks[goal].rank
+                if task != NOBODY and is_earlier:
+                    goal = task
+        if pace < NEVER:
+            _move_company(world, leader, goal, pace)
+
+
+@kernel
+def _move_company(world, leader, goal, pace):  # type: ignore[no-untyped-def]
+    x, y = world.robots[leader].spot_x, world.robots[leader].spot_y
+    if goal != NOBODY:
+        length = pace * (world.count.steps - world.robots[leader].left_at)
+        x, y = _walk(world, x, y, goal, length)
+    for robot in range(leader, world.rules.robots):
+        if world.robots[robot].company == leader:
+            world.robots[robot].spot_x, world.robots[robot].spot_y = x, y
+            world.robots[robot].left_at = world.count.steps
+
+
+@kernel
+def _walk(world, x, y, goal, length):  # type: ignore[no-untyped-def]
+    """Return where one is after so much of the way to a task."""
+    if world.rules.is_plane:
+        return straight_on(x, y, world.tasks[goal].x, world.tasks[goal].y, length)
+    for _ in range(min(np.int64(length), travel(world, x, y, goal))):
+        x, y = advance(world, x, y, goal)
+    return x, y

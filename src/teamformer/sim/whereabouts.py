@@ -42,7 +42,7 @@ def note_helpers(world, task):  # type: ignore[no-untyped-def]
 @kernel
 def _merge_companies(world, one, other):  # type: ignore[no-untyped-def]
     """Make one company of two, or of NOBODY and another one; return its leader."""
-    if one == NOBODY or one == other:
+    if one == NOBODY or one == other:  # noqa: SIM109
         return other
     leader, follower = min(one, other), max(one, other)
     for robot in range(world.rules.robots):

@@ -59,6 +59,8 @@ class PlainWorld:
             for team in scenario.starting_teams
         }
         self.order: list[int] = []
+        self.crew_of: list[int] = []  # robots; under crews they are given, as the order is
+        self.list_of: list[int] = []  # tasks
         self.joins = self.splits = self.illegal = 0
 
     def has(self, team: PlainTeam) -> list[int]:
@@ -141,8 +143,14 @@ class PlainWorld:
                 continue
             if self.sum_of(team.robots + other.robots) == want:
                 shares = team.task is not None and team.task == other.task
-                found.append((away, not shares, other_slot))
-        return min(found)[2] if found else None
+                found.append((not self.are_mates(team, other), away, not shares, other_slot))
+        return min(found)[3] if found else None
+
+    def are_mates(self, team: PlainTeam, other: PlainTeam) -> bool:
+        if self.s.allocation != "crews":
+            return True
+        crews = [{self.crew_of[robot] for robot in part.robots} for part in (team, other)]
+        return bool(crews[0] & crews[1])
 
     def split(self, slot: int, stay: list[int]) -> None:
         team = self.teams.pop(slot)
@@ -188,14 +196,39 @@ class PlainWorld:
     def allocate(self, slot: int, order: list[int]) -> None:
         self.order = order
         team = self.teams[slot]
-        if team.task is not None or team.serving:
+        if self.s.allocation == "crews" and not team.serving:
+            team.task, team.is_detour = self.task_by_lists(team), False
+        if self.s.allocation == "crews" or team.task is not None or team.serving:
             return
         for i, task in enumerate(order):
             if self.contributes(team, task) and not self.is_covered(slot, task):
-                detour = self.detour(slot, order, i)
+                if self.s.allocation == "nearest":
+                    detour = self.nearest_alone(slot, order, i)
+                else:
+                    detour = self.detour(slot, order, i)
                 team.task = task if detour is None else detour
                 team.is_detour = detour is not None
                 return
+
+    def task_by_lists(self, team: PlainTeam) -> int | None:
+        """Return the first task in the order that is on a robot's crew's list and needs it."""
+        for task in self.order:
+            for robot in team.robots:
+                alone = PlainTeam([robot], team.at)
+                if self.crew_of[robot] == self.list_of[task] and self.contributes(alone, task):
+                    return task
+        return None
+
+    def nearest_alone(self, slot: int, order: list[int], i: int) -> int | None:
+        team = self.teams[slot]
+        found = [
+            (self.travel(team.at, order[j]), j)
+            for j in range(i, len(order))
+            if self.covers(self.has(team), order[j])
+            and self.travel(team.at, order[j]) < NEVER
+            and (j == i or not self.is_covered(slot, order[j]))
+        ]
+        return order[min(found)[1]] if found and min(found)[1] > i else None
 
     def contributes(self, team: PlainTeam, task: int) -> bool:
         can_reach = self.travel(team.at, task) < NEVER

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
-from teamformer.model import Scenario
+from teamformer.model import ALLOCATIONS, ORDERS, Scenario
 from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted import JoinAll, JoinCrew
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
@@ -48,7 +50,9 @@ def wanted_by_slot(view: View, decision: Decision) -> dict[int, list[int]]:
 def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
     rng = np.random.default_rng(part)
     for _ in range(100):
+        allocation, order = str(rng.choice(ALLOCATIONS)), str(rng.choice(ORDERS))
         scenario = random_world(rng, is_plane=is_plane)
+        scenario = replace(scenario, allocation=allocation, order=order)
         env, twin = TeamFormation([scenario]), PlainWorld(scenario)
         twin.order = shared_order(env)
         compare(env, twin)
@@ -59,9 +63,10 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
                 decision = Decision(nonsense)
             else:
                 decision = random_decision(view, rng)
-            order = shared_order(env)
-            twin.order = order
-            twin.step(wanted_by_slot(view, decision), order)
+            twin.crew_of = env.worlds.robots["crew"][0].tolist()
+            twin.list_of = env.worlds.tasks["crew"][0].tolist()
+            twin.order = shared_order(env)
+            twin.step(wanted_by_slot(view, decision), twin.order)
             env.step(decision)
             compare(env, twin)
 
@@ -99,29 +104,42 @@ def test_worlds_keep_their_promises_under_random_decisions() -> None:
     assert env.worlds.count["illegal"].sum() == 0
 
 
-@pytest.mark.parametrize("policy", [Heuristic(), JoinAll()], ids=["heuristic", "join-all"])
-def test_nothing_blocks_whatever_happened_before(policy: Policy) -> None:
-    """2,500 worlds, some in a state that random decisions have brought about."""
-    assert blocked_worlds(policy, count=2500, seed=11) == []
+POLICIES = pytest.mark.parametrize(
+    "policy", [Heuristic(), JoinAll(), JoinCrew()], ids=["heuristic", "join-all", "join-crew"]
+)
+RULES = pytest.mark.parametrize("allocation", ALLOCATIONS)
 
 
-@pytest.mark.parametrize("policy", [Heuristic(), JoinAll()], ids=["heuristic", "join-all"])
-def test_nothing_blocks_on_planes(policy: Policy) -> None:
-    assert blocked_worlds(policy, count=500, seed=13, is_plane=True) == []
+@POLICIES
+@RULES
+def test_nothing_blocks_whatever_happened_before(policy: Policy, allocation: str) -> None:
+    """Many worlds, some in a state that random decisions have brought about."""
+    assert blocked_worlds(policy, allocation, count=1500, seed=11) == []
+
+
+@POLICIES
+@RULES
+def test_nothing_blocks_on_planes(policy: Policy, allocation: str) -> None:
+    assert blocked_worlds(policy, allocation, count=500, seed=13, is_plane=True) == []
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("policy", [Heuristic(), JoinAll()], ids=["heuristic", "join-all"])
-def test_nothing_blocks_in_ten_thousand_worlds(policy: Policy) -> None:
-    assert blocked_worlds(policy, count=10_000, seed=12) == []
-    assert blocked_worlds(policy, count=5000, seed=14, is_plane=True) == []
+@POLICIES
+@RULES
+def test_nothing_blocks_in_ten_thousand_worlds(policy: Policy, allocation: str) -> None:
+    assert blocked_worlds(policy, allocation, count=10_000, seed=12) == []
+    assert blocked_worlds(policy, allocation, count=5000, seed=14, is_plane=True) == []
 
 
-def blocked_worlds(policy: Policy, count: int, seed: int, is_plane: bool = False) -> list[Scenario]:
+def blocked_worlds(
+    policy: Policy, allocation: str, count: int, seed: int, is_plane: bool = False
+) -> list[Scenario]:
     rng = np.random.default_rng(seed)
     blocked = []
     for _ in range(count // 500):
-        env = TeamFormation([random_world(rng, is_plane=is_plane) for _ in range(500)])
+        worlds = [random_world(rng, is_plane=is_plane) for _ in range(500)]
+        order = str(rng.choice(ORDERS))
+        env = TeamFormation([replace(w, allocation=allocation, order=order) for w in worlds])
         for _ in range(int(rng.integers(0, 25))):
             if env.is_running.any():
                 env.step(random_decision(env.view(), rng))

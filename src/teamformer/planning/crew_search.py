@@ -1,8 +1,8 @@
 """Better lists: a local search that makes the slowest crews faster.
 
-Late acceptance (Burke and Bykov, "The late acceptance hill-climbing heuristic", 2017): a change is
-kept if it is no worse than now, or than things were some hundred changes ago. All numbers are whole
-and the number of changes is fixed, so that everybody who searches finds the same.
+Annealing by thresholds (Dueck and Scheuer, "Threshold accepting", 1990), drawn at random: a change
+is kept if it costs no more than a little, and less and less as the search goes on. All numbers are
+whole and the number of changes is fixed, so that everybody who searches finds the same.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from teamformer.planning.crew_walk import walk_list
 from teamformer.planning.insertion import draw_below
 from teamformer.planning.relaxed import NOBODY
 
-MEMORY = 300
-"""How many changes ago costs are compared with."""
+HEAT = 5
+"""A change may cost as much as so many tasks do on average; at the end nothing."""
 
 NEIGHBOURS = 12
 """Tasks are put beside one of so many nearest ones."""
@@ -43,15 +43,13 @@ def improve_lists(shared, lists, parties, crew, is_able, room, rounds, may_trade
     cost = np.int64(0)
     for number in range(len(lists.length)):
         cost += _weigh(shared, lists.finish[number], reference)
-    memory = np.full(MEMORY, cost)
     best, best_cost = (lists.tasks.copy(), lists.length.copy(), crew.copy()), cost
     for turn in range(rounds):
-        limit = max(memory[turn % MEMORY], cost)
+        limit = cost + _draw_threshold(cost, len(lists.crew), rounds - turn, rounds, room.random)
         if may_trade and draw_below(room.random, TRADES) == 0:
             cost = _try_trade(shared, lists, parties, crew, room, reference, cost, limit)
         else:
             cost = _try_change(shared, lists, parties, is_able, near, room, reference, cost, limit)
-        memory[turn % MEMORY] = cost
         if cost < best_cost:
             best_cost = cost
             _keep(lists, crew, best)
@@ -62,9 +60,16 @@ def improve_lists(shared, lists, parties, crew, is_able, room, rounds, may_trade
 
 @kernel
 def _weigh(shared, finish, reference):  # type: ignore[no-untyped-def]
-    """Return what a crew adds to the cost: its makespan to the fourth, so that the slowest count"""
+    """Return what a crew adds to the cost: its makespan to the power of four."""
     scaled = min(max(finish - shared.now, 0) * SCALE // reference, LARGEST)
     return scaled * scaled * scaled * scaled
+
+
+@kernel
+def _draw_threshold(cost, tasks, left, rounds, random):  # type: ignore[no-untyped-def]
+    """Return what the next change may cost, with so many changes left."""
+    most = (HEAT * cost // tasks) >> 20
+    return most * (1024 * left // rounds) * draw_below(random, 1024)
 
 
 @kernel

@@ -15,9 +15,9 @@ from teamformer.sim.arrays import CREWS, NEAREST, NOBODY
 from teamformer.sim.motion import MICROMETRE, travel
 from teamformer.sim.whereabouts import bring_up_to_date, is_needed, note_helpers
 
-ROUNDS = 1000
+ROUNDS = 1500
 """How many changes are tried for each open task in a plan."""
-ROUNDS_AGAIN = 200
+ROUNDS_AGAIN = 300
 """The same when a crew has nothing left to do."""
 
 

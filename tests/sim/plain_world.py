@@ -173,7 +173,8 @@ class PlainWorld:
                 self.unite(slot, partner, order_rank=self.rank)
             else:
                 walkers[slot] = partner
-        return {slot: p for slot, p in walkers.items() if slot not in gone}
+        apart = {slot: p for slot, p in walkers.items() if slot not in gone}
+        return {slot: p for slot, p in apart.items() if not self.teams[slot].formed}
 
     def unite(self, slot: int, partner: int, order_rank: dict[int, int]) -> None:
         one, other = self.teams.pop(slot), self.teams.pop(partner)

@@ -1,7 +1,7 @@
 """Crews while a trial runs: when they are planned, from what, and who goes where by their lists.
 
-All of it rests on what everybody knows: the fleet list, who was lost, the open tasks, which were
-done and when. Whoever helps with a task is known to be where it was done.
+All of it rests on what everybody knows: the fleet list, who was lost, the open tasks, and who did
+the others when.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from teamformer.planning.crew_lists import Shared, bits_of
 from teamformer.planning.crews import plan_crews
 from teamformer.sim.arrays import CREWS, NEAREST, NOBODY
 from teamformer.sim.motion import MICROMETRE, travel
-from teamformer.sim.whereabouts import bring_up_to_date, is_needed, note_helpers
+from teamformer.sim.whereabouts import bring_up_to_date, is_needed, note_doers
 
 ROUNDS = 1500
 """How many changes are tried for each open task in a plan."""
@@ -37,7 +37,7 @@ def update_plan(world):  # type: ignore[no-untyped-def]
         if world.rules.new_tasks == NEAREST and any_new and world.count.plans > 0:
             rounds = 0
         _plan(world, not has_crews, rounds * world.count.open)
-    if has_crews and (any_new or any_done or any_lost):
+    if any_new or any_done or any_lost:
         _find_next_tasks(world)
 
 
@@ -54,7 +54,7 @@ def _forget_lost(world):  # type: ignore[no-untyped-def]
 
 @entry
 def _note_done(world):  # type: ignore[no-untyped-def]
-    """Note who must have been where a task was done; say whether a crew has just done its last.
+    """Note who is where a task was done; say whether a crew has just done its last.
 
     Only if another crew has more than one left.
     """
@@ -62,7 +62,7 @@ def _note_done(world):  # type: ignore[no-untyped-def]
     if world.count.noted < world.count.done:
         for task in range(world.rules.tasks):
             if world.tasks[task].done_at == world.count.steps:
-                note_helpers(world, task)
+                note_doers(world, task)
                 is_idle |= _has_nothing_left(world, world.tasks[task].crew)
         world.count.noted = world.count.done
     return is_idle and _any_has_several_left(world)

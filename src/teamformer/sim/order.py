@@ -1,6 +1,6 @@
 """The shared task order: made at the start and again when tasks appear, alike by every robot.
 
-It rests only on what everybody knows: the fleet list, the open tasks, which were done and when.
+It rests only on what everybody knows: the fleet list, the open tasks, who did the others when.
 """
 
 from __future__ import annotations

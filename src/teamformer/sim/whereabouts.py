@@ -1,7 +1,7 @@
-"""Where everybody knows the robots to be: from the tasks that were done, and the way they go on.
+"""Where everybody knows the robots to be: from the tasks that they did, and the way they go on.
 
-Whoever helps with a task is where it was done, together with all others who did. From there, and
-at first from its start, a robot walks to its next task, and waits there.
+Robots that do a task are there, and a company. From there, or from its start, a company walks to
+the earliest of its next tasks, and waits.
 """
 
 from __future__ import annotations
@@ -25,30 +25,28 @@ def is_needed(world, robot, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def note_helpers(world, task):  # type: ignore[no-untyped-def]
-    """Note that the robots of a crew that a task needs, and their company, have met there."""
-    leader = np.int32(NOBODY)
+def note_doers(world, task):  # type: ignore[no-untyped-def]
+    """Note that the robots that have just done a task are there, and are one company."""
+    team = world.tasks[task].done_by
     for robot in range(world.rules.robots):
-        is_member = world.robots[robot].crew == world.tasks[task].crew != NOBODY
-        if is_member and is_needed(world, robot, task):
-            leader = _merge_companies(world, leader, world.robots[robot].company)
+        if world.robots[robot].team == team and world.robots[robot].company == robot:
+            _leave_behind(world, robot, team)
     for robot in range(world.rules.robots):
-        if world.robots[robot].company == leader:
+        if world.robots[robot].team == team:
+            world.robots[robot].company = team
             world.robots[robot].spot_x = world.tasks[task].x
             world.robots[robot].spot_y = world.tasks[task].y
-            world.robots[robot].left_at = world.tasks[task].done_at
+            world.robots[robot].left_at = world.count.steps
 
 
 @kernel
-def _merge_companies(world, one, other):  # type: ignore[no-untyped-def]
-    """Make one company of two, or of NOBODY and another one; return its leader."""
-    if one == NOBODY or one == other:  # noqa: SIM109
-        return other
-    leader, follower = min(one, other), max(one, other)
+def _leave_behind(world, leader, team):  # type: ignore[no-untyped-def]
+    """Make those of a robot's company that are not in its team a company of their own."""
+    heir = NOBODY
     for robot in range(world.rules.robots):
-        if world.robots[robot].company == follower:
-            world.robots[robot].company = leader
-    return leader
+        if world.robots[robot].company == leader and world.robots[robot].team != team:
+            heir = robot if heir == NOBODY else heir
+            world.robots[robot].company = heir
 
 
 @kernel

@@ -21,10 +21,9 @@ class Summary:
     counting as its step limit. `against` holds, for each baseline, the difference of makespans
     over the worlds that both completed. `inference` is the CPU time that deciding took in a trial,
     `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
-    ratios of the makespan to the best known and to the lower bound of the same world, less one, the
-    former over worlds that a planner has planned, where there are such;
-    `to_list` is the difference to the list schedule. The last three hold averages for the worlds
-    of these trials.
+    ratios of the makespan to the best known and to the lower bound of the same world, less one;
+    `to_best` is over worlds that a planner has planned, where there are such. `to_list` is the
+    difference to the list schedule. The means after that are of the worlds, whatever the policy.
     """
 
     setting: str

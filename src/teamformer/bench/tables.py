@@ -105,6 +105,7 @@ def _numbers(summary: Summary) -> dict[str, str | int | float]:
         "timed_trials": summary.inference.count,
         "to_best_known": summary.to_best.value,
         "to_lower_bound": summary.to_bound.value,
+        "steps_to_list_schedule": summary.to_list.value,
         "lower_bound_mean": summary.lower_bound.value,
         "best_known_mean": summary.best_known.value,
         "list_schedule_mean": summary.list_schedule.value,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -122,17 +123,65 @@ def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path) -> None:
         time.sleep(0.01)
     running.send_signal(signal.SIGKILL)
     running.wait()
-    while _is_group_alive(running.pid):
+    _wait_for_the_end(running.pid, deadline)
+
+
+def _wait_for_the_end(group: int, deadline: float) -> None:
+    """Wait until no process of a group is left."""
+    with contextlib.suppress(ProcessLookupError):
+        while time.monotonic() < deadline:
+            os.killpg(group, 0)
+            time.sleep(0.05)
+        pytest.fail("some processes are still alive")
+
+
+DIES = """
+import os
+from teamformer.policies.scripted import JoinAll
+
+class Dies(JoinAll):
+    def decide(self, view):
+        os._exit(9)
+"""
+
+
+def test_a_worker_that_dies_is_told_and_rows_are_kept(tmp_path: Path) -> None:
+    (tmp_path / "dying.py").write_text(DIES)
+    words = ["fig3", "--trials", "4", "--workers", "2", "--out", "rows"]
+    asked = [*COMMAND, *words, "--policies", "heuristic,dying:Dies"]
+    done = subprocess.run(asked, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "error: a worker process died" in done.stderr
+    assert "Traceback" not in done.stderr
+    again = [*COMMAND, *words, "--policies", "heuristic,join-all"]
+    subprocess.run(again, capture_output=True, cwd=tmp_path, check=True)
+    rows = (tmp_path / "rows" / "rows.jsonl").read_text().splitlines()
+    assert len(rows) == 8
+
+
+def test_ctrl_c_ends_it_at_once_and_keeps_the_rows(tmp_path: Path) -> None:
+    words = ["fig4b", "--trials", "400", "--policies", "heuristic", "--workers", "2"]
+    command = [*COMMAND, *words, "--out", str(tmp_path)]
+    running = subprocess.Popen(
+        command,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    rows = tmp_path / "rows.jsonl"
+    deadline = time.monotonic() + 120
+    while not (rows.exists() and rows.stat().st_size > 0):
         assert time.monotonic() < deadline
-        time.sleep(0.05)
-
-
-def _is_group_alive(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
+        time.sleep(0.01)
+    os.killpg(running.pid, signal.SIGINT)  # as a terminal does: to all of them
+    running.send_signal(signal.SIGINT)  # and somebody is impatient
+    _, told = running.communicate(timeout=60)
+    assert running.returncode == 1
+    assert f"interrupted; the rows so far are in {tmp_path}" in told.splitlines()[-1]
+    assert "Traceback" not in told
+    _wait_for_the_end(running.pid, deadline)
+    assert all(json.loads(line) for line in rows.read_text().splitlines())
 
 
 def test_the_worlds_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from teamformer.bench.engines import run_here, run_in_processes
+from teamformer.bench.engines import Batches, run_here, run_in_processes
 from teamformer.bench.lots import Lot, list_schedule, run_lot
 from teamformer.bench.rows import Key, Row
 from teamformer.bench.runner import TIMED, Request, fits, run_benchmark
@@ -34,7 +34,7 @@ SMALL = Suite(
 def measured(
     folder: Path,
     request: Request,
-    engine: Callable[[Sequence[Lot], int], Iterator[list[Row]]] = run_here,
+    engine: Callable[[Sequence[Lot], int], Batches] = run_here,
     say: Callable[[str], None] = print,
 ) -> dict[Key, Row]:
     with Store(folder, request.about, say) as store:
@@ -76,9 +76,9 @@ def test_going_on_runs_only_what_is_missing(tmp_path: Path) -> None:
     before = measured(tmp_path, Request(SMALL, trials=2, policies=("join-all",)))
     asked: list[Lot] = []
 
-    def watching(lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
+    def watching(lots: Sequence[Lot], workers: int) -> Batches:
         asked.extend(lots)
-        return run_here(lots)
+        yield from run_here(lots)
 
     said: list[str] = []
     rows = measured(tmp_path, Request(SMALL, trials=3), watching, said.append)
@@ -91,7 +91,7 @@ def test_going_on_runs_only_what_is_missing(tmp_path: Path) -> None:
 
 
 def test_an_interrupted_benchmark_ends_like_any_other(tmp_path: Path) -> None:
-    def breaking(lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
+    def breaking(lots: Sequence[Lot], workers: int) -> Batches:
         yield from itertools.islice(run_here(lots), 2)
         raise KeyboardInterrupt
 

@@ -6,7 +6,7 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.connection import wait
@@ -20,19 +20,25 @@ AT_HAND = 4
 """Lots that wait for each worker on a cluster."""
 
 
-class Engine(Protocol):
-    """Runs lots, in any order, and yields the rows of each when they are there."""
+Batches = Generator[list[Row], None, None]
 
-    def __call__(self, lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
+
+class Engine(Protocol):
+    """Runs lots, in any order, and yields the rows of each when they are there.
+
+    Closing what it returns ends all that still runs.
+    """
+
+    def __call__(self, lots: Sequence[Lot], workers: int) -> Batches:
         """Yield the rows of each lot."""
 
 
-def run_here(lots: Iterable[Lot], workers: int = 1) -> Iterator[list[Row]]:
+def run_here(lots: Iterable[Lot], workers: int = 1) -> Batches:
     """Run one lot after the other in this process."""
     yield from map(run_lot, lots)
 
 
-def run_in_processes(lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
+def run_in_processes(lots: Sequence[Lot], workers: int) -> Batches:
     """Run lots in processes of one thread each; with one worker, in this one."""
     workers = min(workers, len(lots))
     if workers <= 1:
@@ -47,10 +53,19 @@ def run_in_processes(lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
         hint = "was memory short? rows so far are kept: run the same again, with fewer --workers"
         raise TeamformerError("a worker process died", hint) from None
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for child in multiprocessing.active_children():  # at work still, if we were interrupted
-            child.terminate()
-        pool.shutdown()
+        _end_workers(pool)
+
+
+def _end_workers(pool: ProcessPoolExecutor) -> None:
+    """End all processes, whatever they are at; a second Ctrl-C does not get in between."""
+    is_main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if is_main else None
+    pool.shutdown(wait=False, cancel_futures=True)
+    for child in multiprocessing.active_children():
+        child.terminate()
+    pool.shutdown()
+    if handler is not None:
+        signal.signal(signal.SIGINT, handler)
 
 
 def _begin_worker() -> None:
@@ -66,7 +81,7 @@ def _end_with(sentinel: Any) -> None:
     os._exit(1)
 
 
-def run_on_ray(lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
+def run_on_ray(lots: Sequence[Lot], workers: int) -> Batches:
     """Run lots on a Ray cluster: the one at RAY_ADDRESS, or one started here."""
     try:
         import ray
@@ -84,7 +99,7 @@ def run_on_ray(lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
             ray.shutdown()
 
 
-def _on_cluster(ray: Any, lots: Sequence[Lot], workers: int) -> Iterator[list[Row]]:
+def _on_cluster(ray: Any, lots: Sequence[Lot], workers: int) -> Batches:
     remote = ray.remote(num_cpus=1)(run_lot)
     todo = list(reversed(lots))
     running: list[Any] = []

@@ -25,6 +25,7 @@ FAMILIES = {
     "heuristic": "#d55e00",
     "authors-heuristic": "#8c3b00",
     "join-all": "#009e73",
+    "join-crew": "#f0e442",
     "central": "#444444",
 }
 OTHERS = ("#999999", "#7f6000", "#5e3c99", "#b2182b", "#1a9850", "#8073ac")

@@ -6,6 +6,7 @@ import hashlib
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -96,10 +97,11 @@ def run_benchmark(
     if 0 < missing < total:
         say(f"{total - missing} of {total} trials are there already")
     on_rows(total - missing, total)
-    for rows in engine(lots, request.workers):
-        store.add(rows)
-        missing -= len(rows)
-        on_rows(total - missing, total)
+    with closing(engine(lots, request.workers)) as batches:
+        for rows in batches:
+            store.add(rows)
+            missing -= len(rows)
+            on_rows(total - missing, total)
     store.finish(_order(request.suite))
 
 

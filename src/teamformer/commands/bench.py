@@ -74,6 +74,21 @@ def bench(suite_name: str, options: Options, as_json: bool) -> int:
         prepare_folder(options.folder)
     if options.results is not None:
         _prepare_results(options)
+    try:
+        rows = _measure(request, options)
+    except KeyboardInterrupt:
+        kept = f"; the rows so far are in {options.folder}, and the same command goes on from there"
+        say(f"interrupted{kept if options.folder else ''}")
+        return 1
+    if options.results is not None and options.folder is not None:
+        write_results(options.results, _command_line(), (options.folder, *options.beside))
+        say(f"written: {options.results}")
+    _show(rows, as_json)
+    return 0
+
+
+def _measure(request: Request, options: Options) -> list[Row]:
+    """Run what is missing, write tables and figures, and return all rows."""
     place = TemporaryDirectory() if options.folder is None else nullcontext(options.folder)
     with place as folder, Store(Path(folder), request.about, say) as store:
         announce_compiling(request.policies)
@@ -83,11 +98,7 @@ def bench(suite_name: str, options: Options, as_json: bool) -> int:
         if options.folder is not None:
             for path in write_report(request.suite, rows, options.folder, say):
                 say(f"written: {path}")
-    if options.results is not None and options.folder is not None:
-        write_results(options.results, _command_line(), (options.folder, *options.beside))
-        say(f"written: {options.results}")
-    _show(rows, as_json)
-    return 0
+    return rows
 
 
 def _changed_rules(options: Options) -> dict[str, str]:

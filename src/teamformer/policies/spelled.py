@@ -68,7 +68,9 @@ class Speller:
                 change = np.concatenate([change[goes_on], newest], axis=1)
                 now = np.concatenate([now[goes_on], sum_now], axis=1)
                 encoded, before = self._encoder(*given[:7]), before[goes_on]
-        return np.rint(spelled + tokens[1][:, 0] if self.spelling == EDIT else spelled)
+        own = tokens[1][:, 0]  # (teams, caps)
+        wanted: Array = np.rint(spelled + own if self.spelling == EDIT else spelled)
+        return wanted
 
     def _change(self, symbol: Array) -> Array:
         """Return what symbols add to the counts, as (teams, caps); the end adds nothing."""
@@ -98,8 +100,8 @@ def policy_of(encoder: bytes, step: bytes, name: str) -> Learned:
 
 def spelled_in(folder: Path) -> Learned:
     """Return the policy that `export_teamformer` wrote into a folder."""
-    files = [read_network(folder / file) for file in (ENCODER_FILE, STEP_FILE)]
-    return policy_of(*files, str(folder))
+    encoder, step = (read_network(folder / file) for file in (ENCODER_FILE, STEP_FILE))
+    return policy_of(encoder, step, str(folder))
 
 
 def _shipped(name: str) -> Learned:

@@ -30,8 +30,8 @@ class _Encoder(nn.Module):
         self.network = network
 
     def forward(self, *parts: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        nothing = parts[0].new_zeros(0)  # robots matter for what is legal only
-        encoded = self.network.encode(Tokens(*parts, nothing, nothing))
+        nothing = parts[0].new_zeros(0)  # robots matter only for what is legal
+        encoded = self.network.encode(Tokens(*(*parts, nothing, nothing)))
         return encoded.is_there, encoded.keys, _stack(encoded.memories)
 
 

@@ -92,32 +92,38 @@ def _no_memory(memories: Array) -> Array:
     return memories[..., :0, :]
 
 
-def policy_of(encoder: bytes, step: bytes, name: str) -> Learned:
-    """Return the policy that the two files of a network make."""
-    speller = Speller(encoder, step, name)
+def policy_of(speller: Speller) -> Learned:
+    """Return the policy of a network."""
     return Learned(SpellingCodec(speller.capabilities), speller)
 
 
 def spelled_in(folder: Path) -> Learned:
     """Return the policy that `export_teamformer` wrote into a folder."""
     encoder, step = (read_network(folder / file) for file in (ENCODER_FILE, STEP_FILE))
-    return policy_of(encoder, step, str(folder))
+    return policy_of(Speller(encoder, step, str(folder)))
 
 
-def _shipped(name: str) -> Learned:
-    return policy_of(shipped(f"{name}.onnx"), shipped(f"{name}-step.onnx"), name)
+def shipped_speller(name: str, keeps_memories: bool = True) -> Speller:
+    """Return a network that comes with the package: `NAME.onnx` and `NAME-step.onnx`."""
+    encoder, step = shipped(f"{name}.onnx"), shipped(f"{name}-step.onnx")
+    return Speller(encoder, step, name, keeps_memories)
 
 
 def teamformer_c4() -> Learned:
     """Return the shipped network for up to four capabilities."""
-    return _shipped("teamformer-c4")
+    return policy_of(shipped_speller("teamformer-c4"))
 
 
 def teamformer_c8() -> Learned:
     """Return the shipped network for up to eight capabilities."""
-    return _shipped("teamformer-c8")
+    return policy_of(shipped_speller("teamformer-c8"))
 
 
 def teamformer_c100() -> Learned:
     """Return the shipped network for up to a hundred capabilities."""
-    return _shipped("teamformer-c100")
+    return policy_of(shipped_speller("teamformer-c100"))
+
+
+def teamformer_c100_full() -> Learned:
+    """Return the shipped network for up to a hundred capabilities that spells all of them."""
+    return policy_of(shipped_speller("teamformer-c100-full"))

@@ -90,7 +90,7 @@ class Teamformer(nn.Module):
         d, caps = settings.width, settings.capabilities
         layer = (d, settings.heads, settings.hidden)
         self.settings = settings
-        self.capability = nn.Parameter(torch.randn(caps, d) / 2)
+        self.capability = nn.Parameter(torch.randn(caps, d) / caps**0.5)
         self.team_in = nn.Linear(settings.team_features, d)
         self.task_in = nn.Linear(settings.task_features, d)
         self.needs_in = nn.Linear(d, d, bias=False)

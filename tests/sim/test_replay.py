@@ -190,7 +190,8 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
         (damage("steps", 2, to=[]), "step 3: [] stands where a mapping belongs"),
         (
             damage("steps", 2, "jions", to=[]),
-            "step 3: the key 'jions' means nothing; known are joins, splits, lost, teams, done",
+            "step 3: the key 'jions' means nothing; "
+            "known are joins, splits, lost, teams, done, named",
         ),
         (damage("steps", 3, "joins", to=[[1]]), "step 4: [1] stands where a list of 2 belongs"),
         (

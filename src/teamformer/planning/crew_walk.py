@@ -90,15 +90,22 @@ def _load(parties, number, room):  # type: ignore[no-untyped-def]
 @kernel
 def _meet_at(shared, room, count, task):  # type: ignore[no-untyped-def]
     """Bring all that help with a task there and make them one; return when it is done, and
-    how many parties there are from then on."""
+    how many parties there are from then on.
+
+    One that is there already is given the task a step after its last, and joins only then.
+    """
     helpers = 0
     for party in range(count):
         if _helps(shared, room, party, task):
-            way = shared.ways[room.place[party], task]
-            steps = np.int64(np.ceil(way * room.slowness[party] - ROUNDING))
-            _insert(room.arrival, helpers, max(room.ready[party] + steps, shared.now + 1))
             room.helper[helpers] = party
             helpers += 1
+    for index in range(helpers):
+        party = room.helper[index]
+        way = shared.ways[room.place[party], task]
+        steps = np.int64(np.ceil(way * room.slowness[party] - ROUNDING))
+        if helpers > 1:
+            steps = max(steps, 1)
+        _insert(room.arrival, index, max(room.ready[party] + steps, shared.now + 1))
     end = _pair_off(room.arrival, helpers) + shared.duration[task]
     one = room.helper[0]
     room.place[one], room.ready[one] = task, end

@@ -12,7 +12,7 @@ from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Tally, TeamFormation
-from teamformer.sim.replay import Ending, Replay, Step, TeamAt
+from teamformer.sim.replay import Crew, Ending, Replay, Step, TeamAt
 
 Groups = dict[int, tuple[int, ...]]
 """The robots of each team, by slot."""
@@ -39,6 +39,8 @@ class Recorder:
         self._along = float if isinstance(self._scenario.world, Plane) else int
         self._steps: list[Step] = []
         self._orders: list[tuple[int, tuple[int, ...]]] = []
+        self._crews: list[tuple[int, tuple[Crew, ...]]] = []
+        self._plans = 0
         self._before = self._snapshot()
         self._start = tuple(
             (slot, robots, *self._scenario.robots[slot].at)
@@ -61,9 +63,10 @@ class Recorder:
                 lost=tuple(np.flatnonzero(is_lost).tolist()),
                 teams=_changed_teams(before, after, self._along),
                 done=tuple((int(k), int(tasks["done_by"][k])) for k in done),
+                named=self._named(formed),
             )
         )
-        if (tasks["appears"] == steps).any():
+        if (tasks["appears"] == steps).any() or self._plans < self._env.worlds.count["plans"][0]:
             self._write_order(steps)
         self._before = after  # last: only now does the step count as written down
 
@@ -79,6 +82,7 @@ class Recorder:
             steps=tuple(self._steps[:made]),
             end=self._ending(),
             lower_bound=lower_bound,
+            crews=tuple(self._crews),
         )
 
     def _snapshot(self) -> _Snapshot:
@@ -86,8 +90,29 @@ class Recorder:
         return _Snapshot(self._env.worlds.teams[0].copy(), groups, self._env.tally())
 
     def _write_order(self, steps: int) -> None:
-        count = self._env.worlds.count["open"][0]
-        self._orders.append((steps, tuple(self._env.worlds.order[0, :count].tolist())))
+        worlds = self._env.worlds
+        order = tuple(worlds.order[0, : worlds.count["open"][0]].tolist())
+        self._orders.append((steps, order))
+        plans = int(worlds.count["plans"][0])
+        if self._scenario.allocation == "crews" and plans > self._plans:
+            self._crews.append((steps, self._crews_now(order)))
+        self._plans = plans
+
+    def _crews_now(self, order: tuple[int, ...]) -> tuple[Crew, ...]:
+        """Return the crews, by number, with their lists."""
+        crew_of, list_of = self._env.worlds.robots["crew"][0], self._env.worlds.tasks["crew"][0]
+        members = _groups(crew_of)
+        return tuple(
+            Crew(members[number], tuple(task for task in order if list_of[task] == number))
+            for number in sorted(members)
+        )
+
+    def _named(self, formed: Groups) -> tuple[int, ...]:
+        """Return the teams that decisions gave their task, where only those differ from lists."""
+        if self._scenario.allocation != "crews":
+            return ()
+        is_commanded = self._env.worlds.teams["is_commanded"][0]
+        return tuple(slot for slot in sorted(formed) if is_commanded[slot])
 
     def _joins(self, before: Groups, formed: Groups) -> tuple[tuple[int, int], ...]:
         """Return (joiner, partner) for each team that holds two earlier teams."""

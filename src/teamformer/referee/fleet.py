@@ -22,6 +22,8 @@ class Team:
     task: int | None = None
     credit: float = 0.0  # the most that it can have saved of its speed
     has_formed: bool = False
+    due: int | None = None  # the task that crews' lists give it
+    was_serving: bool = False  # when tasks were given
     met_at: Place | None = None  # where the other one of two that have just joined stood
     services: dict[int, int] = field(default_factory=dict)  # task -> steps left
     counts: dict[str, int] = field(default_factory=dict)

@@ -6,6 +6,7 @@ once.
 
 from __future__ import annotations
 
+from teamformer.referee.crews import Lists, check_assignments, judge_crews
 from teamformer.referee.doing import Tasks
 from teamformer.referee.ending import judge_ending, judge_orders, start_fleet, why_over
 from teamformer.referee.fleet import Fleet
@@ -24,7 +25,7 @@ from teamformer.sim.replay import Replay, Step
 def judge(replay: Replay) -> Verdict:
     """Return everything in a record that breaks the rules."""
     notes = Notes()
-    fleet, tasks = start_fleet(replay, notes), Tasks(replay.scenario)
+    fleet, tasks, lists = start_fleet(replay, notes), Tasks(replay.scenario), Lists(replay)
     over = ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
@@ -32,17 +33,18 @@ def judge(replay: Replay) -> Verdict:
             notes.note(f"{over}, and the record goes on")
             break
         due = due_losses(fleet, number)
-        _judge_step(fleet, tasks, step, number, due, notes)
+        _judge_step(fleet, tasks, lists, step, number, due, notes)
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
     judge_orders(replay, tasks.done, notes)
+    judge_crews(replay, tasks.done, notes)
     judge_ending(replay, fleet, tasks, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
     return Verdict(findings, len(replay.steps), len(tasks.done))
 
 
 def _judge_step(
-    fleet: Fleet, tasks: Tasks, step: Step, number: int, due: set[int], notes: Notes
+    fleet: Fleet, tasks: Tasks, lists: Lists, step: Step, number: int, due: set[int], notes: Notes
 ) -> None:
     slots = set(fleet.teams)
     for team in fleet.teams.values():
@@ -55,7 +57,10 @@ def _judge_step(
         join_teams(fleet, walked, notes)
         walked = ()
     check_reach(fleet, walked, notes)
+    lists.give_tasks(fleet, tasks, number - 1)
+    unions = lists.tasks_of_unions(fleet, walked)
     _move(fleet, step, walked, due, notes)
+    lists.give_unions(fleet, unions)
     lose_robots(fleet, step, due, notes)
     _check_entries(fleet, step, slots, notes)
     recorded: dict[int, int] = {}
@@ -65,6 +70,7 @@ def _judge_step(
         recorded[task] = slot
     tasks.complete(fleet, recorded, number, notes)
     _assign(fleet, tasks, step, number, notes)
+    check_assignments(fleet, tasks, step.named, number, bool(due), notes)
 
 
 def _are_together(fleet: Fleet, pair: tuple[int, int]) -> bool:
@@ -86,7 +92,8 @@ def _move(
     for pair in walking:
         teams = [fleet.teams[slot] for slot in pair]
         slot = _slot_after(teams[0].robots | teams[1].robots, due)
-        place = places.get(slot, fleet.teams[min(pair)].at)
+        same = slot if slot in pair else min(pair)  # no entry: that one has not moved
+        place = places.get(slot, fleet.teams[same].at)
         for team in teams:
             move_team(fleet, team, place, notes, meets=True)
     join_teams(fleet, walked, notes)

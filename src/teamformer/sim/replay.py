@@ -35,6 +35,13 @@ class TeamAt(NamedTuple):
     task: int | None
 
 
+class Crew(NamedTuple):
+    """A part of the fleet, and the open tasks that are its to do, in order."""
+
+    robots: tuple[int, ...]
+    tasks: tuple[int, ...]
+
+
 @dataclass(frozen=True)
 class Step:
     """What one step changed; robots, tasks and slots are numbers."""
@@ -44,6 +51,7 @@ class Step:
     lost: tuple[int, ...] = ()
     teams: tuple[TeamAt, ...] = ()  # whose slot, place or assignment changed
     done: tuple[tuple[int, int], ...] = ()  # task, team that did it
+    named: tuple[int, ...] = ()  # teams whose decision named their task, where there are crews
 
 
 @dataclass(frozen=True)
@@ -72,17 +80,19 @@ class Replay:
     steps: tuple[Step, ...]
     end: Ending
     lower_bound: int | None = None
+    crews: tuple[tuple[int, tuple[Crew, ...]], ...] = ()  # steps made, crews from then on
 
 
 STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
 REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
+NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key != "crews")
 
 
 def replay_to_tree(replay: Replay) -> dict[str, Any]:
     """Return the replay as the tree of its file."""
-    return {
+    tree = {
         "teamformer_replay": VERSION,
         "scenario": scenario_to_tree(replay.scenario),
         "policy": replay.policy,
@@ -93,6 +103,9 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
         "end": {key: _lists(value) for key, value in vars(replay.end).items()},
         "lower_bound": replay.lower_bound,
     }
+    if replay.crews:
+        tree["crews"] = _lists(replay.crews)
+    return tree
 
 
 def _step_to_tree(step: Step) -> dict[str, Any]:
@@ -175,7 +188,7 @@ def replay_from_tree(tree: Any, source: str) -> Replay:
     """
     _check_version(tree, source)
     try:
-        _check_keys(tree, REPLAY_KEYS, REPLAY_KEYS)
+        _check_keys(tree, REPLAY_KEYS, NEEDED_KEYS)
         scenario = scenario_from_tree(tree["scenario"], f"{source}: scenario")
         return _replay(tree, scenario)
     except _DamageError as damage:
@@ -220,6 +233,11 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         orders = tuple(
             (_count(at), _numbers(order, tasks)) for at, order in _rows(tree["orders"], 2)
         )
+    with _inside("crews"):
+        crews = tuple(
+            (_count(at), tuple(_crew(crew, robots, tasks) for crew in _list(made)))
+            for at, made in _rows(tree.get("crews", []), 2)
+        )
     with _inside("start"):
         start = tuple(
             (_below(slot, robots), _numbers(members, robots), along(x), along(y))
@@ -236,7 +254,13 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         steps=tuple(_steps(tree["steps"], robots, tasks, along)),
         end=end,
         lower_bound=None if bound is None else _count(bound),
+        crews=crews,
     )
+
+
+def _crew(row: Any, robots: int, tasks: int) -> Crew:
+    [[members, listed]] = _rows([row], 2)
+    return Crew(_numbers(members, robots), _numbers(listed, tasks))
 
 
 def _ending(tree: Any) -> Ending:
@@ -273,6 +297,7 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
             for slot, x, y, task in teams
         ),
         done=tuple((_below(task, tasks), _below(slot, robots)) for task, slot in done),
+        named=_numbers(tree.get("named", []), robots),
     )
 
 

@@ -1,6 +1,7 @@
 // The part of the side that says what the selected team, task or capability is about.
 
 const STORY_SHOWN = 40;
+const CREW_TASKS_SHOWN = 8;
 
 function showDetails(app) {
   refill(byId("details"), detailsOf(app));
@@ -48,6 +49,7 @@ function teamDetails(app, team, robot) {
     heading(app, teamMark(app, team), titleOfTeam(scenario, team)),
     lead(capitalised(describeDoing(scenario, team, app.player.step))),
     waitingFor(app, team.goal, team.missing, team),
+    crewText(app, robot),
     ...(team.robots.length > 1 ? titled("Robots", robotChips(app, team.robots, robot)) : []),
     ...titled("Brings", capabilityChips(app, "brings", team.counts)),
     ...(team.goal === NOBODY ? [] : titled("Task", taskLink(app, team.goal))),
@@ -62,6 +64,16 @@ function titleOfTeam(scenario, team) {
   const { length } = team.robots;
   if (length === 1) return robotName(scenario, team.slot);
   return `Team ${robotName(scenario, team.slot)} of ${length} robots`;
+}
+
+function crewText({ history, player }, robot) {
+  const crew = crewOf(history, robot, player.step);
+  if (!crew) return null;
+  const names = crew.left.map((task) => history.scenario.tasks[task].name);
+  const shown = names.slice(0, CREW_TASKS_SHOWN).join(", ");
+  const more = names.length > CREW_TASKS_SHOWN ? ", ..." : "";
+  const list = names.length ? `: ${plural(names.length, "task")} left, ${shown}${more}` : "";
+  return element("p", { class: "muted" }, `Crew ${crew.number}${list || ", nothing left to do"}`);
 }
 
 function lostDetails(app, robot) {

@@ -101,6 +101,22 @@ function orderAt(history, step) {
   return tasks.filter((task) => standingOf(history, task, step) !== "done");
 }
 
+// The crews as last planned, each its robots and its list of tasks; none under other allocations.
+function crewsAt(history, step) {
+  let crews = [];
+  for (const [made, planned] of history.replay.crews ?? []) if (made <= step) crews = planned;
+  return crews;
+}
+
+// The number of a robot's crew from 1 on, and how many of its tasks are left; null without crews.
+function crewOf(history, robot, step) {
+  const crews = crewsAt(history, step);
+  const index = crews.findIndex(([robots]) => robots.includes(robot));
+  if (index < 0) return null;
+  const left = crews[index][1].filter((task) => standingOf(history, task, step) !== "done");
+  return { number: index + 1, left };
+}
+
 function namesCap(counts, cap) {
   return counts.some(([other]) => other === cap);
 }

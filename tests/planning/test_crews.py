@@ -1,0 +1,250 @@
+"""Plans for crews: dealing, sharing out and the search, by hand and against a slow twin."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from teamformer.jit import entry
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.planning.crew_lists import Shared, bits_of, empty_parties, gather_parties
+from teamformer.planning.crew_walk import empty_room, walk_list
+from teamformer.planning.crews import plan_crews
+from teamformer.planning.travel import travel_matrix
+from teamformer.policies.scripted import JoinCrew
+from teamformer.scenarios.generate import Spec, generate
+from teamformer.sim.env import TeamFormation
+
+NOBODY = -1
+
+
+def table(counts: list[dict[str, int]], caps: tuple[str, ...]) -> np.ndarray:
+    return np.array([[count.get(cap, 0) for cap in caps] for count in counts], dtype=np.int64)
+
+
+def shared_of(scenario: Scenario) -> Shared:
+    """Return what is known at the start, each robot alone."""
+    robots, tasks, world = scenario.robots, scenario.tasks, scenario.world
+    places = [task.at for task in tasks] + [robot.at for robot in robots]
+    needs = table([dict(task.needs) for task in tasks], scenario.capabilities)
+    return Shared(
+        now=np.int64(0),
+        ways=travel_matrix(world, places, [task.at for task in tasks]).astype(np.float64),
+        slowness=np.array([1 / robot.speed for robot in robots]),
+        counts=table([dict(robot.can) for robot in robots], scenario.capabilities),
+        needs=needs,
+        wants=bits_of(needs),
+        duration=np.array([task.duration for task in tasks], dtype=np.int64),
+        robot_region=np.array([world.region(robot.at) for robot in robots]),
+        task_region=np.array([world.region(task.at) for task in tasks]),
+        place=np.arange(len(robots)) + len(tasks),
+        ready=np.zeros(len(robots), dtype=np.int64),
+        company=np.arange(len(robots)),
+    )
+
+
+def plan(
+    scenario: Scenario, rounds: int = 5000, in_one_crew: bool = False
+) -> tuple[list[int], list[int], list[int]]:
+    """Return each robot's crew, each task's, and all tasks in order."""
+    crew = np.full(len(scenario.robots), NOBODY)
+    task_crew = np.full(len(scenario.tasks), NOBODY)
+    sequence = plan_crews(shared_of(scenario), crew, task_crew, in_one_crew, rounds)
+    return crew.tolist(), task_crew.tolist(), sequence.tolist()
+
+
+@entry
+def _walk(shared, crew, number, tasks):  # type: ignore[no-untyped-def]
+    parties = empty_parties(shared, crew)
+    gather_parties(shared, parties, crew, number)
+    room = empty_room(shared, parties)
+    walk_list(shared, parties, number, tasks, len(tasks), room)
+    return room.ends
+
+
+def ends_of(scenario: Scenario, crew: list[int], number: int, tasks: list[int]) -> list[int]:
+    listed = np.array(tasks, dtype=np.int32)
+    return _walk(shared_of(scenario), np.array(crew), number, listed)[: len(tasks)].tolist()
+
+
+def plain_ends(scenario: Scenario, members: list[int], tasks: list[int]) -> list[int]:
+    """Play a list step by step: parties walk to their next task and pair off there."""
+    parties = [{"robots": {r}, "at": scenario.robots[r].at, "free": 0} for r in members]
+    ends = []
+    for task in tasks:
+        wanted = scenario.tasks[task]
+        can = [{c for r in p["robots"] for c in scenario.robots[r].can} for p in parties]
+        helpers = [p for p, has in zip(parties, can, strict=True) if has & wanted.needs.keys()]
+        arrivals = []
+        for party in helpers:
+            (x, y), (to_x, to_y) = party["at"], wanted.at
+            pace = min(scenario.robots[r].speed for r in party["robots"])
+            steps = int(np.ceil((abs(x - to_x) + abs(y - to_y)) / pace - 1e-9))
+            arrivals.append(max(1, party["free"] + (max(1, steps) if len(helpers) > 1 else steps)))
+        step, there = 0, 0
+        while there != 1 or any(arrival > step for arrival in arrivals):
+            there = (there + 1) // 2  # those there at the end of the step before have joined
+            step += 1
+            there += arrivals.count(step)
+        end = step + wanted.duration
+        robots = set().union(*(party["robots"] for party in helpers))
+        parties = [party for party in parties if party not in helpers]
+        parties.append({"robots": robots, "at": wanted.at, "free": end})
+        ends.append(end)
+    return ends
+
+
+def random_world(rng: np.random.Generator, robots: int, tasks: int) -> Scenario:
+    caps = ("a", "b", "c")
+
+    def counts(most: int) -> dict[str, int]:
+        chosen = rng.choice(caps, rng.integers(1, most + 1), replace=False)
+        return {str(cap): 1 for cap in chosen}
+
+    everything = Robot("all", (0, 0), dict.fromkeys(caps, 1))
+    return Scenario(
+        "random",
+        Grid(9, 9),
+        caps,
+        (
+            everything,
+            *(
+                Robot(f"r{r}", tuple(rng.integers(0, 9, 2).tolist()), counts(2), speed)
+                for r, speed in enumerate(rng.choice([1.0, 0.5, 0.3, 2.0], robots - 1))
+            ),
+        ),
+        tuple(
+            Task(f"t{k}", tuple(rng.integers(0, 9, 2).tolist()), counts(3), int(rng.integers(0, 3)))
+            for k in range(tasks)
+        ),
+    )
+
+
+def test_a_list_takes_what_its_plain_twin_says() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        world = random_world(rng, robots=int(rng.integers(1, 7)), tasks=6)
+        everybody = list(range(len(world.robots)))
+        tasks = rng.permutation(6).tolist()
+        assert ends_of(world, [0] * len(everybody), 0, tasks) == plain_ends(world, everybody, tasks)
+
+
+def test_the_search_finds_the_best_of_all_lists() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(15):
+        world = random_world(rng, robots=3, tasks=5)
+        best = min(max(plain_ends(world, [0, 1, 2], list(p))) for p in permutations(range(5)))
+        _, _, sequence = plan(world, in_one_crew=True)
+        assert max(plain_ends(world, [0, 1, 2], sequence)) == best
+
+
+def test_as_many_crews_as_can_do_everything_and_a_rest() -> None:
+    """Three a, two b and one c make one crew of a, b, c, one of a, b and one of a."""
+    robots = [Robot(f"r{i}", (0, 0), {cap: 1}) for i, cap in enumerate("aaabbc")]
+    tasks = (Task("t", (3, 0), {"a": 1, "b": 1, "c": 1}), Task("u", (5, 0), {"a": 1, "b": 1}))
+    crew, task_crew, _ = plan(Scenario("w", Grid(9, 1), ("a", "b", "c"), tuple(robots), tasks))
+    cans = [sorted(cap for c, cap in zip(crew, "aaabbc", strict=True) if c == n) for n in range(3)]
+    assert cans == [["a", "b", "c"], ["a", "b"], ["a"]]
+    assert task_crew == [0, 1]  # side by side: 3 + 2 and 5 + 1 steps; one after the other 3 + 2 + 2
+
+
+def test_counts_are_filled_up() -> None:
+    robots = [Robot(f"r{i}", (0, 0), {"a": 1}) for i in range(5)]
+    tasks = (Task("t", (3, 0), {"a": 2}),)
+    crew, _, _ = plan(Scenario("w", Grid(9, 1), ("a",), tuple(robots), tasks))
+    assert crew == [0, 0, 1, 1, 2]
+
+
+def test_crews_lie_in_one_part_of_the_map() -> None:
+    """a b @ a b: nobody gets through, so two crews, and each does its side's task."""
+    robots = [Robot(n, (x, 0), {n[0]: 1}) for n, x in (("a1", 0), ("b2", 1), ("b1", 4), ("a2", 3))]
+    tasks = tuple(Task(f"t{x}", (x, 0), {"a": 1, "b": 1}) for x in (4, 0))
+    world = Scenario("w", Grid(5, 1, ("..@..",)), ("a", "b"), tuple(robots), tasks)
+    crew, task_crew, _ = plan(world)
+    assert crew[0] == crew[1] != crew[2] == crew[3]
+    assert task_crew == [crew[2], crew[0]]
+
+
+def test_crews_merge_where_none_can_do_a_task() -> None:
+    """The crews were a b and a; b of the first is lost, and c b, who were one, take a in."""
+    robots = [Robot(f"r{i}", (0, 0), {cap: 1}) for i, cap in enumerate("abc")]
+    world = Scenario(
+        "w",
+        Grid(9, 1),
+        ("a", "b", "c"),
+        tuple(robots),
+        (Task("t", (3, 0), {"a": 1, "b": 1}), Task("u", (5, 0), {"c": 1})),
+    )
+    crew, task_crew = np.array([0, 1, 1]), np.array([0, 1])
+    plan_crews(shared_of(world), crew, task_crew, False, 100)
+    assert crew[0] == crew[1] == crew[2]
+    assert task_crew.tolist() == [crew[0], crew[0]]
+
+
+@pytest.mark.parametrize(("robots", "tasks", "caps"), [(8, 30, 4), (20, 60, 4), (6, 40, 6)])
+def test_every_task_is_on_one_list_of_a_crew_that_can_do_it(
+    robots: int, tasks: int, caps: int
+) -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        world = generate(Spec(robots, tasks, caps, world=Grid(15, 15)), rng)
+        crew, task_crew, sequence = plan(world)
+        assert sorted(sequence) == list(range(tasks))
+        for number, task in enumerate(world.tasks):
+            members = [r for r, c in enumerate(crew) if c == task_crew[number]]
+            assert task.needs.keys() <= {cap for r in members for cap in world.robots[r].can}
+
+
+def test_everybody_finds_the_same() -> None:
+    world = generate(Spec(20, 60, 4, world=Grid(20, 20)), np.random.default_rng(4))
+    assert plan(world) == plan(world)
+
+
+def test_more_changes_help() -> None:
+    rng = np.random.default_rng(5)
+    worlds = [generate(Spec(12, 60, 4, world=Grid(20, 20)), rng) for _ in range(5)]
+    lasts = []
+    for rounds in (0, 2000, 60_000):
+        lasts.append(0)
+        for world in worlds:
+            crew, task_crew, sequence = plan(world, rounds)
+            lists = [[k for k in sequence if task_crew[k] == c] for c in range(max(crew) + 1)]
+            lasts[-1] += max(ends_of(world, crew, c, tasks)[-1] for c, tasks in enumerate(lists))
+    assert lasts[0] > 1.2 * lasts[2]
+    assert lasts[1] > lasts[2]
+
+
+SETTINGS = {
+    "4N20T-C4": Spec(4, 20, 4),
+    "20N60T-C4": Spec(20, 60, 4, world=Grid(20, 20)),
+    "40N20T-C40": Spec(40, 20, 40, 6, world=Grid(20, 20)),
+}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_what_is_planned_is_what_happens(name: str) -> None:
+    """Under join-crew, until a crew has nothing left; but who passes over a task does it sooner."""
+    rng = np.random.default_rng(6)
+    exact = late = done = 0
+    for _ in range(8):
+        world = replace(generate(SETTINGS[name], rng), allocation="crews")
+        env, policy = TeamFormation([world]), JoinCrew()
+        worlds = env.worlds
+        crew, list_of = (part["crew"][0].tolist() for part in (worlds.robots, worlds.tasks))
+        order = worlds.order[0].tolist()
+        planned = {}
+        for number in range(max(crew) + 1):
+            tasks = [k for k in order if list_of[k] == number]
+            planned.update(zip(tasks, ends_of(world, crew, number, tasks), strict=True))
+        while env.is_running[0] and worlds.count["plans"][0] == 1:
+            env.step(policy.decide(env.view()))
+        for task, step in enumerate(worlds.tasks["done_at"][0].tolist()):
+            exact += step == planned[task]
+            late += step > planned[task]
+            done += step != NOBODY
+    assert done > 8 * len(order) // 2
+    assert late == 0
+    assert exact > 0.9 * done

@@ -1,0 +1,105 @@
+"""The referee on records with crews: what is legal is left alone, and forged lists are found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from random_worlds import random_decision, random_world
+from small_worlds import make, robot, task
+from teamformer.policies.recorder import Recorder
+from teamformer.policies.scripted import JoinAll, JoinCrew
+from teamformer.policies.trial import run_trial
+from teamformer.referee import judge
+from teamformer.sim.env import Decision, TeamFormation
+from teamformer.sim.replay import Crew, Replay, TeamAt
+
+
+def two_crews() -> Replay:
+    """
+    T . A . U     A has two robots that can do both tasks: each is a crew and has one of them
+    """
+    scenario = make([robot("a", 2), robot("a", 2)], [task("a", 0), task("a", 4)])
+    return run_trial(replace(scenario, allocation="crews"), JoinCrew(), "join-crew").replay
+
+
+def test_each_of_two_crews_does_the_task_on_its_list() -> None:
+    replay = two_crews()
+    assert judge(replay).findings == ()
+    [(made, crews)] = replay.crews
+    assert made == 0
+    assert sorted(crew.tasks for crew in crews) == [(0,), (1,)]
+    assert replay.end.makespan == 2
+
+
+def swap_lists(replay: Replay) -> Replay:
+    [(made, (one, other))] = replay.crews
+    swapped = (Crew(one.robots, other.tasks), Crew(other.robots, one.tasks))
+    return replace(replay, crews=((made, swapped),))
+
+
+def leave_a_robot_out(replay: Replay) -> Replay:
+    [(made, (one, other))] = replay.crews
+    return replace(replay, crews=((made, (Crew((), one.tasks), other)),))
+
+
+def leave_a_task_out(replay: Replay) -> Replay:
+    [(made, (one, other))] = replay.crews
+    return replace(replay, crews=((made, (Crew(one.robots, ()), other)),))
+
+
+def send_nowhere(replay: Replay) -> Replay:
+    first = replay.steps[0]
+    teams = (TeamAt(*first.teams[0][:3], None), *first.teams[1:])
+    return replace(replay, steps=(replace(first, teams=teams), *replay.steps[1:]))
+
+
+@pytest.mark.parametrize(
+    ("forge", "message"),
+    [
+        (swap_lists, "by its crew's list it is task"),
+        (leave_a_robot_out, "the crews made after 0 steps are not of all robots left, each in one"),
+        (leave_a_task_out, "the crews made after 0 steps do not share out the open tasks"),
+        (send_nowhere, "heads for nothing; by its crew's list it is task"),
+        (lambda replay: replace(replay, crews=()), "there are no crews from after 0 steps"),
+    ],
+)
+def test_a_forged_record_is_found(forge: Callable[[Replay], Replay], message: str) -> None:
+    assert any(message in finding.message for finding in judge(forge(two_crews())).findings)
+
+
+def test_a_list_must_be_one_that_its_robots_can_do() -> None:
+    scenario = make([robot("a", 0), robot("b", 0)], [task("a", 2), task("ab", 4)])
+    replay = run_trial(replace(scenario, allocation="crews"), JoinCrew(), "join-crew").replay
+    [(made, [crew])] = replay.crews
+    forged = (Crew((0,), crew.tasks), Crew((1,), ()))
+    [finding] = [f for f in judge(replace(replay, crews=((made, forged),))).findings if not f.step]
+    assert "have task" in finding.message
+    assert "on the list of one that cannot do it" in finding.message
+
+
+def test_legal_records_are_left_alone() -> None:
+    """Random worlds with losses and late tasks, under policies and under random decisions."""
+    rng = np.random.default_rng(5)
+    for number in range(120):
+        world = replace(random_world(rng, is_plane=number % 4 == 0), allocation="crews")
+        if number % 3:
+            replay = run_trial(world, JoinCrew() if number % 2 else JoinAll(), "any").replay
+        else:
+            replay = random_trial(world, rng)
+        assert judge(replay).findings == ()
+
+
+def random_trial(world, rng: np.random.Generator) -> Replay:  # type: ignore[no-untyped-def]
+    """Play at random, and now and then name a task."""
+    env = TeamFormation([world])
+    recorder = Recorder(env)
+    while env.is_running[0]:
+        view = env.view()
+        named = np.where(rng.random(len(view.slot)) < 0.1, view.task_number[:, 0], -1)
+        env.step(Decision(random_decision(view, rng).wanted, named))
+        recorder.step()
+    return recorder.finish("random", 0, None)

@@ -103,8 +103,8 @@ def _meet_at(shared, room, count, task):  # type: ignore[no-untyped-def]
         party = room.helper[index]
         way = shared.ways[room.place[party], task]
         steps = np.int64(np.ceil(way * room.slowness[party] - ROUNDING))
-        if helpers > 1:
-            steps = max(steps, 1)
+        if helpers > 1 and steps == 0:
+            steps += 1
         _insert(room.arrival, index, max(room.ready[party] + steps, shared.now + 1))
     end = _pair_off(room.arrival, helpers) + shared.duration[task]
     one = room.helper[0]

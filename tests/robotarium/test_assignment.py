@@ -25,4 +25,4 @@ def test_nobody_passes_through_the_others() -> None:
     """Three in a row move up by one: the last does not overtake, though that is as far."""
     places = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
     slots = np.array([[3.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
-    np.testing.assert_allclose(match(places, slots), places + (1.0, 0.0))
+    np.testing.assert_allclose(match(places, slots), places + np.array([1.0, 0.0]))

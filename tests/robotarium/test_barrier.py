@@ -8,9 +8,9 @@ import pytest
 from teamformer.robotarium.barrier import POINT, Barrier, Safety
 from teamformer.robotarium.controller import Controller
 from teamformer.robotarium.plant import Plant, Weather
+from teamformer.robotarium.solvers import with_daqp
 
 pytest.importorskip("daqp")
-from teamformer.robotarium.solvers import with_daqp
 
 ROUGH = Weather(delay=0.066, blur=0.002, turn_blur=np.deg2rad(1))
 
@@ -30,6 +30,14 @@ def test_two_that_meet_slow_down_alike() -> None:
     poses = np.array([[0.0, 0.0, 0.0], [apart + 2 * POINT, 0.0, np.pi]])
     velocities = Barrier(2, with_daqp()).filter(poses, np.array([[0.1, 0.0], [-0.1, 0.0]]))
     np.testing.assert_allclose(velocities, [[0.03, 0.0], [0.03, 0.0]], atol=1e-6)
+
+
+def test_who_counts_less_gives_way() -> None:
+    """With 0.05 m/s too much, one of weight 0.25 takes four fifths of it upon itself."""
+    poses = np.array([[0.0, 0.0, 0.0], [Safety().apart, 0.0, 0.0]])
+    wanted = np.array([[0.05, 0.0], [0.0, 0.0]])
+    velocities = Barrier(2, with_daqp()).filter(poses, wanted, np.array([1.0, 0.25]))
+    np.testing.assert_allclose(velocities[:, 0], [0.04, 0.04], atol=1e-6)
 
 
 def test_a_wall_stops_the_point_ahead() -> None:
@@ -52,9 +60,9 @@ def test_twenty_cross_without_a_fault(weather: Weather) -> None:
     angle = 2 * np.pi * np.arange(20) / 20
     circle = np.stack((1.3 * np.cos(angle), 0.85 * np.sin(angle)), axis=1)
     plant = Plant(np.column_stack((circle, angle)), weather, seed=1)
-    controller = Controller(20, with_daqp())
+    controller, is_idle = Controller(20, with_daqp()), np.zeros(20, dtype=np.bool_)
     for _ in range(1500):
-        plant.drive(controller.steer(plant.poses(), -circle))
+        plant.drive(controller.steer(plant.poses(), -circle, is_idle))
     assert plant.faults.is_clean, plant.faults
     left = np.linalg.norm(plant.true_poses[:, :2] + circle, axis=1)
     assert (left < 0.05).all(), left.round(2)

@@ -42,23 +42,25 @@ class Barrier:
         self._first, self._second = np.triu_indices(robots, 1)
         self._limits = _speed_rows(robots, self._safety)  # (4 robots, 2 robots)
 
-    def filter(self, poses: Array, wanted: Array) -> Array:
+    def filter(self, poses: Array, wanted: Array, weight: Array | None = None) -> Array:
         """Return safe velocities (robots, 2) of v and w.
 
         `poses` is (robots, 3); `wanted` (robots, 2) are velocities of the points ahead, in x and y.
+        `weight` (robots,) says how much each robot's wish counts: one that counts less gives way.
         """
         turned = _turns(poses[:, 2])  # (robots, 2, 2), from a robot's frame to the arena's
         own = np.einsum("rij,ri->rj", turned, wanted).ravel()  # (2 robots,)
+        scale = np.ones(len(own)) if weight is None else np.sqrt(weight).repeat(2)
         points = points_ahead(poses, POINT)
         pair_rows, pair_bounds = self._pairs(points, turned)
         wall_rows, wall_bounds = self._walls(points, turned)
-        rows = np.concatenate((pair_rows, wall_rows, self._limits))
+        rows = np.concatenate((pair_rows, wall_rows, self._limits)) / scale
         limits = np.full(len(self._limits), self._safety.speed)
         bounds = np.concatenate((pair_bounds, wall_bounds, limits))
-        safe = self._solve(own, rows, bounds)
+        safe = self._solve(own * scale, rows, bounds)
         if safe is None:  # somebody is too near already: at least come no nearer
-            safe = self._solve(own, rows, np.maximum(bounds, 0.0))
-        found = np.zeros_like(own) if safe is None else safe
+            safe = self._solve(own * scale, rows, np.maximum(bounds, 0.0))
+        found = np.zeros_like(own) if safe is None else safe / scale
         return found.reshape(-1, 2) / (1.0, POINT)
 
     def _pairs(self, points: Array, turned: Array) -> tuple[Array, Array]:

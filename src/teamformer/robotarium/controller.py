@@ -23,6 +23,7 @@ class Steering:
     long_patience: int = 60  # ticks until it turns to the other side
     forgets: int = 120  # ticks until it begins again
     aside: float = np.pi / 3
+    idle_weight: float = 0.1  # of the wishes of robots without a slot, who give way to others
 
 
 class Controller:
@@ -33,14 +34,18 @@ class Controller:
         self._barrier = Barrier(robots, solve)
         self._stalled = np.zeros(robots, dtype=np.int64)  # ticks
 
-    def steer(self, poses: Array, goals: Array) -> Array:
-        """Return velocities (robots, 2) for poses (robots, 3) and goals (robots, 2)."""
+    def steer(self, poses: Array, goals: Array, is_idle: Array) -> Array:
+        """Return velocities (robots, 2) for poses (robots, 3) and goals (robots, 2).
+
+        Robots that are idle (robots,) give way to the others.
+        """
         steering, points = self._steering, points_ahead(poses, POINT)
         way = goals - points
         to_go = np.linalg.norm(way, axis=1)
         fraction = np.minimum(steering.speed / np.maximum(to_go, 1e-9), steering.gain)
         wanted = turn(way * fraction[:, None], self._detours())
-        velocities = self._barrier.filter(poses, wanted)
+        weight = np.where(is_idle, steering.idle_weight, 1.0)
+        velocities = self._barrier.filter(poses, wanted, weight)
         made = np.linalg.norm(velocities * (1.0, POINT), axis=1)
         is_slow = made < steering.slow * np.linalg.norm(wanted, axis=1)
         self._count(is_slow & (to_go > steering.at_rest))

@@ -9,6 +9,7 @@ import numpy as np
 
 from teamformer.robotarium.arena import HEIGHT, WIDTH
 from teamformer.robotarium.assignment import match
+from teamformer.robotarium.detours import way_point
 from teamformer.robotarium.formation import SPACING, fits, ring_radius, slots_around
 from teamformer.robotarium.teams import Team
 from teamformer.sim.arrays import Array
@@ -29,15 +30,21 @@ class Work:
 
 @dataclass(frozen=True)
 class Goals:
-    """Where the robots are to go, and who of them has a slot around the team's task."""
+    """Where the robots are to go, and who of them has a slot around the team's task.
+
+    Robots that are idle have no way to go and give way to others.
+    """
 
     places: Array  # (robots, 2)
+    way_points: Array  # (robots, 2) what to head for now, on the way there
     has_slot: Array  # (robots,)
+    is_idle: Array  # (robots,)
 
 
 def choose_goals(teams: Sequence[Team], robots: Array, work: Work, is_open: Array) -> Goals:
     """Return the goals of robots (robots, 2); `is_open` (tasks,) are known and not done."""
-    goals = Goals(robots.copy(), np.zeros(len(robots), dtype=np.bool_))
+    nobody = np.zeros(len(robots), dtype=np.bool_)
+    goals = Goals(robots.copy(), robots.copy(), has_slot=nobody, is_idle=nobody.copy())
     for task in {team.task for team in teams if team.task is not None}:
         heading = [team for team in teams if team.task == task and team.partner is None]
         chosen = choose_needed(heading, robots, work, task)
@@ -51,13 +58,22 @@ def choose_goals(teams: Sequence[Team], robots: Array, work: Work, is_open: Arra
             goals.places[list(team.robots)] = robots[list(partner.robots)].mean(axis=0)
     free = [r for team in teams if team.partner is None for r in team.robots]
     radii = np.array([ring_radius(count) + CLEARANCE for count in work.needs.sum(axis=1)])
-    _keep_clear(
-        [robot for robot in free if not goals.has_slot[robot]],
-        goals.places,
-        work.places[is_open],
-        radii[is_open],
-    )
+    free = [robot for robot in free if not goals.has_slot[robot]]
+    _keep_clear(free, goals.places, work.places[is_open], radii[is_open])
+    goals.is_idle[free] = (goals.places[free] == robots[free]).all(axis=1)
+    _lead_around_rings(goals, robots, work, [team.task for team in teams])
     return goals
+
+
+def _lead_around_rings(
+    goals: Goals, robots: Array, work: Work, tasks: Sequence[int | None]
+) -> None:
+    """Write the way points, around the rings of all tasks that somebody heads for."""
+    rings = sorted({task for task in tasks if task is not None})
+    radii = np.array([ring_radius(int(count)) for count in work.needs[rings].sum(axis=1)])
+    for robot, at in enumerate(robots):
+        goal = goals.places[robot]
+        goals.way_points[robot] = way_point(at, goal, work.places[rings], radii)
 
 
 def choose_needed(teams: Sequence[Team], robots: Array, work: Work, task: int) -> list[int]:

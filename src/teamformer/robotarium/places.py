@@ -73,8 +73,7 @@ def _gather(
         followers = [
             team
             for team in others
-            if distance(leader, team, robots) <= CONTACT
-            and (not is_there[team.slot] or team.task == leader.task)
+            if team.task == leader.task and distance(leader, team, robots) <= CONTACT
         ]
         gathered.append((leader, followers))
         waiting = [team for team in others if team not in followers]

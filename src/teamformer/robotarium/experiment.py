@@ -1,0 +1,105 @@
+"""One experiment: a scenario, a policy and robots, simulated by the plant or Robotarium's own."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from teamformer.model import Scenario
+from teamformer.policies.protocol import Policy
+from teamformer.robotarium.arena import MIDDLE, TICK
+from teamformer.robotarium.checks import check_mission
+from teamformer.robotarium.mission import Outcome, Watch, fly
+from teamformer.robotarium.plant import Faults, Plant, Weather
+from teamformer.robotarium.solvers import with_daqp
+from teamformer.sim.arrays import Array
+
+Simulator = Literal["plant", "rps"]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What came of one; `report` is what Robotarium's own simulator said, if it was asked."""
+
+    scenario: Scenario
+    policy: str
+    seed: int
+    outcome: Outcome
+    faults: Faults
+    seconds: float  # of the clock, for the whole experiment
+    report: str = ""
+
+    @property
+    def is_good(self) -> bool:
+        """Say whether all tasks were done and no rule was broken."""
+        return self.outcome.is_completed and self.faults.is_clean
+
+    def row(self) -> dict[str, Any]:
+        """Return what `--json` prints."""
+        outcome, tally, faults = self.outcome, self.outcome.tally, self.faults
+        last = max((tick for tick in outcome.done_at if tick is not None), default=None)
+        makespan = last if outcome.is_completed and last is not None else None
+        return {
+            "scenario": self.scenario.name,
+            "policy": self.policy,
+            "seed": self.seed,
+            "completed": outcome.is_completed,
+            "status": tally.status,
+            "makespan": tally.steps if outcome.is_completed else None,
+            "makespan_seconds": None if makespan is None else round(makespan * TICK, 3),
+            "steps": tally.steps,
+            "ticks": outcome.ticks,
+            "done_at_tick": list(outcome.done_at),
+            "tasks_done": tally.tasks_done,
+            "tasks": len(self.scenario.tasks),
+            "robots": len(self.scenario.robots),
+            "capabilities": len(self.scenario.capabilities),
+            "joins": tally.joins,
+            "splits": tally.splits,
+            "illegal_decisions": tally.illegal_decisions,
+            "collisions": faults.collisions,
+            "boundary_violations": faults.boundary_violations,
+            "actuator_violations": faults.actuator_violations,
+            "min_separation": round(faults.min_separation, 4),
+            "decision_ms": round(1e3 * outcome.timing.decision, 3),
+            "longest_decision_ms": round(1e3 * outcome.timing.longest_decision, 3),
+            "tick_ms": round(1e3 * outcome.timing.tick, 3),
+            "total_seconds": round(self.seconds, 3),
+        }
+
+
+def run_experiment(
+    scenario: Scenario,
+    policy: Policy,
+    name: str,
+    seed: int = 0,
+    simulator: Simulator = "plant",
+    weather: Weather | None = None,
+    watch: Watch | None = None,
+) -> Experiment:
+    """Run one experiment; raises `ScenarioError` for a scenario that robots have no room for."""
+    check_mission(scenario)
+    begun = time.perf_counter()
+    poses, report = start_poses(scenario, seed), ""
+    if simulator == "plant":
+        plant = Plant(poses, weather, seed)
+        outcome = fly(scenario, policy, plant, with_daqp(), seed, watch)
+        faults = plant.faults
+    else:
+        from teamformer.robotarium.rps_robots import RpsRobots
+
+        robots = RpsRobots(poses)
+        outcome = fly(scenario, policy, robots, with_daqp(), seed, watch)
+        faults, report = robots.faults, robots.finish()
+    seconds = time.perf_counter() - begun
+    return Experiment(scenario, name, seed, outcome, faults, seconds, report)
+
+
+def start_poses(scenario: Scenario, seed: int) -> Array:
+    """Return where the robots start, as (robots, 3): headings are random."""
+    starts = np.array([robot.at for robot in scenario.robots]) - MIDDLE
+    headings = np.random.default_rng(seed).uniform(-np.pi, np.pi, len(starts))
+    return np.column_stack((starts, headings))

@@ -253,6 +253,38 @@ def train(
     )
 
 
+@app.command()
+def robotarium(
+    words: Annotated[
+        list[str], typer.Argument(metavar="[deploy] SCENARIO", help="a scenario file on a plane")
+    ],
+    policy: Annotated[str, typer.Option(help="who decides; see `policies`")] = "teamformer",
+    seed: Seed = 0,
+    simulator: Annotated[str, typer.Option(help="plant, ours, or rps, the official one")] = "plant",
+    delay: Annotated[float, typer.Option(min=0, max=1, help="seconds until robots obey")] = 0.0,
+    noise: Annotated[bool, typer.Option("--noise", help="2 mm and 1 degree")] = False,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="folder for pictures, or to upload")
+    ] = None,
+    verify: Annotated[bool, typer.Option("--verify", help="run what was deployed")] = False,
+    python: Annotated[
+        str, typer.Option(help="that verifies: one that has the simulator")
+    ] = sys.executable,
+    as_json: AsJson = False,
+) -> None:
+    """Fly a mission in Robotarium's arena; `deploy` writes what its testbed takes."""
+    from teamformer.commands.robotarium import Options, deploy
+    from teamformer.commands.robotarium import robotarium as command
+
+    *verbs, path = words
+    if verbs not in ([], ["deploy"]):
+        raise TeamformerError(f"'{' '.join(words)}' is not one scenario", "give one file")
+    options = Options(policy, seed, simulator, delay, noise, out)
+    if verbs:
+        raise typer.Exit(deploy(Path(path), options, verify, python, as_json))
+    raise typer.Exit(command(Path(path), options, as_json))
+
+
 def main() -> None:
     """Run the command line: exit 0 is good, 1 failed, 2 misused."""
     for stream in (sys.stdout, sys.stderr):

@@ -22,7 +22,7 @@ from teamformer.robotarium.goals import Goals, Work, choose_goals
 from teamformer.robotarium.places import team_places
 from teamformer.robotarium.plant import Robots
 from teamformer.robotarium.teams import Team, teams_of
-from teamformer.sim.arrays import Array
+from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Tally, TeamFormation
 
 
@@ -34,13 +34,14 @@ class Moment:
     poses: Array  # (robots, 3) in the arena's coordinates
     teams: tuple[Team, ...]
     is_open: Array  # (tasks,) known and not done
+    is_done: Array  # (tasks,)
 
 
 @dataclass(frozen=True)
 class Timing:
     """What the clock of the processor said, in seconds: means, and the longest decision."""
 
-    decision: float
+    decision: float  # of all teams, with their views
     longest_decision: float  # without the first, in which code may be compiled
     tick: float  # filter and controller
 
@@ -123,19 +124,23 @@ class _Mission:
             teams = teams_of(self._env)
             goals = choose_goals(teams, poses[:, :2], self._work, self._is_open())
             for _ in range(self._ticks_per_step):
-                watch(Moment(self._ticks, poses, tuple(teams), self._is_open()))
+                watch(self._moment(poses, teams))
                 self._robots.drive(self._steer(poses, goals))
                 poses = self._robots.poses()
                 self._ticks += 1
             places = team_places(teams, poses[:, :2], goals, self._tasks, self._radius)
             self._env.finish_step(places[None])
-        watch(Moment(self._ticks, poses, tuple(teams_of(self._env)), self._is_open()))
+        watch(self._moment(poses, teams_of(self._env)))
         return self._outcome()
+
+    def _moment(self, poses: Array, teams: list[Team]) -> Moment:
+        is_done = self._env.worlds.tasks["done_at"][0] != NOBODY
+        return Moment(self._ticks, poses, tuple(teams), self._is_open(), is_done)
 
     def _decide(self) -> None:
         """Let all teams decide, and carry out what they want."""
-        view = self._env.view()
         begun = time.process_time()
+        view = self._env.view()
         decision = self._policy.decide(view)
         self._seconds["decision"].append(time.process_time() - begun)
         self._env.start_step(decision)

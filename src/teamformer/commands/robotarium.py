@@ -1,0 +1,149 @@
+"""`teamformer robotarium`: a mission of small real robots, simulated, drawn, or made to upload."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from teamformer.capabilities import describe
+from teamformer.commands.console import announce_compiling, out, prepare_folder, print_json, say
+from teamformer.errors import TeamformerError
+from teamformer.policies import POLICIES
+from teamformer.policies.registry import load_policy
+from teamformer.robotarium.arena import TICK
+from teamformer.robotarium.experiment import Experiment, run_experiment
+from teamformer.robotarium.plant import Weather
+from teamformer.scenarios.files import read_scenario
+
+NOISE = (0.002, np.deg2rad(1.0))  # metres and radians
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line says."""
+
+    policy: str = "teamformer"
+    seed: int = 0
+    simulator: str = "plant"
+    delay: float = 0.0
+    has_noise: bool = False
+    folder: Path | None = None
+
+    def weather(self) -> Weather:
+        """Return delay and noise."""
+        blur, turn_blur = NOISE if self.has_noise else (0.0, 0.0)
+        return Weather(self.delay, blur, turn_blur)
+
+
+def robotarium(path: Path, options: Options, as_json: bool) -> int:
+    """Fly a mission, write its pictures and show what came of it; return the exit status."""
+    scenario = read_scenario(path)
+    if options.simulator not in ("plant", "rps"):
+        raise TeamformerError(f"there is no simulator '{options.simulator}'", "use plant or rps")
+    if options.simulator == "rps" and (options.delay or options.has_noise):
+        raise TeamformerError("rps has neither delay nor noise", "use --simulator plant")
+    policy = load_policy(options.policy, POLICIES)
+    film: Any = None
+    if options.folder is not None:
+        from teamformer.robotarium.draw import Film
+
+        prepare_folder(options.folder)
+        film = Film()
+    announce_compiling([options.policy])
+    done = run_experiment(
+        scenario,
+        policy,
+        options.policy,
+        options.seed,
+        "rps" if options.simulator == "rps" else "plant",
+        options.weather(),
+        watch=None if film is None else film.watch,
+    )
+    if options.folder is not None:
+        _write(done, film, options.folder)
+    if as_json:
+        print_json(done.row())
+    else:
+        _show(done)
+    return 0 if done.is_good else 1
+
+
+def deploy(path: Path, options: Options, verifies: bool, python: str, as_json: bool) -> int:
+    """Write the folder to upload, and run it if asked; return the exit status."""
+    from teamformer.robotarium.deploy import deploy as write
+    from teamformer.robotarium.deploy import verify
+
+    scenario, folder = read_scenario(path), options.folder
+    if folder is None:
+        raise TeamformerError("where is the folder to go?", "add -o FOLDER")
+    prepare_folder(folder)
+    files = write(scenario, options.policy, options.seed, folder)
+    main = files[0]
+    say(f"written: {len(files)} files in {folder}; upload all and mark {main.name} as main")
+    if not verifies:
+        if as_json:
+            print_json({"folder": str(folder), "files": [file.name for file in files]})
+        return 0
+    policy = load_policy(options.policy, POLICIES)
+    expected = run_experiment(scenario, policy, options.policy, options.seed).row()
+    found = verify(folder, python)
+    is_same = all(found[key] == expected[key] for key in COMPARED)
+    if as_json:
+        print_json({"folder": str(folder), "same_as_plant": is_same, **found})
+    else:
+        _show_comparison(found, expected)
+    return 0 if is_same and found["status"] == "completed" else 1
+
+
+COMPARED = ("status", "done_at_tick", "collisions", "boundary_violations", "actuator_violations")
+
+
+def _show_comparison(found: dict[str, Any], expected: dict[str, Any]) -> None:
+    table = Table("", "folder, on rps", "here, on the plant", box=None, header_style="dim")
+    for key in (*COMPARED, "decision_ms", "longest_decision_ms", "tick_ms"):
+        table.add_row(key.replace("_", " "), str(found[key]), str(expected[key]))
+    out.print(table)
+
+
+def _write(done: Experiment, film: Any, folder: Path) -> None:
+    row = folder / "result.json"
+    row.write_text(json.dumps(done.row(), indent=1, ensure_ascii=False) + "\n")
+    for path in [row, *film.write(done.scenario, folder)]:
+        say(f"written: {path}")
+
+
+def _show(done: Experiment) -> None:
+    scenario, outcome, faults = done.scenario, done.outcome, done.faults
+    out.print(Text(f"{scenario.name}: {done.policy}, seed {done.seed}", style="bold"))
+    table = Table("seconds", "task", "needs", box=None, header_style="dim")
+    finished = sorted(zip(outcome.done_at, scenario.tasks, strict=True), key=_when)
+    for tick, task in finished:
+        when = "-" if tick is None else f"{tick * TICK:.1f}"
+        table.add_row(when, Text(task.name), Text(describe(task.needs)))
+    out.print(table)
+    tally = outcome.tally
+    verdict = "all done" if outcome.is_completed else f"not all done: {tally.status}"
+    style = "green" if done.is_good else "red"
+    out.print(f"{verdict} after {outcome.ticks * TICK:.1f} s, {outcome.ticks} ticks", style=style)
+    out.print(
+        f"{faults.collisions} collisions, {faults.boundary_violations} boundary violations, "
+        f"{faults.actuator_violations} actuator violations; the nearest two robots were "
+        f"{faults.min_separation:.3f} m apart",
+        style="green" if faults.is_clean else "red",
+    )
+    timing = outcome.timing
+    out.print(
+        f"{tally.joins} joins, {tally.splits} splits; a decision of all teams took "
+        f"{1e3 * timing.decision:.2f} ms, control {1e3 * timing.tick:.2f} ms a tick"
+    )
+
+
+def _when(done: tuple[int | None, Any]) -> float:
+    tick = done[0]
+    return float("inf") if tick is None else float(tick)

@@ -1,0 +1,35 @@
+"""The network in NumPy says what ONNX Runtime says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from teamformer.errors import TeamformerError
+from teamformer.policies.any_fleet import NAME
+from teamformer.policies.relations import Relations, relate
+from teamformer.policies.sessions import OnnxNetwork, shipped
+from teamformer.robotarium.numpy_network import NumpyNetwork
+from teamformer.robotarium.onnx_files import Node, read_onnx
+from teamformer.robotarium.random_missions import random_mission
+from teamformer.sim.env import TeamFormation
+
+
+def test_the_shipped_network_scores_alike() -> None:
+    content = shipped(f"{NAME}.onnx")
+    graph = read_onnx(content)
+    assert graph.inputs == Relations._fields
+    worlds = [random_mission(20, 5, 10, np.random.default_rng(seed)) for seed in range(3)]
+    tokens = relate(TeamFormation(worlds).view())
+    [ours] = NumpyNetwork(graph)(*tokens)
+    [theirs] = OnnxNetwork(content, NAME, Relations._fields)(*tokens)
+    assert ours.shape == theirs.shape
+    np.testing.assert_allclose(ours, theirs, rtol=1e-4, atol=1e-4)
+
+
+def test_an_unknown_operation_is_refused() -> None:
+    graph = read_onnx(shipped(f"{NAME}.onnx"))
+    with pytest.raises(TeamformerError, match="Einsum"):
+        NumpyNetwork(replace(graph, nodes=(Node("Einsum", (), (), {}),)))

@@ -65,7 +65,7 @@ def bench(suite_name: str, options: Options, as_json: bool) -> int:
     if suite_name == "speed":
         return _measure_speed(as_json)
     if suite_name == "robotarium":
-        raise TeamformerError("the suite 'robotarium' is not in this installation")
+        return _fly_missions(options, as_json)
     if options.engine not in ENGINES:
         hint = f"there are {', '.join(ENGINES)}"
         raise TeamformerError(f"there is no engine '{options.engine}'", hint)
@@ -178,6 +178,13 @@ def _table(summaries: list[Summary]) -> Table:
     for summary in summaries:
         table.add_row(*cells_of(summary, headers))
     return table
+
+
+def _fly_missions(options: Options, as_json: bool) -> int:
+    from teamformer.commands.robotarium import fly_missions
+
+    policy = options.policies[0] if options.policies else "teamformer"
+    return fly_missions(options.trials or 100, policy, options.seed, options.folder, as_json)
 
 
 def _measure_speed(as_json: bool) -> int:

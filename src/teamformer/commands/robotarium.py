@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,19 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.capabilities import describe
-from teamformer.commands.console import announce_compiling, out, prepare_folder, print_json, say
+from teamformer.commands.console import (
+    Counting,
+    announce_compiling,
+    out,
+    prepare_folder,
+    print_json,
+    say,
+)
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
 from teamformer.policies.registry import load_policy
 from teamformer.robotarium.arena import TICK
+from teamformer.robotarium.bench import bench_robotarium, count_missions, summarise
 from teamformer.robotarium.experiment import Experiment, run_experiment
 from teamformer.robotarium.plant import Weather
 from teamformer.scenarios.files import read_scenario
@@ -100,6 +109,37 @@ def deploy(path: Path, options: Options, verifies: bool, python: str, as_json: b
         _show_comparison(found, expected)
     return 0 if is_same and found["status"] == "completed" else 1
 
+
+def fly_missions(trials: int, policy: str, seed: int, folder: Path | None, as_json: bool) -> int:
+    """Fly random missions and show how many were good; return the exit status."""
+    has_rps = find_spec("rps") is not None
+    if not has_rps:
+        say("without robotarium-python-simulator: only the plant is measured")
+    if folder is not None:
+        prepare_folder(folder)
+    announce_compiling([policy])
+    rows = []
+    with Counting("missions") as counting:
+        for row in bench_robotarium(trials, policy, seed, has_rps):
+            rows.append(row)
+            counting.update(len(rows), count_missions(trials, has_rps))
+            if as_json:
+                print_json(row)
+    if folder is not None:
+        lines = (json.dumps(row, ensure_ascii=False) + "\n" for row in rows)
+        (folder / "robotarium.jsonl").write_text("".join(lines))
+        say(f"written: {folder / 'robotarium.jsonl'}")
+    summaries = summarise(rows)
+    if not as_json:
+        for summary in summaries:
+            out.print(Text(str(summary.pop("setting")), style="bold"))
+            cells = (f"{name} {'-' if v is None else v}" for name, v in summary.items())
+            out.print("  " + "; ".join(cells), markup=False)
+    is_good = all(row["completed"] and not any(row[f] for f in FAULTS) for row in rows)
+    return 0 if is_good else 1
+
+
+FAULTS = ("collisions", "boundary_violations", "actuator_violations")
 
 COMPARED = ("status", "done_at_tick", "collisions", "boundary_violations", "actuator_violations")
 

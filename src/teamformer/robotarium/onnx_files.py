@@ -41,7 +41,8 @@ class Graph:
 def read_onnx(content: bytes) -> Graph:
     """Return the network of an ONNX file."""
     [graph] = (value for field, value in _fields(content) if field == 7)
-    nodes, constants, inputs, outputs = [], {}, [], []
+    nodes, constants = list[Node](), dict[str, Array]()
+    inputs, outputs = list[str](), list[str]()
     for field, value in _fields(graph):
         if field == 1:
             nodes.append(_node(value))

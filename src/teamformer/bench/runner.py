@@ -144,7 +144,7 @@ def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tupl
 
 def fits(policy: str, setting: str) -> bool:
     """Say whether a policy made for a number of capabilities, `-c4`, can serve a setting."""
-    most = re.search(r"-c(\d+)$", policy)
+    most = re.search(r"-c(\d+)(-|$)", policy)
     return most is None or spec_of(setting).capabilities <= int(most[1])
 
 

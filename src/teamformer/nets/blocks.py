@@ -5,6 +5,8 @@ from __future__ import annotations
 import torch
 from torch import Tensor, nn
 
+from teamformer.nets.actor import REFUSED
+
 Memory = tuple[Tensor, Tensor]
 """Keys and values, each (teams, heads, tokens, d / heads)."""
 
@@ -15,6 +17,7 @@ class Attention(nn.Module):
     def __init__(self, d: int, heads: int) -> None:
         super().__init__()
         self.heads = heads
+        self.scale = (d // heads) ** -0.5
         self.query = nn.Linear(d, d)
         self.key_value = nn.Linear(d, 2 * d)
         self.out = nn.Linear(d, d)
@@ -30,7 +33,11 @@ class Attention(nn.Module):
         `is_seen` (teams or 1, 1, steps or 1, tokens) says what may be looked at; None is all.
         """
         query = self._by_head(self.query(asking))  # (teams, heads, steps, d / heads)
-        found = nn.functional.scaled_dot_product_attention(query, *memory, attn_mask=is_seen)
+        keys, values = memory
+        alike = query @ keys.transpose(2, 3) * self.scale  # (teams, heads, steps, tokens)
+        if is_seen is not None:
+            alike = alike.masked_fill(~is_seen, REFUSED)
+        found = alike.softmax(dim=-1) @ values  # plain, since exported it runs faster so
         out: Tensor = self.out(found.transpose(1, 2).flatten(2))
         return out
 

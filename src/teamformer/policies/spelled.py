@@ -58,16 +58,19 @@ class Speller:
             spelled[rows] += made
             coming = next_symbols(self.spelling, given, spelled[rows])
             goes_on = (symbol < scores.shape[1] - 1) & coming.is_legal[:, :-1].any(axis=1)
-            rows = rows[goes_on]
-            coming, given = Next(*_only(coming, goes_on)), Spelled(*_only(given, goes_on))
-            newest, sum_now = made[goes_on, None], spelled[rows, None]
-            if self.keeps_memories:
-                change, now, before = newest, sum_now, after[goes_on]
+            if not goes_on.all():
+                rows, made, change, now, before, after = _only(
+                    (rows, made, change, now, before, after), goes_on
+                )
+                coming, given = Next(*_only(coming, goes_on)), Spelled(*_only(given, goes_on))
                 encoded = _only(encoded, goes_on)
+            newest, sum_now = made[:, None], spelled[rows, None]  # (teams, 1, caps)
+            if self.keeps_memories:
+                change, now, before = newest, sum_now, after
             elif len(rows):
-                change = np.concatenate([change[goes_on], newest], axis=1)
-                now = np.concatenate([now[goes_on], sum_now], axis=1)
-                encoded, before = self._encoder(*given[:7]), before[goes_on]
+                change = np.concatenate([change, newest], axis=1)
+                now = np.concatenate([now, sum_now], axis=1)
+                encoded = self._encoder(*given[:7])
         own = tokens[1][:, 0]  # (teams, caps)
         wanted: Array = np.rint(spelled + own if self.spelling == EDIT else spelled)
         return wanted
@@ -84,7 +87,7 @@ class Speller:
 
 def _only(parts: tuple[Array, ...] | list[Array], kept: Array) -> list[Array]:
     """Return the kept rows of each part."""
-    return list(parts) if kept.all() else [part[kept] for part in parts]
+    return [part[kept] for part in parts]
 
 
 def _no_memory(memories: Array) -> Array:

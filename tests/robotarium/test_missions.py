@@ -1,0 +1,223 @@
+"""Whole missions: the paper's two experiments, the official simulator, and the folder for it."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from teamformer.errors import TeamformerError
+from teamformer.model import Scenario
+from teamformer.policies import POLICIES
+from teamformer.policies.registry import load_policy
+from teamformer.robotarium.bench import ROUGH, bench_robotarium, count_missions, summarise
+from teamformer.robotarium.deploy import deploy, verify
+from teamformer.robotarium.draw import Film
+from teamformer.robotarium.experiment import Experiment, Simulator, run_experiment
+from teamformer.robotarium.mission import Moment
+from teamformer.robotarium.plant import Weather
+from teamformer.robotarium.random_missions import random_mission
+from teamformer.robotarium.rps_robots import RpsRobots, is_accepted
+from teamformer.scenarios.files import read_scenario
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+needs_rps = pytest.mark.skipif(
+    importlib.util.find_spec("rps") is None or importlib.util.find_spec("cvxopt") is None,
+    reason="robotarium-python-simulator is not installed",
+)
+
+
+def four() -> Scenario:
+    return read_scenario(EXAMPLES / "robotarium-4.yaml")
+
+
+def fly(
+    scenario: Scenario,
+    policy: str,
+    simulator: Simulator = "plant",
+    weather: Weather | None = None,
+    watch: list[Moment] | None = None,
+) -> Experiment:
+    player = load_policy(policy, POLICIES)
+    keep = None if watch is None else watch.append
+    return run_experiment(scenario, player, policy, 0, simulator, weather, keep)
+
+
+def test_four_form_one_team_split_and_finish() -> None:
+    """The story of the paper's figure 7."""
+    moments: list[Moment] = []
+    done = fly(four(), "heuristic", watch=moments)
+    assert done.is_good
+    sizes = [sorted(len(team.robots) for team in moment.teams) for moment in moments]
+    story = [sizes.index(part) for part in ([1, 1, 1, 1], [4], [2, 2])]
+    assert story == sorted(story)
+    assert done.outcome.done_at[0] == min(t for t in done.outcome.done_at if t is not None)
+    assert done.outcome.tally.splits >= 1
+
+
+def test_twenty_form_all_teams_at_their_tasks() -> None:
+    """The story of the paper's figure 8, late and blurred besides."""
+    scenario = read_scenario(EXAMPLES / "robotarium-20.yaml")
+    done = fly(scenario, "teamformer", weather=ROUGH)
+    assert done.is_good, done.faults
+    assert done.row()["tasks_done"] == 5
+    assert done.faults.min_separation > 0.11
+
+
+def test_a_task_that_takes_time_and_one_that_comes_late() -> None:
+    scenario = four()
+    first, second, third = scenario.tasks
+    tasks = (replace(first, duration=5), replace(second, appears=40), third)
+    base = fly(scenario, "join-all")
+    done = fly(replace(scenario, tasks=tasks), "join-all")
+    assert done.is_good
+    before, after = base.outcome.done_at, done.outcome.done_at
+    assert before[0] is not None
+    assert after[0] == before[0] + 5 * 30
+    assert after[1] is not None
+    assert after[1] > 40 * 30
+
+
+def test_the_time_limit() -> None:
+    done = fly(replace(four(), step_limit=3), "join-all")
+    assert not done.is_good
+    assert (done.outcome.ticks, done.row()["makespan"]) == (90, None)
+    assert done.row()["status"] == "step limit"
+
+
+def test_same_seed_same_mission() -> None:
+    scenario = random_mission(6, 3, 4, np.random.default_rng(4))
+    one, other = (fly(scenario, "join-all", weather=ROUGH) for _ in range(2))
+    assert one.outcome.done_at == other.outcome.done_at
+    assert one.faults == other.faults
+
+
+def test_pictures_of_every_phase(tmp_path: Path) -> None:
+    from PIL import Image
+
+    film = Film()
+    player = load_policy("join-all", POLICIES)
+    done = run_experiment(four(), player, "join-all", watch=film.watch)
+    files = film.write(done.scenario, tmp_path)
+    assert [file.suffix for file in files] == [".png"] * (len(files) - 1) + [".gif"]
+    # Alone, two teams, one team, and after each of three tasks.
+    assert len(files) == 6 + 1
+    with Image.open(files[-1]) as gif:
+        assert gif.n_frames == done.outcome.ticks // 15 + 1
+
+
+@pytest.mark.parametrize("policy", ["heuristic", "teamformer"])
+def test_the_folder_to_upload(policy: str, tmp_path: Path) -> None:
+    files = deploy(four(), policy, 0, tmp_path)
+    assert files[0].name == "main.py"
+    assert all(file.parent == tmp_path and file.suffix in (".py", ".npy") for file in files)
+    assert (tmp_path / "weights.npy").exists() == (policy == "teamformer")
+    for file in files:
+        if file.suffix == ".py":
+            text = file.read_text()
+            assert "teamformer." not in text.replace("`teamformer.", "")
+            assert "import numba" not in text
+            compile(text, file.name, "exec")
+
+
+def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
+    """Without the package, numba and ONNX Runtime, its views and decisions are the same."""
+    scenario = random_mission(8, 4, 4, np.random.default_rng(2))
+    deploy(scenario, "teamformer", 0, tmp_path)
+    script = (
+        "import sys, json, numpy as np; sys.path.insert(0, '.')\n"
+        "sys.modules.update(dict.fromkeys(('teamformer', 'numba', 'onnxruntime')))\n"
+        "np.seterr(over='ignore')\n"
+        "from tf_sim_env import TeamFormation; from tf_scenario import SCENARIO\n"
+        "from tf_policies_any_fleet import teamformer_any\n"
+        "env, policy, steps = TeamFormation([SCENARIO]), teamformer_any(), []\n"
+        "policy.begin(None, np.random.default_rng(0))\n"
+        "while env.is_running[0]:\n"
+        "    env.step(policy.decide(env.view()))\n"
+        "    steps.append(env.worlds.robots['team'][0].tolist())\n"
+        "print(json.dumps(steps))"
+    )
+    said = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    from teamformer.sim.env import TeamFormation
+
+    env, policy, steps = TeamFormation([scenario]), load_policy("teamformer", POLICIES), []
+    policy.begin(None, np.random.default_rng(0))
+    while env.is_running[0]:
+        env.step(policy.decide(env.view()))
+        steps.append(env.worlds.robots["team"][0].tolist())
+    assert json.loads(said.stdout) == steps
+    assert len(steps) > 5
+
+
+def test_what_cannot_be_deployed(tmp_path: Path) -> None:
+    with pytest.raises(TeamformerError, match="'central' cannot be deployed"):
+        deploy(four(), "central", 0, tmp_path)
+    (tmp_path / "main.py").write_text("raise ValueError('broken')")
+    with pytest.raises(TeamformerError, match="broken"):
+        verify(tmp_path)
+
+
+@needs_rps
+def test_the_official_simulator_tells_the_same_story() -> None:
+    scenario = random_mission(10, 4, 6, np.random.default_rng(1))
+    ours, theirs = fly(scenario, "teamformer"), fly(scenario, "teamformer", "rps")
+    assert ours.is_good
+    assert theirs.is_good
+    assert ours.outcome.done_at == theirs.outcome.done_at
+    assert is_accepted(theirs.report)
+
+
+@needs_rps
+def test_the_folder_runs_on_the_official_simulator(tmp_path: Path) -> None:
+    deploy(four(), "teamformer", 0, tmp_path)
+    found, ours = verify(tmp_path), fly(four(), "teamformer").row()
+    for key in ("status", "done_at_tick", "collisions", "boundary_violations"):
+        assert found[key] == ours[key]
+
+
+class Newer:
+    """The interface of version 2.1 as far as a script sees it: poses once a step, then debug()."""
+
+    def __init__(self, number_of_robots: int, initial_conditions: np.ndarray, **_: object) -> None:
+        assert initial_conditions.shape == (3, number_of_robots)
+        self.poses, self.log = initial_conditions, list[str]()
+
+    def get_poses(self) -> np.ndarray:
+        self.log.append("look")
+        return self.poses
+
+    def set_velocities(self, ids: np.ndarray, velocities: np.ndarray) -> None:
+        assert velocities.shape == (2, len(ids))
+        self.velocities = velocities
+
+    def step(self) -> None:
+        self.log.append("step")
+        self.poses = self.poses + 0.033 * np.vstack((self.velocities[:1], 0 * self.velocities))
+
+    def debug(self) -> None:
+        print("Simulation had 1 iteration(s) where robots collided.")
+
+
+def test_both_dialects_are_spoken() -> None:
+    robots = RpsRobots(np.array([[0.0, 0.5, 0.0], [1.0, 0.5, 0.0]]), Newer)
+    robots.drive(np.array([[0.1, 0.0], [0.0, 0.0]]))
+    robots.poses()  # asking twice must not look twice
+    np.testing.assert_allclose(robots.poses()[:, 0], [0.0033, 1.0])
+    assert not is_accepted(robots.finish())
+
+
+def test_the_benchmark_flies_every_setting() -> None:
+    rows = list(bench_robotarium(1, "join-all"))
+    assert len(rows) == count_missions(1, with_rps=False) == 4
+    summaries = summarise(rows)
+    assert [s["completed"] for s in summaries] == [1, 1, 1, 1]
+    assert summaries[0]["longest, s"] == rows[0]["makespan_seconds"]
+    assert rows[0]["makespan_seconds"] == pytest.approx(0.99 * rows[0]["makespan"])

@@ -31,7 +31,9 @@ TWO = ((0.5, 0.5), (0.5, 1.5))
 def test_room_at_the_exact_edge() -> None:
     """Two robots stand 0.23 m apart, 0.115 m from their task, 0.12 m from a wall: 0.235 m."""
     check_mission(mission(*TWO, tasks={(0.235, 1.0): 2}))
-    with pytest.raises(ScenarioError, match=r"0.23 m from a wall.* 2 robots around it needs 0.23"):
+    with pytest.raises(
+        ScenarioError, match=r"0.234 m from a wall.* 2 robots around it needs 0.235 m"
+    ):
         check_mission(mission(*TWO, tasks={(0.234, 1.0): 2}))
 
 
@@ -39,15 +41,15 @@ def test_rings_must_not_touch() -> None:
     """Rings of 0.115 m and 0 m, with 0.23 m between them."""
     assert apart_needed(2, 1) == pytest.approx(0.345)
     check_mission(mission(*TWO, tasks={(1.0, 1.0): 2, (1.346, 1.0): 1}))
-    with pytest.raises(ScenarioError, match=r"'t0' and 't1' are 0.34 m apart.* need 0.35 m"):
+    with pytest.raises(ScenarioError, match=r"'t0' and 't1' are 0.344 m apart.* need 0.345 m"):
         check_mission(mission(*TWO, tasks={(1.0, 1.0): 2, (1.344, 1.0): 1}))
 
 
 def test_starts_too_near() -> None:
     check_mission(mission((0.5, 0.5), (0.75, 0.5), tasks={(1.5, 1.0): 1}))
-    with pytest.raises(ScenarioError, match=r"'r0' and 'r1' start 0.24 m apart; they need 0.25 m"):
+    with pytest.raises(ScenarioError, match=r"'r0' and 'r1' start 0.240 m apart; they need 0.25 m"):
         check_mission(mission((0.5, 0.5), (0.74, 0.5), tasks={(1.5, 1.0): 1}))
-    with pytest.raises(ScenarioError, match=r"'r0' starts 0.10 m from a wall; it needs 0.12 m"):
+    with pytest.raises(ScenarioError, match=r"'r0' starts 0.100 m from a wall; it needs 0.12 m"):
         check_mission(mission((0.1, 0.5), tasks={(1.5, 1.0): 1}))
 
 

@@ -53,14 +53,14 @@ def _problems_of_starts(scenario: Scenario) -> Iterator[Problem]:
         if room < FROM_WALLS:
             yield Problem(
                 ("robots", number, "at"),
-                f"robot '{robot.name}' starts {room:.2f} m from a wall; it needs {FROM_WALLS:g} m",
+                f"robot '{robot.name}' starts {room:.3f} m from a wall; it needs {FROM_WALLS:g} m",
             )
     for (first, one), (second, other) in combinations(enumerate(scenario.robots), 2):
         apart = float(np.hypot(one.at[0] - other.at[0], one.at[1] - other.at[1]))
         if apart < LEAST_APART - 1e-9:
             yield Problem(
                 ("robots", max(first, second), "at"),
-                f"robots '{one.name}' and '{other.name}' start {apart:.2f} m apart; "
+                f"robots '{one.name}' and '{other.name}' start {apart:.3f} m apart; "
                 f"they need {LEAST_APART:g} m",
             )
 
@@ -77,8 +77,8 @@ def _problems_of_walls(number: int, task: Task) -> Iterator[Problem]:
     if room < needed - 1e-9:
         yield Problem(
             ("tasks", number, "at"),
-            f"task '{task.name}' is {room:.2f} m from a wall; "
-            f"a ring of {robots} {_robots(robots)} around it needs {needed:.2f} m",
+            f"task '{task.name}' is {room:.3f} m from a wall; "
+            f"a ring of {robots} {_robots(robots)} around it needs {needed:.3f} m",
         )
 
 
@@ -89,8 +89,8 @@ def _problems_between_tasks(scenario: Scenario) -> Iterator[Problem]:
         if apart < needed - 1e-9:
             yield Problem(
                 ("tasks", number, "at"),
-                f"tasks '{one.name}' and '{other.name}' are {apart:.2f} m apart; "
-                f"the rings of robots around them need {needed:.2f} m",
+                f"tasks '{one.name}' and '{other.name}' are {apart:.3f} m apart; "
+                f"the rings of robots around them need {needed:.3f} m",
             )
 
 

@@ -25,7 +25,7 @@ def load_robotarium() -> Any:
         matplotlib.use("Agg")  # it imports pyplot, window or not
         from rps.robotarium import Robotarium
     except ImportError:
-        hint = "pip install robotarium-python-simulator matplotlib scipy cvxopt"
+        hint = "pip install 'teamformer[rps]'"
         raise TeamformerError("the official simulator is not installed", hint) from None
     return Robotarium
 

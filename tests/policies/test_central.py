@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import time
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from random_worlds import random_world
 from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.planning.relaxed import relax
+from teamformer.planning.team_plan import TeamPlan, routes_of
+from teamformer.planning.team_solver import first_search
 from teamformer.policies.central import Central
 from teamformer.policies.plan_player import PlanPlayer
 from teamformer.policies.scripted import JoinAll
@@ -41,7 +47,7 @@ def test_two_robots_part_because_they_are_faster_apart() -> None:
     assert (plan.solution.value, plan.solution.status) == (6, "optimal")
     assert tally.steps == plan.makespan == 7
     assert (tally.joins, tally.splits, tally.illegal_decisions) == (1, 1, 0)
-    assert plan.played_by == "schedule"
+    assert plan.played_by == "search"
 
 
 def test_like_robots_exchange_their_routes() -> None:
@@ -80,12 +86,73 @@ def test_worlds_that_lose_robots_end_all_the_same() -> None:
     assert {tally.status for tally in tallies} <= {"completed", "infeasible"}
 
 
-def test_no_time_still_gives_a_plan() -> None:
+def test_no_time_gives_the_first_plan_and_says_so() -> None:
     scenario = generate(Spec(tasks=20), np.random.default_rng(0))
-    central = Central(time_limit=0.0)
+    first, later = Central(time_limit=0.0), Central(time_limit=1.0)
+    [tally] = run_trials([scenario], first)
+    [better] = run_trials([scenario], later)
+    assert tally.status == better.status == "completed"
+    assert (first.plans[0].is_first, later.plans[0].is_first) == (True, False)
+    assert better.steps < tally.steps == first.plans[0].makespan
+
+
+def test_the_curve_falls_to_what_is_played() -> None:
+    scenario = generate(Spec(8, 20, 8), np.random.default_rng(1))
+    central = Central(time_limit=1.0)
     [tally] = run_trials([scenario], central)
-    assert tally.status == "completed"
-    assert central.plans[0].solution.value is not None
+    seconds, makespans = zip(*central.plans[0].curve, strict=True)
+    assert list(seconds) == sorted(seconds)
+    assert list(makespans) == sorted(set(makespans), reverse=True)
+    assert makespans[-1] == tally.steps
+
+
+def test_the_time_limit_is_kept() -> None:
+    scenario = generate(Spec(100, 60, 100, world=Grid(20, 20)), np.random.default_rng(2))
+    central = Central(time_limit=1.0)
+    run_trials([generate(Spec(), np.random.default_rng(0))], central)  # compiles
+    begun = time.perf_counter()
+    central.begin([scenario], np.random.default_rng(0))
+    assert time.perf_counter() - begun < 1.5
+    assert central.plans[0].makespan is not None
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_plan_takes_what_the_search_promised(seed: int) -> None:
+    scenario = generate(Spec(6, 8, 3), np.random.default_rng(seed))
+    search = first_search(relax(scenario), scenario, seed)
+    assert search is not None
+    search.anneal(3000, 0.9)
+    assert play(scenario, search.best) == search.makespan
+
+
+def test_robots_that_the_rules_cannot_part_go_on_together() -> None:
+    """a and ab are wanted on the left, b and another ab on the right: 2a.b and a.2b.
+
+    Whichever of these counts the team asks to keep, robots 1 and 2 would stay, and nobody else.
+    So the four go to the left together, 5 steps, and then 10 to the right.
+    """
+    robots = [robot("r1", 10, "a"), robot("r2", 10, "b")]
+    robots += [Robot(f"r{n}", (10, 0), {"a": 1, "b": 1}) for n in (3, 4)]
+    tasks = [Task("left", (5, 0), {"a": 2, "b": 1}), Task("right", (15, 0), {"a": 1, "b": 2})]
+    scenario = replace(corridor(robots, tasks), teams=((0, 1, 2, 3),))
+    player = PlanPlayer(scenario, [[0], [1], [0], [1]])
+    env = TeamFormation([scenario])
+    while env.is_running[0]:
+        env.view()
+        env.step(player.decide_in(env))
+    tally = env.tally()
+    assert (tally.status, tally.steps, tally.splits) == ("completed", 15, 0)
+
+
+def play(scenario: Scenario, plan: TeamPlan) -> int:
+    player = PlanPlayer(scenario, routes_of(plan, len(scenario.robots)), plan.order.tolist())
+    env = TeamFormation([scenario])
+    while env.is_running[0]:
+        env.view()
+        env.step(player.decide_in(env))
+    assert env.tally().status == "completed"
+    assert env.tally().illegal_decisions == 0
+    return env.tally().steps
 
 
 def test_it_has_to_be_given_the_scenarios() -> None:

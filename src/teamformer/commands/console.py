@@ -125,7 +125,7 @@ def announce_compiling(policy_names: Iterable[str] = ()) -> None:
     if needs_compiling(step_worlds):
         say("compiling the simulator, on the first run only (about 15 s) ...")
     if "central" in policy_names:
-        from teamformer.planning.search import is_compiled
+        from teamformer.planning import search, team_search
 
-        if not is_compiled():
-            say("compiling the planner, on the first run only (about 12 s) ...")
+        if not (search.is_compiled() and team_search.is_compiled()):
+            say("compiling the planner, on the first run only (about 20 s) ...")

@@ -24,7 +24,7 @@ from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.bounds import lower_bound
 from teamformer.policies import POLICIES
-from teamformer.policies.central import CentralPlan
+from teamformer.policies.central_plan import CentralPlan
 from teamformer.policies.protocol import Policy
 from teamformer.policies.registry import load_policy
 from teamformer.policies.trial import Trial, run_trial
@@ -116,6 +116,7 @@ def _plan_row(plan: CentralPlan | None) -> dict[str, Any]:
         "relaxed": plan.solution.value,
         "proven": plan.solution.status == "optimal",
         "played_by": plan.played_by,
+        "curve": plan.curve,
     }
 
 
@@ -126,6 +127,13 @@ def plan_line(plan: CentralPlan) -> str:
         f"schedule with free joining: {solution.value or 'none'} ({solution.status}, "
         f"bound {solution.bound}); played: {plan.played_by}"
     )
+
+
+def _improvements(plan: CentralPlan) -> str:
+    """Return what the planner found, and when."""
+    found = ", ".join(f"{steps} ({seconds:.2f} s)" for seconds, steps in plan.curve) or "none"
+    first = "; a first plan, which a longer --time-limit improves" if plan.is_first else ""
+    return f"plans found: {found}{first}"
 
 
 def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
@@ -176,6 +184,7 @@ def _show(trial: Trial) -> None:
         out.print(_task_table(replay))
     out.print(_verdict(replay), style="green" if end.status == "completed" else "red")
     if trial.plan is not None:
+        out.print(_improvements(trial.plan))
         out.print(plan_line(trial.plan))
     out.print(
         f"{end.tasks_done} of {len(scenario.tasks)} tasks, {end.joins} joins, {end.splits} splits, "

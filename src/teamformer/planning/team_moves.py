@@ -10,7 +10,6 @@ from teamformer.jit import kernel
 from teamformer.planning.insertion import draw, draw_below
 from teamformer.planning.plan import Array
 from teamformer.planning.relaxed import NOBODY, Relaxed
-from teamformer.planning.team_plan import TeamPlan
 
 LONGEST_STRETCH = 4
 """How many tasks of a robot in a row are moved at once at most."""
@@ -28,7 +27,7 @@ class Bench(NamedTuple):
     near: Array  # (tasks, neighbours) other tasks by distance
     order: Array  # (tasks,) as it was
     changed: Array  # (tasks,) tasks whose crews have changed
-    count: Array  # (1,) how many these are
+    changes: Array  # (1,) how many these are
     is_changed: Array  # (tasks,)
     crew: Array  # (tasks, robots) as they were, in the order of `changed`
     size: Array  # (tasks,)
@@ -49,7 +48,7 @@ def empty_bench(problem: Relaxed, seed: int) -> Bench:
         near=near.astype(np.int32),
         order=np.zeros(tasks, np.int32),
         changed=np.zeros(tasks, np.int32),
-        count=np.zeros(1, np.int32),
+        changes=np.zeros(1, np.int32),
         is_changed=np.zeros(tasks, np.bool_),
         crew=np.zeros((tasks, robots), np.int32),
         size=np.zeros(tasks, np.int32),
@@ -66,7 +65,7 @@ def empty_bench(problem: Relaxed, seed: int) -> Bench:
 def change_plan(problem, plan, bench):  # type: ignore[no-untyped-def]
     """Make a random change; say whether it came to anything. `undo` takes it back."""
     random = bench.random
-    bench.count[0] = 0
+    bench.changes[0] = 0
     for place in range(len(plan.order)):
         bench.order[place] = plan.order[place]
         bench.rank[plan.order[place]] = place
@@ -93,21 +92,21 @@ def undo(plan, bench):  # type: ignore[no-untyped-def]
     """Take the last change back."""
     for place in range(len(plan.order)):
         plan.order[place] = bench.order[place]
-    for place in range(bench.count[0]):
+    for place in range(bench.changes[0]):
         task = bench.changed[place]
         plan.size[task] = bench.size[place]
         for seat in range(bench.size[place]):
             plan.crew[task, seat] = bench.crew[place, seat]
         bench.is_changed[task] = False
-    bench.count[0] = 0
+    bench.changes[0] = 0
 
 
 @kernel
 def keep(bench):  # type: ignore[no-untyped-def]
     """Forget how to take the last change back."""
-    for place in range(bench.count[0]):
+    for place in range(bench.changes[0]):
         bench.is_changed[bench.changed[place]] = False
-    bench.count[0] = 0
+    bench.changes[0] = 0
 
 
 @kernel
@@ -123,13 +122,13 @@ def _remember(plan, bench, task):  # type: ignore[no-untyped-def]
     """Note a task's crew before it changes."""
     if bench.is_changed[task]:
         return
-    place = bench.count[0]
+    place = bench.changes[0]
     bench.is_changed[task] = True
     bench.changed[place] = task
     bench.size[place] = plan.size[task]
     for seat in range(plan.size[task]):
         bench.crew[place, seat] = plan.crew[task, seat]
-    bench.count[0] += 1
+    bench.changes[0] += 1
 
 
 @kernel
@@ -303,7 +302,7 @@ def _send_along(plan, bench, task):  # type: ignore[no-untyped-def]
             break
         if leads != NOBODY:
             _add(plan, bench, doing, robot)
-    return bench.count[0] > 0
+    return bench.changes[0] > 0
 
 
 @kernel
@@ -317,10 +316,10 @@ def _send_ahead(problem, plan, bench, task):  # type: ignore[no-untyped-def]
         if seat == NOBODY:
             continue
         is_spare = is_covered(problem, doing, plan.crew[doing], plan.size[doing], seat)
-        if not is_spare or bench.count[0] == most:
+        if not is_spare or bench.changes[0] == most:
             break
         _drop(plan, bench, doing, seat)
-    return bench.count[0] > 0
+    return bench.changes[0] > 0
 
 
 @kernel
@@ -333,6 +332,3 @@ def _replace(problem, plan, bench, task):  # type: ignore[no-untyped-def]
     _remember(plan, bench, task)
     plan.crew[task, seat] = other
     return is_covered(problem, task, plan.crew[task], plan.size[task], NOBODY)
-
-
-__all__ = ["Bench", "TeamPlan", "change_plan", "empty_bench", "is_covered", "keep", "undo"]

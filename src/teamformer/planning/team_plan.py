@@ -21,7 +21,7 @@ LATE = 1e6
 """Steps of makespan that a robot lost before its task's end is worth."""
 
 SPREAD = 0.15
-"""Steps of makespan that a step of the mean of all tasks' ends is worth: it leads out of plateaus."""
+"""Steps of makespan that a step of the mean of all ends is worth: it leads out of plateaus."""
 
 
 class TeamPlan(NamedTuple):
@@ -59,9 +59,7 @@ def empty_team_plan(problem: Relaxed) -> TeamPlan:
     )
 
 
-def plan_teams(
-    problem: Relaxed, order: Sequence[int], crews: Sequence[Sequence[int]]
-) -> TeamPlan:
+def plan_teams(problem: Relaxed, order: Sequence[int], crews: Sequence[Sequence[int]]) -> TeamPlan:
     """Return a plan as arrays; `crews` holds the robots of each task, by its number."""
     plan = empty_team_plan(problem)
     plan.order[:] = order

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import entry, kernel, needs_compiling
 from teamformer.model import Scenario
 from teamformer.planning.insertion import draw
 from teamformer.planning.relaxed import NOBODY, Relaxed
@@ -61,6 +61,11 @@ class TeamSearch:
     def makespan(self) -> int:
         """Return the step in which the best plan is done."""
         return int(time_plan(self.problem, self._best, self._groups)[1])
+
+
+def is_compiled() -> bool:
+    """Say whether the search was compiled before, so that a first plan has not to wait for it."""
+    return not needs_compiling(anneal)
 
 
 @entry

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.planning.plan import Array
-from teamformer.planning.relaxed import FAR, NOBODY, Relaxed
+from teamformer.planning.relaxed import FAR, Relaxed
 from teamformer.planning.team_plan import TeamPlan, plan_teams
 from teamformer.planning.tour import shortest_tour
 
@@ -70,6 +70,3 @@ def _able_crew(problem: Relaxed, task: int, crew: list[int]) -> list[int]:
             coming.append(robot)
             lacking = lacking - problem.counts[robot]
     return coming
-
-
-__all__ = ["NOBODY", "crew_plans"]

@@ -1,4 +1,4 @@
-"""Plays a schedule under the step rules: which robot goes where becomes splits, joins and tasks."""
+"""Plays a plan under the step rules: who does which task becomes splits, joins and tasks."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.model import Scenario
+from teamformer.model import Grid, Scenario
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Decision, TeamFormation
 
@@ -15,45 +15,57 @@ class PlanPlayer:
     """Sends every robot along its route of tasks.
 
     A team whose members have the same next task goes there and joins, pair by pair, the teams
-    there that wait for it too. A team whose members part ways splits. Robots with the same
-    capabilities and speed are interchangeable: where the step rules let another one stay than the
-    plan has it, the two exchange their routes.
+    there that wait for it too. A team whose members part ways splits, those of the earliest task
+    in the plan's order first. Robots with the same capabilities and speed are interchangeable:
+    where the step rules let another one stay than the plan has it, the two exchange their routes.
+    Robots that the rules cannot part go to the earliest task together. So the crew of the
+    earliest open task is always on its way there, and nothing is parted and joined again for ever.
     """
 
-    def __init__(self, scenario: Scenario, routes: Sequence[Sequence[int]]) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        routes: Sequence[Sequence[int]],
+        order: Sequence[int] | None = None,
+    ) -> None:
+        order = range(len(scenario.tasks)) if order is None else order
+        self._rank = {task: place for place, task in enumerate(order)}
         self._routes = [list(route) for route in routes]
-        self._kind = [
-            (tuple(sorted(robot.can.items())), robot.speed, robot.lost) for robot in scenario.robots
-        ]
+        self._at = [0] * len(routes)  # how far on its route each robot is
+        self._places = np.array([task.at for task in scenario.tasks], dtype=np.float64)
+        world = scenario.world
+        self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
+        kinds = [(sorted(r.can.items()), r.speed, r.lost) for r in scenario.robots]
+        self._kind = [repr(kind) for kind in kinds]
         self._counts = np.array(
-            [
-                [robot.can.get(name, 0) for name in scenario.capabilities]
-                for robot in scenario.robots
-            ],
+            [[r.can.get(name, 0) for name in scenario.capabilities] for r in scenario.robots],
             dtype=np.int16,
         )
 
     def decide_in(self, env: TeamFormation) -> Decision:
         """Return every team's decision in the first world of an environment."""
-        world_tasks, teams = env.worlds.tasks[0], env.worlds.teams[0]
-        self._is_done = world_tasks["done_at"] != NOBODY
-        slots = np.flatnonzero(teams["size"]).tolist()
-        robots_of = {slot: np.flatnonzero(env.worlds.robots["team"][0] == slot) for slot in slots}
+        tasks, teams = env.worlds.tasks[0], env.worlds.teams[0]
+        self._is_done = (tasks["done_at"] != NOBODY).tolist()
+        self._is_open = tasks["is_open"]
+        members: dict[int, list[int]] = {}
+        for robot, slot in enumerate(env.worlds.robots["team"][0][: len(self._routes)].tolist()):
+            if slot != NOBODY:
+                members.setdefault(slot, []).append(robot)
+        slots = sorted(members)
         wanted = {slot: env.worlds.has[0, slot].copy() for slot in slots}
         named = dict.fromkeys(slots, NOBODY)
         waiting: dict[int, list[int]] = {}  # teams at their next task, by task
+        serves, x, y = (teams[field].tolist() for field in ("serves", "x", "y"))
         for slot in slots:
-            robots = robots_of[slot].tolist()
-            ways = sorted({task for r in robots if (task := self._next(r)) != NOBODY})
-            if teams[slot]["serves"] > 0 or not ways:
+            ways = self._ways(members[slot])
+            if serves[slot] > 0 or not ways:
                 continue
-            first = min(self._next(r) for r in robots if self._next(r) != NOBODY)
-            if len(ways) > 1:
-                wanted[slot] = self._part(robots, first)
-            elif (teams[slot]["x"], teams[slot]["y"]) == tuple(world_tasks[first][["x", "y"]]):
-                waiting.setdefault(first, []).append(slot)
-            if world_tasks[first]["is_open"]:
-                named[slot] = first
+            parted = self._part(members[slot], ways) if len(ways) > 1 else None
+            if parted is not None:
+                wanted[slot] = parted
+            elif self._is_at(ways[0], x[slot], y[slot]):
+                waiting.setdefault(ways[0], []).append(slot)
+            named[slot] = self._open_task(ways[0])
         for together in waiting.values():
             for one, other in zip(together[::2], together[1::2], strict=False):
                 wanted[one] = wanted[one] + wanted[other]
@@ -63,18 +75,45 @@ class PlanPlayer:
 
     def _next(self, robot: int) -> int:
         """Return the robot's next task that is not done, or NOBODY."""
-        return next((task for task in self._routes[robot] if not self._is_done[task]), NOBODY)
+        route, at = self._routes[robot], self._at[robot]
+        while at < len(route) and self._is_done[route[at]]:
+            at += 1
+        self._at[robot] = at
+        return route[at] if at < len(route) else NOBODY
 
-    def _part(self, robots: list[int], task: int) -> Array:
-        """Return the counts to keep so that those who go to `task`, or nowhere, stay."""
-        stay = [robot for robot in robots if self._next(robot) in (task, NOBODY)]
-        for part in (stay, [robot for robot in robots if robot not in stay]):
-            wanted: Array = self._counts[part].sum(axis=0)
-            kept = self._stayers(robots, wanted)
-            if sorted(self._kind[r] for r in kept) == sorted(self._kind[r] for r in part):
-                self._exchange_routes(part, kept)
-                return wanted
-        return np.asarray(self._counts[robots[0]])  # the first one always stays alone
+    def _ways(self, robots: list[int]) -> list[int]:
+        """Return the different next tasks of robots, in the plan's order."""
+        ways = {self._next(robot) for robot in robots} - {NOBODY}
+        return sorted(ways, key=self._rank.__getitem__)
+
+    def _is_at(self, task: int, x: float, y: float) -> bool:
+        task_x, task_y = self._places[task]
+        return bool((task_x - x) ** 2 + (task_y - y) ** 2 <= self._near**2)
+
+    def _open_task(self, task: int) -> int:
+        """Return a task to head for: the one given, or the open one nearest to it."""
+        if self._is_open[task]:
+            return task
+        away = np.abs(self._places - self._places[task]).sum(axis=1)  # (tasks,)
+        away[~self._is_open[: len(away)]] = np.inf
+        return int(away.argmin()) if np.isfinite(away.min()) else NOBODY
+
+    def _part(self, robots: list[int], ways: list[int]) -> Array | None:
+        """Return the counts to keep so that those of one way, or all others, stay.
+
+        Robots without a way go with the first. None if the rules allow no such split.
+        """
+        for task in ways:
+            ours = (task, NOBODY) if task == ways[0] else (task,)
+            stay = [robot for robot in robots if self._next(robot) in ours]
+            rest = [robot for robot in robots if robot not in stay]
+            for part in (stay, rest):
+                wanted: Array = self._counts[part].sum(axis=0, dtype=np.int16)
+                kept = self._stayers(robots, wanted)
+                if sorted(self._kind[r] for r in kept) == sorted(self._kind[r] for r in part):
+                    self._exchange_routes(part, kept)
+                    return wanted
+        return None
 
     def _stayers(self, robots: list[int], wanted: Array) -> list[int]:
         """Return who stays by the step rules: robots in order while they fit."""
@@ -92,5 +131,6 @@ class PlanPlayer:
             if robot not in planned:
                 twin = next(r for r in leavers if self._kind[r] == self._kind[robot])
                 leavers.remove(twin)
-                routes = self._routes
+                routes, at = self._routes, self._at
                 routes[robot], routes[twin] = routes[twin], routes[robot]
+                at[robot], at[twin] = at[twin], at[robot]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from teamformer.model import Scenario
-from teamformer.policies.central import CentralPlan
+from teamformer.policies.central_plan import CentralPlan
 from teamformer.policies.protocol import Policy
 from teamformer.policies.recorder import Recorder
 from teamformer.sim.env import Tally, TeamFormation

@@ -1,0 +1,130 @@
+"""Plans with forming counted: their times by hand, and against a slow twin."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from random_worlds import random_world
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.planning.relaxed import Relaxed, relax
+from teamformer.planning.team_plan import TeamPlan, empty_groups, plan_teams, routes_of, time_plan
+from teamformer.scenarios.generate import Spec, generate
+
+
+def corridor(places: list[int], tasks: list[Task], forming_steps: int = 1) -> Scenario:
+    """Draw robots, each able to do "a", in a corridor."""
+    robots = tuple(Robot(f"r{n}", (x, 0), {"a": 1}) for n, x in enumerate(places))
+    return Scenario(
+        "corridor", Grid(30, 1), ("a",), robots, tuple(tasks), forming_steps=forming_steps
+    )
+
+
+def task(x: int, count: int, duration: int = 0) -> Task:
+    return Task(f"t{x}", (x, 0), {"a": count}, duration=duration)
+
+
+def ends(scenario: Scenario, order: list[int], crews: list[list[int]]) -> list[int]:
+    """Return the step in which each task is done, by number."""
+    problem = relax(scenario)
+    groups = empty_groups(problem, scenario.starting_teams, scenario.forming_steps)
+    time_plan(problem, plan_teams(problem, order, crews), groups)
+    return groups.end[: len(order)].tolist()
+
+
+def test_a_lone_robot_pays_nothing() -> None:
+    assert ends(corridor([0], [task(5, 1), task(2, 1)]), [1, 0], [[0], [0]]) == [5, 2]
+
+
+@pytest.mark.parametrize(("robots", "steps"), [(2, 1), (3, 2), (4, 2), (5, 3), (8, 3), (9, 4)])
+def test_robots_that_meet_pair_up(robots: int, steps: int) -> None:
+    scenario = corridor([0] * robots, [task(4, robots)])
+    assert ends(scenario, [0], [list(range(robots))]) == [4 + steps]
+
+
+def test_those_that_came_earlier_have_joined_already() -> None:
+    # three are there after 2 steps, two of them join in step 3, the third in 4, the last in 10
+    assert ends(corridor([2, 2, 2, 13], [task(4, 4)]), [0], [[0, 1, 2, 3]]) == [10]
+
+
+def test_going_on_together_is_free_and_parting_is_not() -> None:
+    tasks = [task(4, 2), task(8, 1), task(1, 1)]
+    scenario = corridor([4, 4], tasks)
+    assert ends(scenario, [0, 1, 2], [[0, 1], [0, 1], [0, 1]]) == [1, 5, 12]
+    assert ends(scenario, [0, 1, 2], [[0, 1], [0], [1]]) == [1, 6, 5]
+    assert ends(corridor([4, 4], tasks, 0), [0, 1, 2], [[0, 1], [0], [1]]) == [1, 5, 4]
+
+
+def test_who_has_nothing_left_to_do_need_not_be_left_behind() -> None:
+    scenario = corridor([4, 4], [task(4, 2), task(8, 1)])
+    assert ends(scenario, [0, 1], [[0, 1], [0]]) == [1, 5]
+
+
+def test_three_ways_take_two_splits_the_last_two_at_once() -> None:
+    tasks = [task(10, 3), task(8, 1), task(12, 1), task(15, 1)]
+    # together after 2 joining steps; the first way leaves after step 3, the others after step 4
+    found = ends(corridor([10, 10, 10], tasks), [0, 1, 2, 3], [[0, 1, 2], [0], [1], [2]])
+    assert found == [2, 3 + 2, 4 + 2, 4 + 5]
+
+
+def test_a_crew_stays_for_the_duration() -> None:
+    scenario = corridor([0], [task(3, 1, duration=4), task(5, 1)])
+    assert ends(scenario, [0, 1], [[0], [0]]) == [7, 9]
+
+
+def test_routes_follow_the_order() -> None:
+    problem = relax(corridor([0, 0], [task(3, 1), task(5, 1), task(7, 1)]))
+    assert routes_of(plan_teams(problem, [2, 0, 1], [[0], [1, 0], [1]]), 2) == [[0, 1], [2, 1]]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_times_are_those_of_a_slow_twin(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    scenario = random_world(rng, with_losses=False) if seed % 2 else generate(Spec(6, 9, 3), rng)
+    problem = relax(scenario)
+    robots, tasks = len(scenario.robots), len(scenario.tasks)
+    crews = [rng.permutation(robots)[: rng.integers(1, robots + 1)].tolist() for _ in range(tasks)]
+    plan = plan_teams(problem, rng.permutation(tasks).tolist(), crews)
+    groups = empty_groups(problem, scenario.starting_teams, scenario.forming_steps)
+    _, makespan = time_plan(problem, plan, groups)
+    slow = slow_ends(scenario, problem, plan)
+    assert groups.end[:tasks].tolist() == slow
+    assert makespan == max(slow)
+
+
+def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]:
+    """Time a plan with sets: each group is its robots, where they are, and since when."""
+    tasks = len(scenario.tasks)
+    routes = routes_of(plan, len(scenario.robots))
+    together = [
+        {"robots": set(team), "at": tasks + min(team), "free": 0, "splits": 0}
+        for team in scenario.starting_teams
+    ]
+    end = [0] * tasks
+    for position in plan.order.tolist():
+        crew = set(plan.crew[position, : plan.size[position]].tolist())
+        arrivals = []
+        for group in together:
+            ours = group["robots"] & crew
+            if not ours:
+                continue
+            group["robots"] -= crew
+            group["splits"] += any(routes[robot] for robot in group["robots"])
+            pace = min(problem.pace[robot] for robot in ours)
+            way = int(problem.steps[pace, problem.cells[position, group["at"]]])
+            arrivals.append(group["free"] + group["splits"] * scenario.forming_steps + way)
+        for robot in crew:
+            routes[robot].remove(position)
+        step, teams = 0, 0
+        while teams != 1 or any(arrival > step for arrival in arrivals):
+            if teams > 1:
+                step, teams = step + 1, (teams + 1) // 2
+            else:
+                step = min(a for a in arrivals if a > step or teams == 0)
+            come = [a for a in arrivals if a <= step]
+            teams += len(come)
+            arrivals = [a for a in arrivals if a > step]
+        end[position] = max(step, int(problem.appears[position]) + 1)
+        end[position] += int(problem.duration[position])
+        together.append({"robots": crew, "at": position, "free": end[position], "splits": 0})
+    return end

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 
 from teamformer.model import Scenario
+from teamformer.planning.circuits import make_solver
 from teamformer.planning.team_solver import compile_search
 from teamformer.policies.central_plan import CentralPlan, plan_centrally
 from teamformer.sim.arrays import NOBODY
@@ -57,4 +58,5 @@ class Central:
 @cache
 def _warm_up() -> None:
     """Have everything compiled and imported before the clock starts."""
+    make_solver(seed=0)
     plan_centrally(compile_search(), time_limit=0.1)

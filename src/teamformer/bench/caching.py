@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from dataclasses import dataclass
 
@@ -22,7 +23,7 @@ EVERY = 10  # steps between views that are measured
 
 @dataclass(frozen=True)
 class Caching:
-    """Processor seconds on the same views of one trial, and whether all decisions were the same."""
+    """Processor seconds on the same views, and whether all decisions were the same."""
 
     cached: float
     uncached: float
@@ -35,28 +36,31 @@ class Caching:
         return self.uncached / self.cached
 
 
-def measure_caching(name: str = NETWORK) -> Caching:
+def measure_caching(name: str = NETWORK, trials: int = 10) -> Caching:
     """Spell all counts of 100 robots with 100 capabilities, with and without kept memories.
 
-    The views are those of a trial in which teams join all on the way, from a hundred teams of one
-    to a team of a hundred.
+    The views are those of trials, side by side, in which teams join all on the way: from a hundred
+    teams of one to a team of a hundred.
     """
     cached, uncached = shipped_speller(name), shipped_speller(name, keeps_memories=False)
-    views = _views_of_a_trial(cached.capabilities)
+    views = _views_of_trials(cached.capabilities, trials)
     seconds, wanted = _time(cached, views)
     more_seconds, again = _time(uncached, views)
     are_same = all(np.array_equal(a, b) for a, b in zip(wanted, again, strict=True))
     return Caching(seconds, more_seconds, sum(len(view[0]) for view in views), are_same)
 
 
-def _views_of_a_trial(capabilities: int) -> list[tuple[Array, ...]]:
+def _views_of_trials(capabilities: int, trials: int) -> list[tuple[Array, ...]]:
     """Return the tokens of teams that have a choice, every so many steps."""
     spec = Spec(ROBOTS, TASKS, capabilities, requirements=NEEDS, world=Grid(SIDE, SIDE))
-    env = TeamFormation([generate(spec, np.random.default_rng(0))])
+    rng = np.random.default_rng(0)
+    env = TeamFormation([generate(spec, rng) for _ in range(trials)])
     policy, codec, views = JoinAll(), SpellingCodec(capabilities), []
-    while env.is_running.any():
+    for step in itertools.count():
+        if not env.is_running.any():
+            break
         view = env.view()
-        if env.tally().steps % EVERY == 0:
+        if step % EVERY == 0:
             tokens = codec.encode(view)
             rows = codec.has_choice(view, tokens)
             if rows.any():

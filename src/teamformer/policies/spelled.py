@@ -125,8 +125,3 @@ def teamformer_c8() -> Learned:
 def teamformer_c100() -> Learned:
     """Return the shipped network for up to a hundred capabilities."""
     return policy_of(shipped_speller("teamformer-c100"))
-
-
-def teamformer_c100_full() -> Learned:
-    """Return the shipped network for up to a hundred capabilities that spells all of them."""
-    return policy_of(shipped_speller("teamformer-c100-full"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from teamformer.model import Scenario
 from teamformer.planning.bounds import earliest_starts
@@ -16,8 +16,9 @@ from teamformer.planning.team_search import TeamSearch
 from teamformer.planning.team_solver import BestPlan, first_search, improve
 from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.plan_player import PlanPlayer
+from teamformer.policies.play_to_plan import plan_from_play
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted import JoinAll, JoinCrew
 from teamformer.sim.arrays import NEVER, NOBODY, Array
 from teamformer.sim.env import TeamFormation
 
@@ -31,6 +32,9 @@ RELAXING = 0.4
 
 SIMPLE = 0.15
 """Share of the time that the play of a simple rule may take."""
+
+LARGEST_FOR_CREWS = 10_000
+"""Robots times tasks; with more, planning crews takes too much of the time."""
 
 MARGIN = 0.1
 """Seconds kept back at the end, besides what the last plays take."""
@@ -72,6 +76,8 @@ def plan_centrally(
         solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
         searched = []
     else:
+        if len(scenario.robots) * len(scenario.tasks) <= LARGEST_FOR_CREWS:
+            _follow_crews(scenario, search, plays)
         solution, best = _improve(scenario, search, plays, seed, workers)
         plays.add("search", _player(scenario, best.plan))
         searched = best.curve
@@ -88,6 +94,15 @@ def _start(scenario: Scenario, seed: int) -> TeamSearch | None:
     if (earliest_starts(problem) >= FAR).any():
         return None
     return first_search(problem, scenario, seed)
+
+
+def _follow_crews(scenario: Scenario, search: TeamSearch, plays: _Plays) -> None:
+    """Let the search begin at what crews do by themselves, if that is faster."""
+    crewed = replace(scenario, allocation="crews")
+    plan = plan_from_play(crewed, search.problem, JoinCrew())
+    if plan is not None:
+        search.restart(plan)
+        plays.add("crews", _player(scenario, plan))
 
 
 def _improve(

@@ -135,7 +135,8 @@ def fly_missions(trials: int, policy: str, seed: int, folder: Path | None, as_js
             out.print(Text(str(summary.pop("setting")), style="bold"))
             cells = (f"{name} {'-' if v is None else v}" for name, v in summary.items())
             out.print("  " + "; ".join(cells), markup=False)
-    is_good = all(row["completed"] and not any(row[f] for f in FAULTS) for row in rows)
+    is_clean = all(not any(row[fault] for fault in FAULTS) for row in rows)
+    is_good = is_clean and all(row["completed"] and row.get("accepted", True) for row in rows)
     return 0 if is_good else 1
 
 

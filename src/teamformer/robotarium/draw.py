@@ -142,7 +142,8 @@ def _draw_tasks(plt: Any, axes: Any, scenario: Scenario, palette: Palette, momen
             fontsize=9,
             color=colour,
             weight="bold",
-            zorder=5,
+            zorder=6,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1},
         )
 
 

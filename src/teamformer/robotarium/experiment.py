@@ -14,6 +14,7 @@ from teamformer.robotarium.arena import MIDDLE, TICK
 from teamformer.robotarium.checks import check_mission
 from teamformer.robotarium.mission import Outcome, Watch, fly
 from teamformer.robotarium.plant import Faults, Plant, Weather
+from teamformer.robotarium.rps_robots import RpsRobots, is_accepted
 from teamformer.robotarium.solvers import with_daqp
 from teamformer.sim.arrays import Array
 
@@ -35,7 +36,8 @@ class Experiment:
     @property
     def is_good(self) -> bool:
         """Say whether all tasks were done and no rule was broken."""
-        return self.outcome.is_completed and self.faults.is_clean
+        is_clean = self.faults.is_clean and is_accepted(self.report)
+        return self.outcome.is_completed and is_clean
 
     def row(self) -> dict[str, Any]:
         """Return what `--json` prints."""
@@ -68,6 +70,7 @@ class Experiment:
             "longest_decision_ms": round(1e3 * outcome.timing.longest_decision, 3),
             "tick_ms": round(1e3 * outcome.timing.tick, 3),
             "total_seconds": round(self.seconds, 3),
+            **({"accepted": is_accepted(self.report)} if self.report else {}),
         }
 
 
@@ -89,8 +92,6 @@ def run_experiment(
         outcome = fly(scenario, policy, plant, with_daqp(), seed, watch)
         faults = plant.faults
     else:
-        from teamformer.robotarium.rps_robots import RpsRobots
-
         robots = RpsRobots(poses)
         outcome = fly(scenario, policy, robots, with_daqp(), seed, watch)
         faults, report = robots.faults, robots.finish()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -150,7 +151,7 @@ def _curve(axes: Axes, policy: str, points: dict[int, float]) -> None:
 
 def colour_of(policy: str) -> str:
     """Return the colour of a policy, the same in every figure."""
-    family = policy.rsplit("-c", 1)[0]
+    family = re.sub(r"-c\d+(-.*)?$", "", policy)
     if family in FAMILIES:
         return FAMILIES[family]
     return OTHERS[sum(policy.encode()) % len(OTHERS)]

@@ -22,7 +22,7 @@ class Summary:
     over the worlds that both completed. `inference` is the CPU time that deciding took in a trial,
     `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
     ratios of the makespan to the best known and to the lower bound of the same world, less one;
-    `to_best` is over worlds that a planner has planned, where there are such. `to_list` is the
+    they are over worlds that a planner has planned, where there are such. `to_list` is the
     difference to the list schedule. The means after that are of the worlds, whatever the policy.
     """
 
@@ -97,10 +97,10 @@ def _summary(rows: Sequence[Row], planned: set[int], against: Mapping[str, Mean]
         inference=_mean(row.decision_cpu_seconds for row in alone),
         waiting=_mean(row.decision_seconds for row in alone),
         to_best=_mean(_ratio(row.makespan, row.best_known) for row in known),
-        to_bound=_mean(_ratio(row.makespan, row.lower_bound) for row in done),
+        to_bound=_mean(_ratio(row.makespan, row.lower_bound) for row in known),
         to_list=_mean(_difference(row.makespan, row.list_schedule) for row in done),
         illegal=sum(row.illegal_decisions or 0 for row in rows),
-        lower_bound=_mean(row.lower_bound for row in rows),
+        lower_bound=_mean(row.lower_bound for row in known),
         list_schedule=_mean(row.list_schedule for row in rows),
         best_known=_mean(row.best_known for row in known),
         relaxed=_mean(row.relaxed for row in rows),

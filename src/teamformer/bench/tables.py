@@ -30,8 +30,8 @@ failure counting as its step limit. `failures`: how many, and the 95% interval o
 interval (paired, Student's t). `inference`: CPU seconds that the policy takes in a whole trial,
 mean ± standard deviation, over trials that ran alone, one after the other, one thread each (the
 first 50 of a setting; all others share batches and are not timed). `to best`, `to bound`: how much
-longer than the best makespan known of each world, by whatever policy here (over the worlds that
-`central` planned, where it planned any), and than what is proven that no plan can beat.
+longer than the best makespan known of each world, by whatever policy here, and than what is proven
+that no plan can beat; over the worlds that `central` planned, where it planned any.
 """
 
 

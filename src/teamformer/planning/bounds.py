@@ -1,7 +1,8 @@
 """No plan is faster: lower bounds on the makespan, whatever the policy.
 
-Each bound looks at one capability alone. They hold for the step rules as for the relaxed problem,
-and whatever `forming_steps` is: forming never brings a robot nearer to a task.
+Each bound looks at one capability alone. Those of a relaxed problem hold for the step rules too,
+whatever `forming_steps` is: forming never brings a robot nearer to a task. `lower_bound` adds the
+steps that forming costs before a task can start at all.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy.typing as npt
 
 from teamformer.jit import entry
 from teamformer.model import Scenario
+from teamformer.planning.forming_bound import raise_for_forming
 from teamformer.planning.paths import LARGEST_EXACT, Times, bound_paths, shortest_path, span
 from teamformer.planning.relaxed import FAR, NOBODY, Relaxed, relax
 
@@ -31,12 +33,18 @@ LEFT_OUT = (0.0, 0.5, 0.8)
 
 def lower_bound(scenario: Scenario) -> int:
     """Return a number of steps in which no policy can complete a scenario faster."""
-    return bound_makespan(relax(scenario))
+    problem = relax(scenario)
+    walked = earliest_starts(problem._replace(appears=np.full_like(problem.appears, -1)))
+    formed = raise_for_forming(scenario, problem, walked)
+    return bound_makespan(problem, np.maximum(earliest_starts(problem), formed))
 
 
-def bound_makespan(problem: Relaxed) -> int:
-    """Return a lower bound on the makespan of a relaxed problem, and of any plan by the rules."""
-    start = earliest_starts(problem)
+def bound_makespan(problem: Relaxed, start: Numbers | None = None) -> int:
+    """Return a lower bound on the makespan of a relaxed problem, and of any plan by the rules.
+
+    `start` (tasks,), if given, is a step that no task starts before.
+    """
+    start = earliest_starts(problem) if start is None else start
     is_possible = start < FAR  # what can never be done bounds nothing
     bounds = (start + problem.duration)[is_possible].tolist()
     caps = np.flatnonzero(problem.needs[is_possible].any(axis=0)).tolist()

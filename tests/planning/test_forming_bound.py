@@ -1,0 +1,110 @@
+"""The lower bound with forming: by hand, and against every play of tiny worlds by the step rules."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.planning.bounds import lower_bound
+
+Team = tuple[int, tuple[int, ...]]  # where it is, and its robots
+LENGTH = 6
+
+
+def corridor(places: list[int], kinds: str, tasks: list[Task], forming_steps: int = 1) -> Scenario:
+    pairs = enumerate(zip(places, kinds, strict=True))
+    robots = tuple(Robot(f"r{n}", (x, 0), {kind: 1}) for n, (x, kind) in pairs)
+    world, caps = Grid(40, 1), ("a", "b")
+    return Scenario("corridor", world, caps, robots, tuple(tasks), forming_steps=forming_steps)
+
+
+@pytest.mark.parametrize(("robots", "joining"), [(1, 0), (2, 1), (3, 2), (4, 2), (5, 3)])
+def test_robots_from_one_place_pair_up(robots: int, joining: int) -> None:
+    scenario = corridor([0] * robots, "a" * robots, [Task("t", (4, 0), {"a": robots})])
+    assert lower_bound(scenario) == 4 + joining
+
+
+def test_who_has_far_to_walk_joins_once() -> None:
+    tasks = [Task("t", (10, 0), {"a": 4})]
+    assert lower_bound(corridor([0, 8, 8, 8], "aaaa", tasks)) == 11
+    assert lower_bound(corridor([0, 8, 8, 8], "aaaa", tasks, forming_steps=0)) == 10
+
+
+def test_a_task_that_comes_late_waits_for_nobody() -> None:
+    task = Task("t", (3, 0), {"a": 2}, appears=20)
+    assert lower_bound(corridor([0, 0], "aa", [task])) == 21
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_play_by_the_rules_is_faster(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    gaps = []
+    for _ in range(12):
+        places, kinds = rng.integers(0, LENGTH, 3).tolist(), "aab"[: rng.integers(2, 4)] + "bb"
+        tasks = [
+            Task(f"t{k}", (int(rng.integers(LENGTH)), 0), dict([("a", int(rng.integers(1, 3)))]))
+            for k in range(2)
+        ]
+        tasks.append(Task("both", (int(rng.integers(LENGTH)), 0), {"a": 1, "b": 1}))
+        scenario = corridor(places, kinds[:3], tasks)
+        gaps.append(fastest_play(scenario) - lower_bound(scenario))
+    assert min(gaps) == 0
+    assert np.mean(gaps) < 2
+
+
+def fastest_play(scenario: Scenario) -> int:
+    """Return the least makespan of all plays, breadth first: a team moves a cell, or forms."""
+    states = {(finish_start(scenario), frozenset())}
+    for step in itertools.count(1):
+        states = {
+            (teams, done | done_by(scenario, teams))
+            for before, done in states
+            for teams in next_teams(before)
+        }
+        if any(len(done) == len(scenario.tasks) for _, done in states):
+            return step
+    raise AssertionError
+
+
+def finish_start(scenario: Scenario) -> frozenset[Team]:
+    return frozenset((int(robot.at[0]), (r,)) for r, robot in enumerate(scenario.robots))
+
+
+def next_teams(teams: frozenset[Team]) -> set[frozenset[Team]]:
+    """Return all that a step can make of teams."""
+    found = {frozenset[Team]()}
+    left = sorted(teams)
+    return _choose(left, found)
+
+
+def _choose(left: list[Team], found: set[frozenset[Team]]) -> set[frozenset[Team]]:
+    if not left:
+        return found
+    (place, robots), rest = left[0], left[1:]
+    ways: list[tuple[list[Team], list[Team]]] = [
+        ([(place + by, robots)], rest) for by in (-1, 0, 1) if 0 <= place + by < LENGTH
+    ]
+    for size in range(1, len(robots)):
+        for stay in itertools.combinations(robots, size):
+            leave = tuple(r for r in robots if r not in stay)
+            ways.append(([(place, stay), (place, leave)], rest))
+    for other in rest:
+        if other[0] == place:
+            joined = tuple(sorted(robots + other[1]))
+            ways.append(([(place, joined)], [team for team in rest if team != other]))
+    return set().union(*(_choose(rest, {f | set(made) for f in found}) for made, rest in ways))
+
+
+def done_by(scenario: Scenario, teams: frozenset[Team]) -> frozenset[int]:
+    """Return the tasks that teams do where they stand."""
+    done = set()
+    for k, task in enumerate(scenario.tasks):
+        for place, robots in teams:
+            kinds = [next(iter(scenario.robots[r].can)) for r in robots]
+            able = all(kinds.count(cap) >= count for cap, count in task.needs.items())
+            if place == task.at[0] and able:
+                done.add(k)
+    return frozenset(done)

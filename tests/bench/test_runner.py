@@ -175,7 +175,7 @@ def test_a_planner_says_what_it_found(tmp_path: Path) -> None:
     request = Request(SMALL, trials=2, time_limit=1.0, settings=("3N2T-C2",), policies=("central",))
     for row in measured(tmp_path, request).values():
         assert row.time_limit == 1.0
-        assert row.relaxed == row.relaxed_bound == row.lower_bound  # proven
+        assert row.relaxed == row.relaxed_bound <= row.lower_bound  # proven
         assert (row.relaxed or 0) <= (row.makespan or 0)
         assert " --time-limit 1 " in row.rerun
 

@@ -222,14 +222,15 @@ class PlainWorld:
 
     def nearest_alone(self, slot: int, order: list[int], i: int) -> int | None:
         team = self.teams[slot]
+        near = [task for task in order if self.travel(team.at, task) < NEVER]
+        if not all(self.covers(self.has(team), task) for task in near):
+            return None
         found = [
             (self.travel(team.at, order[j]), j)
             for j in range(i, len(order))
-            if self.covers(self.has(team), order[j])
-            and self.travel(team.at, order[j]) < NEVER
-            and (j == i or not self.is_covered(slot, order[j]))
+            if order[j] in near and (j == i or not self.is_covered(slot, order[j]))
         ]
-        return order[min(found)[1]] if found and min(found)[1] > i else None
+        return order[min(found)[1]] if min(found)[1] > i else None
 
     def contributes(self, team: PlainTeam, task: int) -> bool:
         can_reach = self.travel(team.at, task) < NEVER

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import kernel
-from teamformer.planning.tour import FAR
 from teamformer.sim.arrays import CREWS, NEAREST_ALONE, NOBODY
 from teamformer.sim.motion import travel, travel_between
 from teamformer.sim.neighbours import find_near
@@ -65,7 +64,7 @@ def choose_task(world, team):  # type: ignore[no-untyped-def]
 
     The first open task in the order that it can contribute to and that nearer teams it senses do
     not cover already, or a later one that it can do alone on a detour: one that shortens the tour,
-    or under the nearest-alone rule the nearest.
+    or under the rule of the nearest the nearest.
     """
     near = find_near(world, team, world.rules.sensing_radius)
     for position in range(world.count.open):
@@ -160,22 +159,20 @@ def _best_detour(world, near, team, position):  # type: ignore[no-untyped-def]
 
 @kernel
 def _nearest_alone(world, near, team, position):  # type: ignore[no-untyped-def]
-    """Return the nearest later task that it can do alone; NOBODY if none is, or its next one is.
+    """Return the nearest later task of a team that can do all open ones alone; else NOBODY.
 
-    Its next one, at `position`, comes first if it can do that alone and is no farther from it.
+    NOBODY too if its next one, at `position`, is no farther.
     """
-    best, best_away = np.int32(NOBODY), np.int64(FAR)
+    best = np.int32(NOBODY)
     x, y = world.teams[team].x, world.teams[team].y
-    following = world.order[position]
-    if can_do_alone(world, team, following):
-        best_away = travel(world, x, y, following)
-    for later in range(position + 1, world.count.open):
+    best_away = travel(world, x, y, world.order[position])
+    for later in range(world.count.open):
         task = world.order[later]
         if world.robots[team].region != world.tasks[task].region:
             continue
         if not can_do_alone(world, team, task):
-            continue
-        away = travel(world, x, y, task)
-        if away < best_away and not is_covered(world, near, team, task):
-            best, best_away = task, away
+            return np.int32(NOBODY)
+        if later > position and travel(world, x, y, task) < best_away:
+            if not is_covered(world, near, team, task):
+                best, best_away = task, travel(world, x, y, task)
     return best

@@ -172,7 +172,8 @@ def _nearest_alone(world, near, team, position):  # type: ignore[no-untyped-def]
             continue
         if not can_do_alone(world, team, task):
             return np.int32(NOBODY)
-        if later > position and travel(world, x, y, task) < best_away:
-            if not is_covered(world, near, team, task):
-                best, best_away = task, travel(world, x, y, task)
+        away = travel(world, x, y, task)
+        is_nearer = later > position and away < best_away
+        if is_nearer and not is_covered(world, near, team, task):
+            best, best_away = task, away
     return best

@@ -6,6 +6,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from teamformer.errors import TeamformerError
 from teamformer.sim.arrays import Array
 
@@ -37,6 +39,10 @@ class OnnxNetwork:
         return outputs
 
 
+AT_ONCE = 2048
+"""Teams in one pass, so that memory stays bounded however many worlds are played side by side."""
+
+
 class GreedyChoice:
     """Takes the action that a network with one output, (teams, actions), scores highest."""
 
@@ -45,6 +51,10 @@ class GreedyChoice:
 
     def __call__(self, tokens: tuple[Array, ...]) -> Array:
         """Return actions (teams,) from tokens (teams, ...)."""
+        parts = range(0, len(tokens[0]), AT_ONCE)
+        return np.concatenate([self._best([t[i : i + AT_ONCE] for t in tokens]) for i in parts])
+
+    def _best(self, tokens: list[Array]) -> Array:
         [scores] = self.network(*tokens)
         best: Array = scores.argmax(axis=1)
         return best

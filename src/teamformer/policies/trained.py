@@ -9,6 +9,7 @@ from pathlib import Path
 
 from teamformer.errors import TeamformerError
 from teamformer.policies.any_fleet import any_fleet
+from teamformer.policies.combinations import combining
 from teamformer.policies.protocol import Policy
 from teamformer.policies.sessions import read_network
 from teamformer.policies.spelled import spelled_in
@@ -70,8 +71,17 @@ def _spelled(folder: Path, about: About) -> Policy:
     return spelled_in(folder)
 
 
+def _combined(folder: Path, about: About) -> Policy:
+    if about.capabilities is None:
+        raise TeamformerError(f"{folder / ABOUT} does not say for how many capabilities")
+    content = read_network(folder / NETWORK)
+    return combining(content, str(folder / NETWORK), about.capabilities)
+
+
 RUNTIMES: dict[str, Callable[[Path, About], Policy]] = {
     "any": _any,
     "teamformer": _spelled,
     "teamformer-full": _spelled,
+    "deepset": _combined,
+    "gnn": _combined,
 }

@@ -9,15 +9,19 @@ from pathlib import Path
 from torch import nn
 
 from teamformer.errors import TeamformerError
+from teamformer.nets.deepset import CombinationSettings, DeepSet
+from teamformer.nets.gnn import GraphNetwork
 from teamformer.nets.relational import RelationalPolicy, RelationalSettings
 from teamformer.nets.teamformer import Teamformer, TeamformerSettings
 from teamformer.policies import relations, spelling
 from teamformer.policies.any_fleet import AnyFleetCodec
 from teamformer.policies.codec import Codec
+from teamformer.policies.combinations import CombinationCodec, task_features, team_features
 from teamformer.policies.legal_symbols import EDIT, FULL
 from teamformer.policies.spelling import SpellingCodec
 from teamformer.scenarios.generate import Spec
 from teamformer.train.export import export_any_fleet
+from teamformer.train.export_combinations import export_combinations
 from teamformer.train.export_teamformer import export_teamformer
 from teamformer.train.worlds import ANY_SELECTION, Mixture, paper_mixture, paper_selection
 
@@ -68,6 +72,28 @@ def _given(capabilities: int | None) -> int:
     return capabilities
 
 
+def _combines(network: type[DeepSet] | type[GraphNetwork], width: int) -> Family:
+    """Return a network over the paper's original action space."""
+
+    def make(capabilities: int | None) -> nn.Module:
+        caps = _given(capabilities)
+        return network(
+            CombinationSettings(
+                team_features(caps), task_features(caps), 2 ** (caps + 1), width=width
+            )
+        )
+
+    return Family(
+        make=make,
+        codec=lambda capabilities: CombinationCodec(_given(capabilities)),
+        export=export_combinations,
+        mixture=lambda capabilities: paper_mixture(
+            capabilities, robots=max(4, _given(capabilities))
+        ),
+        selection=paper_selection,
+    )
+
+
 FAMILIES = {
     "any": Family(
         make=_make_any,
@@ -79,6 +105,8 @@ FAMILIES = {
     ),
     "teamformer": _spells(EDIT, maintain_bias=2.0),
     "teamformer-full": _spells(FULL, maintain_bias=3.0),
+    "deepset": _combines(DeepSet, width=64),
+    "gnn": _combines(GraphNetwork, width=32),
 }
 
 

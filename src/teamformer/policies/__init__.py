@@ -30,6 +30,48 @@ POLICIES = (
         trained_on="any number of capabilities",
     ),
     Listing(
+        "teamformer-c4",
+        "teamformer.policies.spelled:teamformer_c4",
+        "the paper's transformer",
+        trained_on="up to 4 capabilities",
+    ),
+    Listing(
+        "teamformer-c8",
+        "teamformer.policies.spelled:teamformer_c8",
+        "the paper's transformer",
+        trained_on="up to 8 capabilities",
+    ),
+    Listing(
+        "teamformer-c100",
+        "teamformer.policies.spelled:teamformer_c100",
+        "the paper's transformer",
+        trained_on="up to 100 capabilities",
+    ),
+    Listing(
+        "deepset-c4",
+        "teamformer.policies.combinations:deepset_c4",
+        "the paper's deep set with attention",
+        trained_on="up to 4 capabilities",
+    ),
+    Listing(
+        "deepset-c8",
+        "teamformer.policies.combinations:deepset_c8",
+        "the paper's deep set with attention",
+        trained_on="up to 8 capabilities",
+    ),
+    Listing(
+        "gnn-c4",
+        "teamformer.policies.combinations:gnn_c4",
+        "the paper's graph network",
+        trained_on="up to 4 capabilities",
+    ),
+    Listing(
+        "gnn-c8",
+        "teamformer.policies.combinations:gnn_c8",
+        "the paper's graph network",
+        trained_on="up to 8 capabilities",
+    ),
+    Listing(
         "central",
         "teamformer.policies.central:Central",
         "knows everything, plans with OR-Tools CP-SAT",

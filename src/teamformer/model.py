@@ -155,6 +155,10 @@ NEW_TASKS = ("resolve", "nearest")
 ALLOCATIONS = ("paper", "nearest", "crews")
 
 
+BEST_ALLOCATION = "crews"
+"""What a scenario file means that says nothing about it."""
+
+
 def default_step_limit(scenario: Scenario) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 

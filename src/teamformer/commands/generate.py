@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from teamformer.commands.console import prepare_file, print_json, say
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Scenario, World
+from teamformer.model import BEST_ALLOCATION, Grid, Scenario, World
 from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
 from teamformer.scenarios.generate import Spec
@@ -33,7 +34,8 @@ def generate(
     world = _world(grid, plane, map_path, cell)
     name = f"{spec.robots} robots, {spec.tasks} tasks, seed {seed}"
     spec = Spec(**{**vars(spec), "world": world})
-    return _write(generate_scenario(spec, np.random.default_rng(seed), name), path, as_json)
+    scenario = generate_scenario(spec, np.random.default_rng(seed), name)
+    return _write(replace(scenario, allocation=BEST_ALLOCATION), path, as_json)
 
 
 def generate_setting(setting: str, seed: int, path: Path, as_json: bool) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.model import Scenario
 from teamformer.policies.codec import Codec
 from teamformer.policies.liveness import Liveness
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted import JoinUseful
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
@@ -21,9 +21,10 @@ Brain = Callable[[tuple[Array, ...]], Array]
 class Learned:
     """Reads views with a codec and does what a brain says.
 
-    The brain is asked where the codec finds a choice; elsewhere a team does as join-all does. So
-    does one that the liveness rule finds overdue, until a task is done; `overdue` counts such
-    decisions.
+    The brain is asked where the codec finds a choice and tasks are not shared out among crews:
+    there the lists say who belongs together, and a team does as join-crew does. Elsewhere it does
+    as join-all does. So does one that the liveness rule finds overdue, until a task is done;
+    `overdue` counts such decisions.
     """
 
     needs_everything = False
@@ -34,7 +35,7 @@ class Learned:
         self.with_liveness = with_liveness
         self.overdue = 0
         self._liveness = Liveness()
-        self._fallback = JoinAll()
+        self._fallback = JoinUseful()
 
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
         """Forget earlier trials."""
@@ -42,10 +43,10 @@ class Learned:
         self.overdue = 0
 
     def decide(self, view: View) -> Decision:
-        """Return what the brain wants where it is asked, else what join-all wants."""
+        """Return what the brain wants where it is asked, else what the scripted policy wants."""
         wanted = self._fallback.decide(view).wanted
         tokens = self.codec.encode(view)
-        is_asked = self.codec.has_choice(view, tokens)
+        is_asked = self.codec.has_choice(view, tokens) & ~view.has_crews
         if self.with_liveness:
             is_overdue = self._liveness.is_overdue(view)
             self.overdue += int(is_overdue.sum())

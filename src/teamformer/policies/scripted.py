@@ -45,6 +45,23 @@ class JoinCrew(JoinAll):
     only_mates = True
 
 
+class JoinUseful:
+    """Do as `JoinCrew` where tasks are shared out among crews, elsewhere as `JoinAll`."""
+
+    needs_everything = False
+
+    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+        """Nothing to prepare."""
+
+    def decide(self, view: View) -> Decision:
+        """Join whom it helps to join."""
+        wanted = JoinAll().decide(view).wanted
+        if view.has_crews.any():
+            of_crew = JoinCrew().decide(view).wanted
+            wanted[view.has_crews] = of_crew[view.has_crews]
+        return Decision(wanted)
+
+
 @entry
 def _decide(view, wanted, only_mates):  # type: ignore[no-untyped-def]
     lacks = np.empty(view.counts.shape[1], dtype=np.bool_)

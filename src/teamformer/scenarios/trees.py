@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError
-from teamformer.model import Robot, Scenario, Task, World
+from teamformer.model import BEST_ALLOCATION, Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
 from teamformer.scenarios.reading import INFINITE, Reader
 from teamformer.scenarios.worlds import read_world
@@ -210,8 +210,11 @@ def _read_teams(reader: Reader, value: Any, robots: list[str]) -> tuple[tuple[in
 
 
 def _read_rules(reader: Reader, top: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the rules that the file sets; the others keep the model's defaults."""
-    rules: dict[str, Any] = {}
+    """Return the rules that the file sets; the others keep the model's defaults.
+
+    But for the allocation: the model's default is the paper's, a file's is the best that there is.
+    """
+    rules: dict[str, Any] = {"allocation": BEST_ALLOCATION}
     for key in ("sensing_radius", "join_radius"):
         if key in top:
             rules[key] = reader.number((key,), top[key], can_be_infinite=True)

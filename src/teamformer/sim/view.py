@@ -46,6 +46,7 @@ class View(NamedTuple):
     task: Array  # (teams,) int32, own assignment or NOBODY
     is_at_task: Array  # (teams,) bool, stands where its assignment is
     is_serving: Array  # (teams,) bool, must maintain until the service ends
+    has_crews: Array  # (teams,) bool, tasks are shared out among crews
     unit: Array  # (teams,) float32, the length that counts as one cell: 1 on a grid
     arrival_radius: Array  # (teams,) float32, what is so near is in the same place: 0 on a grid
     pace: Array  # (teams,) float32, the length that the team walks in a step
@@ -131,6 +132,7 @@ def _write_own(world, view, row, team):  # type: ignore[no-untyped-def]
     view.task[row] = task
     view.is_at_task[row] = task != NOBODY and stands_at(world, team, task)
     view.is_serving[row] = world.teams[team].serves > 0
+    view.has_crews[row] = world.rules.allocation == CREWS
     view.unit[row] = world.rules.unit
     view.arrival_radius[row] = world.rules.arrival_radius
     view.pace[row] = world.teams[team].pace
@@ -267,6 +269,7 @@ def make_view(worlds: int, robots: int, tasks: int, caps: int) -> View:
         task=np.zeros(teams, dtype=np.int32),
         is_at_task=np.zeros(teams, dtype=np.bool_),
         is_serving=np.zeros(teams, dtype=np.bool_),
+        has_crews=np.zeros(teams, dtype=np.bool_),
         unit=np.zeros(teams, dtype=np.float32),
         arrival_radius=np.zeros(teams, dtype=np.float32),
         pace=np.zeros(teams, dtype=np.float32),

@@ -12,7 +12,7 @@ from torch import Tensor
 from teamformer.nets.actor import Actor
 from teamformer.policies.codec import Codec
 from teamformer.policies.learned import rows_of
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted import JoinUseful
 from teamformer.sim.arrays import COMPLETED, INFEASIBLE, Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.outlook import Outlook, look_out
@@ -85,7 +85,7 @@ def _decide(
     view = env.view()
     tokens = codec.encode(view)
     rows = np.flatnonzero(codec.has_choice(view, tokens))
-    wanted = JoinAll().decide(view).wanted
+    wanted = JoinUseful().decide(view).wanted
     if len(rows):
         kept = tuple(part[rows] for part in tokens)
         action, log_prob = choose(kept)

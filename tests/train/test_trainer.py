@@ -88,6 +88,22 @@ def test_bad_folders_are_refused(tmp_path: Path) -> None:
         train(SHORT, tmp_path, [])
 
 
+@pytest.mark.parametrize(
+    ("network", "capabilities", "words"),
+    [
+        ("quantum", None, "there is no network 'quantum'"),
+        ("any", 4, "serves any number"),
+        ("gnn", None, "is made for a number"),
+        ("deepset", 40, "40 capabilities make"),
+    ],
+)
+def test_networks_that_cannot_be_are_refused(
+    network: str, capabilities: int | None, words: str
+) -> None:
+    with pytest.raises(TeamformerError, match=words):
+        TrainSettings(network=network, capabilities=capabilities)
+
+
 def test_training_may_begin_from_the_weights_of_another(tmp_path: Path) -> None:
     first = train(SHORT, tmp_path, [], until=1)
     second = make_learner(replace(SHORT, seed=8))

@@ -119,5 +119,7 @@ def find_family(network: str, capabilities: int | None) -> Family:
         hint = "leave --capabilities out, or choose another --network"
         raise TeamformerError(f"network '{network}' serves any number of capabilities", hint)
     if not family.is_for_any_number and capabilities is None:
-        raise TeamformerError(f"network '{network}' is made for a number of capabilities; give it")
+        hint = "add --capabilities N"
+        raise TeamformerError(f"network '{network}' is made for a number of capabilities", hint)
+    family.codec(capabilities)  # refuses numbers that its actions do not allow
     return family

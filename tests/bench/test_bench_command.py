@@ -222,7 +222,6 @@ def test_the_worlds_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         (("fig3", "--engine", "slurm"), "there is no engine 'slurm'"),
         (("fig3", "--policies", "gnn-c4", "--without", "gnn-c4"), "no policy of those asked for"),
         (("authors",), "add --worlds FILE"),
-        (("robotarium",), "the suite 'robotarium' is not in this installation"),
         (("none.yaml",), "there is no such file"),
         (("fig3", "--out", "/proc/none"), "cannot be written"),
     ],

@@ -21,7 +21,7 @@ from teamformer.bench.judging import (
     saves,
     trend,
 )
-from teamformer.bench.summary import summarise
+from teamformer.bench.summary import on_shared_worlds, summarise
 from teamformer.bench.tables import cells_of, summary_csv, summary_table
 
 SMALL = "4N4T-C4"
@@ -56,6 +56,13 @@ def test_gaps_are_means_of_ratios() -> None:
     assert summary.to_best.value == pytest.approx(0.25)
     assert summary.to_bound.value == pytest.approx((0.25 + 0.875) / 2)
     assert summary.to_list.value == pytest.approx(3.5)
+
+
+def test_shared_worlds_are_those_of_all_policies_of_their_setting() -> None:
+    few = rows_of(SMALL, "central", [10, None])  # a failure is a trial too
+    many = rows_of(SMALL, "join-all", [12, 13, 14])
+    elsewhere = rows_of("4N20T-C4", "join-all", [50])
+    assert on_shared_worlds([*few, *many, *elsewhere]) == [*few, *many[:2], *elsewhere]
 
 
 def test_gaps_to_the_best_are_over_planned_worlds() -> None:

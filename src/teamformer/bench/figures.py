@@ -49,7 +49,8 @@ def _bars(part: Suite, summaries: Sequence[Summary]) -> Figure:
     """Draw mean makespans with standard errors, a group of bars for each setting."""
     settings = [s for s in part.settings if any(summary.setting == s for summary in summaries)]
     policies = list(dict.fromkeys(summary.policy for summary in summaries))
-    figure, [axes] = _begin(part.about, 1, width=max(5.0, 1.5 + 0.45 * len(summaries)))
+    title = f"{part.about}; {_worlds(summaries)}"
+    figure, [axes] = _begin(title, 1, width=max(5.0, 1.5 + 0.45 * len(summaries)))
     width = 0.8 / len(policies)
     for summary in summaries:
         middle = settings.index(summary.setting)
@@ -62,6 +63,13 @@ def _bars(part: Suite, summaries: Sequence[Summary]) -> Figure:
     axes.set_ylabel("mean makespan, steps")
     _finish(figure, axes)
     return figure
+
+
+def _worlds(summaries: Sequence[Summary]) -> str:
+    """Say over how many worlds the bars are."""
+    counts = sorted({summary.trials for summary in summaries})
+    many = " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1])))
+    return f"{many} worlds, the same for all policies"
 
 
 def _bar(axes: Axes, summary: Summary, left: float, width: float, is_first: bool) -> None:

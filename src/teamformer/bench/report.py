@@ -7,14 +7,17 @@ from pathlib import Path
 
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import Suite
-from teamformer.bench.summary import summarise
+from teamformer.bench.summary import on_shared_worlds, summarise
 from teamformer.bench.tables import EXPLANATION, summary_csv, summary_table
 
 
 def write_report(
     suite: Suite, rows: Sequence[Row], folder: Path, say: Callable[[str], None]
 ) -> Iterator[Path]:
-    """Write tables and figures; yield each file. Without matplotlib the figures are left out."""
+    """Write tables and figures; yield each file. Without matplotlib the figures are left out.
+
+    Tables are over all trials, figures over the worlds that all policies of a setting have run.
+    """
     summaries = summarise(rows)
     report = folder / "report.md"
     heading = f"# {suite.name}: {suite.about}\n\n"
@@ -28,4 +31,4 @@ def write_report(
     except ImportError:
         say("no figures: they need matplotlib; pip install 'teamformer[plots]'")
         return
-    yield from draw_suite(suite, summaries, folder)
+    yield from draw_suite(suite, summarise(on_shared_worlds(rows)), folder)

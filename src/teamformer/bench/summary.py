@@ -77,6 +77,16 @@ def summarise(rows: Iterable[Row]) -> list[Summary]:
     ]
 
 
+def on_shared_worlds(rows: Sequence[Row]) -> list[Row]:
+    """Return, of each setting, the rows of worlds in which every policy there has a trial."""
+    policies: dict[str, set[str]] = defaultdict(set)
+    played: dict[tuple[str, int], set[str]] = defaultdict(set)
+    for row in rows:
+        policies[row.setting].add(row.policy)
+        played[row.setting, row.world_seed].add(row.policy)
+    return [row for row in rows if played[row.setting, row.world_seed] == policies[row.setting]]
+
+
 def differences(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
     """Return the mean of ours less theirs over the worlds that both have."""
     return mean_of([ours[world] - theirs[world] for world in ours if world in theirs])

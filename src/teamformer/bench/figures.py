@@ -7,11 +7,14 @@ import re
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
+from teamformer.bench.anytime import anytime_curves
+from teamformer.bench.rows import Row
 from teamformer.bench.statistics import growth_exponent
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import Summary
@@ -32,6 +35,7 @@ FAMILIES = {
 OTHERS = ("#999999", "#7f6000", "#5e3c99", "#b2182b", "#1a9850", "#8073ac")
 RESOLUTION = 150  # dots an inch
 LETTERS_AN_INCH = 13  # of a title
+_NOTE: dict[str, Any] = {"textcoords": "offset points", "fontsize": 6.5, "color": "#333333"}
 
 
 def draw_suite(suite: Suite, summaries: Sequence[Summary], folder: Path) -> Iterator[Path]:
@@ -43,6 +47,25 @@ def draw_suite(suite: Suite, summaries: Sequence[Summary], folder: Path) -> Iter
             path = folder / f"{part.name}.png"
             figure.savefig(path)
             yield path
+
+
+def draw_anytime(rows: Sequence[Row], folder: Path) -> Iterator[Path]:
+    """Draw how plans come closer to the bound while the planner works; yield the file, if any."""
+    curves = anytime_curves(rows)
+    if not curves:
+        return
+    title = "central: best plan so far, as a multiple of the lower bound; means over worlds"
+    figure, [axes] = _begin(title, 1, width=7.0)
+    for place, (setting, (seconds, ratios)) in enumerate(curves.items()):
+        axes.plot(seconds, ratios, label=setting, color=f"C{place}")
+        axes.annotate(f"{ratios[-1]:.2f}", (seconds[-1], ratios[-1]), (3, -2), **_NOTE)
+    axes.set_xlabel("seconds of planning")
+    axes.set_ylabel("makespan / lower bound")
+    axes.set_xlim(left=0.0)
+    _finish(figure, axes)
+    path = folder / "anytime.png"
+    figure.savefig(path)
+    yield path
 
 
 def _bars(part: Suite, summaries: Sequence[Summary]) -> Figure:
@@ -81,15 +104,7 @@ def _bar(axes: Axes, summary: Summary, left: float, width: float, is_first: bool
     told = f"{height:.0f}" if height >= 100 else f"{height:.1f}"
     if summary.failures:
         told += f"\n{summary.failures} failed"
-    axes.annotate(
-        told,
-        (left, height + error),
-        (0, 2),
-        textcoords="offset points",
-        ha="center",
-        fontsize=6.5,
-        color="#333333",
-    )
+    axes.annotate(told, (left, height + error), (0, 2), ha="center", **_NOTE)
 
 
 def _draw_bars_to_beat(axes: Axes, summaries: Sequence[Summary], middle: int) -> None:

@@ -161,6 +161,7 @@ def known_row(lot: Lot, seed: int, scenario: Scenario, makespan: int | None) -> 
         list_schedule=None,
         relaxed=None,
         relaxed_bound=None,
+        curve=None,
         time_limit=None,
         code=lot.code,
         rerun=rerun_command(lot, seed),
@@ -192,7 +193,8 @@ def _timed(row: Row, clock: Clock, place: int) -> Row:
     if not plans:
         return row
     solution = plans[place].solution
-    return replace(row, relaxed=solution.value, relaxed_bound=solution.bound)
+    curve = [[round(seconds, 3), steps] for seconds, steps in plans[place].curve]
+    return replace(row, relaxed=solution.value, relaxed_bound=solution.bound, curve=curve)
 
 
 def _with_bars(row: Row, scenario: Scenario) -> Row:

@@ -27,8 +27,9 @@ def write_report(
     table.write_text(summary_csv(summaries), encoding="utf-8")
     yield table
     try:
-        from teamformer.bench.figures import draw_suite
+        from teamformer.bench.figures import draw_anytime, draw_suite
     except ImportError:
         say("no figures: they need matplotlib; pip install 'teamformer[plots]'")
         return
     yield from draw_suite(suite, summarise(on_shared_worlds(rows)), folder)
+    yield from draw_anytime(rows, folder)

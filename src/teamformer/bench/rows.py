@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from types import UnionType
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 Key = tuple[str, str, int]
 """Setting, policy and world seed: what tells one trial from all others in a folder."""
@@ -20,7 +20,8 @@ class Row:
     a trial that ran with others `side_by_side` has its share of theirs, by its `decisions` (rows
     of views answered). `list_schedule` is the makespan of the list schedule along the task order,
     `relaxed` that of the planner's schedule; in both joining is free. `code` tells versions of
-    this package apart. None: not known, or not measured.
+    this package apart. `curve` is the planner's: (seconds, makespan) of each improvement. None:
+    not known, or not measured.
     """
 
     suite: str
@@ -51,6 +52,7 @@ class Row:
     list_schedule: int | None
     relaxed: int | None
     relaxed_bound: int | None
+    curve: list[list[float]] | None
     time_limit: float | None
     code: str
     rerun: str
@@ -66,7 +68,10 @@ class Row:
 
 
 KINDS: dict[str, tuple[type, ...]] = {
-    name: tuple(get_args(hint)) if isinstance(hint, UnionType) else (hint,)
+    name: tuple(
+        get_origin(kind) or kind
+        for kind in (get_args(hint) if isinstance(hint, UnionType) else (hint,))
+    )
     for name, hint in get_type_hints(Row).items()
 }
 

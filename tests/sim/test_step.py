@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from blocked_worlds import blocked_worlds
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
-from teamformer.model import ALLOCATIONS, ORDERS, Scenario
+from teamformer.model import ALLOCATIONS, ORDERS
 from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted import JoinAll, JoinCrew
@@ -129,26 +130,6 @@ def test_nothing_blocks_on_planes(policy: Policy, allocation: str) -> None:
 def test_nothing_blocks_in_ten_thousand_worlds(policy: Policy, allocation: str) -> None:
     assert blocked_worlds(policy, allocation, count=10_000, seed=12) == []
     assert blocked_worlds(policy, allocation, count=5000, seed=14, is_plane=True) == []
-
-
-def blocked_worlds(
-    policy: Policy, allocation: str, count: int, seed: int, is_plane: bool = False
-) -> list[Scenario]:
-    rng = np.random.default_rng(seed)
-    blocked = []
-    for _ in range(count // 500):
-        worlds = [random_world(rng, is_plane=is_plane) for _ in range(500)]
-        order = str(rng.choice(ORDERS))
-        env = TeamFormation([replace(w, allocation=allocation, order=order) for w in worlds])
-        for _ in range(int(rng.integers(0, 25))):
-            if env.is_running.any():
-                env.step(random_decision(env.view(), rng))
-        policy.begin(None, rng)
-        while env.is_running.any():
-            env.step(policy.decide(env.view()))
-        assert env.worlds.count["illegal"].sum() == 0
-        blocked += [s for w, s in enumerate(env.scenarios) if env.tally(w).status == "step limit"]
-    return blocked
 
 
 def test_threads_and_batches_change_nothing() -> None:

@@ -1,0 +1,38 @@
+"""Every mission ends under every shipped learned policy, whatever happened before."""
+
+from __future__ import annotations
+
+import pytest
+
+from blocked_worlds import blocked_worlds
+from teamformer.model import ALLOCATIONS
+from teamformer.policies import POLICIES
+from teamformer.policies.learned import Learned
+from teamformer.policies.registry import load_policy
+
+LEARNED = [
+    listing.name
+    for listing in POLICIES
+    if isinstance(load_policy(listing.name, POLICIES), Learned) and listing.name != "teamformer"
+]
+
+
+def test_all_learned_policies_are_here() -> None:
+    assert {"teamformer-any", "teamformer-c4", "deepset-c8", "gnn-c8"} <= set(LEARNED)
+
+
+@pytest.mark.parametrize("allocation", ALLOCATIONS)
+@pytest.mark.parametrize("name", LEARNED)
+def test_nothing_blocks(name: str, allocation: str) -> None:
+    policy = load_policy(name, POLICIES)
+    assert blocked_worlds(policy, allocation, count=250, seed=21) == []
+    assert blocked_worlds(policy, allocation, count=250, seed=22, is_plane=True) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("allocation", ALLOCATIONS)
+@pytest.mark.parametrize("name", LEARNED)
+def test_nothing_blocks_in_ten_thousand_worlds(name: str, allocation: str) -> None:
+    policy = load_policy(name, POLICIES)
+    assert blocked_worlds(policy, allocation, count=10_000, seed=23) == []
+    assert blocked_worlds(policy, allocation, count=2500, seed=24, is_plane=True) == []

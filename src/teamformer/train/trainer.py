@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import torch
@@ -185,12 +186,15 @@ def _keep(folder: Path, learner: Learner, settings: TrainSettings, progress: Pro
 
 
 def _export(folder: Path, learner: Learner, settings: TrainSettings) -> None:
-    """Write the policy beside the checkpoint, as it runs without torch."""
+    """Write the policy beside the checkpoint, as it runs without torch; all its files or none."""
     if ranks.rank() > 0:
         return
-    settings.family.export(learner.policy, settings.capabilities, folder)
+    with TemporaryDirectory(dir=folder) as name:
+        settings.family.export(learner.policy, settings.capabilities, Path(name))
+        describe_policy(About(settings.network, settings.capabilities), Path(name))
+        for file in Path(name).iterdir():
+            file.replace(folder / file.name)
     learner.policy.to(settings.device)
-    describe_policy(About(settings.network, settings.capabilities), folder)
 
 
 def _iterate(learner: Learner, settings: TrainSettings, progress: Progress) -> Report:

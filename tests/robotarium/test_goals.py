@@ -7,7 +7,15 @@ import pytest
 
 from teamformer.robotarium.detours import AMPLE, BERTH, way_point
 from teamformer.robotarium.formation import SPACING, ring_radius, slots_around
-from teamformer.robotarium.goals import Goals, Work, choose_goals, choose_needed
+from teamformer.robotarium.goals import (
+    FARTHER,
+    GIVES_UP,
+    LATTICE,
+    Goals,
+    Work,
+    choose_goals,
+    choose_needed,
+)
 from teamformer.robotarium.places import team_places
 from teamformer.robotarium.teams import Team, distance
 
@@ -18,7 +26,7 @@ def goals_at(places: list[list[float]], has_slot: list[bool]) -> Goals:
     """Everybody's goal and whether it is a slot."""
     array = np.array(places)
     slots = np.array(has_slot)
-    return Goals(array, array, slots, ~slots)
+    return Goals(array, array, slots, ~slots, ~slots)
 
 
 @pytest.mark.parametrize("robots", [2, 3, 5, 12])
@@ -48,13 +56,28 @@ def test_who_is_not_needed_keeps_clear_and_a_joiner_seeks_its_partner() -> None:
     robots = np.array([[0.5, 0.0], [0.1, 0.0], [-1.0, 0.5]])
     work = Work(np.zeros((1, 2)), np.array([[1]]), np.ones((3, 1), dtype=int))
     teams = [Team(0, (0,), 0, None), Team(1, (1,), None, None), Team(2, (2,), None, 0)]
-    goals = choose_goals(teams, robots, work, np.array([True]))
+    goals = choose_goals(teams, robots, work, np.array([True]), np.zeros(3))
     np.testing.assert_array_equal(goals.places[0], [0.0, 0.0])
     assert np.linalg.norm(goals.places[1]) >= 0.3  # outside the clearance, and near
     assert np.linalg.norm(goals.places[1] - robots[1]) < 0.4
     np.testing.assert_array_equal(goals.places[2], robots[0])
     assert goals.has_slot.tolist() == [True, False, False]
     assert goals.is_idle.tolist() == [False, False, False]
+    assert goals.keeps_clear.tolist() == [False, True, False]
+
+
+def test_who_does_not_get_clear_looks_farther_off() -> None:
+    robots = np.array([[0.1, 0.0], [0.6, 0.0]])
+    work = Work(np.zeros((1, 2)), np.array([[1]]), np.ones((2, 1), dtype=int))
+    teams = [Team(0, (0,), None, None), Team(1, (1,), None, None)]
+    is_open = np.array([True])
+    away = []
+    for decisions in (0, GIVES_UP - 1, GIVES_UP, 2 * GIVES_UP):
+        goals = choose_goals(teams, robots, work, is_open, np.array([decisions, 0]))
+        away.append(np.linalg.norm(goals.places[0] - robots[0]))
+        assert goals.is_idle.tolist() == [False, True]  # the other is clear of the ring
+    assert away[0] == away[1] < FARTHER
+    np.testing.assert_allclose(away[2:], [FARTHER, 2 * FARTHER], atol=LATTICE / 2)
 
 
 def test_a_way_leads_around_a_ring() -> None:

@@ -91,6 +91,14 @@ def test_the_time_limit() -> None:
     assert done.row()["status"] == "step limit"
 
 
+def test_two_who_meet_where_only_one_can_pass_do_not_wait_for_each_other() -> None:
+    """Between two rings: one is needed beyond them, the other wants out of the way."""
+    scenario = random_mission(20, 5, 10, np.random.default_rng(37))
+    done = run_experiment(scenario, load_policy("teamformer", POLICIES), "teamformer", 37)
+    assert done.is_good
+    assert done.outcome.ticks < 3000  # it takes 2190; before they gave up, 19,050
+
+
 def test_same_seed_same_mission() -> None:
     scenario = random_mission(6, 3, 4, np.random.default_rng(4))
     one, other = (fly(scenario, "join-all", weather=ROUGH) for _ in range(2))

@@ -18,6 +18,9 @@ CLEARANCE = 0.30  # metres outside a ring where robots that it does not need kee
 
 LATTICE = 0.1  # metres between the places where robots can keep out of the way
 
+GIVES_UP, FARTHER = 10, 0.3
+"""After so many decisions on the way to such a place a robot looks for one so much farther off."""
+
 
 @dataclass(frozen=True)
 class Work:
@@ -32,19 +35,27 @@ class Work:
 class Goals:
     """Where the robots are to go, and who of them has a slot around the team's task.
 
-    Robots that are idle have no way to go and give way to others.
+    Robots that keep clear are on their way to where they are in nobody's way; those that are idle
+    are there, and give way to others.
     """
 
     places: Array  # (robots, 2)
     way_points: Array  # (robots, 2) what to head for now, on the way there
     has_slot: Array  # (robots,)
+    keeps_clear: Array  # (robots,)
     is_idle: Array  # (robots,)
 
 
-def choose_goals(teams: Sequence[Team], robots: Array, work: Work, is_open: Array) -> Goals:
-    """Return the goals of robots (robots, 2); `is_open` (tasks,) are known and not done."""
-    nobody = np.zeros(len(robots), dtype=np.bool_)
-    goals = Goals(robots.copy(), robots.copy(), has_slot=nobody, is_idle=nobody.copy())
+def choose_goals(
+    teams: Sequence[Team], robots: Array, work: Work, is_open: Array, under_way: Array
+) -> Goals:
+    """Return the goals of robots (robots, 2).
+
+    `is_open` (tasks,) are known and not done. `under_way` (robots,) counts the decisions since a
+    robot with nothing to do set out for a place where it is in nobody's way.
+    """
+    has_slot, keeps_clear, is_idle = np.zeros((3, len(robots)), dtype=np.bool_)
+    goals = Goals(robots.copy(), robots.copy(), has_slot, keeps_clear, is_idle)
     for task in {team.task for team in teams if team.task is not None}:
         heading = [team for team in teams if team.task == task and team.partner is None]
         chosen = choose_needed(heading, robots, work, task)
@@ -59,8 +70,10 @@ def choose_goals(teams: Sequence[Team], robots: Array, work: Work, is_open: Arra
     free = [r for team in teams if team.partner is None for r in team.robots]
     radii = np.array([ring_radius(count) + CLEARANCE for count in work.needs.sum(axis=1)])
     free = [robot for robot in free if not goals.has_slot[robot]]
-    _keep_clear(free, goals.places, work.places[is_open], radii[is_open])
+    farther = FARTHER * (under_way // GIVES_UP)  # (robots,) metres
+    _keep_clear(free, goals.places, farther, work.places[is_open], radii[is_open])
     goals.is_idle[free] = (goals.places[free] == robots[free]).all(axis=1)
+    goals.keeps_clear[free] = ~goals.is_idle[free]
     _lead_around_rings(goals, robots, work, [team.task for team in teams])
     return goals
 
@@ -98,8 +111,13 @@ def choose_needed(teams: Sequence[Team], robots: Array, work: Work, task: int) -
     return chosen
 
 
-def _keep_clear(robots: Sequence[int], goals: Array, tasks: Array, radii: Array) -> None:
-    """Send robots that have nothing to do to the nearest place that is in nobody's way."""
+def _keep_clear(
+    robots: Sequence[int], goals: Array, farther: Array, tasks: Array, radii: Array
+) -> None:
+    """Send robots that have nothing to do to the nearest place that is in nobody's way.
+
+    One that did not get there, since somebody wants to come the other way, looks `farther` off.
+    """
     if not len(tasks):
         return
     refuges = _refuges(tasks, radii)
@@ -107,7 +125,8 @@ def _keep_clear(robots: Sequence[int], goals: Array, tasks: Array, radii: Array)
         is_clear = (np.linalg.norm(goals[robot] - tasks, axis=1) >= radii).all()
         if is_clear or not len(refuges):
             continue
-        nearest = np.linalg.norm(refuges - goals[robot], axis=1).argmin()
+        away = np.linalg.norm(refuges - goals[robot], axis=1)
+        nearest = np.abs(away - farther[robot]).argmin() if farther[robot] else away.argmin()
         goals[robot] = refuges[nearest]
         refuges = refuges[np.linalg.norm(refuges - goals[robot], axis=1) > SPACING]
 

@@ -113,6 +113,7 @@ class _Mission:
         assert isinstance(plane, Plane)
         self._radius, self._ticks_per_step = plane.arrival_radius, ticks_per_step(plane)
         self._ticks = 0
+        self._under_way = np.zeros(len(scenario.robots), dtype=np.int64)  # see choose_goals
         self._seconds: dict[str, list[float]] = {"decision": [], "tick": []}
         policy.begin([scenario] if policy.needs_everything else None, np.random.default_rng(seed))
 
@@ -122,7 +123,7 @@ class _Mission:
         while self._env.is_running[0]:
             self._decide()
             teams = teams_of(self._env)
-            goals = choose_goals(teams, poses[:, :2], self._work, self._is_open())
+            goals = self._choose_goals(teams, poses[:, :2])
             for _ in range(self._ticks_per_step):
                 watch(self._moment(poses, teams))
                 self._robots.drive(self._steer(poses, goals))
@@ -144,6 +145,11 @@ class _Mission:
         decision = self._policy.decide(view)
         self._seconds["decision"].append(time.process_time() - begun)
         self._env.start_step(decision)
+
+    def _choose_goals(self, teams: list[Team], at: Array) -> Goals:
+        goals = choose_goals(teams, at, self._work, self._is_open(), self._under_way)
+        self._under_way = np.where(goals.keeps_clear, self._under_way + 1, 0)
+        return goals
 
     def _steer(self, poses: Array, goals: Goals) -> Array:
         begun = time.process_time()

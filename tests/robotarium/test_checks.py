@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +11,9 @@ import pytest
 from teamformer.errors import ScenarioError
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.robotarium.checks import apart_needed, check_mission
+from teamformer.robotarium.checks import apart_needed, check_mission, find_problems
 from teamformer.robotarium.random_missions import random_mission
+from teamformer.scenarios.files import read_scenario, write_scenario
 
 
 def mission(*robots: tuple[float, float], tasks: dict[tuple[float, float], int]) -> Scenario:
@@ -81,3 +83,15 @@ def test_random_missions_are_possible_and_repeat() -> None:
         one = random_mission(20, 5, 10, np.random.default_rng(seed))
         check_mission(one)
         assert one == random_mission(20, 5, 10, np.random.default_rng(seed))
+
+
+def test_what_is_wrong_in_a_file_is_told_by_line(tmp_path: Path) -> None:
+    path = tmp_path / "small.yaml"
+    write_scenario(mission((0.5, 0.5), (0.7, 0.5), tasks={(0.1, 1.0): 2}), path)
+    lines = path.read_text().splitlines()
+    r1, t0 = (next(n for n, line in enumerate(lines, 1) if name in line) for name in ("r1", "t0"))
+    with pytest.raises(ScenarioError) as caught:
+        read_scenario(path, find_problems)
+    first, second = str(caught.value).splitlines()
+    assert first.startswith(f"{path}:{r1}: robots 'r0' and 'r1' start 0.200 m apart")
+    assert second.startswith(f"{path}:{t0}: task 't0' is 0.100 m from a wall")

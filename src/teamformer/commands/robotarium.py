@@ -26,6 +26,7 @@ from teamformer.policies import POLICIES
 from teamformer.policies.registry import load_policy
 from teamformer.robotarium.arena import TICK
 from teamformer.robotarium.bench import bench_robotarium, count_missions, summarise
+from teamformer.robotarium.checks import find_problems
 from teamformer.robotarium.experiment import Experiment, run_experiment
 from teamformer.robotarium.plant import Weather
 from teamformer.scenarios.files import read_scenario
@@ -52,7 +53,7 @@ class Options:
 
 def robotarium(path: Path, options: Options, as_json: bool) -> int:
     """Fly a mission, write its pictures and show what came of it; return the exit status."""
-    scenario = read_scenario(path)
+    scenario = read_scenario(path, find_problems)
     if options.simulator not in ("plant", "rps"):
         raise TeamformerError(f"there is no simulator '{options.simulator}'", "use plant or rps")
     if options.simulator == "rps" and (options.delay or options.has_noise):
@@ -88,7 +89,7 @@ def deploy(path: Path, options: Options, verifies: bool, python: str, as_json: b
     from teamformer.robotarium.deploy import deploy as write
     from teamformer.robotarium.deploy import verify
 
-    scenario, folder = read_scenario(path), options.folder
+    scenario, folder = read_scenario(path, find_problems), options.folder
     if folder is None:
         raise TeamformerError("where is the folder to go?", "add -o FOLDER")
     prepare_folder(folder)

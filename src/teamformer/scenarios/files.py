@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.errors import Problem, ScenarioError, TeamformerError
 from teamformer.model import Scenario
 from teamformer.scenarios import yaml_text, yaml_tree
 from teamformer.scenarios.disk import read_text
@@ -23,16 +24,25 @@ MOST_LINES = 50
 """How many problems are told; nobody mends more at a time."""
 
 
-def read_scenario(path: Path) -> Scenario:
+Finder = Callable[[Scenario], Iterable[Problem]]
+"""Finds what keeps a scenario from being used for something."""
+
+
+def read_scenario(path: Path, find_problems: Finder | None = None) -> Scenario:
     """Read a scenario file; raises `ScenarioError` with every problem in it, each by line.
 
-    Maps are looked for beside the file.
+    Maps are looked for beside the file. `find_problems` looks for more in a scenario that is good.
     """
     hint = "`teamformer generate -o FILE` writes a scenario to start from"
     text = read_text(path, LARGEST_FILE, hint)
     is_json = path.suffix.lower() == ".json"
     tree = yaml_tree.parse_json(text) if is_json else yaml_tree.parse(text)
-    return _read(tree, str(path), path.stem, path.parent)
+    scenario = _read(tree, str(path), path.stem, path.parent)
+    for problem in find_problems(scenario) if find_problems else ():
+        tree.refuse(problem.where, problem.message)
+    if tree.problems:
+        raise _error(tree, str(path))
+    return scenario
 
 
 def scenario_from_tree(value: Any, source: str = "scenario") -> Scenario:

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import ModuleType
 
+import numba as nb
 import pytest
 
 from teamformer import jit
+from teamformer.planning import search, team_search
+
+
+def twice(number: int) -> int:
+    return 2 * number
 
 
 @pytest.fixture
@@ -41,3 +48,28 @@ def test_a_stamp_does_not_change_with_other_files(package: Path) -> None:
     (package / "sim" / "middle.py").write_text("from teamformer.sim import low  # new\n")
     assert stamp(package / "sim" / "low.py") == before[1]
     assert stamp(package / "top.py") != before[0]
+
+
+def test_what_was_compiled_and_kept_needs_no_compiling(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path))
+    assert jit.needs_compiling(jit.entry(twice))
+    assert jit.entry(twice)(3) == 6
+    assert not jit.needs_compiling(jit.entry(twice))
+
+
+def test_where_numba_is_off_nothing_needs_compiling() -> None:
+    assert not jit.needs_compiling(twice)
+
+
+@pytest.mark.parametrize(("module", "begins"), [(search, "_anneal"), (team_search, "anneal")])
+def test_a_planner_is_compiled_once_its_search_is(
+    module: ModuleType, begins: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path))
+    search_anew = jit.entry(getattr(module, begins).py_func)  # kept in another, empty place
+    monkeypatch.setattr(module, begins, search_anew)
+    assert not module.is_compiled()
+    monkeypatch.setattr(search_anew._cache._cache_file, "_load_index", lambda: {"kept": "code"})
+    assert module.is_compiled()

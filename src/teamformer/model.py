@@ -149,6 +149,11 @@ class Scenario:
         alone = ((robot,) for robot in range(len(self.robots)) if robot not in together)
         return tuple(sorted((*(tuple(sorted(team)) for team in self.teams), *alone)))
 
+    @property
+    def is_planned(self) -> bool:
+        """Say whether a plan, crews or a schedule, makes the task order; else a tour does."""
+        return self.allocation == "crews" or self.order == "schedule"
+
 
 ORDERS = ("tsp", "schedule")
 NEW_TASKS = ("resolve", "nearest")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from small_worlds import done_at, late_task, make, order_of, play, robot, task
 from teamformer.model import Grid
 from teamformer.sim.env import TeamFormation
+from teamformer.sim.order import order_worlds, orderings_for, plan_worlds
 
 
 def test_tour_begins_at_the_centroid_of_the_robots() -> None:
@@ -101,3 +104,30 @@ def test_order_closes_up_when_a_task_is_done() -> None:
     assert order_of(env) == [2]
     assert int(env.worlds.tasks["rank"][0, 2]) == 0
     assert np.array_equal(env.worlds.demand[0], [0, 1, 0])
+
+
+def test_only_what_worlds_need_is_called() -> None:
+    paper = late_task()
+    crews, schedule = replace(paper, allocation="crews"), replace(paper, order="schedule")
+    for scenarios, needed in (
+        ([paper, paper], [order_worlds]),
+        ([crews], [plan_worlds]),
+        ([schedule], [plan_worlds]),
+        ([paper, crews], [plan_worlds, order_worlds]),
+    ):
+        assert orderings_for(TeamFormation(scenarios).worlds) == needed
+
+
+def test_a_world_is_ordered_by_its_own_rules_beside_others() -> None:
+    paper = late_task()
+    scenarios = [paper, replace(paper, allocation="crews"), replace(paper, order="schedule")]
+    together = TeamFormation(scenarios)
+    alone = [TeamFormation([scenario]) for scenario in scenarios]
+    for _ in range(3):
+        for number, env in enumerate(alone):
+            for field in ("order", "tasks", "robots", "count"):
+                theirs = getattr(together.worlds, field)[number]
+                assert (theirs == getattr(env.worlds, field)[0]).all(), field
+            play(env, 1)
+        play(together, 1)
+    assert (together.worlds.count["plans"] == [2, 2, 2]).all()  # at the start, and for the late one

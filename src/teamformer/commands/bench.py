@@ -19,7 +19,7 @@ from teamformer.bench.results import write_results
 from teamformer.bench.rows import Row
 from teamformer.bench.runner import Request, run_benchmark
 from teamformer.bench.store import Store, read_folder
-from teamformer.bench.suites import Suite, load_suite
+from teamformer.bench.suites import Suite, cells, load_suite
 from teamformer.bench.summary import Summary, summarise
 from teamformer.bench.tables import cells_of, headers_for
 from teamformer.commands.console import (
@@ -91,7 +91,7 @@ def _measure(request: Request, options: Options) -> list[Row]:
     """Run what is missing, write tables and figures, and return all rows."""
     place = TemporaryDirectory() if options.folder is None else nullcontext(options.folder)
     with place as folder, Store(Path(folder), request.about, say) as store:
-        announce_compiling(request.policies)
+        announce_compiling(*_to_compile(request))
         with Counting("trials") as counting:
             run_benchmark(request, store, ENGINES[options.engine], say, counting.update)
         rows = list(store.rows.values())
@@ -99,6 +99,13 @@ def _measure(request: Request, options: Options) -> list[Row]:
             for path in write_report(request.suite, rows, options.folder, say):
                 say(f"written: {path}")
     return rows
+
+
+def _to_compile(request: Request) -> tuple[set[str], bool]:
+    """Return the policies that will run, and whether crews or a schedule will be planned."""
+    policies = {policy for _, policy in cells(request.suite, request.policies, request.settings)}
+    is_planned = not {"crews", "schedule"}.isdisjoint(request.suite.rules.values())
+    return policies.difference(request.without), is_planned
 
 
 def _changed_rules(options: Options) -> dict[str, str]:

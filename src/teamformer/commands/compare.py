@@ -40,7 +40,7 @@ def compare(
         raise TeamformerError(f"policy '{twice[0]}' is named twice", hint)
     scenario = changes.apply(read_scenario(path))
     policies = {name: ready_policy(name, time_limit) for name in policy_names}
-    announce_compiling(policy_names)
+    announce_compiling(policy_names, scenario.is_planned)
     trials = _run_all(scenario, policies, seeds)
     best = best_known(trials)
     if as_json:

@@ -117,15 +117,22 @@ class Counting:
             self._bar.stop()
 
 
-def announce_compiling(policy_names: Iterable[str] = ()) -> None:
-    """Say that a first run compiles, so that nobody takes the wait for a fault."""
+def announce_compiling(policy_names: Iterable[str] = (), is_planned: bool = False) -> None:
+    """Say that a first run compiles, so that nobody takes the wait for a fault.
+
+    `is_planned` says that crews or a schedule will be planned, as `central` always does.
+    """
     from teamformer.jit import needs_compiling
+    from teamformer.sim.order import plan_worlds
     from teamformer.sim.step import step_worlds
 
     if needs_compiling(step_worlds):
-        say("compiling the simulator, on the first run only (about 15 s) ...")
-    if "central" in policy_names:
+        say("compiling the simulator, on the first run only (about 15 s, more if busy) ...")
+    has_central = "central" in policy_names
+    if (is_planned or has_central) and needs_compiling(plan_worlds):
+        say("compiling the planner of crews, on the first run only (as long again) ...")
+    if has_central:
         from teamformer.planning import search, team_search
 
         if not (search.is_compiled() and team_search.is_compiled()):
-            say("compiling the planner, on the first run only (about 20 s) ...")
+            say("compiling the central planner, on the first run only (about 20 s) ...")

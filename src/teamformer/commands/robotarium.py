@@ -65,7 +65,7 @@ def robotarium(path: Path, options: Options, as_json: bool) -> int:
 
         prepare_folder(options.folder)
         film = Film()
-    announce_compiling([options.policy])
+    announce_compiling([options.policy], scenario.is_planned)
     done = run_experiment(
         scenario,
         policy,

@@ -63,7 +63,7 @@ def run(
     policy = ready_policy(policy_name, time_limit)
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling([policy_name])
+    announce_compiling([policy_name], scenario.is_planned)
     trial = watch_trial(scenario, policy, policy_name, seed)
     if folder is not None:
         _write(trial.replay, folder, with_page)

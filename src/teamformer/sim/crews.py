@@ -41,7 +41,7 @@ def update_plan(world):  # type: ignore[no-untyped-def]
         _find_next_tasks(world)
 
 
-@entry
+@kernel
 def _forget_lost(world):  # type: ignore[no-untyped-def]
     """Take lost robots off their crews; say whether there are any."""
     any_lost = False
@@ -52,7 +52,7 @@ def _forget_lost(world):  # type: ignore[no-untyped-def]
     return any_lost
 
 
-@entry
+@kernel
 def _note_done(world):  # type: ignore[no-untyped-def]
     """Note who is where a task was done; say whether a crew has just done its last.
 

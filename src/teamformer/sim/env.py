@@ -13,7 +13,7 @@ import numpy as np
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
 from teamformer.sim.arrays import NOBODY, RUNNING, STATUS_NAMES, Array, Worlds, pack_worlds
-from teamformer.sim.order import order_tasks
+from teamformer.sim.order import orderings_for
 from teamformer.sim.reward import Reward
 from teamformer.sim.step import finish_worlds, form_worlds, step_worlds
 from teamformer.sim.view import View, fill_views, lay_out_rows, make_view
@@ -61,7 +61,8 @@ class TeamFormation:
         if threads < 1:
             raise ValueError(f"threads is {threads}; use 1 or more")
         self._start = pack_worlds(self.scenarios)
-        order_tasks(self._start)
+        self._orderings = orderings_for(self._start)
+        self._order_tasks(self._start)
         self.worlds = Worlds(*(array.copy() for array in self._start))
         reward = reward or Reward()
         self._weights = (reward.done, reward.step, reward.fit)
@@ -119,7 +120,7 @@ class TeamFormation:
         """
         wanted, named = self._read(decision)
         self._in_chunks(lambda begin, end: self._step_worlds(wanted, named, begin, end))
-        order_tasks(self.worlds)
+        self._order_tasks(self.worlds)
 
     def start_step(self, decision: Decision) -> None:
         """Make the phases of a step before motion: decisions, splits, joins and allocation.
@@ -144,7 +145,11 @@ class TeamFormation:
         corners = np.array([scenario.world.corner for scenario in self.scenarios])
         inside = np.clip(np.round(places, DECIMALS), 0.0, corners[:, None])
         finish_worlds(self.worlds, inside, self._weights, self.rewards)
-        order_tasks(self.worlds)
+        self._order_tasks(self.worlds)
+
+    def _order_tasks(self, worlds: Worlds) -> None:
+        for bring_up_to_date in self._orderings:
+            bring_up_to_date(worlds)
 
     def _read(self, decision: Decision) -> tuple[Array, Array]:
         """Return what the teams want and name, as the kernels take it."""

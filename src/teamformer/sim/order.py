@@ -5,27 +5,54 @@ It rests only on what everybody knows: the fleet list, the open tasks, who did t
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.tour import FAR, plan_tour
-from teamformer.sim.arrays import CREWS, NEAREST, NOBODY, RUNNING, world_at
+from teamformer.sim.arrays import CREWS, NEAREST, NOBODY, RUNNING, Worlds, world_at
 from teamformer.sim.crews import update_plan
 from teamformer.sim.motion import travel, travel_between
 
 
+def orderings_for(worlds: Worlds) -> list[Callable[[Worlds], None]]:
+    """Return what brings order and crews up to date in these worlds: call each after every step.
+
+    Only what they need, as a planner that is never called need not be compiled.
+    """
+    is_planned = (worlds.rules["allocation"] == CREWS) | (worlds.rules["has_schedule"] != 0)
+    orderings = []
+    if is_planned.any():
+        orderings.append(plan_worlds)
+    if not is_planned.all():
+        orderings.append(order_worlds)
+    return orderings
+
+
 @entry
-def order_tasks(worlds):  # type: ignore[no-untyped-def]
-    """Bring order and crews up to date in every world that goes on."""
+def plan_worlds(worlds):  # type: ignore[no-untyped-def]
+    """Bring crews and order up to date in every world that goes on and plans them."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
-        if world.count.status != RUNNING:
-            continue
-        if world.rules.allocation == CREWS or world.rules.has_schedule:
+        if world.count.status == RUNNING and _is_planned(world):
             update_plan(world)
-        elif world.count.arrived > 0:
+            world.count.arrived = 0
+
+
+@entry
+def order_worlds(worlds):  # type: ignore[no-untyped-def]
+    """Bring the order up to date in every other world that goes on."""
+    for w in range(len(worlds.rules)):
+        world = world_at(worlds, w)
+        if world.count.status == RUNNING and not _is_planned(world) and world.count.arrived > 0:
             _order_arrived(world)
-        world.count.arrived = 0
+            world.count.arrived = 0
+
+
+@kernel
+def _is_planned(world):  # type: ignore[no-untyped-def]
+    return world.rules.allocation == CREWS or world.rules.has_schedule
 
 
 @entry

@@ -162,6 +162,8 @@ def test_fitting_goes_by_the_name() -> None:
     assert fits("teamformer-c100", "4N4T-C4")
     assert not fits("teamformer-c4", "8N20T-C8")
     assert not fits("teamformer-c8-full", "100N20T-C100-R10")
+    assert fits("gnn-c8-bare", "8N20T-C8")
+    assert not fits("gnn-c4-bare", "8N20T-C8")
     assert fits("join-all", "100N20T-C100-R90")
 
 

@@ -19,6 +19,7 @@ from teamformer.bench.judging import (
     no_failure,
     policy_for,
     saves,
+    some_failures,
     trend,
 )
 from teamformer.bench.summary import on_shared_worlds, summarise
@@ -155,6 +156,15 @@ def test_verdicts() -> None:
     assert no_failure(SMALL)(evidence, "teamformer").measured == "0 of 2 (0.0% to 65.8%)"
     assert no_failure(SMALL)(evidence, "teamformer-any").holds is None
     assert as_quick(SMALL, 1.0)(evidence, "teamformer").holds is None  # nothing was timed
+
+
+def test_who_struggles_shows_without_the_liveness_rule() -> None:
+    safe, bare = rows_of(SMALL, "gnn-c4", [10, 20]), rows_of(SMALL, "gnn-c4-bare", [10, None])
+    judge = some_failures(SMALL, "gnn")
+    assert judge(Evidence(safe), "teamformer").holds is False
+    told = judge(Evidence([*safe, *bare]), "teamformer")
+    assert told.holds is True
+    assert told.measured == "1 of 2 (9.5% to 90.5%) without the liveness rule"
 
 
 def test_trends_go_by_the_ends() -> None:

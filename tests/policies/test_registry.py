@@ -9,6 +9,7 @@ import pytest
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
 from teamformer.policies.heuristic import Heuristic
+from teamformer.policies.learned import Learned
 from teamformer.policies.registry import load_policy
 from teamformer.policies.scripted import JoinAll
 
@@ -49,6 +50,19 @@ def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 def test_listed_names() -> None:
     assert isinstance(load_policy("heuristic", POLICIES), Heuristic)
     assert isinstance(load_policy("join-all", POLICIES), JoinAll)
+
+
+def test_learned_policies_go_without_their_liveness_rule(own_module: str, tmp_path: Path) -> None:
+    for name in ("teamformer-any", "gnn-c8"):
+        with_it, bare = load_policy(name, POLICIES), load_policy(f"{name}-bare", POLICIES)
+        assert isinstance(with_it, Learned)
+        assert isinstance(bare, Learned)
+        assert (with_it.with_liveness, bare.with_liveness) == (True, False)
+    for name in ("join-all-bare", f"{own_module}:Patient-bare"):
+        with pytest.raises(TeamformerError, match="has no liveness rule"):
+            load_policy(name, POLICIES)
+    with pytest.raises(TeamformerError, match="no policy 'gnn-bare'"):
+        load_policy("gnn-bare", POLICIES)
 
 
 def test_names_are_listed_once() -> None:

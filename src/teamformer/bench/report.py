@@ -9,6 +9,7 @@ from teamformer.bench.rows import Row
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import on_shared_worlds, summarise
 from teamformer.bench.tables import EXPLANATION, summary_csv, summary_table
+from teamformer.policies.registry import BARE
 
 
 def write_report(
@@ -17,6 +18,7 @@ def write_report(
     """Write tables and figures; yield each file. Without matplotlib the figures are left out.
 
     Tables are over all trials, figures over the worlds that all policies of a setting have run.
+    Policies without their liveness rule are in tables only.
     """
     summaries = summarise(rows)
     report = folder / "report.md"
@@ -31,5 +33,6 @@ def write_report(
     except ImportError:
         say("no figures: they need matplotlib; pip install 'teamformer[plots]'")
         return
-    yield from draw_suite(suite, summarise(on_shared_worlds(rows)), folder)
+    drawn = [row for row in rows if not row.policy.endswith(BARE)]
+    yield from draw_suite(suite, summarise(on_shared_worlds(drawn)), folder)
     yield from draw_anytime(rows, folder)

@@ -27,6 +27,7 @@ from teamformer.bench.tables import (
     seconds,
     summary_table,
 )
+from teamformer.policies.registry import BARE
 
 FAMILIES = {
     "teamformer": "the paper's network, trained here",
@@ -122,6 +123,10 @@ def _table_1(evidence: Evidence) -> str:
         for family in ("teamformer", "deepset", "gnn", "teamformer-any", "join-all", "heuristic")
     ]
     rows += [
+        ["failures, bare", _label(family), *(_failures(evidence, family, s, BARE) for s in TABLE_1)]
+        for family in ("teamformer", "deepset", "gnn", "teamformer-any")
+    ]
+    rows += [
         ["inference, s", _label(family), *(_inference(evidence, family, s) for s in TABLE_1)]
         for family in (*INFERENCE, "teamformer-any", "join-all", "central")
     ]
@@ -132,8 +137,8 @@ def _label(family: str) -> str:
     return f"{family}-cN" if family in FAILURES else family
 
 
-def _failures(evidence: Evidence, family: str, setting: str) -> str:
-    summary = evidence.summary(setting, policy_for(family, setting))
+def _failures(evidence: Evidence, family: str, setting: str, ending: str = "") -> str:
+    summary = evidence.summary(setting, policy_for(family, setting) + ending)
     theirs = _of_paper(FAILURES, family, setting)
     told = "-" if summary is None else f"{summary.failures} of {summary.trials}"
     return told if theirs is None else f"{told} ({theirs})"

@@ -18,6 +18,7 @@ from teamformer.bench.store import About, Store
 from teamformer.bench.suites import Suite, cells
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
+from teamformer.policies.registry import BARE
 from teamformer.scenarios.authors import read_worlds
 from teamformer.scenarios.settings import spec_of
 
@@ -177,7 +178,7 @@ def _lots(
 
 def _goes_alone(policy: str, request: Request) -> bool:
     """Say whether trials must not share a batch: a planner's, and those of a user's own policy."""
-    is_listed = policy in {listing.name for listing in POLICIES}
+    is_listed = policy.removesuffix(BARE) in {listing.name for listing in POLICIES}
     return not is_listed or ready_policy(policy, request.time_limit).needs_everything
 
 

@@ -13,6 +13,9 @@ from typing import Any
 from teamformer.errors import TeamformerError
 from teamformer.policies.protocol import Policy
 
+BARE = "-bare"
+"""After the name of a learned policy: without its liveness rule."""
+
 
 @dataclass(frozen=True)
 class Listing:
@@ -27,7 +30,8 @@ class Listing:
 def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
     """Return a policy by its listed name, as `module:Class`, or from the folder of a training.
 
-    Raises `TeamformerError` for a name that is unknown and for a class that is no policy.
+    With `-bare` after it a learned policy goes without its liveness rule. Raises `TeamformerError`
+    for a name that is unknown and for a class that is no policy.
     """
     for listing in listings:
         if listing.name == name:
@@ -36,6 +40,8 @@ def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
         from teamformer.policies.trained import load_trained  # brings all that networks need
 
         return load_trained(Path(name))
+    if name.endswith(BARE):
+        return _bare(name, listings)
     if ":" in name:
         return _instance(name)
     known = [listing.name for listing in listings]
@@ -43,6 +49,18 @@ def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
     hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
     hint += "; your own is module:Class or a folder"
     raise TeamformerError(f"there is no policy '{name}'", hint)
+
+
+def _bare(name: str, listings: Sequence[Listing]) -> Policy:
+    try:
+        policy = load_policy(name.removesuffix(BARE), listings)
+    except TeamformerError as error:
+        raise TeamformerError(f"there is no policy '{name}': {error}", error.hint) from None
+    if not hasattr(policy, "with_liveness"):
+        hint = f"{BARE} is for learned policies, which have one"
+        raise TeamformerError(f"there is no policy '{name}': it has no liveness rule", hint)
+    policy.with_liveness = False
+    return policy
 
 
 def _instance(where: str) -> Policy:

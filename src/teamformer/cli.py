@@ -208,6 +208,7 @@ def _split(names: str) -> tuple[str, ...]:
 
 @app.command()
 def train(
+    context: typer.Context,
     capabilities: Annotated[
         int | None, typer.Option(min=1, help="how many the network is made for; none: any number")
     ] = None,
@@ -217,6 +218,9 @@ def train(
     out: Annotated[
         Path | None,
         typer.Option(help="folder, runs/NETWORK-SEED by default; goes on if it has one"),
+    ] = None,
+    resume: Annotated[
+        Path | None, typer.Option(help="folder of a training to go on with, as it was begun")
     ] = None,
     iterations: Annotated[int | None, typer.Option(min=1, help="at most; 60, or endless")] = None,
     minutes: Annotated[float | None, typer.Option(min=0, help="at most")] = None,
@@ -228,6 +232,7 @@ def train(
     as_json: AsJson = False,
 ) -> None:
     """Train a policy; needs torch: pip install 'teamformer[train]'."""
+    from teamformer.commands.train import Options
     from teamformer.commands.train import train as command
 
     for name, given, known in (
@@ -236,21 +241,25 @@ def train(
     ):
         if given not in known:
             raise TeamformerError(f"{name} {given} is unknown", f"use {' or '.join(known)}")
-    raise typer.Exit(
-        command(
-            network or ("any" if capabilities is None else "teamformer"),
-            capabilities,
-            iterations,
-            minutes,
-            worlds,
-            held_out,
-            reward,
-            seed,
-            device,
-            out,
-            as_json,
-        )
+    anew = ("minutes", "held_out", "device", "resume", "as_json")
+    given_too = [name for name in context.params if _is_given(context, name) and name not in anew]
+    if resume is not None and given_too:
+        flag = given_too[0].replace("_", "-")
+        raise TeamformerError(f"--resume goes on as it was begun; leave --{flag} out")
+    options = Options(
+        network=network or ("any" if capabilities is None else "teamformer"),
+        capabilities=capabilities,
+        iterations=iterations,
+        minutes=minutes,
+        worlds=worlds,
+        held_out=held_out,
+        reward=reward,
+        seed=seed,
+        device=device,
+        folder=out,
+        resume=resume,
     )
+    raise typer.Exit(command(options, as_json))
 
 
 @app.command()

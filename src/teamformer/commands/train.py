@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING
 
 from teamformer.commands.console import announce_compiling, prepare_folder, print_json, say
@@ -11,68 +17,134 @@ from teamformer.errors import TeamformerError
 if TYPE_CHECKING:
     from teamformer.train.trainer import Report, TrainSettings
 
+OURS = {"last", "best", "tensorboard"}
+"""What a training leaves in its folder."""
 
-def train(
-    network: str,
-    capabilities: int | None,
-    iterations: int | None,
-    minutes: float | None,
-    worlds: int,
-    held_out: int,
-    reward: str,
-    seed: int,
-    device: str,
-    folder: Path | None,
-    as_json: bool,
-) -> int:
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line says; with `resume`, that folder says what it says nothing of."""
+
+    network: str = "any"
+    capabilities: int | None = None
+    iterations: int | None = None
+    minutes: float | None = None
+    worlds: int = 256
+    held_out: int = 48
+    reward: str = "mission"
+    seed: int = 0
+    device: str = "cpu"
+    folder: Path | None = None
+    resume: Path | None = None
+
+    @property
+    def place(self) -> Path:
+        """Return the folder that the training goes to."""
+        made_for = "" if self.capabilities is None else f"-c{self.capabilities}"
+        name = f"{self.network}{made_for}-{self.seed}"
+        return self.resume or self.folder or Path("runs", name)
+
+
+def train(options: Options, as_json: bool) -> int:
     """Train, printing a row for each iteration; return the exit status."""
-    settings = _settings(network, capabilities, iterations, minutes, worlds, reward, seed, device)
+    _refuse_without_torch()
     from teamformer.train.session import run_session
 
-    folder = folder or Path("runs", _name(network, capabilities, seed))
-    prepare_folder(folder)
+    folder = options.place
+    if options.resume is not None:
+        options = _as_it_was(options)
+    settings = _settings(options)
+    _prepare(folder)
     announce_compiling()
     try:
-        is_first = run_session(settings, held_out, folder, _Table(as_json).show)
+        with _ended_like_ctrl_c():
+            is_first = run_session(settings, options.held_out, folder, _Table(as_json).show)
     except KeyboardInterrupt:
-        say(f"stopped; the same command goes on from {folder / 'last'}")
+        say(_how_to_go_on(folder))
         return 1
     if is_first:
         say(f"the policy is in {folder}; run it with --policy {folder}")
     return 0
 
 
-def _name(network: str, capabilities: int | None, seed: int) -> str:
-    made_for = "" if capabilities is None else f"-c{capabilities}"
-    return f"{network}{made_for}-{seed}"
+def _prepare(folder: Path) -> None:
+    """Make the folder; refuse one that holds what no training has left there."""
+    others = {path.name for path in folder.iterdir()} - OURS if folder.is_dir() else set()
+    if others:
+        what = f"{folder}: holds what is no training's, {sorted(others)[0]} for example"
+        raise TeamformerError(what, "name another folder with --out")
+    prepare_folder(folder)
 
 
-def _settings(
-    network: str,
-    capabilities: int | None,
-    iterations: int | None,
-    minutes: float | None,
-    worlds: int,
-    reward: str,
-    seed: int,
-    device: str,
-) -> TrainSettings:
+@contextmanager
+def _ended_like_ctrl_c() -> Iterator[None]:
+    """Have SIGTERM end the training in the same way as Ctrl-C."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
     try:
-        from teamformer.train.rewards import MissionReward, TeamReward
-        from teamformer.train.trainer import TrainSettings
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _how_to_go_on(folder: Path) -> str:
+    from teamformer.train.checkpoint import ABOUT
+
+    if not (folder / "last" / ABOUT).exists():
+        return "stopped in the first iteration; nothing is kept"
+    return (
+        f"stopped; what the iterations so far have learned is in {folder / 'last'}: the same "
+        f"command goes on from there, as does teamformer train --resume {folder}"
+    )
+
+
+def _as_it_was(options: Options) -> Options:
+    """Return the options that the training to be resumed began with; the limits are new."""
+    from teamformer.train.checkpoint import read_about
+
+    folder = options.place
+    if not folder.is_dir():
+        raise TeamformerError(f"{folder}: there is no such folder", "begin one with --out")
+    try:
+        begun = read_about(folder / "last")["settings"]
+        return replace(
+            options,
+            network=begun["network"],
+            capabilities=begun["capabilities"],
+            iterations=begun["iterations"],
+            worlds=begun["worlds"],
+            reward="team" if begun["mission_reward"] is None else "mission",
+            seed=begun["seed"],
+        )
+    except (KeyError, TypeError):
+        raise TeamformerError(f"{folder / 'last'}: its settings cannot be read") from None
+
+
+def _refuse_without_torch() -> None:
+    try:
+        import_module("teamformer.train.trainer")
     except ModuleNotFoundError as error:
         hint = "pip install 'teamformer[train]'"
         raise TeamformerError(f"training needs {error.name}, which is missing", hint) from None
+
+
+def _settings(options: Options) -> TrainSettings:
+    from teamformer.train.rewards import MissionReward, TeamReward
+    from teamformer.train.trainer import TrainSettings
+
     return TrainSettings(
-        network=network,
-        capabilities=capabilities,
-        seed=seed,
-        iterations=iterations,
-        minutes=minutes,
-        worlds=worlds,
-        mission_reward=MissionReward() if reward == "mission" else None,
-        team_reward=TeamReward() if reward == "team" else None,
-        device=device,
+        network=options.network,
+        capabilities=options.capabilities,
+        seed=options.seed,
+        iterations=options.iterations,
+        minutes=options.minutes,
+        worlds=options.worlds,
+        mission_reward=MissionReward() if options.reward == "mission" else None,
+        team_reward=TeamReward() if options.reward == "team" else None,
+        device=options.device,
     )
 
 

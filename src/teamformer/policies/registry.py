@@ -46,8 +46,8 @@ def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
         return _instance(name)
     known = [listing.name for listing in listings]
     near = difflib.get_close_matches(name, known, 1)
-    hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
-    hint += "; your own is module:Class or a folder"
+    hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)};"
+    hint += " your own is module:Class or a folder"
     raise TeamformerError(f"there is no policy '{name}'", hint)
 
 

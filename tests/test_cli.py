@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import pty
 import signal
 import subprocess
 import sys
@@ -271,3 +273,53 @@ def test_ctrl_c_ends_a_comparison_and_shows_what_was_done(tmp_path: Path) -> Non
     assert [row[:2] for row in rows] == [["join-all", "0"], ["join-all", "1"], ["slow:Slow", "0"]]
     assert rows[2][2] == "interrupted"
     assert "interrupted: 2 of 6 trials" in errors
+
+
+def test_a_planner_s_bound_is_everybody_s(capsys: pytest.CaptureFixture[str]) -> None:
+    assert teamformer("compare", FOUR, "--policies", "join-all,central", "--json") == 0
+    simple, planned = map(json.loads, capsys.readouterr().out.splitlines())
+    assert planned["proven"] is True  # so that the relaxed schedule is its own bound
+    assert simple["lower_bound"] == planned["lower_bound"] >= planned["relaxed"]
+    assert teamformer("run", FOUR, "--policy", "central", "--json") == 0
+    alone = json.loads(capsys.readouterr().out)
+    assert alone["lower_bound"] == planned["lower_bound"]
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "<&-"])
+def test_closed_streams_are_no_fault(closed: str) -> None:
+    command = f"{sys.executable} -m teamformer.cli run {FOUR} --policy join-all {closed}"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, env=environment)
+    assert done.returncode == 0
+    assert "Traceback" not in done.stderr
+
+
+def test_in_a_narrow_terminal_nothing_is_left_out() -> None:
+    environment = {"COLUMNS": "40", "PYTHONPATH": os.pathsep.join(sys.path)}
+    for words in (["compare", FOUR, "--policies", "join-all"], ["policies"]):
+        shown = show_in_terminal(words, {**os.environ, **environment})
+        assert "…" not in shown
+        assert "join-all" in shown
+
+
+def show_in_terminal(words: list[str], environment: dict[str, str]) -> str:
+    """Return what a terminal is sent."""
+    master, slave = pty.openpty()
+    command = [sys.executable, "-m", "teamformer.cli", *words]
+    with subprocess.Popen(command, stdout=slave, stderr=subprocess.DEVNULL, env=environment):
+        os.close(slave)
+        sent = b""
+        with contextlib.suppress(OSError):  # what reading raises once the other side has gone
+            while part := os.read(master, 4096):
+                sent += part
+    os.close(master)
+    return sent.decode()
+
+
+def test_many_robots_are_not_all_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "crowd.yaml"
+    sizes = ("--robots", "14", "--capabilities", "14", "--tasks", "1", "--requirements", "14")
+    assert teamformer("generate", *sizes, "-o", str(file)) == 0
+    assert teamformer("run", str(file), "--policy", "join-all") == 0
+    shown = capsys.readouterr().out
+    assert "r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11 and 3 more" in shown

@@ -294,8 +294,15 @@ def robotarium(
     raise typer.Exit(command(Path(path), options, as_json))
 
 
+def _open_what_is_closed() -> None:
+    """Have something to write to where the shell was told to close an output (`>&-`)."""
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115  (until the process ends)
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+
+
 def main() -> None:
     """Run the command line: exit 0 is good, 1 failed, 2 misused."""
+    _open_what_is_closed()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # names need not be text that it can hold
             stream.reconfigure(errors="backslashreplace")

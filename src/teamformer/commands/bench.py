@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
@@ -31,13 +30,11 @@ from teamformer.commands.console import (
     prepare_folder,
     print_json,
     say,
+    wide,
 )
 from teamformer.errors import TeamformerError
 from teamformer.model import ALLOCATIONS, ORDERS
 from teamformer.scenarios.authors import read_worlds
-
-wide = Console(highlight=False, width=200)
-"""A terminal wraps what it cannot hold, Rich would cut it."""
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rich.table import Table
 from rich.text import Text
 
-from teamformer.commands.console import announce_compiling, out, print_json, say
+from teamformer.commands.console import announce_compiling, out, print_json, say, wide
 from teamformer.commands.run import (
     Changes,
     best_known,
@@ -41,14 +42,14 @@ def compare(
     scenario = changes.apply(read_scenario(path))
     policies = {name: ready_policy(name, time_limit) for name in policy_names}
     announce_compiling(policy_names, scenario.is_planned)
-    trials = _run_all(scenario, policies, seeds)
+    trials = _share_bound(_run_all(scenario, policies, seeds))
     best = best_known(trials)
     if as_json:
         for trial in trials:
             print_json(result_row(trial, best))
     else:
         out.print(Text(scenario.name, style="bold"))
-        out.print(_table(trials, best))
+        wide.print(_table(trials, best))
         bound = trials[0].replay.lower_bound
         out.print(f"best known {best or '-'}, lower bound {bound or '-'}")
         for trial in trials:
@@ -70,6 +71,13 @@ def _run_all(scenario: Scenario, policies: Mapping[str, Policy], seeds: int) -> 
                 say(f"interrupted: {done} of {len(policies) * seeds} trials ran to their end")
                 return trials
     return trials
+
+
+def _share_bound(trials: Sequence[Trial]) -> list[Trial]:
+    """Have all trials know the highest bound that any of them does: their scenario is the same."""
+    bounds = [trial.replay.lower_bound for trial in trials]
+    best = max((bound for bound in bounds if bound is not None), default=None)
+    return [replace(trial, replay=replace(trial.replay, lower_bound=best)) for trial in trials]
 
 
 def _table(trials: Sequence[Trial], best: int | None) -> Table:

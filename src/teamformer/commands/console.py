@@ -16,6 +16,8 @@ from teamformer.errors import TeamformerError
 
 UNFOLDED = 1000  # columns, where no terminal folds the lines
 out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else UNFOLDED)
+wide = Console(highlight=False, width=200)
+"""For tables of many columns: a terminal folds their lines, Rich would cut words."""
 err = Console(stderr=True, highlight=False, soft_wrap=True)
 
 PATIENCE = 1.0  # seconds before progress is shown

@@ -20,7 +20,10 @@ def policies(as_json: bool) -> int:
                 }
             )
         return 0
-    table = Table("name", "what it does", "trained on", box=None, header_style="dim")
+    table = Table(box=None, header_style="dim")
+    table.add_column("name", no_wrap=True)
+    table.add_column("what it does", overflow="fold")
+    table.add_column("trained on", overflow="fold")
     for listing in POLICIES:
         table.add_row(listing.name, listing.summary, listing.trained_on)
     out.print(table)

@@ -32,6 +32,7 @@ from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay import Replay, replay_to_tree, write_replay
 
 LONGEST_TABLE = 40  # tasks
+MOST_NAMES = 12
 
 
 @dataclass(frozen=True)
@@ -221,17 +222,26 @@ def _verdict(replay: Replay) -> str:
 def _task_table(replay: Replay) -> Table:
     """Return who did what when, in the order it was done."""
     scenario = replay.scenario
-    table = Table("step", "task", "needs", "done by", box=None, header_style="dim")
+    table = Table(box=None, header_style="dim")
+    for header in ("step", "task", "needs", "done by"):
+        table.add_column(header, overflow="fold")
     undone = set(range(len(scenario.tasks)))
     for step, task, robots in completions(replay):
         undone.discard(task)
-        names = ", ".join(scenario.robots[r].name for r in robots)
         needs = describe(scenario.tasks[task].needs)
+        names = _names(scenario, robots)
         table.add_row(str(step), Text(scenario.tasks[task].name), Text(needs), Text(names))
     for task in sorted(undone):
         needs = describe(scenario.tasks[task].needs)
         table.add_row("-", Text(scenario.tasks[task].name), Text(needs), "")
     return table
+
+
+def _names(scenario: Scenario, robots: Sequence[int]) -> str:
+    """Return the robots' names, the first ones of many."""
+    shown = robots if len(robots) <= MOST_NAMES else robots[: MOST_NAMES - 1]
+    names = ", ".join(scenario.robots[robot].name for robot in shown)
+    return names if shown is robots else f"{names} and {len(robots) - len(shown)} more"
 
 
 def completions(replay: Replay) -> list[tuple[int, int, tuple[int, ...]]]:

@@ -74,6 +74,6 @@ POLICIES = (
     Listing(
         "central",
         "teamformer.policies.central:Central",
-        "knows everything, plans with OR-Tools CP-SAT",
+        "knows everything, searches for a plan, proves bounds with OR-Tools CP-SAT",
     ),
 )

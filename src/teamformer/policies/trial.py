@@ -40,6 +40,7 @@ def run_trial(
 ) -> Trial:
     """Run one trial and record it; Ctrl-C ends it with what was done so far.
 
+    `lower_bound` is what is known of the scenario; a planner that has proven more raises it.
     `on_step` is called after each step, for a display of progress.
     """
     begun = time.perf_counter()
@@ -60,8 +61,8 @@ def run_trial(
                 on_step(env.tally())
     except KeyboardInterrupt:
         is_interrupted = True
-    replay = recorder.finish(name, seed, lower_bound)
     plan = next(iter(getattr(policy, "plans", ())), None)
+    replay = recorder.finish(name, seed, _best_bound(lower_bound, plan))
     return Trial(replay, deciding, time.perf_counter() - begun, is_interrupted, plan)
 
 
@@ -74,6 +75,12 @@ def run_trials(
         while env.is_running.any():
             env.step(policy.decide(env.view()))
         return [env.tally(w) for w in range(len(scenarios))]
+
+
+def _best_bound(known: int | None, plan: CentralPlan | None) -> int | None:
+    """Return the highest bound that holds for every policy."""
+    proven = None if plan is None else plan.solution.bound
+    return max((bound for bound in (known, proven) if bound is not None), default=None)
 
 
 def _begin(policy: Policy, scenarios: Sequence[Scenario], seed: int) -> None:

@@ -151,6 +151,9 @@ def _write_wanted(view, action, sets, wanted):  # type: ignore[no-untyped-def]
 def combining(content: bytes, name: str, capabilities: int) -> Learned:
     """Return the policy that a network's file makes."""
     network = OnnxNetwork(content, name, Combined._fields)
+    if network.width("teams") != team_features(capabilities):
+        hint = "its policy.json has been changed; train or export it again"
+        raise TeamformerError(f"{name} is not made for {capabilities} capabilities", hint)
     return Learned(CombinationCodec(capabilities), GreedyChoice(network))
 
 

@@ -32,6 +32,11 @@ class OnnxNetwork:
         found: dict[str, str] = self._session.get_modelmeta().custom_metadata_map
         return found
 
+    def width(self, name: str) -> int:
+        """Return the last axis of an input: how many features a token has."""
+        width: int = next(i.shape[-1] for i in self._session.get_inputs() if i.name == name)
+        return width
+
     def __call__(self, *values: Array) -> list[Array]:
         """Return the network's outputs."""
         fed = dict(zip(self._inputs, values, strict=True))

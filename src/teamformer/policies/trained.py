@@ -54,13 +54,25 @@ def _has_policy(folder: Path) -> bool:
 
 def _read(file: Path) -> About:
     try:
-        about = About(**json.loads(file.read_text()))
-    except (OSError, ValueError, TypeError):
-        raise TeamformerError(f"{file} is not readable", "export the policy again") from None
-    if about.format > FORMAT:
+        tree = json.loads(file.read_text())
+        found = int(tree["format"])
+        about = About(**tree) if found <= FORMAT else None  # a newer one may say more
+    except (OSError, ValueError, TypeError, KeyError):
+        about, found = None, 0
+    if found > FORMAT:
         hint = f"this version reads up to {FORMAT}; update teamformer"
-        raise TeamformerError(f"{file} has policy format {about.format}", hint)
+        raise TeamformerError(f"{file} has policy format {found}", hint)
+    if about is None or not _is_sound(about):
+        raise TeamformerError(f"{file} is not readable", "export the policy again")
     return about
+
+
+def _is_sound(about: About) -> bool:
+    """Say whether a file holds what it should, and no other kinds of values."""
+    capabilities = about.capabilities
+    if not isinstance(about.network, str) or isinstance(capabilities, bool):
+        return False
+    return capabilities is None or (isinstance(capabilities, int) and capabilities > 0)
 
 
 def _any(folder: Path, about: About) -> Policy:

@@ -142,6 +142,7 @@ def test_generate_makes_a_scenario_that_runs(
         (("run", FOUR, "--policy", "nowhere:Nobody"), "cannot be imported"),
         (("run", FOUR, "--html"), "--out"),
         (("run", FOUR, "--out", "/proc/none"), "cannot be written"),
+        (("run", FOUR, "--out", FOUR), "this is no folder"),
         (("run", FOUR, "--order", "alphabetical"), "order 'alphabetical' is unknown"),
         (("compare", FOUR, "--policies", "join-all,"), "there is no policy ''"),
         (("generate", "-o", "/proc/none/x.yaml"), "cannot be written"),

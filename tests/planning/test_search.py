@@ -11,8 +11,16 @@ from small_worlds import make, robot, task
 from teamformer.planning.plan import empty_timing, hang_tasks, start_tasks
 from teamformer.planning.relaxed import Relaxed, relax
 from teamformer.planning.schedule import Schedule, make_plan
-from teamformer.planning.search import Search, search_schedule
+from teamformer.planning.search import Search
 from teamformer.scenarios.generate import Spec, generate
+
+
+def search_schedule(problem: Relaxed, seed: int, rounds: int) -> Schedule | None:
+    """Return the best schedule of one annealing."""
+    search = Search(problem, seed)
+    for made in range(rounds):
+        search.anneal(1, made / rounds)
+    return search.best
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -11,10 +11,14 @@ from teamformer.planning.tour import (
     LARGEST_EXACT,
     _nearest_first_tour,
     shortest_tour,
-    tour_length,
 )
 
 Distances = tuple[np.ndarray, np.ndarray]
+
+
+def tour_length(tour: np.ndarray, between: np.ndarray, from_start: np.ndarray) -> int:
+    """Return the length of an open tour."""
+    return int(from_start[tour[0]] + between[tour[:-1], tour[1:]].sum()) if len(tour) else 0
 
 
 def line(*places: int, start: int = 0) -> Distances:

@@ -36,6 +36,8 @@ def print_json(row: Mapping[str, Any]) -> None:
 
 def prepare_folder(folder: Path) -> None:
     """Make a folder, and make sure that files can be written there before any work is done."""
+    if folder.exists() and not folder.is_dir():
+        raise TeamformerError(f"{folder}: this is no folder", "name a folder with --out")
     probe = folder / ".teamformer-writes-here"
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -30,16 +30,6 @@ HOT, COLD = 5.0, 0.3
 """Temperatures at the beginning and at the end of an annealing, in steps of makespan."""
 
 
-def search_schedule(
-    problem: Relaxed, seed: int, rounds: int, start: Schedule | None = None
-) -> Schedule | None:
-    """Return the best schedule of one annealing; the same for the same seed and rounds."""
-    search = Search(problem, seed, start)
-    for made in range(rounds):
-        search.anneal(1, made / rounds)
-    return search.best
-
-
 class Search:
     """A search: where it stands, the best plan it has seen, and room to work in."""
 

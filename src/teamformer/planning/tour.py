@@ -27,15 +27,6 @@ def shortest_tour(
     return tour
 
 
-def tour_length(
-    tour: npt.NDArray[np.int64],
-    between: npt.NDArray[np.int64],
-    from_start: npt.NDArray[np.int64],
-) -> int:
-    """Return the length of an open tour."""
-    return int(from_start[tour[0]] + between[tour[:-1], tour[1:]].sum()) if len(tour) else 0
-
-
 @entry
 def plan_tour(between, from_start):  # type: ignore[no-untyped-def]
     """Choose between the exact and the local tour."""

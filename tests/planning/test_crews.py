@@ -14,7 +14,7 @@ from teamformer.planning.crew_lists import Shared, bits_of, empty_parties, gathe
 from teamformer.planning.crew_walk import empty_room, walk_list
 from teamformer.planning.crews import plan_crews
 from teamformer.planning.travel import travel_matrix
-from teamformer.policies.scripted import JoinCrew
+from teamformer.policies.scripted import JoinAtTask
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
 
@@ -226,12 +226,12 @@ SETTINGS = {
 
 @pytest.mark.parametrize("name", SETTINGS)
 def test_what_is_planned_is_what_happens(name: str) -> None:
-    """Under join-crew, until a crew has nothing left; but who passes over a task does it sooner."""
+    """Until a crew has nothing left; but who passes over a task does it sooner."""
     rng = np.random.default_rng(6)
     exact = late = done = 0
     for _ in range(8):
         world = replace(generate(SETTINGS[name], rng), allocation="crews")
-        env, policy = TeamFormation([world]), JoinCrew()
+        env, policy = TeamFormation([world]), JoinAtTask()
         worlds = env.worlds
         crew, list_of = (part["crew"][0].tolist() for part in (worlds.robots, worlds.tasks))
         order = worlds.order[0].tolist()

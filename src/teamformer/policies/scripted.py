@@ -13,6 +13,9 @@ from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 
+CROWD = 8
+"""A task that needs more capabilities draws a crowd, in which pairing off takes long."""
+
 
 class JoinAll:
     """Join a team in the same place whenever it adds what an open task needs; never split.
@@ -35,14 +38,27 @@ class JoinAll:
         return Decision(wanted)
 
 
-class JoinCrew(JoinAll):
+class JoinAtTask(JoinAll):
     """Do as `JoinAll`, but at the own task only, with others of the crew that it is given to too.
 
     So robots of a crew that have different tasks next do them side by side, and who waits at a
-    task pairs off meanwhile, as the crew's list was planned.
+    task pairs off meanwhile: step for step as the crew's list was planned.
     """
 
     only_mates = True
+
+
+class JoinCrew(JoinAtTask):
+    """Do as `JoinAtTask`; before large tasks join on the way whom one would have to wait for.
+
+    These are teams with another task next, where the later of the two tasks needs both teams.
+    """
+
+    def decide(self, view: View) -> Decision:
+        """Join whom it helps to join, or else whom one would have to wait for."""
+        wanted = super().decide(view).wanted
+        _join_on_the_way(view, wanted)
+        return Decision(wanted)
 
 
 class JoinUseful:
@@ -100,4 +116,37 @@ def _is_useful(view, row, other, lacks):  # type: ignore[no-untyped-def]
     for cap in range(len(lacks)):
         if lacks[cap] and view.seen_counts[row, other, cap] > 0:
             return True
+    return False
+
+
+@entry
+def _join_on_the_way(view, wanted):  # type: ignore[no-untyped-def]
+    """Let teams that join nobody else join the first of their crew here that shares a task."""
+    for row in range(len(wanted)):
+        is_free = not view.is_serving[row] and (wanted[row] == view.counts[row]).all()
+        if not is_free or (view.task_needs[row, 0] > 0).sum() <= CROWD:
+            continue
+        for other in range(view.seen_slot.shape[1]):
+            if is_partner(view, row, other, False, True) and _share_a_task(view, row, other):
+                wanted[row] += view.seen_counts[row, other]
+                break
+
+
+@kernel
+def _share_a_task(view, row, other):  # type: ignore[no-untyped-def]
+    """Say whether the task of one of two teams needs something of the other one too.
+
+    The earlier of two tasks of a crew needs nothing of a team that has the later one next. So if
+    the later one needs something of both, it waits for the team with the earlier one: nobody is
+    later because they go on together.
+    """
+    own, theirs = view.task[row], view.seen_task[row, other]
+    for task in range(view.task_number.shape[1]):
+        number = view.task_number[row, task]
+        for cap in range(view.task_needs.shape[2]):
+            if number != NOBODY and view.task_needs[row, task, cap] > 0:
+                if number == own and view.seen_counts[row, other, cap] > 0:
+                    return True
+                if number == theirs and view.counts[row, cap] > 0:
+                    return True
     return False

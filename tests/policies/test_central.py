@@ -121,7 +121,7 @@ def test_a_plan_takes_what_the_search_promised(seed: int) -> None:
     scenario = generate(Spec(6, 8, 3), np.random.default_rng(seed))
     search = first_search(relax(scenario), scenario, seed)
     assert search is not None
-    search.anneal(3000, 0.9)
+    search.anneal(3000, 0.9, hot=0.8)
     assert play(scenario, search.best) == search.makespan
 
 

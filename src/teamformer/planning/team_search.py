@@ -17,8 +17,8 @@ from teamformer.planning.team_plan import (
     time_plan,
 )
 
-HOT, COLD = 0.8, 0.02
-"""Temperatures at the beginning and at the end of an annealing, in steps of makespan."""
+COLD = 0.02
+"""Temperature at the end of an annealing, in steps of makespan."""
 
 
 class TeamSearch:
@@ -41,9 +41,9 @@ class TeamSearch:
             copy_team_plan(start, self._best)
             self._costs[1] = cost
 
-    def anneal(self, rounds: int, part: float) -> None:
-        """Search for some rounds at the temperature of a part, from 0 to 1, of an annealing."""
-        temperature = HOT * (COLD / HOT) ** part
+    def anneal(self, rounds: int, part: float, hot: float) -> None:
+        """Search for some rounds at a part, from 0 to 1, of an annealing that begins so `hot`."""
+        temperature = hot * (COLD / hot) ** part
         plans = (self._plan, self._best)
         anneal(self.problem, *plans, self._groups, self._bench, self._costs, rounds, temperature)
 

@@ -12,8 +12,11 @@ from teamformer.planning.team_plan import TeamPlan
 from teamformer.planning.team_search import TeamSearch
 from teamformer.planning.team_starts import crew_plans
 
-SHARES = (0.05, 0.25, 1.0)
-"""Of the time or rounds, how much has passed when each annealing ends; each starts at the best."""
+ANNEALINGS = ((0.05, 0.8), (0.3, 0.3), (1.0, 0.6))
+"""When each annealing ends, as a share of time or rounds, and how hot it begins.
+
+Each starts at the best plan. Hot ones leave it behind, cool ones better it.
+"""
 
 ROUNDS = 3000
 """Rounds for each pair of tasks; a search that long finds nothing more."""
@@ -73,16 +76,16 @@ def improve(best: BestPlan, search: TeamSearch, deadline: float) -> None:
     `deadline` is what `time.perf_counter` then shows. Small worlds end earlier.
     """
     begun, most = time.perf_counter(), ROUNDS * len(search.problem.appears) ** 2
-    made, at_once, end = 0, 1, 0.0
+    made, at_once, begin, end, hot = 0, 1, 0.0, 0.0, 0.0
     while not best.is_over:
         passed = _share(made / most, begun, deadline)
         if passed == 1.0:
             break
         if passed >= end:
-            begin, end = passed, next(share for share in SHARES if share > passed)
+            begin, (end, hot) = passed, next(which for which in ANNEALINGS if which[0] > passed)
             search.restart(best.plan)
         seconds = -time.perf_counter()
-        search.anneal(at_once, min(1.0, (passed - begin) / (end - begin)))
+        search.anneal(at_once, min(1.0, (passed - begin) / (end - begin)), hot)
         best.offer(search)
         seconds += time.perf_counter()
         made += at_once
@@ -106,5 +109,5 @@ def compile_search() -> Scenario:
     scenario = Scenario("smallest", Grid(2, 1), ("a", "b"), robots, tasks)
     search = first_search(relax(scenario), scenario, seed=0)
     assert search is not None
-    search.anneal(1, 0.0)
+    search.anneal(1, 0.0, hot=1.0)
     return scenario

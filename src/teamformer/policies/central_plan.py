@@ -33,8 +33,17 @@ RELAXING = 0.4
 SIMPLE = 0.15
 """Share of the time that the play of a simple rule may take."""
 
-LARGEST_FOR_CREWS = 10_000
-"""Robots times tasks; with more, planning crews takes too much of the time."""
+CREW_SECONDS = 6e-6
+"""What planning crews may take, for each task times robots and tasks: twice what it does take.
+
+It is not begun with less time left, as it cannot be stopped.
+"""
+
+FOLLOWED: tuple[tuple[str, str, Policy], ...] = (
+    ("crews", "crews", JoinCrew()),
+    ("join-all", "paper", JoinAll()),
+)
+"""Names, allocations and rules whose plays the search may begin at, whatever the scenario's are."""
 
 MARGIN = 0.1
 """Seconds kept back at the end, besides what the last plays take."""
@@ -76,8 +85,8 @@ def plan_centrally(
         solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
         searched = []
     else:
-        if len(scenario.robots) * len(scenario.tasks) <= LARGEST_FOR_CREWS:
-            _follow_crews(scenario, search, plays)
+        for name, allocation, followed in FOLLOWED:
+            _follow(name, replace(scenario, allocation=allocation), followed, search, plays)
         solution, best = _improve(scenario, search, plays, seed, workers)
         plays.add("search", _player(scenario, best.plan))
         searched = best.curve
@@ -96,13 +105,15 @@ def _start(scenario: Scenario, seed: int) -> TeamSearch | None:
     return first_search(problem, scenario, seed)
 
 
-def _follow_crews(scenario: Scenario, search: TeamSearch, plays: _Plays) -> None:
-    """Let the search begin at what crews do by themselves, if that is faster."""
-    crewed = replace(scenario, allocation="crews")
-    plan = plan_from_play(crewed, search.problem, JoinCrew())
+def _follow(name: str, scenario: Scenario, rule: Policy, search: TeamSearch, plays: _Plays) -> None:
+    """Let the search begin at what a rule does; leave it if time is short."""
+    tasks = len(scenario.tasks)
+    if plays.seconds_left < CREW_SECONDS * tasks * (tasks + len(scenario.robots)):
+        return
+    plan = plan_from_play(scenario, search.problem, rule, plays.begun + plays.limit)
     if plan is not None:
         search.restart(plan)
-        plays.add("crews", _player(scenario, plan))
+        plays.add(name, _player(scenario, plan))
 
 
 def _improve(
@@ -144,7 +155,8 @@ class _Plays:
     def __init__(self, scenario: Scenario, begun: float, time_limit: float) -> None:
         self.begun = begun
         self.makespan: int | None = None
-        self._scenario, self._limit = scenario, time_limit
+        self.limit = time_limit
+        self._scenario = scenario
         self._played_by, self._script = "", Script()
         self._curve: list[tuple[float, int]] = []
         self._longest = 0.0  # seconds that a play took
@@ -157,7 +169,7 @@ class _Plays:
     @property
     def seconds_left(self) -> float:
         """Return the seconds until it is time for the last plays."""
-        return max(0.0, self._limit - self.seconds - MARGIN - 1.5 * self._longest)
+        return max(0.0, self.limit - self.seconds - MARGIN - 1.5 * self._longest)
 
     def add(self, name: str, player: PlanPlayer | Policy, most_seconds: float = math.inf) -> None:
         """Play a plan or a policy, and keep its decisions if it is the fastest so far.
@@ -166,7 +178,7 @@ class _Plays:
         or after `most_seconds`.
         """
         begun = self.seconds
-        end = begun + most_seconds if self._limit == 0 else min(begun + most_seconds, self._limit)
+        end = begun + most_seconds if self.limit == 0 else min(begun + most_seconds, self.limit)
         most = NEVER if self.makespan is None else self.makespan
         env = TeamFormation([self._scenario])
         script: Script = []

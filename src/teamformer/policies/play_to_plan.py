@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import time
+
 import numpy as np
 
 from teamformer.model import Scenario
@@ -12,15 +15,18 @@ from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import TeamFormation
 
 
-def plan_from_play(scenario: Scenario, problem: Relaxed, policy: Policy) -> TeamPlan | None:
-    """Return the plan of a policy's play; None if that does not complete.
+def plan_from_play(
+    scenario: Scenario, problem: Relaxed, policy: Policy, deadline: float = math.inf
+) -> TeamPlan | None:
+    """Return the plan of a policy's play; None if that does not complete, or not in time.
 
-    Every robot of the team that does a task is in its crew. `problem` is the scenario's.
+    Every robot of the team that does a task is in its crew. `problem` is the scenario's;
+    `deadline` is what `time.perf_counter` then shows.
     """
     env = TeamFormation([scenario])
     order: list[int] = []
     crews: list[list[int]] = [[] for _ in scenario.tasks]
-    while env.is_running[0]:
+    while env.is_running[0] and time.perf_counter() < deadline:
         env.step(policy.decide(env.view()))
         done = env.worlds.tasks[0]["done_at"][: len(crews)] != NOBODY
         for task in np.flatnonzero(done).tolist():

@@ -15,6 +15,9 @@ from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 
+COMPILING = 600.0
+"""Seconds to plan the smallest scenario in: more than compiling takes, as it ends when proven."""
+
 
 class Central:
     """Plans for up to `time_limit` seconds a scenario, then plays what it found.
@@ -59,4 +62,4 @@ class Central:
 def _warm_up() -> None:
     """Have everything compiled and imported before the clock starts."""
     make_solver(seed=0)
-    plan_centrally(compile_search(), time_limit=0.1)
+    plan_centrally(compile_search(), time_limit=COMPILING)

@@ -226,7 +226,12 @@ def train(
     minutes: Annotated[float | None, typer.Option(min=0, help="at most")] = None,
     worlds: Annotated[int, typer.Option(min=1, help="played in each iteration")] = 256,
     held_out: Annotated[int, typer.Option(min=1, help="worlds of each setting")] = 48,
-    reward: Annotated[str, typer.Option(help="mission, or team as in the paper")] = "mission",
+    method: Annotated[
+        str | None, typer.Option(help="trying, or ppo; the network's own by default")
+    ] = None,
+    reward: Annotated[
+        str, typer.Option(help="of ppo; mission, or team as in the paper")
+    ] = "mission",
     seed: Seed = 0,
     device: Annotated[str, typer.Option(help="cpu or cuda")] = "cpu",
     as_json: AsJson = False,
@@ -253,6 +258,7 @@ def train(
         minutes=minutes,
         worlds=worlds,
         held_out=held_out,
+        method=method,
         reward=reward,
         seed=seed,
         device=device,

@@ -22,7 +22,7 @@ def network() -> RelationalPolicy:
 
 def tokens(teams: int = 20) -> Tokens:
     torch.manual_seed(1)
-    is_legal = torch.rand(teams, 3 + SEEN + TASKS) < 0.6
+    is_legal = torch.rand(teams, 4 + SEEN + TASKS) < 0.6
     is_legal[:, 0] = True
     return Tokens(
         torch.randn(teams, 6),
@@ -46,8 +46,8 @@ def test_illegal_choices_are_refused_and_the_others_sum_to_one(network: Relation
 def test_what_stands_in_padding_changes_nothing(network: RelationalPolicy) -> None:
     given = tokens()
     legal = given.is_legal.clone()
-    legal[:, 3 : 3 + SEEN] &= given.is_team  # padding can be neither joined nor split for
-    legal[:, 3 + SEEN :] &= given.is_task
+    legal[:, 4 : 4 + SEEN] &= given.is_team  # padding can be neither joined nor split for
+    legal[:, 4 + SEEN :] &= given.is_task
     given = given._replace(is_legal=legal)
     teams, tasks = given.teams.clone(), given.tasks.clone()
     teams[~given.is_team], tasks[~given.is_task] = 100.0, -100.0
@@ -56,7 +56,7 @@ def test_what_stands_in_padding_changes_nothing(network: RelationalPolicy) -> No
 
 def test_order_of_tokens_changes_only_the_order_of_choices(network: RelationalPolicy) -> None:
     given, seen, tasks = tokens(), torch.randperm(SEEN), torch.randperm(TASKS)
-    places = torch.cat([torch.arange(3), 3 + seen, 3 + SEEN + tasks])
+    places = torch.cat([torch.arange(4), 4 + seen, 4 + SEEN + tasks])
     shuffled = Tokens(
         given.own,
         given.teams[:, seen],
@@ -74,11 +74,12 @@ def test_other_teams_in_a_batch_change_nothing(network: RelationalPolicy) -> Non
     torch.testing.assert_close(alone, network(*given), rtol=1e-4, atol=1e-4)
 
 
-def test_maintaining_is_likely_at_the_start() -> None:
+def test_following_is_likely_at_the_start() -> None:
     torch.manual_seed(2)
     network = RelationalPolicy(RelationalSettings(6, 7, 8))
-    given = tokens()._replace(is_legal=torch.ones(20, 12, dtype=torch.bool))
-    expected = torch.e**2 / (torch.e**2 + 11)  # its bias against eleven choices near zero
+    given = tokens()._replace(is_legal=torch.ones(20, 13, dtype=torch.bool))
+    scores = [4.0, 2.0] + (2 + SEEN + TASKS) * [0.0]
+    expected = torch.tensor(scores).softmax(dim=0)[0].item()
     assert network(*given).softmax(dim=-1)[:, 0].tolist() == pytest.approx(
         [expected] * 20, abs=0.05
     )

@@ -13,23 +13,26 @@ from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.policies.any_fleet import AnyFleetCodec, any_fleet, teamformer_any
-from teamformer.policies.choices import MAINTAIN, sees_doubles
+from teamformer.policies.choices import FOLLOW, MAINTAIN
+from teamformer.policies.fitting import Script
 from teamformer.policies.learned import Brain, Learned, rows_of
 from teamformer.policies.liveness import Liveness
 from teamformer.policies.relations import Relations, relate
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted import JoinUseful
 from teamformer.policies.sessions import OnnxNetwork
 from teamformer.policies.trial import run_trials
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
+from teamformer.train.evaluation import torch_brain
 from teamformer.train.export import NETWORK_FILE, export_any_fleet
-from teamformer.train.trainer import TrainSettings, make_learner
+from teamformer.train.settings import TrainSettings
+from teamformer.train.trainer import make_learner
 
 
 def prefer_maintain(tokens: tuple[Array, ...]) -> Array:
     """Choose as a network would that never does anything."""
-    return np.full(len(tokens[0]), MAINTAIN)
+    return np.where(tokens[-1][:, MAINTAIN], MAINTAIN, FOLLOW)
 
 
 class Whim:
@@ -153,30 +156,27 @@ def test_who_does_nothing_ends_with_the_rule_and_not_without() -> None:
     assert tally.status == "step limit"
 
 
+@pytest.mark.parametrize("allocation", ["paper", "crews"])
 @pytest.mark.parametrize("policy", [learned(prefer_maintain), learned(Whim()), teamformer_any()])
-def test_with_the_rule_all_ends_that_join_all_ends(policy: Learned) -> None:
+def test_with_the_rule_all_ends_that_the_script_ends(policy: Learned, allocation: str) -> None:
     rng = np.random.default_rng(2)
-    worlds = [random_world(rng, with_losses=False) for _ in range(200)]
-    bar = run_trials(worlds, JoinAll())
+    drawn = [random_world(rng, with_losses=False) for _ in range(200)]
+    worlds = [replace(world, allocation=allocation) for world in drawn]
+    bar = run_trials(worlds, JoinUseful())
     tallies = run_trials(worlds, policy)
     for world, tally, bar_tally in zip(worlds, tallies, bar, strict=True):
         assert (tally.status == "completed") or bar_tally.status != "completed", world
         assert tally.illegal_decisions == 0
 
 
-def test_without_doubles_it_is_join_all() -> None:
+@pytest.mark.parametrize("allocation", ["paper", "crews"])
+def test_untrained_it_is_the_script(allocation: str) -> None:
     rng = np.random.default_rng(4)
-    worlds = [generate(Spec(8, 8, 8), rng) for _ in range(20)]
-    assert run_trials(worlds, learned(Whim())) == run_trials(worlds, JoinAll())
-    view = TeamFormation(worlds).view()
-    assert not sees_doubles(view).any()
-
-
-def test_doubles_by_hand() -> None:
-    two = two_who_need_each_other()
-    third = Robot("r2", (2, 0), {"a": 1})  # r1 sees it and r0, who do not see each other
-    view = TeamFormation([replace(two, robots=(*two.robots, third))]).view()
-    assert sees_doubles(view).tolist() == [False, True, False]
+    specs = [Spec(8, 8, 8), Spec(12, 12, 4), Spec(30, 4, 30)]
+    worlds = [replace(generate(s, rng), allocation=allocation) for s in specs for _ in range(6)]
+    network = make_learner(TrainSettings(seed=3)).policy
+    policy = Learned(AnyFleetCodec(), torch_brain(network), with_liveness=False)  # type: ignore[arg-type]
+    assert run_trials(worlds, policy) == run_trials(worlds, Script())
 
 
 def test_trials_do_not_depend_on_who_else_is_in_the_batch() -> None:

@@ -11,18 +11,25 @@ from random_worlds import random_world
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.policies.choices import (
     CHOICES,
+    FOLLOW,
     HALVE,
     JOIN,
     MAINTAIN,
     SHED,
     SPLIT,
-    choices_for,
     legal_choices,
+    scripted_counts,
     wanted_counts,
 )
+from teamformer.policies.fitting import Script
 from teamformer.policies.relations import relate
-from teamformer.policies.scripted import JoinAll
 from teamformer.sim.env import Decision, TeamFormation
+from teamformer.sim.view import View
+
+
+def legal_in(view: View) -> np.ndarray:
+    """Return the legal choices, as (teams, CHOICES)."""
+    return legal_choices(view, scripted_counts(view))
 
 
 def random_choices(is_legal: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -48,10 +55,11 @@ def team_and_robot() -> Scenario:
 
 def test_choices_of_a_team_by_hand() -> None:
     view = TeamFormation([team_and_robot()]).view()
-    is_legal = legal_choices(view)
-    assert np.flatnonzero(is_legal[0]).tolist() == [MAINTAIN, HALVE, SHED, JOIN, SPLIT, SPLIT + 1]
-    assert np.flatnonzero(is_legal[1]).tolist() == [MAINTAIN, JOIN]
+    is_legal = legal_in(view)
+    assert np.flatnonzero(is_legal[0]).tolist() == [FOLLOW, HALVE, SHED, JOIN, SPLIT, SPLIT + 1]
+    assert np.flatnonzero(is_legal[1]).tolist() == [FOLLOW, JOIN]  # a third a would be wasted
     expected = {
+        FOLLOW: [2, 2],
         MAINTAIN: [2, 2],
         HALVE: [1, 1],
         SHED: [1, 1],
@@ -62,6 +70,7 @@ def test_choices_of_a_team_by_hand() -> None:
     for choice, counts in expected.items():
         wanted = wanted_counts(view, np.array([choice, MAINTAIN]))
         assert wanted.tolist() == [counts, [1, 0]]
+    assert wanted_counts(view, np.array([FOLLOW, FOLLOW])).tolist() == [[2, 2], [1, 0]]
 
 
 def test_relations_of_a_team_by_hand() -> None:
@@ -87,11 +96,11 @@ def test_no_choice_is_ever_illegal(seed: int) -> None:
     made = np.zeros(CHOICES, dtype=np.int64)
     for _ in range(40):
         view = env.view()
-        choice = random_choices(legal_choices(view), rng)
+        choice = random_choices(legal_in(view), rng)
         made += np.bincount(choice, minlength=CHOICES)
         env.step(Decision(wanted_counts(view, choice)))
     assert env.worlds.count["illegal"].sum() == 0
-    assert (made[[MAINTAIN, HALVE, SHED, JOIN, SPLIT]] > 0).all()
+    assert (made[[FOLLOW, MAINTAIN, HALVE, SHED, JOIN, SPLIT]] > 0).all()
 
 
 def test_every_split_that_is_legal_is_made() -> None:
@@ -99,27 +108,52 @@ def test_every_split_that_is_legal_is_made() -> None:
     env = TeamFormation([random_world(rng, with_losses=False) for _ in range(100)])
     for _ in range(20):
         view = env.view()
-        is_legal = legal_choices(view)
+        is_legal = legal_in(view)
         is_legal[:, JOIN:SPLIT] = False
+        is_legal[:, FOLLOW], is_legal[:, MAINTAIN] = False, True
         choice = random_choices(is_legal, rng)
         splits = env.worlds.count["splits"].copy()
         env.step(Decision(wanted_counts(view, choice)))
-        wanted = np.bincount(view.world[choice != MAINTAIN], minlength=100)
+        wanted = np.bincount(view.world[choice > MAINTAIN], minlength=100)
         assert (env.worlds.count["splits"] - splits == wanted).all()
 
 
-def test_joining_all_can_be_said_in_choices() -> None:
+@pytest.mark.parametrize("allocation", ["paper", "crews"])
+def test_following_is_the_script_and_nothing_else_is(allocation: str) -> None:
     rng = np.random.default_rng(6)
-    env = TeamFormation([random_world(rng) for _ in range(100)])
+    worlds = [replace(random_world(rng), allocation=allocation) for _ in range(100)]
+    env = TeamFormation(worlds)
     joins = 0
     for _ in range(20):
         view = env.view()
-        wanted = JoinAll().decide(view).wanted
-        choice = choices_for(view, wanted)
-        joins += int((choice >= JOIN).sum())
-        assert (wanted_counts(view, choice) == wanted).all()
+        wanted = Script().decide(view).wanted
+        rows = len(wanted)
+        assert (wanted_counts(view, np.full(rows, FOLLOW)) == wanted).all()
+        is_legal = legal_in(view)
+        for choice in range(MAINTAIN, CHOICES):
+            others = is_legal[:, choice]
+            counts = wanted_counts(view, np.where(others, choice, FOLLOW))
+            assert (counts[others] != wanted[others]).any(axis=1).all()
+        joins += int((wanted != view.counts).any(axis=1).sum())
         env.step(Decision(wanted))
-    assert joins > 50
+    assert joins > 20
+
+
+def test_under_crews_only_mates_are_joined() -> None:
+    """Two crews of {a} and {b}, all in one place; the others' crew is none of mine."""
+    cans = ["a", "a", "b", "b"]
+    scenario = Scenario(
+        "two crews",
+        Grid(9, 1),
+        ("a", "b"),
+        tuple(Robot(f"r{r}", (4, 0), {can: 1}) for r, can in enumerate(cans)),
+        (Task("t0", (0, 0), {"a": 1, "b": 1}), Task("t1", (8, 0), {"a": 1, "b": 1})),
+        allocation="crews",
+    )
+    view = TeamFormation([scenario]).view()
+    can_join = legal_in(view)[:, JOIN : JOIN + 3]
+    assert can_join.tolist() == view.is_mate.tolist()
+    assert can_join.sum(axis=1).tolist() == [1, 1, 1, 1]
 
 
 def relabelled(scenario: Scenario, rng: np.random.Generator, padding: int = 3) -> Scenario:

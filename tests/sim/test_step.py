@@ -11,6 +11,7 @@ from blocked_worlds import blocked_worlds
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
 from teamformer.model import ALLOCATIONS, ORDERS
+from teamformer.policies.fitting import JoinFitting
 from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted import JoinAll, JoinCrew
@@ -106,7 +107,9 @@ def test_worlds_keep_their_promises_under_random_decisions() -> None:
 
 
 POLICIES = pytest.mark.parametrize(
-    "policy", [Heuristic(), JoinAll(), JoinCrew()], ids=["heuristic", "join-all", "join-crew"]
+    "policy",
+    [Heuristic(), JoinAll(), JoinFitting(), JoinCrew()],
+    ids=["heuristic", "join-all", "join-fitting", "join-crew"],
 )
 RULES = pytest.mark.parametrize("allocation", ALLOCATIONS)
 

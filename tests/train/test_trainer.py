@@ -20,15 +20,18 @@ from teamformer.policies.registry import load_policy
 from teamformer.policies.trial import run_trials
 from teamformer.sim.env import TeamFormation
 from teamformer.train.checkpoint import ABOUT, WEIGHTS, load_weights, read_about
+from teamformer.train.descent import Learner
 from teamformer.train.evaluation import torch_brain
-from teamformer.train.ppo import Learner, clipped_loss
+from teamformer.train.ppo import clipped_loss
 from teamformer.train.rewards import MissionReward, TeamReward
 from teamformer.train.rollout import play, sampler
-from teamformer.train.trainer import TrainSettings, make_learner
+from teamformer.train.settings import TrainSettings
+from teamformer.train.trainer import make_learner
 from teamformer.train.trainer import train as train_and_export
 from teamformer.train.worlds import Mixture, paper_mixture, selection_worlds, training_worlds
 
 SHORT = TrainSettings(
+    method="ppo",
     seed=3,
     iterations=4,
     worlds=8,
@@ -65,10 +68,12 @@ def test_one_seed_is_one_run_and_another_is_another(tmp_path: Path) -> None:
     assert not all(torch.equal(a, b) for a, b in zip(first, other, strict=True))
 
 
-def test_a_resumed_run_ends_as_an_uninterrupted_one(tmp_path: Path) -> None:
-    whole = weights(train(SHORT, tmp_path / "whole", held_out()))
-    train(SHORT, tmp_path / "parts", held_out(), until=3)
-    parts = weights(train(SHORT, tmp_path / "parts", held_out()))
+@pytest.mark.parametrize("method", ["ppo", "trying"])
+def test_a_resumed_run_ends_as_an_uninterrupted_one(method: str, tmp_path: Path) -> None:
+    settings = replace(SHORT, method=method)
+    whole = weights(train(settings, tmp_path / "whole", held_out()))
+    train(settings, tmp_path / "parts", held_out(), until=3)
+    parts = weights(train(settings, tmp_path / "parts", held_out()))
     assert all(torch.equal(a, b) for a, b in zip(whole, parts, strict=True))
     assert read_about(tmp_path / "parts" / "last")["progress"]["iteration"] == 4
 
@@ -78,8 +83,8 @@ def test_bad_folders_are_refused(tmp_path: Path) -> None:
     with pytest.raises(TeamformerError, match="another training"):
         train(replace(SHORT, worlds=9), tmp_path, [])
     about = json.loads((tmp_path / "last" / ABOUT).read_text())
-    (tmp_path / "last" / ABOUT).write_text(json.dumps({**about, "format": 3}))
-    with pytest.raises(TeamformerError, match="checkpoint format 3"):
+    (tmp_path / "last" / ABOUT).write_text(json.dumps({**about, "format": 99}))
+    with pytest.raises(TeamformerError, match="checkpoint format 99"):
         train(SHORT, tmp_path, [])
     (tmp_path / "last" / ABOUT).write_text(json.dumps(about))
     whole = (tmp_path / "last" / WEIGHTS).read_bytes()
@@ -102,6 +107,13 @@ def test_networks_that_cannot_be_are_refused(
 ) -> None:
     with pytest.raises(TeamformerError, match=words):
         TrainSettings(network=network, capabilities=capabilities)
+
+
+def test_methods_that_cannot_be_are_refused() -> None:
+    with pytest.raises(TeamformerError, match="'gnn' does not learn by trying"):
+        TrainSettings(network="gnn", capabilities=4, method="trying")
+    with pytest.raises(TeamformerError, match="knows no reward"):
+        TrainSettings(mission_reward=None)
 
 
 def test_training_may_begin_from_the_weights_of_another(tmp_path: Path) -> None:

@@ -29,6 +29,7 @@ FAMILIES = {
     "heuristic": "#d55e00",
     "authors-heuristic": "#8c3b00",
     "join-all": "#009e73",
+    "join-fitting": "#66c2a5",
     "join-crew": "#f0e442",
     "central": "#444444",
 }

@@ -13,8 +13,6 @@ import numpy as np
 from teamformer.bench.rows import Row
 from teamformer.model import Scenario
 from teamformer.planning.bounds import lower_bound
-from teamformer.planning.relaxed import relax
-from teamformer.planning.schedule import schedule_tasks
 from teamformer.policies import POLICIES
 from teamformer.policies.protocol import Policy
 from teamformer.policies.registry import load_policy
@@ -22,7 +20,8 @@ from teamformer.policies.trial import run_trials
 from teamformer.scenarios.authors import read_world
 from teamformer.scenarios.settings import world_of
 from teamformer.sim.arrays import Array
-from teamformer.sim.env import Decision, Tally, TeamFormation
+from teamformer.sim.env import Decision, Tally
+from teamformer.sim.list_schedule import list_schedule
 from teamformer.sim.view import View
 
 
@@ -200,18 +199,6 @@ def _timed(row: Row, clock: Clock, place: int) -> Row:
 def _with_bars(row: Row, scenario: Scenario) -> Row:
     bound, listed = lower_bound(scenario), list_schedule(scenario)
     return replace(row, lower_bound=bound, list_schedule=listed)
-
-
-def list_schedule(scenario: Scenario) -> int | None:
-    """Return the makespan of the list schedule along the task order, if joining is free.
-
-    None where tasks appear later: the order is not all known then.
-    """
-    if any(task.appears for task in scenario.tasks):
-        return None
-    order = TeamFormation([scenario]).worlds.order[0, : len(scenario.tasks)]
-    schedule = schedule_tasks(relax(scenario), order.tolist())
-    return schedule.makespan if schedule else None
 
 
 def rerun_command(lot: Lot, seed: int) -> str:

@@ -15,7 +15,8 @@ from teamformer.commands.console import announce_compiling, prepare_folder, prin
 from teamformer.errors import TeamformerError
 
 if TYPE_CHECKING:
-    from teamformer.train.trainer import Report, TrainSettings
+    from teamformer.train.settings import TrainSettings
+    from teamformer.train.trainer import Report
 
 OURS = {"last", "best", "tensorboard"}
 """What a training leaves in its folder."""
@@ -31,6 +32,7 @@ class Options:
     minutes: float | None = None
     worlds: int = 256
     held_out: int = 48
+    method: str | None = None
     reward: str = "mission"
     seed: int = 0
     device: str = "cpu"
@@ -116,6 +118,7 @@ def _as_it_was(options: Options) -> Options:
             capabilities=begun["capabilities"],
             iterations=begun["iterations"],
             worlds=begun["worlds"],
+            method=begun["method"],
             reward="team" if begun["mission_reward"] is None else "mission",
             seed=begun["seed"],
         )
@@ -133,7 +136,7 @@ def _refuse_without_torch() -> None:
 
 def _settings(options: Options) -> TrainSettings:
     from teamformer.train.rewards import MissionReward, TeamReward
-    from teamformer.train.trainer import TrainSettings
+    from teamformer.train.settings import TrainSettings
 
     return TrainSettings(
         network=options.network,
@@ -142,16 +145,11 @@ def _settings(options: Options) -> TrainSettings:
         iterations=options.iterations,
         minutes=options.minutes,
         worlds=options.worlds,
+        method=options.method,
         mission_reward=MissionReward() if options.reward == "mission" else None,
         team_reward=TeamReward() if options.reward == "team" else None,
         device=options.device,
     )
-
-
-HEADER = (
-    " iter      steps  steps/s   return  ended  splits  entropy  clipped"
-    "  | held out: steps in each setting (and of join-all's), failures"
-)
 
 
 class _Table:
@@ -169,18 +167,23 @@ class _Table:
             print_json({"iteration": report.progress.iteration, **figures(report)})
             return
         if self._rows % 20 == 0:
-            print(HEADER)
+            print(_header(report))
         self._rows += 1
         print(_row(report), flush=True)
 
 
+def _header(report: Report) -> str:
+    columns = "".join(f"  {name:>9}" for name in report.lesson.figures)
+    held_out = "held out: steps in each setting (and of the script's), failures"
+    return f" iter      steps  steps/s{columns}  | {held_out}"
+
+
 def _row(report: Report) -> str:
-    update, score = report.update, report.score
-    row = (
-        f"{report.progress.iteration:5d} {report.progress.steps:10,d} "
-        f"{report.steps_per_second:8,.0f} {report.reward:8.3f} {report.ended:6.1%} "
-        f"{report.splits:7.2f} {update.entropy:8.3f} {update.clipped:8.3f}"
+    progress, score = report.progress, report.score
+    columns = "".join(
+        f"  {value:>{max(9, len(name))}.5g}" for name, value in report.lesson.figures.items()
     )
+    row = f"{progress.iteration:5d} {progress.steps:10,d} {report.steps_per_second:8,.0f}{columns}"
     if score is None:
         return row
     settings = ", ".join(

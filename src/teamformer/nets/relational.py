@@ -33,13 +33,18 @@ class RelationalSettings:
     own_features: int
     team_features: int
     task_features: int
-    own_choices: int = 3  # maintain, halve, shed
+    own_choices: int = 4  # follow the script, maintain, halve, shed
     width: int = 48
-    maintain_bias: float = 2.0  # the score that maintaining begins with
+    first_scores: tuple[float, ...] = (4.0, 2.0, 0.0, 0.0)  # of the own choices, untrained
+    first_split_score: float = 0.0  # of splits for a task; a join's is 0
 
 
 class RelationalPolicy(OneChoice):
-    """Scores every choice of every team, as (teams, choices); illegal ones are refused."""
+    """Scores every choice of every team, as (teams, choices); illegal ones are refused.
+
+    Untrained it mostly follows the script, seldom keeps apart or joins others, and hardly ever
+    splits, which costs a step and pays only if those who part keep apart.
+    """
 
     def __init__(self, settings: RelationalSettings) -> None:
         super().__init__()
@@ -55,7 +60,8 @@ class RelationalPolicy(OneChoice):
         self.join_score = _score(d, 1)
         self.split_score = _score(d, 1)
         with torch.no_grad():
-            self.own_score.bias[0] = settings.maintain_bias
+            self.own_score.bias.copy_(torch.tensor(settings.first_scores))
+            self.split_score.bias.fill_(settings.first_split_score)
 
     def forward(self, *parts: Tensor) -> Tensor:
         """Return all choices' scores from `Tokens`: the team's own, then joins, then splits."""

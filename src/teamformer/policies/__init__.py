@@ -19,6 +19,11 @@ POLICIES = (
         "joins whom it helps to join, never splits",
     ),
     Listing(
+        "join-fitting",
+        "teamformer.policies.fitting:JoinFitting",
+        "as join-all, but joins nobody whom no task needs",
+    ),
+    Listing(
         "join-crew",
         "teamformer.policies.scripted:JoinCrew",
         "as join-all, but joins only its own crew",
@@ -26,7 +31,7 @@ POLICIES = (
     Listing(
         "teamformer-any",
         "teamformer.policies.any_fleet:teamformer_any",
-        "learned; for any fleet, joins only whom it pays to join",
+        "learned; for any fleet, says where to deviate from join-fitting or join-crew",
         trained_on="any number of capabilities",
     ),
     Listing(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.policies.choices import sees_doubles, wanted_counts
+from teamformer.policies.choices import wanted_counts
 from teamformer.policies.learned import Learned
 from teamformer.policies.relations import Relations, relate
 from teamformer.policies.sessions import GreedyChoice, OnnxNetwork, shipped
@@ -13,18 +13,15 @@ NAME = "teamformer-any"
 
 
 class AnyFleetCodec:
-    """Reads relations, which belong to no capability; an action is a choice, (teams,).
-
-    There is a choice only where a team and those that it sees have some capability twice.
-    """
+    """Reads relations, which belong to no capability; an action is a choice, (teams,)."""
 
     def encode(self, view: View) -> Relations:
         """Return each team's relations."""
         return relate(view)
 
     def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
-        """Return which teams have several legal choices and see doubles, as (teams,)."""
-        is_open: Array = (tokens[-1].sum(axis=1) > 1) & sees_doubles(view)
+        """Return which teams may do something else than the script, as (teams,)."""
+        is_open: Array = tokens[-1].sum(axis=1) > 1
         return is_open
 
     def decode(self, view: View, action: Array) -> Array:

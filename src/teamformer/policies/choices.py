@@ -1,6 +1,7 @@
 """Whole choices: what a team may want, few enough to be scored one by one.
 
-To maintain; to halve, keeping half of each capability; to shed, keeping what any one task in view
+To follow the script (`policies.fitting`), which joins whom it is useful to join; or else to
+maintain; to halve, keeping half of each capability; to shed, keeping what any one task in view
 needs at most; to join one of the nearest teams; to split so that only what one of the next tasks
 needs is kept. The counts wanted are built from the choice.
 """
@@ -10,76 +11,81 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.policies.fitting import Script
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.view import View
 
 TEAMS, TASKS = 9, 4
 """How many teams can be joined and how many tasks split for: the first ones of the view."""
 
-MAINTAIN, HALVE, SHED, JOIN = 0, 1, 2, 3
+FOLLOW, MAINTAIN, HALVE, SHED, JOIN = 0, 1, 2, 3, 4
 SPLIT = JOIN + TEAMS
 CHOICES = SPLIT + TASKS
 """Where each kind of choice begins, and how many choices there are."""
 
 
-def legal_choices(view: View) -> Array:
-    """Return which choices the environment would carry out, as (teams, CHOICES)."""
+def scripted_counts(view: View) -> Array:
+    """Return the counts that the script wants, as (teams, caps)."""
+    return Script().decide(view).wanted
+
+
+def legal_choices(view: View, scripted: Array) -> Array:
+    """Return which choices the environment would carry out, as (teams, CHOICES).
+
+    One that wants what the script wants is left out: to follow it says the same. Where there are
+    crews, only mates are joined.
+    """
     is_legal = np.zeros((len(view.slot), CHOICES), dtype=np.bool_)
-    _mark_legal(view, is_legal)
+    _mark_legal(view, scripted, is_legal)
     return is_legal
 
 
 def wanted_counts(view: View, choice: Array) -> Array:
     """Return the counts that choices (teams,) stand for, as (teams, caps)."""
-    wanted = view.counts.copy()
+    wanted = scripted_counts(view)
     _write_wanted(view, np.asarray(choice, dtype=np.int64), wanted)
     return wanted
 
 
-def choices_for(view: View, wanted: Array) -> Array:
-    """Return the first choice that stands for each row of counts, MAINTAIN if none does."""
-    choice = np.zeros(len(wanted), dtype=np.int64)
-    _find_choices(view, legal_choices(view), wanted, choice)
-    return choice
-
-
-def sees_doubles(view: View) -> Array:
-    """Return which teams and those that they see have some capability twice, as (teams,)."""
-    is_doubled = np.zeros(len(view.slot), dtype=np.bool_)
-    _find_doubles(view, is_doubled)
-    return is_doubled
-
-
 @entry
-def _find_doubles(view, is_doubled):  # type: ignore[no-untyped-def]
-    for row in range(len(is_doubled)):
-        for cap in range(view.counts.shape[1]):
-            together = view.counts[row, cap]
-            for other in range(view.seen_slot.shape[1]):
-                together += view.seen_counts[row, other, cap]
-            is_doubled[row] |= together > 1
-
-
-@entry
-def _mark_legal(view, is_legal):  # type: ignore[no-untyped-def]
+def _mark_legal(view, scripted, is_legal):  # type: ignore[no-untyped-def]
     kept = np.zeros(view.counts.shape[1], dtype=np.int32)
     for row in range(len(is_legal)):
-        is_legal[row, MAINTAIN] = True
+        is_legal[row, FOLLOW] = True
         if view.is_serving[row]:
             continue
-        for choice in range(1, CHOICES):
-            if JOIN <= choice < SPLIT:
-                other = choice - JOIN
-                is_legal[row, choice] = other < view.can_join.shape[1] and view.can_join[row, other]
-            elif view.size[row] > 1 and keep_for(view, row, choice, kept):
-                is_legal[row, choice] = _parts(view, row, kept)
+        for choice in range(MAINTAIN, CHOICES):
+            if _can_choose(view, row, choice, kept):
+                _write_row(view, row, choice, kept, kept)
+                is_legal[row, choice] = not _are_equal(kept, scripted[row])
+
+
+@kernel
+def _can_choose(view, row, choice, kept):  # type: ignore[no-untyped-def]
+    if choice == MAINTAIN:
+        return True
+    if JOIN <= choice < SPLIT:
+        other = choice - JOIN
+        is_there = other < view.can_join.shape[1] and view.can_join[row, other]
+        return is_there and view.is_mate[row, other]
+    is_there = view.size[row] > 1 and keep_for(view, row, choice, kept)
+    return is_there and _parts(view, row, kept)
+
+
+@kernel
+def _are_equal(counts, others):  # type: ignore[no-untyped-def]
+    for cap in range(len(counts)):
+        if counts[cap] != others[cap]:
+            return False
+    return True
 
 
 @entry
 def _write_wanted(view, choices, wanted):  # type: ignore[no-untyped-def]
     kept = np.zeros(view.counts.shape[1], dtype=np.int32)
     for row in range(len(wanted)):
-        _write_row(view, row, choices[row], kept, wanted[row])
+        if choices[row] != FOLLOW:
+            _write_row(view, row, choices[row], kept, wanted[row])
 
 
 @kernel
@@ -93,28 +99,12 @@ def _write_row(view, row, choice, kept, wanted):  # type: ignore[no-untyped-def]
             wanted[cap] = kept[cap]
 
 
-@entry
-def _find_choices(view, is_legal, wanted, choices):  # type: ignore[no-untyped-def]
-    caps = view.counts.shape[1]
-    kept = np.zeros(caps, dtype=np.int32)
-    meant = np.zeros(caps, dtype=np.int32)
-    for row in range(len(wanted)):
-        for choice in range(CHOICES - 1, -1, -1):
-            if is_legal[row, choice]:
-                _write_row(view, row, choice, kept, meant)
-                is_same = True
-                for cap in range(caps):
-                    is_same &= meant[cap] == wanted[row, cap]
-                if is_same:
-                    choices[row] = choice
-
-
 @kernel
 def keep_for(view, row, choice, kept):  # type: ignore[no-untyped-def]
     """Write what a team keeps by a choice that joins nobody; say whether there is such a choice."""
     column = choice - SPLIT
     columns = view.task_number.shape[1]
-    is_there = choice < SPLIT or (column < columns and view.task_number[row, column] != NOBODY)
+    is_there = choice < JOIN or (column < columns and view.task_number[row, column] != NOBODY)
     for cap in range(len(kept)):
         have = view.counts[row, cap]
         kept[cap] = have

@@ -20,7 +20,11 @@ class Codec(Protocol):
         ...
 
     def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
-        """Return which teams have more than one legal action, as (teams,) bool."""
+        """Return which teams have more than one legal action, as (teams,) bool.
+
+        The others do as the script does. A codec whose network does not know crews leaves teams
+        out where tasks are shared out among crews.
+        """
         ...
 
     def decode(self, view: View, action: Array) -> Array:

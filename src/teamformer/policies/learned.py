@@ -21,10 +21,9 @@ Brain = Callable[[tuple[Array, ...]], Array]
 class Learned:
     """Reads views with a codec and does what a brain says.
 
-    The brain is asked where the codec finds a choice and tasks are not shared out among crews:
-    there the lists say who belongs together, and a team does as join-crew does. Elsewhere it does
-    as join-all does. So does one that the liveness rule finds overdue, until a task is done;
-    `overdue` counts such decisions.
+    The brain is asked where the codec finds a choice. Elsewhere a team does as the script does:
+    as join-crew where tasks are shared out among crews, else as join-all. So does one that the
+    liveness rule finds overdue, until a task is done; `overdue` counts such decisions.
     """
 
     needs_everything = False
@@ -46,7 +45,7 @@ class Learned:
         """Return what the brain wants where it is asked, else what the scripted policy wants."""
         wanted = self._fallback.decide(view).wanted
         tokens = self.codec.encode(view)
-        is_asked = self.codec.has_choice(view, tokens) & ~view.has_crews
+        is_asked = self.codec.has_choice(view, tokens)
         if self.with_liveness:
             is_overdue = self._liveness.is_overdue(view)
             self.overdue += int(is_overdue.sum())

@@ -15,18 +15,20 @@ from teamformer.jit import entry, kernel
 from teamformer.policies.choices import (
     HALVE,
     JOIN,
+    MAINTAIN,
     SHED,
     SPLIT,
     TASKS,
     TEAMS,
     keep_for,
     legal_choices,
+    scripted_counts,
 )
 from teamformer.policies.pairing import pair_by_slot
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.view import View
 
-OWN_FEATURES, TEAM_FEATURES, TASK_FEATURES = 18, 20, 19
+OWN_FEATURES, TEAM_FEATURES, TASK_FEATURES = 22, 25, 24
 
 FAR, NEAR = 20.0, 4.0  # cells; distances are clipped here, coarse and fine
 
@@ -44,26 +46,27 @@ class Relations(NamedTuple):
 
 def relate(view: View) -> Relations:
     """Return the relations of every team of a view."""
-    rows = len(view.slot)
+    rows, scripted = len(view.slot), scripted_counts(view)
     relations = Relations(
         own=np.zeros((rows, OWN_FEATURES), dtype=np.float32),
         teams=np.zeros((rows, TEAMS, TEAM_FEATURES), dtype=np.float32),
         tasks=np.zeros((rows, TASKS, TASK_FEATURES), dtype=np.float32),
         is_team=np.zeros((rows, TEAMS), dtype=np.bool_),
         is_task=np.zeros((rows, TASKS), dtype=np.bool_),
-        is_legal=legal_choices(view),
+        is_legal=legal_choices(view, scripted),
     )
-    _fill(view, relations)
+    _fill(view, scripted, relations)
     return relations
 
 
 @entry
-def _fill(view, relations):  # type: ignore[no-untyped-def]
+def _fill(view, scripted, relations):  # type: ignore[no-untyped-def]
     caps = view.counts.shape[1]
     kept = np.zeros(caps, dtype=np.int32)
     for row in range(len(view.slot)):
         _relate_tasks(view, relations, row, kept)
         _relate_teams(view, relations, row)
+        _relate_script(view, scripted, relations, row)
         _relate_self(view, relations, row)
         _relate_parts(view, relations, row, kept)
 
@@ -157,6 +160,7 @@ def _relate_tasks(view, relations, row, kept):  # type: ignore[no-untyped-def]
         out[9] = min(total, 10) / 10
         _relate_helpers(view, out, row, task, needs)
         _relate_rest(view, out, row, column, kept)
+        _relate_ways(view, out, row, column, kept)
         out[17] = relations.is_legal[row, SPLIT + column]
         out[18] = _nearness(view, row, view.place[row], view.task_place[row, column])
 
@@ -203,6 +207,51 @@ def _relate_rest(view, out, row, column, kept):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _relate_ways(view, out, row, column, kept):  # type: ignore[no-untyped-def]
+    """Say what way those save who go straight to what comes after the task if it needs them."""
+    here, task = view.place[row], view.task_place[row, column]
+    for other in range(view.task_number.shape[1]):
+        if other == column or view.task_number[row, other] == NOBODY:
+            continue
+        needs, there = view.task_needs[row, other], view.task_place[row, other]
+        helps, all_helps, alone = False, False, True
+        for cap in range(len(kept)):
+            rest = view.counts[row, cap] - kept[cap]
+            helps |= rest > 0 and needs[cap] > 0
+            all_helps |= kept[cap] > 0 and needs[cap] > rest
+            alone &= rest >= needs[cap]
+        if helps:
+            around = _cells_between(view, row, here, task) + _cells_between(view, row, task, there)
+            straight = _cells_between(view, row, here, there)
+            out[19] = max(-1.0, min(around - straight, FAR) / FAR)
+            out[20] = min(around - straight, NEAR) / NEAR
+            out[21] = alone
+            out[22] = all_helps
+            out[23] = min(straight, FAR) / FAR
+            return
+
+
+@kernel
+def _relate_script(view, scripted, relations, row):  # type: ignore[no-untyped-def]
+    """Say whom the script would join, whose crew others are in, and what kind of fleet this is."""
+    own = relations.own[row]
+    own[18] = view.has_crews[row]
+    own[19] = min(view.pace[row] / view.unit[row], 2.0) / 2
+    own[20] = relations.is_legal[row, MAINTAIN]  # the script would join
+    for other in range(min(TEAMS, view.seen_slot.shape[1])):
+        if view.seen_slot[row, other] == NOBODY:
+            continue
+        out = relations.teams[row, other]
+        out[20] = view.is_mate[row, other]
+        out[21] = relations.is_legal[row, MAINTAIN]
+        for cap in range(view.counts.shape[1]):
+            union = view.counts[row, cap] + view.seen_counts[row, other, cap]
+            if union != scripted[row, cap]:
+                out[21] = 0.0
+        own[21] = max(own[21], out[21])
+
+
+@kernel
 def _relate_teams(view, relations, row):  # type: ignore[no-untyped-def]
     have = view.counts[row]
     own = _column_of_task(view, row, view.task[row])
@@ -236,6 +285,11 @@ def _relate_teams(view, relations, row):  # type: ignore[no-untyped-def]
             out[13] = alone == 1.0
             if own != NOBODY:
                 out[14] = view.task_rank[row, column] < view.task_rank[row, own]
+            there = view.task_place[row, column]
+            out[22] = _distance(view, row, view.seen_place[row, other], there)
+            out[23] = _nearness(view, row, view.seen_place[row, other], there)
+            if own != NOBODY:
+                out[24] = _distance(view, row, view.task_place[row, own], there)
         out[18] = other == pair
         out[19] = _nearness(view, row, view.place[row], view.seen_place[row, other])
         _relate_union(view, out, row, have, theirs)

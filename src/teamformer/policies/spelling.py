@@ -75,11 +75,12 @@ class SpellingCodec:
         return tokens
 
     def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
-        """Return which teams can do anything but maintain, as (teams,)."""
+        """Return which teams can do anything but maintain, as (teams,); none where crews decide."""
         spelled = Spelled(*tokens)
         brings = (spelled.team_counts > 0).any(axis=2)  # (teams, seen)
         can_split = (view.size > 1) & ~view.is_serving & (view.counts > 0).any(axis=1)
-        has_choice: Array = can_split | (spelled.can_join & brings).any(axis=1)
+        can_form = can_split | (spelled.can_join & brings).any(axis=1)
+        has_choice: Array = can_form & ~view.has_crews
         return has_choice
 
     def decode(self, view: View, action: Array) -> Array:

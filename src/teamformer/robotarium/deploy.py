@@ -40,7 +40,7 @@ FOR_MISSIONS = (
     "sim.env",
 )
 NETWORKS = {"teamformer": "teamformer-any", "teamformer-any": "teamformer-any"}
-DEPLOYED = ("teamformer", "teamformer-any", "heuristic", "join-all", "join-crew")
+DEPLOYED = ("teamformer", "teamformer-any", "heuristic", "join-all", "join-fitting", "join-crew")
 
 
 def deploy(scenario: Scenario, policy: str, seed: int, folder: Path) -> list[Path]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -95,6 +96,17 @@ class TeamFormation:
                 array[:] = start
         self.rewards[:] = 0.0
         self._is_viewed = False
+
+    def fork(self) -> TeamFormation:
+        """Return another environment in the same state that goes its own way, without threads."""
+        twin = copy.copy(self)
+        shared = self.worlds.fields  # distances, which nothing changes
+        twin.worlds = Worlds(*(a if a is shared else a.copy() for a in self.worlds))
+        twin._room = View(*(part.copy() for part in self._room))
+        twin._first_row, twin._first_member = self._first_row.copy(), self._first_member.copy()
+        twin.rewards = self.rewards.copy()
+        twin._pool, twin._is_viewed = None, False
+        return twin
 
     def view(self) -> View:
         """Return the views of all teams of the running worlds.

@@ -35,18 +35,10 @@ class Board:
 
 def figures(report: Report) -> dict[str, float]:
     """Return what there is to plot of an iteration."""
-    found = {
-        "play/reward": report.reward,
-        "play/ended": report.ended,
-        "play/splits": report.splits,
-        "speed/steps per second": report.steps_per_second,
-        "learn/entropy": report.update.entropy,
-        "learn/policy loss": report.update.policy_loss,
-        "learn/value loss": report.update.value_loss,
-        "learn/clipped": report.update.clipped,
-    }
+    found = {f"lesson/{name}": value for name, value in report.lesson.figures.items()}
+    found["speed/steps per second"] = report.steps_per_second
     if report.score is not None:
-        found["held out/ratio to join-all"] = report.score.ratio
+        found["held out/ratio to the script"] = report.score.ratio
         found["held out/failures"] = report.score.failures
         found["held out/splits"] = report.score.splits
         for number, steps in enumerate(report.score.steps):

@@ -14,9 +14,9 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor
 
 from teamformer.errors import TeamformerError
-from teamformer.train.ppo import Learner
+from teamformer.train.descent import Learner
 
-FORMAT = 2
+FORMAT = 3
 WEIGHTS, ABOUT = "weights.safetensors", "training.json"
 
 
@@ -28,7 +28,7 @@ class Progress:
     steps: int = 0  # of worlds
     seconds: float = 0.0  # spent
     best_failures: float = 1e9  # of the checkpoint selected so far
-    best_ratio: float = 1e9
+    best_cost: float = 1e9
 
 
 def save(folder: Path, learner: Learner, settings: dict[str, Any], progress: Progress) -> None:

@@ -14,17 +14,20 @@ from teamformer.policies.codec import Codec
 from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.learned import Brain, Learned
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trials
+from teamformer.policies.scripted import JoinUseful
 from teamformer.sim.arrays import Array
+from teamformer.sim.env import Tally, TeamFormation
 
 
 @dataclass(frozen=True)
 class Exam:
-    """Held-out worlds, in settings, and the mean steps of the scripted policies on each."""
+    """Held-out worlds, in settings, and the mean steps of the scripted policies on each.
 
-    settings: tuple[tuple[Scenario, ...], ...]
-    join_all: tuple[float, ...]
+    The script is join-crew where tasks are shared out among crews, else join-all.
+    """
+
+    settings: tuple[TeamFormation, ...]  # at their start; trials are played in forks of them
+    script: tuple[float, ...]
     heuristic: tuple[float, ...]
 
 
@@ -33,23 +36,29 @@ class Score:
     """What a policy reached in an exam."""
 
     steps: tuple[float, ...]  # mean of each setting; the step limit where a trial failed
-    ratios: tuple[float, ...]  # of these to join-all's; lower is better
+    ratios: tuple[float, ...]  # of these to the script's; lower is better
     failures: int  # trials that did not complete
     trials: int
     splits: float  # for each trial
 
     @property
     def ratio(self) -> float:
-        """Return the mean over the settings, which a checkpoint is selected by."""
+        """Return the mean over the settings."""
         return sum(self.ratios) / len(self.ratios)
+
+    @property
+    def cost(self) -> float:
+        """Return what a checkpoint is selected by: the mean, and what the worst setting loses."""
+        return self.ratio + max(0.0, max(self.ratios) - 1.0)
 
 
 def prepare_exam(settings: Sequence[Sequence[Scenario]]) -> Exam:
     """Play the scripted policies on held-out worlds."""
+    starts = tuple(TeamFormation(worlds) for worlds in settings)
     return Exam(
-        settings=tuple(tuple(worlds) for worlds in settings),
-        join_all=tuple(float(steps_of(worlds, JoinAll()).mean()) for worlds in settings),
-        heuristic=tuple(float(steps_of(worlds, Heuristic()).mean()) for worlds in settings),
+        settings=starts,
+        script=tuple(_mean_steps(start, JoinUseful()) for start in starts),
+        heuristic=tuple(_mean_steps(start, Heuristic()) for start in starts),
     )
 
 
@@ -57,18 +66,26 @@ def examine(network: Actor, codec: Codec, exam: Exam, device: str = "cpu") -> Sc
     """Play held-out worlds greedily, without the liveness rule."""
     policy = Learned(codec, torch_brain(network, device), with_liveness=False)
     steps, failures, splits = [], 0, []
-    for worlds in exam.settings:
-        tallies = run_trials(worlds, policy)
+    for start in exam.settings:
+        tallies = _play(start, policy)
         steps.append(float(np.mean([tally.steps for tally in tallies])))
         failures += sum(tally.status != "completed" for tally in tallies)
         splits += [tally.splits for tally in tallies]
-    ratios = tuple(mean / bar for mean, bar in zip(steps, exam.join_all, strict=True))
+    ratios = tuple(mean / bar for mean, bar in zip(steps, exam.script, strict=True))
     return Score(tuple(steps), ratios, failures, len(splits), float(np.mean(splits)))
 
 
-def steps_of(worlds: Sequence[Scenario], policy: Policy) -> Array:
-    """Return the steps of one trial of each world, as (worlds,)."""
-    return np.array([tally.steps for tally in run_trials(worlds, policy)])
+def _mean_steps(start: TeamFormation, policy: Policy) -> float:
+    return float(np.mean([tally.steps for tally in _play(start, policy)]))
+
+
+def _play(start: TeamFormation, policy: Policy) -> list[Tally]:
+    """Play all worlds from their start, where tasks are shared out already, to their end."""
+    env = start.fork()
+    policy.begin(None, np.random.default_rng(0))
+    while env.is_running.any():
+        env.step(policy.decide(env.view()))
+    return [env.tally(w) for w in range(len(env.scenarios))]
 
 
 def torch_brain(

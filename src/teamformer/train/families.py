@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from torch import nn
@@ -23,7 +23,14 @@ from teamformer.scenarios.generate import Spec
 from teamformer.train.export import export_any_fleet
 from teamformer.train.export_combinations import export_combinations
 from teamformer.train.export_teamformer import export_teamformer
-from teamformer.train.worlds import ANY_SELECTION, Mixture, paper_mixture, paper_selection
+from teamformer.train.ppo import PpoSettings
+from teamformer.train.worlds import (
+    ANY_MIXTURE,
+    ANY_SELECTION,
+    Mixture,
+    paper_mixture,
+    paper_selection,
+)
 
 
 @dataclass(frozen=True)
@@ -36,6 +43,9 @@ class Family:
     mixture: Callable[[int | None], Mixture]
     selection: Callable[[int | None], tuple[Spec, ...]]
     is_for_any_number: bool = False
+    allocations: tuple[str, ...] = ("paper",)  # that it is selected under
+    methods: tuple[str, ...] = ("ppo",)  # that it can learn by, its own first
+    ppo: PpoSettings = field(default_factory=PpoSettings)
 
 
 def _make_any(capabilities: int | None) -> nn.Module:
@@ -94,14 +104,27 @@ def _combines(network: type[DeepSet] | type[GraphNetwork], width: int) -> Family
     )
 
 
+ANY_PPO = PpoSettings(
+    learning_rate=1e-3,
+    last_learning_rate=1e-4,
+    epochs=3,
+    entropy=0.001,
+    last_entropy=0.0,
+    minibatch=1024,
+)
+"""Few decisions deviate from the script at first, so that more is made of each."""
+
 FAMILIES = {
     "any": Family(
         make=_make_any,
         codec=lambda capabilities: AnyFleetCodec(),
         export=export_any_fleet,
-        mixture=lambda capabilities: Mixture(),
+        mixture=lambda capabilities: ANY_MIXTURE,
         selection=lambda capabilities: ANY_SELECTION,
         is_for_any_number=True,
+        allocations=("paper", "crews"),
+        methods=("trying", "ppo"),
+        ppo=ANY_PPO,
     ),
     "teamformer": _spells(EDIT, maintain_bias=2.0),
     "teamformer-full": _spells(FULL, maintain_bias=3.0),

@@ -5,27 +5,29 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import torch
 
-from teamformer.model import Scenario
+from teamformer.model import ALLOCATIONS, Scenario
 from teamformer.nets.actor import Actor
 from teamformer.policies.codec import Codec
 from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.learned import Learned
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted import JoinUseful
 from teamformer.policies.trained import load_trained
 from teamformer.policies.trial import run_trials
 from teamformer.scenarios.generate import generate
 from teamformer.scenarios.settings import spec_of
 from teamformer.sim.arrays import Array
+from teamformer.sim.list_schedule import list_schedule
 from teamformer.train.checkpoint import load_policy_weights, read_about
 from teamformer.train.evaluation import torch_brain
-from teamformer.train.trainer import TrainSettings, make_learner
+from teamformer.train.settings import TrainSettings
+from teamformer.train.trainer import make_learner
 from teamformer.train.worlds import FINAL
 
 SETTINGS = {
@@ -37,6 +39,7 @@ SETTINGS = {
         "20N100T-C4",
         "24N100T-C8",
         "100N20T-C100-R10",
+        "100N20T-C100-R20",
         "100N20T-C100-R50",
         "100N20T-C100-R90",
     )
@@ -51,19 +54,19 @@ class Played:
     failures: int
     joins: float  # for each trial
     splits: float
-    seconds: float  # for each trial, side by side with the others
+    seconds: float  # of CPU for each trial, simulator included, side by side with the others
 
 
 def measure(policy: Policy, worlds: Sequence[Scenario]) -> Played:
     """Run one trial of each world."""
-    begun = time.perf_counter()
+    begun = time.process_time()
     tallies = run_trials(worlds, policy)
     return Played(
         steps=np.array([tally.steps for tally in tallies]),
         failures=sum(tally.status != "completed" for tally in tallies),
         joins=float(np.mean([tally.joins for tally in tallies])),
         splits=float(np.mean([tally.splits for tally in tallies])),
-        seconds=(time.perf_counter() - begun) / len(worlds),
+        seconds=(time.process_time() - begun) / len(worlds),
     )
 
 
@@ -74,33 +77,41 @@ def mean_and_error(values: Array) -> tuple[float, float]:
 
 def final_worlds(name: str, count: int) -> list[Scenario]:
     """Return the worlds of a setting that figures are reported on."""
-    rng = np.random.default_rng([FINAL, list(SETTINGS).index(name)])
+    rng = np.random.default_rng([FINAL, *name.encode()])
     return [generate(SETTINGS[name], rng, name) for _ in range(count)]
 
 
 def main() -> None:
     """Print a line of Markdown for each setting that fits the training's network."""
+    options = _parser().parse_args()
+    torch.set_num_threads(1)
+    print(
+        "| setting | greedy | sampled | script | greedy - script | list schedule | heuristic "
+        "| failures, without rule, sampled | overdue | joins, splits | CPU ms a trial |"
+    )
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
+    about = read_about(options.folder / "best")["settings"]
+    rules = {"allocation": options.allocation, "sensing_radius": options.sensing}
+    for name in options.settings:
+        if about["capabilities"] in (None, SETTINGS[name].capabilities):
+            drawn = final_worlds(name, options.worlds)
+            worlds = [replace(world, **rules) for world in drawn]
+            print(_line(name, worlds, options.folder / "best"), flush=True)
+
+
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m teamformer.train.measure", description=__doc__)
     parser.add_argument("folder", type=Path, help="a training's folder")
     parser.add_argument("--worlds", type=int, default=200)
     parser.add_argument("--settings", nargs="*", default=list(SETTINGS), choices=SETTINGS)
-    options = parser.parse_args()
-    torch.set_num_threads(1)
-    print(
-        "| setting | greedy | sampled | join-all | greedy - join-all | heuristic "
-        "| failures, without rule, sampled | overdue | joins, splits | ms a trial |"
-    )
-    print("|---|---|---|---|---|---|---|---|---|---|")
-    about = read_about(options.folder / "best")["settings"]
-    for name in options.settings:
-        if about["capabilities"] in (None, SETTINGS[name].capabilities):
-            worlds = final_worlds(name, options.worlds)
-            print(_line(name, worlds, options.folder / "best"), flush=True)
+    parser.add_argument("--allocation", default="paper", choices=ALLOCATIONS)
+    parser.add_argument("--sensing", type=float, default=1.0, help="cells; inf: everybody")
+    return parser
 
 
 def _line(name: str, worlds: Sequence[Scenario], folder: Path) -> str:
     policy = load_trained(folder)
-    played, bar = measure(policy, worlds), measure(JoinAll(), worlds)
+    played, bar = measure(policy, worlds), measure(JoinUseful(), worlds)
     overdue = getattr(policy, "overdue", 0)
     heuristic = measure(Heuristic(), worlds)
     codec, network = load_network(folder)
@@ -108,10 +119,12 @@ def _line(name: str, worlds: Sequence[Scenario], folder: Path) -> str:
     generator = torch.Generator().manual_seed(0)
     sampled = measure(Learned(codec, torch_brain(network, generator=generator)), worlds)
     less, less_error = mean_and_error(played.steps - bar.steps)
+    room = np.mean([list_schedule(world) for world in worlds])
     return (
         f"| {name} | {_with_error(played)} | {_with_error(sampled)} | {_with_error(bar)} "
         f"| {less:+.2f} ± {less_error:.2f} ({100 * less / bar.steps.mean():+.1f}%) "
-        f"| {_with_error(heuristic)} | {played.failures}, {bare.failures}, {sampled.failures} "
+        f"| {room:.1f} | {_with_error(heuristic)} "
+        f"| {played.failures}, {bare.failures}, {sampled.failures} "
         f"| {overdue} | {played.joins:.1f}, {played.splits:.1f} | {1000 * played.seconds:.1f} |"
     )
 

@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.sim.arrays import NOBODY, Array, Worlds, world_at
+from teamformer.sim.arrays import CREWS, NOBODY, Array, Worlds, world_at
 
 OPEN_TASKS = 16
 """How many of the open tasks the critic sees, first ones first."""
 
-TEAM_FEATURES, TASK_FEATURES, WORLD_FEATURES = 10, 9, 8
+TEAM_FEATURES, TASK_FEATURES, WORLD_FEATURES = 10, 9, 10
 FAR = 20.0  # cells
 
 
@@ -153,3 +153,20 @@ def _write_world(world, out, shown):  # type: ignore[no-untyped-def]
     out[5] = way / 5
     out[6] = teams == 1
     out[7] = min(world.rules.sensing_radius, 10.0) / 10
+    out[8] = world.rules.allocation == CREWS
+    out[9] = _longest_way(world, shown) / 5
+
+
+@kernel
+def _longest_way(world, shown):  # type: ignore[no-untyped-def]
+    """Return the longest way along the open tasks of one crew; without crews, of all."""
+    longest = 0.0
+    for first in range(shown):
+        way, last = 0.0, world.order[first]
+        for position in range(first + 1, shown):
+            task = world.order[position]
+            if world.tasks[task].crew == world.tasks[last].crew:
+                way += _between(world, last, task)
+                last = task
+        longest = max(longest, way)
+    return longest

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
-from teamformer.nets.critic import Critic
-from teamformer.train import ranks
 from teamformer.train.advantages import Credit, credit, stream_values
+from teamformer.train.descent import Learner, descend, minibatches, set_rate
 from teamformer.train.rollout import Rollout
 
 
@@ -28,17 +26,6 @@ class PpoSettings:
     last_entropy: float = 0.001  # falls linearly to this
     minibatch: int = 2048
     largest_gradient: float = 0.5  # norm
-
-
-@dataclass(frozen=True)
-class Learner:
-    """The two networks and their optimisers, on one device."""
-
-    policy: nn.Module  # an Actor
-    critic: Critic
-    policy_optimizer: torch.optim.Adam
-    critic_optimizer: torch.optim.Adam
-    device: str = "cpu"
 
 
 @dataclass(frozen=True)
@@ -63,27 +50,20 @@ def update(
     learned = credit(there, learner.critic, settings.discount, settings.decay)
     gain = (learned.gain - learned.gain.mean()) / (learned.gain.std() + 1e-6)
     bonus = settings.entropy + progress * (settings.last_entropy - settings.entropy)
-    rate = settings.learning_rate
-    set_rate(learner, rate + progress * (settings.last_learning_rate - rate))
+    set_rate(learner, settings.learning_rate, settings.last_learning_rate, progress)
     seen, value_losses = [], []
     for _ in range(settings.epochs):
-        for rows in _minibatches(learner, len(gain), settings, generator):
+        for rows in minibatches(len(gain), settings.minibatch, generator, learner.device):
             loss, about = _policy_loss(learner, rollout, rows, gain[rows], settings, bonus)
-            _descend(loss, learner.policy, learner.policy_optimizer, settings)
+            descend(loss, learner.policy, learner.policy_optimizer, settings.largest_gradient)
             seen.append(about)
-        for rows in _minibatches(learner, len(learned.target), settings, generator):
+        states = len(learned.target)
+        for rows in minibatches(states, settings.minibatch, generator, learner.device):
             value_loss = _value_loss(learner, rollout, learned, rows)
-            _descend(value_loss, learner.critic, learner.critic_optimizer, settings)
+            descend(value_loss, learner.critic, learner.critic_optimizer, settings.largest_gradient)
             value_losses.append(value_loss.item())
     policy_loss, entropy, clipped = torch.stack(seen).mean(dim=0).tolist()
     return Update(policy_loss, sum(value_losses) / len(value_losses), entropy, clipped)
-
-
-def set_rate(learner: Learner, rate: float) -> None:
-    """Set the learning rate of both optimisers."""
-    for optimizer in (learner.policy_optimizer, learner.critic_optimizer):
-        for group in optimizer.param_groups:
-            group["lr"] = rate
 
 
 def clipped_loss(ratio: Tensor, gain: Tensor, clip: float) -> Tensor:
@@ -115,24 +95,6 @@ def _value_loss(learner: Learner, rollout: Rollout, learned: Credit, rows: Tenso
     is_there = learned.is_there[rows].to(learner.device)
     wrong_by = (values - learned.target[rows].to(learner.device))[is_there]
     return wrong_by.square().mean()
-
-
-def _descend(
-    loss: Tensor, network: nn.Module, optimizer: torch.optim.Adam, settings: PpoSettings
-) -> None:
-    optimizer.zero_grad()
-    loss.backward()  # type: ignore[no-untyped-call]
-    ranks.average_gradients(network)
-    nn.utils.clip_grad_norm_(network.parameters(), settings.largest_gradient)
-    optimizer.step()
-
-
-def _minibatches(
-    learner: Learner, count: int, settings: PpoSettings, generator: torch.Generator
-) -> Iterator[Tensor]:
-    """Yield shuffled row numbers in parts, equally many in every process."""
-    parts = ranks.largest(max(1, round(count / settings.minibatch)), learner.device)
-    yield from torch.randperm(count, generator=generator).tensor_split(parts)
 
 
 def _on(rollout: Rollout, device: str) -> Rollout:

@@ -10,7 +10,8 @@ import torch
 from teamformer.errors import TeamformerError
 from teamformer.train import ranks
 from teamformer.train.board import Board
-from teamformer.train.trainer import Report, TrainSettings, train
+from teamformer.train.settings import TrainSettings
+from teamformer.train.trainer import Report, train
 from teamformer.train.worlds import selection_worlds
 
 
@@ -24,7 +25,8 @@ def run_session(
     if settings.device == "cuda" and not torch.cuda.is_available():
         raise TeamformerError("torch finds no CUDA device", "use --device cpu")
     torch.set_num_threads(1)
-    worlds = selection_worlds(held_out, settings.family.selection(settings.capabilities))
+    family = settings.family
+    worlds = selection_worlds(held_out, family.selection(settings.capabilities), family.allocations)
     with ranks.joined(settings.device):
         if ranks.rank() > 0:
             train(settings, folder, worlds)

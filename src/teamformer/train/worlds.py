@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from teamformer.model import Grid, Scenario
+from teamformer.model import BLOCKED, FREE, Grid, Scenario
 from teamformer.scenarios.generate import Spec, generate
 
 TRAINING, SELECTION, FINAL = 0, 1, 2
@@ -30,6 +30,10 @@ class Mixture:
     in_teams: float = 0.3  # share of worlds with random starting teams
     wide_sensing: float = 0.15  # share of worlds in which teams sense 5 cells instead of 1
     alike: float = 0.0  # share of worlds with half as many capabilities, robots being alike
+    crews: float = 0.0  # share of worlds whose tasks are shared out among crews
+    walls: float = 0.0  # share of worlds in which a fifth of the cells is blocked
+    varied: float = 0.0  # share of worlds whose robots have speeds and whose tasks take time
+    counted: float = 0.0  # share of worlds with robots that can do more and tasks that need more
     steps: int = 200  # a trial is cut off here
 
 
@@ -40,19 +44,60 @@ def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
     known = caps
     if rng.random() < mixture.alike:
         caps = max(1, min(robots, caps) // 2)
-    side = _between(mixture.grid, rng)
+    grid = _draw_grid(mixture, rng)
     is_sparse = rng.random() < mixture.sparse
     spec = Spec(
         robots=robots,
         tasks=_between(mixture.crowd_tasks if is_crowd else mixture.tasks, rng),
         capabilities=caps,
         requirements=_between((1, min(3, robots, caps)), rng) if is_sparse else None,
-        world=Grid(side, side),
+        world=grid,
         step_limit=mixture.steps,
         sensing_radius=5.0 if rng.random() < mixture.wide_sensing else 1.0,
         starts_in_teams=bool(rng.random() < mixture.in_teams),
     )
-    return _among(known, generate(spec, rng, "training"), rng)
+    world = _among(known, generate(spec, rng, "training"), rng)
+    if rng.random() < mixture.varied:
+        world = _with_speeds_and_durations(world, rng)
+    if rng.random() < mixture.counted:
+        world = _with_counts(world, rng)
+    allocation = "crews" if rng.random() < mixture.crews else "paper"
+    return replace(world, allocation=allocation)
+
+
+def _draw_grid(mixture: Mixture, rng: np.random.Generator) -> Grid:
+    """Return an empty square, or one with a fifth of its cells blocked."""
+    side = _between(mixture.grid, rng)
+    if rng.random() >= mixture.walls:
+        return Grid(side, side)
+    is_blocked = rng.random((side, side)) < 0.2
+    return Grid(
+        side, side, tuple("".join(BLOCKED if b else FREE for b in row) for row in is_blocked)
+    )
+
+
+def _with_speeds_and_durations(world: Scenario, rng: np.random.Generator) -> Scenario:
+    """Return the world with some slower robots and some tasks that take up to four steps."""
+    robots = tuple(replace(r, speed=float(rng.choice([1.0, 1.0, 0.8, 0.5]))) for r in world.robots)
+    tasks = tuple(replace(t, duration=int(rng.choice([0, 0, 1, 2, 4]))) for t in world.tasks)
+    return replace(world, robots=robots, tasks=tasks)
+
+
+def _with_counts(world: Scenario, rng: np.random.Generator) -> Scenario:
+    """Return the world with a second capability for some robots and some needs of two."""
+    robots = tuple(
+        replace(r, can={**r.can, str(rng.choice(world.capabilities)): 1})
+        if rng.random() < 0.3
+        else r
+        for r in world.robots
+    )
+    have = {cap: sum(r.can.get(cap, 0) for r in robots) for cap in world.capabilities}
+
+    def counted(needs: Mapping[str, int]) -> dict[str, int]:
+        return {cap: 2 if have[cap] > 1 and rng.random() < 0.4 else 1 for cap in needs}
+
+    tasks = tuple(replace(task, needs=counted(task.needs)) for task in world.tasks)
+    return replace(world, robots=robots, tasks=tasks)
 
 
 def _among(known: int, world: Scenario, rng: np.random.Generator) -> Scenario:
@@ -95,12 +140,18 @@ def training_worlds(mixture: Mixture, count: int, seed: tuple[int, ...]) -> list
     return [draw_world(mixture, rng) for _ in range(count)]
 
 
+ANY_MIXTURE = Mixture(
+    robots=(2, 24), tasks=(1, 24), crowds=0.2, crews=0.25, walls=0.15, varied=0.2, counted=0.3
+)
+"""What the policy for any fleet is trained on."""
+
 ANY_SELECTION = (
+    Spec(4, 4, 4, step_limit=600),
     Spec(4, 20, 4, step_limit=600),
-    Spec(12, 20, 4, step_limit=600),
+    Spec(8, 20, 8, step_limit=600),
     Spec(16, 60, 4, world=Grid(20, 20), step_limit=600),
     Spec(24, 60, 8, world=Grid(20, 20), step_limit=600),
-    Spec(8, 20, 8, step_limit=600),
+    Spec(50, 20, 50, requirements=5, world=Grid(20, 20), step_limit=600),
     Spec(60, 10, 60, requirements=30, world=Grid(20, 20), step_limit=600),
 )
 
@@ -143,10 +194,22 @@ def paper_selection(capabilities: int | None) -> tuple[Spec, ...]:
     )
 
 
-def selection_worlds(count: int, specs: Sequence[Spec] = ANY_SELECTION) -> list[list[Scenario]]:
-    """Return `count` worlds of each spec to select checkpoints on, larger than those trained on."""
+def selection_worlds(
+    count: int,
+    specs: Sequence[Spec] = ANY_SELECTION,
+    allocations: Sequence[str] = ("paper",),
+) -> list[list[Scenario]]:
+    """Return `count` worlds of each spec, under each allocation, to select checkpoints on.
+
+    They are larger than those trained on.
+    """
     rng = np.random.default_rng([SELECTION, 0])
-    return [[generate(spec, rng, "selection") for _ in range(count)] for spec in specs]
+    drawn = [[generate(spec, rng, "selection") for _ in range(count)] for spec in specs]
+    return [
+        [replace(world, allocation=allocation) for world in worlds]
+        for allocation in allocations
+        for worlds in drawn
+    ]
 
 
 def _between(least_most: tuple[int, int], rng: np.random.Generator) -> int:

@@ -1,0 +1,20 @@
+"""The list schedule along the task order: what is left to win by forming teams better."""
+
+from __future__ import annotations
+
+from teamformer.model import Scenario
+from teamformer.planning.relaxed import relax
+from teamformer.planning.schedule import schedule_tasks
+from teamformer.sim.env import TeamFormation
+
+
+def list_schedule(scenario: Scenario) -> int | None:
+    """Return the makespan of the list schedule along the task order, if joining is free.
+
+    None where tasks appear later: the order is not all known then.
+    """
+    if any(task.appears for task in scenario.tasks):
+        return None
+    order = TeamFormation([scenario]).worlds.order[0, : len(scenario.tasks)]
+    schedule = schedule_tasks(relax(scenario), order.tolist())
+    return schedule.makespan if schedule else None

@@ -1,0 +1,89 @@
+"""What would have been: forks, gains by hand, and a network fitted to them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import torch
+
+from random_worlds import random_world
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.policies.any_fleet import AnyFleetCodec
+from teamformer.policies.choices import FOLLOW, HALVE
+from teamformer.policies.scripted import JoinUseful
+from teamformer.sim.env import TeamFormation
+from teamformer.train.counterfactual import Trials, try_others
+from teamformer.train.settings import TrainSettings
+from teamformer.train.trainer import make_learner
+from teamformer.train.trying import TryingSettings, fit
+
+
+def pair_with_a_task_each_side() -> Scenario:
+    """Robots {a}, {a} in cell 1 as one team; tasks need a: one in cell 0, one in cell 3."""
+    return Scenario(
+        "pair",
+        Grid(4, 1),
+        ("a",),
+        (Robot("r0", (1, 0), {"a": 1}), Robot("r1", (1, 0), {"a": 1})),
+        (Task("t0", (0, 0), {"a": 1}), Task("t1", (3, 0), {"a": 1})),
+        teams=((0, 1),),
+    )
+
+
+def test_a_fork_goes_its_own_way() -> None:
+    rng = np.random.default_rng(0)
+    env = TeamFormation([random_world(rng) for _ in range(30)])
+    for _ in range(3):
+        env.step(JoinUseful().decide(env.view()))
+    twin, steps = env.fork(), env.worlds.count["steps"].copy()
+    while twin.is_running.any():
+        twin.step(JoinUseful().decide(twin.view()))
+    assert (env.worlds.count["steps"] == steps).all()
+    while env.is_running.any():
+        env.step(JoinUseful().decide(env.view()))
+    for array, other in zip(env.worlds, twin.worlds, strict=True):
+        np.testing.assert_array_equal(array, other)
+
+
+def tried_by_pairs() -> Trials:
+    worlds = [pair_with_a_task_each_side()] * 40
+    return try_others(AnyFleetCodec(), worlds, np.random.default_rng(1), share=1.0)[0]
+
+
+def test_gains_by_hand() -> None:
+    """As one the pair takes four steps, halved at once three; halved later, nothing is won."""
+    tried = tried_by_pairs()
+    at_start = tried.tokens[2][:, 1].any(dim=1)  # there are two tasks
+    assert set(tried.gain[at_start & (tried.other == HALVE)].tolist()) == {1.0}
+    assert (tried.gain[~at_start] <= 0).all()
+
+
+def test_steps_played_are_counted_forks_included() -> None:
+    """The pair takes four steps; a fork at the start goes to its own end, which may be earlier."""
+    worlds = [pair_with_a_task_each_side()]
+    tried, steps = try_others(AnyFleetCodec(), worlds, np.random.default_rng(1), share=0.0)
+    assert len(tried.gain) == 1
+    assert steps == 4 + 4 - int(tried.gain[0])
+
+
+def test_where_nobody_has_a_choice_nothing_is_learned() -> None:
+    alone = Scenario(
+        "alone", Grid(4, 1), ("a",), (Robot("r", (0, 0), {"a": 1}),), (Task("t", (3, 0), {"a": 1}),)
+    )
+    tried, steps = try_others(AnyFleetCodec(), [alone], np.random.default_rng(1), share=1.0)
+    assert (len(tried.gain), steps) == (0, 3 + 3)  # a step in each of three forks
+    learner = make_learner(TrainSettings(seed=1))
+    before = [part.clone() for part in learner.policy.parameters()]
+    assert fit(learner, tried, TryingSettings(), 0.0, torch.Generator()) == 0.0
+    assert all(map(torch.equal, before, learner.policy.parameters()))
+
+
+def test_a_network_fitted_to_gains_promises_them_less_the_margin() -> None:
+    settings = TryingSettings(passes=200, minibatch=64, margin=0.25)
+    learner = make_learner(TrainSettings(seed=1))
+    torch.set_num_threads(1)
+    fit(learner, tried_by_pairs(), settings, 0.0, torch.Generator().manual_seed(0))
+    view = TeamFormation([pair_with_a_task_each_side()]).view()
+    scores = learner.policy(*(torch.from_numpy(part) for part in AnyFleetCodec().encode(view)))[0]
+    assert scores[HALVE].item() - scores[FOLLOW].item() == pytest.approx(0.75, abs=0.1)
+    assert scores.argmax() != FOLLOW

@@ -21,9 +21,9 @@ from teamformer.bench.store import Store, read_folder
 from teamformer.bench.suites import Suite, cells, load_suite
 from teamformer.bench.summary import Summary, summarise
 from teamformer.bench.tables import cells_of, headers_for
+from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import (
     Counting,
-    announce_compiling,
     err,
     out,
     prepare_file,

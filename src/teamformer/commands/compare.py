@@ -9,7 +9,8 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from teamformer.commands.console import announce_compiling, out, print_json, say, wide
+from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.console import out, print_json, say, wide
 from teamformer.commands.run import (
     Changes,
     best_known,

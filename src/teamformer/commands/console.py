@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -119,24 +119,3 @@ class Counting:
     def __exit__(self, *_: object) -> None:
         if self._bar.live.is_started:
             self._bar.stop()
-
-
-def announce_compiling(policy_names: Iterable[str] = (), is_planned: bool = False) -> None:
-    """Say that a first run compiles, so that nobody takes the wait for a fault.
-
-    `is_planned` says that crews or a schedule will be planned, as `central` always does.
-    """
-    from teamformer.jit import needs_compiling
-    from teamformer.sim.order import plan_worlds
-    from teamformer.sim.step import step_worlds
-
-    if needs_compiling(step_worlds):
-        say("compiling the simulator, on the first run only (about 15 s, more if busy) ...")
-    has_central = "central" in policy_names
-    if (is_planned or has_central) and needs_compiling(plan_worlds):
-        say("compiling the planner of crews, on the first run only (as long again) ...")
-    if has_central:
-        from teamformer.planning import search, team_search
-
-        if not (search.is_compiled() and team_search.is_compiled()):
-            say("compiling the central planner, on the first run only (about 20 s) ...")

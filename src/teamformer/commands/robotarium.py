@@ -13,14 +13,8 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.capabilities import describe
-from teamformer.commands.console import (
-    Counting,
-    announce_compiling,
-    out,
-    prepare_folder,
-    print_json,
-    say,
-)
+from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
 from teamformer.policies.registry import load_policy

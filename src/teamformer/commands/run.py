@@ -12,14 +12,8 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.capabilities import describe
-from teamformer.commands.console import (
-    StepProgress,
-    announce_compiling,
-    out,
-    prepare_folder,
-    print_json,
-    say,
-)
+from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.console import StepProgress, out, prepare_folder, print_json, say
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.bounds import lower_bound

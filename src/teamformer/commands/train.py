@@ -11,7 +11,8 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from teamformer.commands.console import announce_compiling, prepare_folder, print_json, say
+from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.console import prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
 
 if TYPE_CHECKING:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
-from functools import cache
 
-from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.planning.relaxed import Relaxed, relax
+from teamformer.model import Scenario
+from teamformer.planning.relaxed import Relaxed
 from teamformer.planning.team_plan import TeamPlan
 from teamformer.planning.team_search import TeamSearch
 from teamformer.planning.team_starts import crew_plans
@@ -99,15 +98,3 @@ def _share(made: float, begun: float, deadline: float) -> float:
     if now >= deadline:
         return 1.0
     return min(1.0, max(made, (now - begun) / (deadline - begun)))
-
-
-@cache
-def compile_search() -> Scenario:
-    """Compile the kernels, or load what was compiled before, on a smallest scenario; return it."""
-    robots = tuple(Robot(f"r{r}", (0, 0), {cap: 1}) for r, cap in enumerate("aab"))
-    tasks = tuple(Task(f"t{k}", (k, 0), {"a": 1, "b": 1}) for k in range(2))
-    scenario = Scenario("smallest", Grid(2, 1), ("a", "b"), robots, tasks)
-    search = first_search(relax(scenario), scenario, seed=0)
-    assert search is not None
-    search.anneal(1, 0.0, hot=1.0)
-    return scenario

@@ -9,8 +9,8 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.planning.circuits import make_solver
-from teamformer.planning.team_solver import compile_search
 from teamformer.policies.central_plan import CentralPlan, plan_centrally
+from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
@@ -62,4 +62,4 @@ class Central:
 def _warm_up() -> None:
     """Have everything compiled and imported before the clock starts."""
     make_solver(seed=0)
-    plan_centrally(compile_search(), time_limit=COMPILING)
+    plan_centrally(smallest_scenario(), time_limit=COMPILING)

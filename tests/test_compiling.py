@@ -1,0 +1,40 @@
+"""What a first run compiles beside itself, and that a later one is silent."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from teamformer.commands import compiling
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "four-robots.yaml"
+
+
+def test_what_is_compiled_is_neither_announced_nor_compiled_again(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["compiling", "join-crew"])
+    compiling.main()
+    monkeypatch.setattr(subprocess, "Popen", None)  # calling it would fail
+    compiling.announce_compiling(["join-crew"])
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.slow
+def test_a_first_run_leaves_everything_compiled(tmp_path: Path) -> None:
+    """With a cache of its own a first run announces twice, and the next one says nothing."""
+    told = []
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-m", "teamformer.cli", "run", str(EXAMPLE)],
+            capture_output=True,
+            text=True,
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)},
+        )
+        assert done.returncode == 0
+        told.append(done.stderr.count("compiling"))
+    assert told == [2, 0]

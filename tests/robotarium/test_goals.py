@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.robotarium.detours import AMPLE, BERTH, way_point
+from teamformer.robotarium.detours import AMPLE, BERTH, BEYOND, way_point
 from teamformer.robotarium.formation import SPACING, ring_radius, slots_around
 from teamformer.robotarium.goals import (
     FARTHER,
@@ -88,6 +88,19 @@ def test_a_way_leads_around_a_ring() -> None:
     np.testing.assert_array_equal(way_point(beside, goal, centres, radii), goal)
     np.testing.assert_array_equal(way_point(at, goal, centres + np.array([0.0, 0.5]), radii), goal)
     np.testing.assert_array_equal(way_point(at, centres[0], centres, radii), centres[0])
+
+
+def test_a_way_leads_midway_between_two_rings_or_around_both() -> None:
+    """Rings of 0.2 m, 0.8 m apart: the gap is 0.4 m. In the middle the robot goes straight on."""
+    centres, radii = np.array([[0.0, 0.4], [0.0, -0.4]]), np.array([0.2, 0.2])
+    at, goal = np.array([-0.6, 0.05]), np.array([0.6, 0.05])
+    np.testing.assert_allclose(way_point(at, goal, centres, radii), [BEYOND, 0.0], atol=1e-12)
+    for y in (-0.03, 0.0, 0.03):  # no going to and fro, wherever it is in the gap
+        heading = way_point(np.array([-0.01, y]), goal, centres, radii)
+        np.testing.assert_allclose(heading, [BEYOND, 0.0], atol=1e-12)
+    nearer = np.array([[0.0, 0.3], [0.0, -0.3]])  # a gap of 0.2 m: nobody passes
+    around = way_point(at, goal, nearer, radii)
+    assert around[1] > 0.3 + 0.2
 
 
 def test_a_team_is_at_its_task_when_all_its_slots_are_filled() -> None:

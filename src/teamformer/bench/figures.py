@@ -58,7 +58,8 @@ def draw_anytime(rows: Sequence[Row], folder: Path) -> Iterator[Path]:
     title = "central: best plan so far, as a multiple of the lower bound; means over worlds"
     figure, [axes] = _begin(title, 1, width=7.0)
     for place, (setting, (seconds, ratios)) in enumerate(curves.items()):
-        axes.plot(seconds, ratios, label=setting, color=f"C{place}")
+        stroke = ("-", "--", ":")[place // 10 % 3]
+        axes.plot(seconds, ratios, label=setting, color=f"C{place % 10}", linestyle=stroke)
         axes.annotate(f"{ratios[-1]:.2f}", (seconds[-1], ratios[-1]), (3, -2), **_NOTE)
     axes.set_xlabel("seconds of planning")
     axes.set_ylabel("makespan / lower bound")

@@ -33,6 +33,7 @@ FAMILIES = {
     "join-crew": "#f0e442",
     "central": "#444444",
 }
+MARKERS = {"c8": "s", "c100": "^"}  # of networks that differ in their number of capabilities only
 OTHERS = ("#999999", "#7f6000", "#5e3c99", "#b2182b", "#1a9850", "#8073ac")
 RESOLUTION = 150  # dots an inch
 LETTERS_AN_INCH = 13  # of a title
@@ -171,7 +172,8 @@ def _curve(axes: Axes, policy: str, points: dict[int, float]) -> None:
     sizes, values = zip(*sorted(points.items()), strict=True)
     exponent = growth_exponent(sizes, values)
     label = policy if math.isnan(exponent) else f"{policy}: n^{exponent:.2f}"
-    axes.plot(sizes, values, "o-", color=colour_of(policy), label=label, markersize=4)
+    marker = MARKERS.get(policy.rpartition("-")[-1], "o")
+    axes.plot(sizes, values, color=colour_of(policy), label=label, marker=marker, markersize=4)
 
 
 def colour_of(policy: str) -> str:

@@ -68,6 +68,8 @@ def test_torchrun_trains_one_policy_in_two_processes(tmp_path: Path) -> None:
             env={**os.environ, "OMP_NUM_THREADS": "1"},
         )
         assert done.returncode == 0, done.stderr
-        assert done.stdout.count("\n") == 3  # one process prints: a header and two rows
+        assert (
+            done.stdout.count("\n") == 4
+        )  # one process prints: a header, two rows, and what scripts take
     one, other = (load_file(tmp_path / name / "last" / WEIGHTS) for name in ("a", "b"))
     assert all(torch.equal(one[key], other[key]) for key in one)

@@ -16,6 +16,7 @@ from teamformer.commands.console import prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
 
 if TYPE_CHECKING:
+    from teamformer.train.evaluation import Score
     from teamformer.train.settings import TrainSettings
     from teamformer.train.trainer import Report
 
@@ -159,6 +160,7 @@ class _Table:
     def __init__(self, as_json: bool) -> None:
         self._as_json = as_json
         self._rows = 0
+        self._has_bars = False
 
     def show(self, report: Report) -> None:
         """Print a report."""
@@ -170,6 +172,9 @@ class _Table:
         if self._rows % 20 == 0:
             print(_header(report))
         self._rows += 1
+        if report.score is not None and not self._has_bars:
+            self._has_bars = True
+            print(_bars(report.score))
         print(_row(report), flush=True)
 
 
@@ -177,6 +182,13 @@ def _header(report: Report) -> str:
     columns = "".join(f"  {name:>9}" for name in report.lesson.figures)
     held_out = "held out: steps in each setting (and of the script's), failures"
     return f" iter      steps  steps/s{columns}  | {held_out}"
+
+
+def _bars(score: Score) -> str:
+    """Return what scripted policies take on the held-out worlds."""
+    script = ", ".join(f"{steps:.1f}" for steps in score.script)
+    heuristic = ", ".join(f"{steps:.1f}" for steps in score.heuristic)
+    return f"held out: the script takes {script}; heuristic {heuristic}"
 
 
 def _row(report: Report) -> str:

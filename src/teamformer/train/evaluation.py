@@ -33,9 +33,11 @@ class Exam:
 
 @dataclass(frozen=True)
 class Score:
-    """What a policy reached in an exam."""
+    """What a policy reached in an exam; all steps are means of each setting."""
 
-    steps: tuple[float, ...]  # mean of each setting; the step limit where a trial failed
+    steps: tuple[float, ...]  # the step limit where a trial failed
+    script: tuple[float, ...]
+    heuristic: tuple[float, ...]
     ratios: tuple[float, ...]  # of these to the script's; lower is better
     failures: int  # trials that did not complete
     trials: int
@@ -72,7 +74,15 @@ def examine(network: Actor, codec: Codec, exam: Exam, device: str = "cpu") -> Sc
         failures += sum(tally.status != "completed" for tally in tallies)
         splits += [tally.splits for tally in tallies]
     ratios = tuple(mean / bar for mean, bar in zip(steps, exam.script, strict=True))
-    return Score(tuple(steps), ratios, failures, len(splits), float(np.mean(splits)))
+    return Score(
+        steps=tuple(steps),
+        script=exam.script,
+        heuristic=exam.heuristic,
+        ratios=ratios,
+        failures=failures,
+        trials=len(splits),
+        splits=float(np.mean(splits)),
+    )
 
 
 def _mean_steps(start: TeamFormation, policy: Policy) -> float:

@@ -39,6 +39,18 @@ def make(
     return Scenario("small", grid, CAPS, tuple(named_robots), tuple(named_tasks), **rules)
 
 
+def pair_with_a_task_each_side() -> Scenario:
+    """Robots {a}, {a} in one cell as one team; tasks need a: t0 one cell left, t1 two right."""
+    return Scenario(
+        "pair",
+        Grid(4, 1),
+        ("a",),
+        (Robot("r0", (1, 0), {"a": 1}), Robot("r1", (1, 0), {"a": 1})),
+        (Task("t0", (0, 0), {"a": 1}), Task("t1", (3, 0), {"a": 1})),
+        teams=((0, 1),),
+    )
+
+
 def two_robots_one_task(**rules: Any) -> Scenario:
     """Two that start together must be at the task as one.
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from teamformer.model import Grid, Robot, Scenario, Task
+from small_worlds import pair_with_a_task_each_side
 from teamformer.nets.critic import Critic, CriticSettings
 from teamformer.policies.any_fleet import AnyFleetCodec
 from teamformer.policies.choices import HALVE, JOIN, MAINTAIN
@@ -44,18 +44,6 @@ def test_a_world_that_has_ended_gives_nothing() -> None:
     second = 1 + 0.5 * 8 - 0.5  # cut off: the critic says what would have come
     assert found[:, 0, 0].tolist() == [first + 0.5 * 0.5 * second, second]
     assert found[:, 1, 0].tolist() == [0.5, 0.0]
-
-
-def pair_with_a_task_each_side() -> Scenario:
-    """Robots {a}, {a} in one cell as one team; tasks need a: t0 one cell left, t1 two right."""
-    return Scenario(
-        "pair",
-        Grid(4, 1),
-        ("a",),
-        (Robot("r0", (1, 0), {"a": 1}), Robot("r1", (1, 0), {"a": 1})),
-        (Task("t0", (0, 0), {"a": 1}), Task("t1", (3, 0), {"a": 1})),
-        teams=((0, 1),),
-    )
 
 
 class _Script:

@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from random_worlds import random_world
+from small_worlds import pair_with_a_task_each_side
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.policies.any_fleet import AnyFleetCodec
 from teamformer.policies.choices import FOLLOW, HALVE
@@ -16,18 +17,6 @@ from teamformer.train.counterfactual import Trials, try_others
 from teamformer.train.settings import TrainSettings
 from teamformer.train.trainer import make_learner
 from teamformer.train.trying import TryingSettings, fit
-
-
-def pair_with_a_task_each_side() -> Scenario:
-    """Robots {a}, {a} in cell 1 as one team; tasks need a: one in cell 0, one in cell 3."""
-    return Scenario(
-        "pair",
-        Grid(4, 1),
-        ("a",),
-        (Robot("r0", (1, 0), {"a": 1}), Robot("r1", (1, 0), {"a": 1})),
-        (Task("t0", (0, 0), {"a": 1}), Task("t1", (3, 0), {"a": 1})),
-        teams=((0, 1),),
-    )
 
 
 def test_a_fork_goes_its_own_way() -> None:

@@ -180,15 +180,15 @@ class _Table:
 
 def _header(report: Report) -> str:
     columns = "".join(f"  {name:>9}" for name in report.lesson.figures)
-    held_out = "held out: steps in each setting (and of the script's), failures"
+    held_out = "held out: steps in each setting (and of join-all's), failures"
     return f" iter      steps  steps/s{columns}  | {held_out}"
 
 
 def _bars(score: Score) -> str:
     """Return what scripted policies take on the held-out worlds."""
-    script = ", ".join(f"{steps:.1f}" for steps in score.script)
+    bar = ", ".join(f"{steps:.1f}" for steps in score.bar)
     heuristic = ", ".join(f"{steps:.1f}" for steps in score.heuristic)
-    return f"held out: the script takes {script}; heuristic {heuristic}"
+    return f"held out: join-all (under crews join-crew) takes {bar}; heuristic {heuristic}"
 
 
 def _row(report: Report) -> str:

@@ -36,7 +36,6 @@ class RelationalSettings:
     own_choices: int = 4  # follow the script, maintain, halve, shed
     width: int = 48
     first_scores: tuple[float, ...] = (4.0, 2.0, 0.0, 0.0)  # of the own choices, untrained
-    first_split_score: float = 0.0  # of splits for a task; a join's is 0
 
 
 class RelationalPolicy(OneChoice):
@@ -61,7 +60,6 @@ class RelationalPolicy(OneChoice):
         self.split_score = _score(d, 1)
         with torch.no_grad():
             self.own_score.bias.copy_(torch.tensor(settings.first_scores))
-            self.split_score.bias.fill_(settings.first_split_score)
 
     def forward(self, *parts: Tensor) -> Tensor:
         """Return all choices' scores from `Tokens`: the team's own, then joins, then splits."""

@@ -21,7 +21,7 @@ class AnyFleetCodec:
 
     def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
         """Return which teams may do something else than the script, as (teams,)."""
-        is_open: Array = tokens[-1].sum(axis=1) > 1
+        is_open: Array = Relations(*tokens).is_legal.sum(axis=1) > 1
         return is_open
 
     def decode(self, view: View, action: Array) -> Array:

@@ -21,8 +21,8 @@ Brain = Callable[[tuple[Array, ...]], Array]
 class Learned:
     """Reads views with a codec and does what a brain says.
 
-    The brain is asked where the codec finds a choice. Elsewhere a team does as the script does:
-    as join-crew where tasks are shared out among crews, else as join-all. So does one that the
+    The brain is asked where the codec finds a choice. Elsewhere a team does as join-crew does
+    where tasks are shared out among crews, else as join-all. So does one that the
     liveness rule finds overdue, until a task is done; `overdue` counts such decisions.
     """
 

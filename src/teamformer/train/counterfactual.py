@@ -13,6 +13,7 @@ from teamformer.model import Scenario
 from teamformer.policies.choices import FOLLOW
 from teamformer.policies.codec import Codec
 from teamformer.policies.fitting import Script
+from teamformer.policies.relations import Relations
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 
@@ -63,7 +64,7 @@ def _try_one(env: TeamFormation, codec: Codec, rng: np.random.Generator) -> _Tri
     """Change one decision of each running world where there is a choice; play on to the end."""
     view = env.view()
     tokens = codec.encode(view)
-    could = tokens[-1].copy()
+    could = Relations(*tokens).is_legal.copy()
     could[:, FOLLOW] = False
     rows = _one_of_each(view.world, np.asarray(could.any(axis=1)), rng)
     other = np.where(could[rows], rng.random((len(rows), could.shape[1])), -1.0).argmax(axis=1)

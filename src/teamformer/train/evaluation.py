@@ -23,11 +23,11 @@ from teamformer.sim.env import Tally, TeamFormation
 class Exam:
     """Held-out worlds, in settings, and the mean steps of the scripted policies on each.
 
-    The script is join-crew where tasks are shared out among crews, else join-all.
+    The bar is join-crew where tasks are shared out among crews, else join-all.
     """
 
     settings: tuple[TeamFormation, ...]  # at their start; trials are played in forks of them
-    script: tuple[float, ...]
+    bar: tuple[float, ...]
     heuristic: tuple[float, ...]
 
 
@@ -36,9 +36,9 @@ class Score:
     """What a policy reached in an exam; all steps are means of each setting."""
 
     steps: tuple[float, ...]  # the step limit where a trial failed
-    script: tuple[float, ...]
+    bar: tuple[float, ...]
     heuristic: tuple[float, ...]
-    ratios: tuple[float, ...]  # of these to the script's; lower is better
+    ratios: tuple[float, ...]  # of these to the bar's; lower is better
     failures: int  # trials that did not complete
     trials: int
     splits: float  # for each trial
@@ -59,7 +59,7 @@ def prepare_exam(settings: Sequence[Sequence[Scenario]]) -> Exam:
     starts = tuple(TeamFormation(worlds) for worlds in settings)
     return Exam(
         settings=starts,
-        script=tuple(_mean_steps(start, JoinUseful()) for start in starts),
+        bar=tuple(_mean_steps(start, JoinUseful()) for start in starts),
         heuristic=tuple(_mean_steps(start, Heuristic()) for start in starts),
     )
 
@@ -73,10 +73,10 @@ def examine(network: Actor, codec: Codec, exam: Exam, device: str = "cpu") -> Sc
         steps.append(float(np.mean([tally.steps for tally in tallies])))
         failures += sum(tally.status != "completed" for tally in tallies)
         splits += [tally.splits for tally in tallies]
-    ratios = tuple(mean / bar for mean, bar in zip(steps, exam.script, strict=True))
+    ratios = tuple(mean / low for mean, low in zip(steps, exam.bar, strict=True))
     return Score(
         steps=tuple(steps),
-        script=exam.script,
+        bar=exam.bar,
         heuristic=exam.heuristic,
         ratios=ratios,
         failures=failures,

@@ -86,7 +86,7 @@ def main() -> None:
     options = _parser().parse_args()
     torch.set_num_threads(1)
     print(
-        "| setting | greedy | sampled | script | greedy - script | list schedule | heuristic "
+        "| setting | greedy | sampled | bar | greedy - bar | list schedule | heuristic "
         "| failures, without rule, sampled | overdue | joins, splits | CPU ms a trial |"
     )
     print("|---|---|---|---|---|---|---|---|---|---|---|")

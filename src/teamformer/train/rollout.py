@@ -81,7 +81,7 @@ def _decide(
     record: _Record,
     state_of_world: Array,
 ) -> None:
-    """Make one step; note the decisions of teams that have a choice, the others follow join-all."""
+    """Make one step, as `Learned` does; note the decisions of teams that have a choice."""
     view = env.view()
     tokens = codec.encode(view)
     rows = np.flatnonzero(codec.has_choice(view, tokens))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from teamformer.bench.lots import Lot, known_row
+from teamformer.bench.jobs import Lot, known_row
 from teamformer.bench.rows import Row
-from teamformer.scenarios.settings import world_of
+from teamformer.scenarios.named_settings import world_of
 
 
 def rows_of(

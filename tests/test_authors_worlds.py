@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from teamformer.model import Scenario
-from teamformer.policies.heuristic import Heuristic
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trials
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.authors import read_worlds
+from teamformer.trials.trial import run_trials
 
 AUTHORS = Path(__file__).parents[2] / "shared" / "data" / "authors"
 

@@ -216,7 +216,7 @@ def test_names_that_the_terminal_cannot_show_and_narrow_pipes(
 
 SLOW = """
 import time
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted.joining import JoinAll
 class Slow(JoinAll):
     def decide(self, view):
         print('deciding', flush=True)

@@ -15,22 +15,23 @@ import teamformer
 ROOT = Path(teamformer.__file__).parent
 
 CORE = {"errors", "model", "capabilities", "plane", "regions", "jit"}
+BELOW_POLICIES = {*CORE, "scenarios", "planning", "sim"}
+BELOW_COMMANDS = {*BELOW_POLICIES, "policies", "trials", "referee", "viewer", "bench"}
 SEES = {
     "core": CORE,
     "scenarios": CORE,
     "planning": CORE,
     "sim": {*CORE, "scenarios", "planning"},
-    "policies": {*CORE, "scenarios", "planning", "sim"},
+    "policies": BELOW_POLICIES,
+    "trials": {*BELOW_POLICIES, "policies"},
     "referee": {*CORE, "scenarios", "sim.replay"},
     "viewer": {"errors"},
     "nets": set(),
-    "train": {*CORE, "scenarios", "planning", "sim", "policies", "nets"},
-    "bench": {*CORE, "scenarios", "planning", "sim", "policies", "referee"},
-    "robotarium": {*CORE, "scenarios", "planning", "sim", "policies"},
-    "commands": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"}
-    | {"train", "robotarium"},
-    "cli": {*CORE, "scenarios", "planning", "sim", "policies", "referee", "viewer", "bench"}
-    | {"commands"},
+    "train": {*BELOW_POLICIES, "policies", "trials", "nets"},
+    "bench": {*BELOW_POLICIES, "policies", "trials", "referee"},
+    "robotarium": {*BELOW_POLICIES, "policies", "trials"},
+    "commands": {*BELOW_COMMANDS, "train", "robotarium"},
+    "cli": {*BELOW_COMMANDS, "commands"},
 }
 """What each part may import besides itself; a name stands for all that is in it."""
 
@@ -38,18 +39,22 @@ HOMES = {
     "ortools": ("planning/",),
     "torch": ("nets/", "train/"),
     "safetensors": ("train/",),
-    "onnxruntime": ("policies/sessions.py",),
-    "gymnasium": ("sim/parallel.py",),
-    "pettingzoo": ("sim/parallel.py",),
+    "onnxruntime": ("policies/learned/onnx_sessions.py",),
+    "gymnasium": ("sim/parallel_env.py",),
+    "pettingzoo": ("sim/parallel_env.py",),
     "typer": ("cli.py", "commands/"),
     "click": ("cli.py", "commands/"),
     "rich": ("cli.py", "commands/", "bench/"),
     "yaml": ("scenarios/",),
-    "matplotlib": ("bench/figures.py", "robotarium/draw.py", "robotarium/rps_robots.py"),
-    "ray": ("bench/engines.py",),
-    "daqp": ("robotarium/solvers.py",),
-    "cvxopt": ("robotarium/solvers.py",),
-    "rps": ("robotarium/rps_robots.py",),
+    "matplotlib": (
+        "bench/report/figures.py",
+        "robotarium/draw.py",
+        "robotarium/robots/rps_robots.py",
+    ),
+    "ray": ("bench/executors.py",),
+    "daqp": ("robotarium/control/qp_solvers.py",),
+    "cvxopt": ("robotarium/control/qp_solvers.py",),
+    "rps": ("robotarium/robots/rps_robots.py",),
     "PIL": ("robotarium/draw.py",),
 }
 NOWHERE = ("scipy", "pandas", "networkx")

@@ -9,7 +9,8 @@ import numba as nb
 import pytest
 
 from teamformer import jit
-from teamformer.planning import search, team_search
+from teamformer.planning.relaxation import ruin_recreate
+from teamformer.planning.teams import annealing
 
 
 def twice(number: int) -> int:
@@ -63,7 +64,7 @@ def test_where_numba_is_off_nothing_needs_compiling() -> None:
     assert not jit.needs_compiling(twice)
 
 
-@pytest.mark.parametrize(("module", "begins"), [(search, "_anneal"), (team_search, "anneal")])
+@pytest.mark.parametrize(("module", "begins"), [(ruin_recreate, "_anneal"), (annealing, "anneal")])
 def test_a_planner_is_compiled_once_its_search_is(
     module: ModuleType, begins: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

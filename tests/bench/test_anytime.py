@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hand_rows import rows_of
-from teamformer.bench.anytime import anytime_curves, best_at
-from teamformer.bench.figures import draw_anytime
+from teamformer.bench.measurements.anytime import anytime_curves, best_at
+from teamformer.bench.report.figures import draw_anytime
 from teamformer.bench.rows import Row, row_of
 
 SMALL = "4N4T-C4"

@@ -137,7 +137,7 @@ def _wait_for_the_end(group: int, deadline: float) -> None:
 
 DIES = """
 import os
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted.joining import JoinAll
 
 class Dies(JoinAll):
     def decide(self, view):

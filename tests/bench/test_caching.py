@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.bench.caching import Caching, measure_caching
+from teamformer.bench.measurements.caching import Caching, measure_caching
 
 
 def test_decisions_are_the_same_and_sooner_made() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hand_rows import rows_of
-from teamformer.bench.figures import colour_of, draw_suite
+from teamformer.bench.report.figures import colour_of, draw_suite
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import load_suite
 from teamformer.bench.summary import summarise

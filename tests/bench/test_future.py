@@ -10,10 +10,10 @@ import pytest
 
 from teamformer.model import ALLOCATIONS, ORDERS, Scenario, Task
 from teamformer.policies import POLICIES
-from teamformer.policies.registry import load_policy
-from teamformer.scenarios.settings import world_of
+from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
+from teamformer.trials.registry import load_policy
 
 MINE = [
     listing.name for listing in POLICIES if not load_policy(listing.name, POLICIES).needs_everything

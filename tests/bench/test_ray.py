@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.bench.engines import run_here, run_on_ray
+from teamformer.bench.executors import run_here, run_on_ray
 from teamformer.bench.rows import Row
 from teamformer.bench.runner import Request, run_benchmark
 from teamformer.bench.store import Store

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from teamformer import cli
-from teamformer.bench.results import write_results
+from teamformer.bench.report.results import write_results
 
 
 def bench(*words: str) -> int:

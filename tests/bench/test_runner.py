@@ -9,18 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.bench.engines import Batches, run_here, run_in_processes
-from teamformer.bench.lots import Lot, list_schedule, run_lot
+from teamformer.bench.executors import Batches, run_here, run_in_processes
+from teamformer.bench.jobs import Lot, list_schedule, run_lot
 from teamformer.bench.rows import Key, Row
 from teamformer.bench.runner import TIMED, Request, fits, run_benchmark
 from teamformer.bench.store import Store
 from teamformer.bench.suites import Suite
 from teamformer.errors import TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.planning.bounds import lower_bound
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trial
-from teamformer.scenarios.settings import world_of
+from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.policies.scripted.joining import JoinAll
+from teamformer.scenarios.named_settings import world_of
+from teamformer.trials.trial import run_trial
 
 SMALL = Suite(
     "small",
@@ -141,7 +141,7 @@ def test_only_the_first_trials_are_timed(tmp_path: Path) -> None:
 
 
 def test_a_policy_of_one_s_own_runs_alone(tmp_path: Path) -> None:
-    mine = "teamformer.policies.scripted:JoinAll"
+    mine = "teamformer.policies.scripted.joining:JoinAll"
     request = Request(SMALL, trials=2, settings=("3N2T-C2",), policies=(mine,))
     rows = measured(tmp_path, request)
     assert {row.side_by_side for row in rows.values()} == {1}

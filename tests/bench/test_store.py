@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.bench.lots import Lot, known_row
+from teamformer.bench.jobs import Lot, known_row
 from teamformer.bench.rows import Row, row_of, with_bars
 from teamformer.bench.store import About, Store
 from teamformer.errors import TeamformerError
-from teamformer.scenarios.settings import world_of
+from teamformer.scenarios.named_settings import world_of
 
 ABOUT = About("fig3", 0, {"order": "tsp"})
 

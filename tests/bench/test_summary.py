@@ -9,9 +9,7 @@ from dataclasses import replace
 import pytest
 
 from hand_rows import rows_of
-from teamformer.bench.claims import FAILURES, INFERENCE, claims
-from teamformer.bench.evidence import Evidence
-from teamformer.bench.judging import (
+from teamformer.bench.report.claim_checks import (
     TABLE_1,
     as_quick,
     faster_than,
@@ -22,8 +20,10 @@ from teamformer.bench.judging import (
     some_failures,
     trend,
 )
+from teamformer.bench.report.claims import FAILURES, INFERENCE, claims
+from teamformer.bench.report.evidence import Evidence
+from teamformer.bench.report.tables import cells_of, summary_csv, summary_table
 from teamformer.bench.summary import on_shared_worlds, summarise
-from teamformer.bench.tables import cells_of, summary_csv, summary_table
 
 SMALL = "4N4T-C4"
 

@@ -9,9 +9,9 @@ import pytest
 import torch
 
 from spelling_views import CAPS, SPELLINGS, illegal_decisions, random_views, tensors, wild_network
-from teamformer.nets.grammar import changes, spell
+from teamformer.nets.action_mask import changes, spell
 from teamformer.nets.teamformer import Tokens
-from teamformer.policies.spelling import SpellingCodec
+from teamformer.policies.learned.token_features import SpellingCodec
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 

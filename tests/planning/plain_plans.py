@@ -10,7 +10,7 @@ import numpy as np
 
 from teamformer.errors import ScenarioError
 from teamformer.model import BLOCKED, FREE, Grid, Place, Robot, Scenario, Task
-from teamformer.planning.schedule import Schedule
+from teamformer.planning.relaxation.schedule import Schedule
 
 
 class PlainWorld:

@@ -9,12 +9,12 @@ from plain_plans import fastest_makespan, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
 from teamformer.model import Scenario
-from teamformer.planning.bounds import bound_makespan, lower_bound
-from teamformer.planning.relaxed import relax
-from teamformer.policies.heuristic import Heuristic
+from teamformer.planning.bounds.makespan import bound_makespan, lower_bound
+from teamformer.planning.relaxation.problem import relax
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trials
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll
+from teamformer.trials.trial import run_trials
 
 
 def walking_bound(scenario: Scenario) -> int:

@@ -10,11 +10,11 @@ import pytest
 
 from teamformer.jit import entry
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.planning.crew_lists import Shared, bits_of, empty_parties, gather_parties
-from teamformer.planning.crew_walk import empty_room, walk_list
-from teamformer.planning.crews import plan_crews
-from teamformer.planning.travel import travel_matrix
-from teamformer.policies.scripted import JoinAtTask
+from teamformer.planning.crews.evaluation import empty_room, walk_list
+from teamformer.planning.crews.plan import plan_crews
+from teamformer.planning.crews.routes import Shared, bits_of, empty_parties, gather_parties
+from teamformer.planning.distances import travel_matrix
+from teamformer.policies.scripted.joining import JoinAtTask
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
 

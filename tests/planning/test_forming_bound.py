@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.planning.bounds import lower_bound
+from teamformer.planning.bounds.makespan import lower_bound
 
 Team = tuple[int, tuple[int, ...]]  # where it is, and its robots
 LENGTH = 5

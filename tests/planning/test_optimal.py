@@ -14,13 +14,13 @@ from plain_plans import fastest_makespan, find_faults, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
 from teamformer.model import Grid, Scenario
-from teamformer.planning.bounds import bound_makespan
-from teamformer.planning.optimal import solve
-from teamformer.planning.relaxed import relax
-from teamformer.policies.heuristic import Heuristic
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trials
+from teamformer.planning.bounds.makespan import bound_makespan
+from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.relaxation.solve import solve
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.generate import Spec, generate
+from teamformer.trials.trial import run_trials
 
 
 def crowd(tasks: int = 100, seed: int = 0) -> Scenario:

@@ -11,8 +11,8 @@ from plain_plans import PlainWorld, Stay, find_faults, serve
 from random_worlds import random_world
 from small_worlds import make, robot, task
 from teamformer.model import Scenario
-from teamformer.planning.relaxed import relax
-from teamformer.planning.schedule import schedule_tasks
+from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.relaxation.schedule import schedule_tasks
 
 
 def list_schedule(scenario: Scenario, ranking: list[int]) -> tuple[list[int], list[int]] | None:

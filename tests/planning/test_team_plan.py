@@ -7,8 +7,8 @@ import pytest
 
 from random_worlds import random_world
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.planning.relaxed import Relaxed, relax
-from teamformer.planning.team_plan import TeamPlan, empty_groups, plan_teams, routes_of, time_plan
+from teamformer.planning.relaxation.problem import Relaxed, relax
+from teamformer.planning.teams.plan import TeamPlan, empty_groups, plan_teams, routes_of, time_plan
 from teamformer.scenarios.generate import Spec, generate
 
 

@@ -10,15 +10,15 @@ import pytest
 
 from random_worlds import random_world
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.planning.relaxed import relax
-from teamformer.planning.team_plan import TeamPlan, routes_of
-from teamformer.planning.team_solver import first_search
-from teamformer.policies.central import Central
-from teamformer.policies.plan_player import PlanPlayer
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trials
+from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.teams.plan import TeamPlan, routes_of
+from teamformer.planning.teams.solve import first_search
+from teamformer.policies.central.plan_player import PlanPlayer
+from teamformer.policies.central.policy import Central
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
+from teamformer.trials.trial import run_trials
 
 
 def robot(name: str, x: int, cap: str) -> Robot:

@@ -12,13 +12,13 @@ from torch import nn
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.policies.combinations import CombinationCodec, Combined, combining
-from teamformer.policies.learned import rows_of
+from teamformer.policies.learned.combinations import CombinationCodec, Combined, combining
+from teamformer.policies.learned.policy import rows_of
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
+from teamformer.train.architectures import FAMILIES
 from teamformer.train.evaluation import torch_brain
-from teamformer.train.export import NETWORK_FILE
-from teamformer.train.families import FAMILIES
+from teamformer.train.export.onnx_export import NETWORK_FILE
 
 JOIN_A, JOIN_B = 0b01, 0b10
 SPLIT_A, SPLIT_B = 0b101, 0b110  # over two capabilities

@@ -12,11 +12,11 @@ from small_worlds import two_robots_one_task
 from teamformer.model import Scenario
 from teamformer.policies import POLICIES
 from teamformer.policies.protocol import Policy
-from teamformer.policies.registry import load_policy
-from teamformer.policies.trial import run_trial, run_trials
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
+from teamformer.trials.registry import load_policy
+from teamformer.trials.trial import run_trial, run_trials
 
 STEPS = 60
 

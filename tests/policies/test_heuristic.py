@@ -18,9 +18,9 @@ from small_worlds import (
     two_tasks_two_pairs,
 )
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.policies.heuristic import Heuristic
-from teamformer.policies.trial import run_trials
+from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.sim.env import TeamFormation
+from teamformer.trials.trial import run_trials
 
 HEURISTIC = Heuristic()
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from teamformer.policies.scripted import JoinAtTask, JoinCrew
-from teamformer.policies.trial import run_trials
-from teamformer.scenarios.settings import world_of
+from teamformer.policies.scripted.joining import JoinAtTask, JoinCrew
+from teamformer.scenarios.named_settings import world_of
+from teamformer.trials.trial import run_trials
 
 
 def steps(policy: JoinAtTask, setting: str, worlds: int) -> list[int]:

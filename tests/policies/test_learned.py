@@ -12,22 +12,22 @@ import torch
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.policies.any_fleet import AnyFleetCodec, any_fleet, teamformer_any
-from teamformer.policies.choices import FOLLOW, MAINTAIN
-from teamformer.policies.fitting import Script
-from teamformer.policies.learned import Brain, Learned, rows_of
-from teamformer.policies.liveness import Liveness
-from teamformer.policies.relations import Relations, relate
-from teamformer.policies.scripted import JoinUseful
-from teamformer.policies.sessions import OnnxNetwork
-from teamformer.policies.trial import run_trials
+from teamformer.policies.learned.any_fleet import AnyFleetCodec, any_fleet, teamformer_any
+from teamformer.policies.learned.deadlock_guard import Liveness
+from teamformer.policies.learned.macro_actions import FOLLOW, MAINTAIN
+from teamformer.policies.learned.onnx_sessions import OnnxNetwork
+from teamformer.policies.learned.policy import Brain, Learned, rows_of
+from teamformer.policies.learned.relational_features import Relations, relate
+from teamformer.policies.scripted.join_fitting import Script
+from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.evaluation import torch_brain
-from teamformer.train.export import NETWORK_FILE, export_any_fleet
-from teamformer.train.settings import TrainSettings
+from teamformer.train.export.onnx_export import NETWORK_FILE, export_any_fleet
 from teamformer.train.trainer import make_learner
+from teamformer.train.training_settings import TrainSettings
+from teamformer.trials.trial import run_trials
 
 
 def prefer_maintain(tokens: tuple[Array, ...]) -> Array:

@@ -7,8 +7,8 @@ import pytest
 from blocked_worlds import blocked_worlds
 from teamformer.model import ALLOCATIONS
 from teamformer.policies import POLICIES
-from teamformer.policies.learned import Learned
-from teamformer.policies.registry import load_policy
+from teamformer.policies.learned.policy import Learned
+from teamformer.trials.registry import load_policy
 
 LEARNED = [
     listing.name

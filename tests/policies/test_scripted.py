@@ -12,7 +12,7 @@ from small_worlds import (
     two_apart,
     two_robots_one_task,
 )
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.view import NEXT_TASKS
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from teamformer.errors import TeamformerError
-from teamformer.policies.learned import Learned
-from teamformer.policies.sessions import shipped
-from teamformer.policies.trained import ABOUT, NETWORK, load_trained
+from teamformer.policies.learned.onnx_sessions import shipped
+from teamformer.policies.learned.policy import Learned
+from teamformer.policies.learned.trained_folder import ABOUT, NETWORK, load_trained
 
 GOOD = {"format": 1, "network": "gnn", "capabilities": 4}
 

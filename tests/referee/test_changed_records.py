@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.policies.heuristic import Heuristic
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trial
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay import Replay
+from teamformer.trials.trial import run_trial
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
 

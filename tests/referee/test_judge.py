@@ -10,14 +10,14 @@ import pytest
 
 from random_worlds import random_decision, random_world
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trial
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
 from teamformer.sim.env import Decision
 from teamformer.sim.replay import Ending, Replay, Step, TeamAt
 from teamformer.sim.view import View
+from teamformer.trials.trial import run_trial
 
 CORRIDOR = Scenario(
     name="corridor",

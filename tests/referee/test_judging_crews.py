@@ -10,12 +10,12 @@ import pytest
 
 from random_worlds import random_decision, random_world
 from small_worlds import make, robot, task
-from teamformer.policies.recorder import Recorder
-from teamformer.policies.scripted import JoinAll, JoinCrew
-from teamformer.policies.trial import run_trial
+from teamformer.policies.scripted.joining import JoinAll, JoinCrew
 from teamformer.referee import judge
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.replay import Crew, Replay, TeamAt
+from teamformer.trials.recorder import Recorder
+from teamformer.trials.trial import run_trial
 
 
 def two_crews() -> Replay:

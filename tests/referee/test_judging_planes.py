@@ -9,10 +9,10 @@ import pytest
 
 from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trial
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
 from teamformer.sim.replay import Replay, TeamAt
+from teamformer.trials.trial import run_trial
 
 FIELD = Scenario(
     name="field",

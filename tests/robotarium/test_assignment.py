@@ -7,7 +7,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from teamformer.robotarium.assignment import assign, match
+from teamformer.robotarium.control.assignment import assign, match
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 6])

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.robotarium.barrier import POINT, Barrier, Safety
-from teamformer.robotarium.controller import Controller
-from teamformer.robotarium.plant import Plant, Weather
-from teamformer.robotarium.solvers import with_daqp
+from teamformer.robotarium.control.barrier import POINT, Barrier, Safety
+from teamformer.robotarium.control.controller import Controller
+from teamformer.robotarium.control.qp_solvers import with_daqp
+from teamformer.robotarium.robots.plant import Plant, Weather
 
 pytest.importorskip("daqp")
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.robotarium.detours import AMPLE, BERTH, BEYOND, way_point
-from teamformer.robotarium.formation import SPACING, ring_radius, slots_around
-from teamformer.robotarium.goals import (
+from teamformer.robotarium.control.detours import AMPLE, BERTH, BEYOND, way_point
+from teamformer.robotarium.control.goals import (
     FARTHER,
     GIVES_UP,
     LATTICE,
@@ -16,6 +15,7 @@ from teamformer.robotarium.goals import (
     choose_goals,
     choose_needed,
 )
+from teamformer.robotarium.control.ring_slots import SPACING, ring_radius, slots_around
 from teamformer.robotarium.places import team_places
 from teamformer.robotarium.teams import Team, distance
 

@@ -15,16 +15,16 @@ import pytest
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.policies import POLICIES
-from teamformer.policies.registry import load_policy
-from teamformer.robotarium.bench import ROUGH, bench_robotarium, count_missions, summarise
-from teamformer.robotarium.deploy import deploy, verify
+from teamformer.robotarium.benchmark import ROUGH, bench_robotarium, count_missions, summarise
+from teamformer.robotarium.deployment.folder import deploy, verify
 from teamformer.robotarium.draw import Film
 from teamformer.robotarium.experiment import Experiment, Simulator, run_experiment
 from teamformer.robotarium.mission import Moment
-from teamformer.robotarium.plant import Weather
 from teamformer.robotarium.random_missions import random_mission
-from teamformer.robotarium.rps_robots import RpsRobots, is_accepted
+from teamformer.robotarium.robots.plant import Weather
+from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
 from teamformer.scenarios.files import read_scenario
+from teamformer.trials.registry import load_policy
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 needs_rps = pytest.mark.skipif(

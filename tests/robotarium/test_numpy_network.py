@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from teamformer.errors import TeamformerError
-from teamformer.policies.any_fleet import NAME
-from teamformer.policies.relations import Relations, relate
-from teamformer.policies.sessions import OnnxNetwork, shipped
-from teamformer.robotarium.numpy_network import NumpyNetwork
-from teamformer.robotarium.onnx_files import Node, read_onnx
+from teamformer.policies.learned.any_fleet import NAME
+from teamformer.policies.learned.onnx_sessions import OnnxNetwork, shipped
+from teamformer.policies.learned.relational_features import Relations, relate
+from teamformer.robotarium.deployment.numpy_network import NumpyNetwork
+from teamformer.robotarium.deployment.onnx_files import Node, read_onnx
 from teamformer.robotarium.random_missions import random_mission
 from teamformer.sim.env import TeamFormation
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.robotarium.arena import TICK, wheel_speeds
-from teamformer.robotarium.plant import Faults, Plant, Weather
+from teamformer.robotarium.robots.arena import TICK, wheel_speeds
+from teamformer.robotarium.robots.plant import Faults, Plant, Weather
 
 STILL = np.zeros((2, 2))
 

@@ -9,8 +9,8 @@ import pytest
 import yaml
 
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.scenarios import yaml_tree
 from teamformer.scenarios.files import read_scenario, scenario_from_tree
+from teamformer.scenarios.yaml import reader
 
 GOOD = """\
 teamformer: 1
@@ -136,7 +136,7 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("loader", [yaml.SafeLoader, yaml_tree.LOADER])
+@pytest.mark.parametrize("loader", [yaml.SafeLoader, reader.LOADER])
 @pytest.mark.parametrize(("old", "new", "line", "message"), CASES)
 def test_a_mistake_is_told_with_its_line(
     tmp_path: Path,
@@ -147,7 +147,7 @@ def test_a_mistake_is_told_with_its_line(
     line: int,
     message: str,
 ) -> None:
-    monkeypatch.setattr(yaml_tree, "LOADER", loader)
+    monkeypatch.setattr(reader, "LOADER", loader)
     assert GOOD.count(old) >= 1
     found = problems_of(tmp_path, GOOD.replace(old, new, 1))
     assert any(told.startswith(f"case.yaml:{line}: ") and message in told for told in found), found

@@ -8,11 +8,11 @@ import pytest
 
 from teamformer.capabilities import covers, total
 from teamformer.model import Scenario
-from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trials
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.files import read_scenario
+from teamformer.trials.trial import run_trials
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -10,8 +10,8 @@ import pytest
 
 from teamformer.errors import TeamformerError
 from teamformer.model import BLOCKED, FREE, Grid
-from teamformer.scenarios.maps import read_map, read_movingai, read_ros_map
-from teamformer.scenarios.pgm import read_pgm
+from teamformer.scenarios.maps.formats import read_map, read_movingai, read_ros_map
+from teamformer.scenarios.maps.pgm import read_pgm
 
 REAL_MAPS = Path(__file__).parents[2].parent / "shared" / "data" / "maps"
 needs_real_maps = pytest.mark.skipif(not REAL_MAPS.is_dir(), reason="the real maps are not here")

@@ -9,7 +9,7 @@ from test_broken_files import CASES, GOOD, problems_of
 
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.trees import ROBOT_KEYS, TASK_KEYS, TOP_KEYS
-from teamformer.scenarios.worlds import FORMS
+from teamformer.scenarios.world_trees import FORMS
 
 DOCS = Path(__file__).parents[2] / "docs" / "scenarios.md"
 

@@ -18,7 +18,7 @@ from small_worlds import (
     two_tasks_two_pairs,
 )
 from teamformer.model import Grid
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 

@@ -20,9 +20,9 @@ from small_worlds import (
     walker,
 )
 from teamformer.model import Grid
-from teamformer.policies.scripted import JoinAll
-from teamformer.policies.trial import run_trial
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.env import TeamFormation
+from teamformer.trials.trial import run_trial
 
 
 @pytest.mark.parametrize("duration", [0, 1, 3])

@@ -8,10 +8,10 @@ import numpy as np
 
 from small_worlds import assignments, make, order_of, play, robot, task
 from teamformer.model import Grid, Scenario
-from teamformer.policies.scripted import JoinCrew
-from teamformer.policies.trial import run_trials
+from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
+from teamformer.trials.trial import run_trials
 
 
 def crewed(*things, **rules) -> Scenario:  # type: ignore[no-untyped-def]

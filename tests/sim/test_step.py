@@ -11,10 +11,10 @@ from blocked_worlds import blocked_worlds
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
 from teamformer.model import ALLOCATIONS, ORDERS
-from teamformer.policies.fitting import JoinFitting
-from teamformer.policies.heuristic import Heuristic
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinAll, JoinCrew
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.join_fitting import JoinFitting
+from teamformer.policies.scripted.joining import JoinAll, JoinCrew
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View

@@ -10,7 +10,7 @@ import pytest
 from random_worlds import random_world
 from small_worlds import make, play, robot, service, task, two_apart, two_tasks_two_pairs
 from teamformer.model import Grid, Place, Robot, Scenario, Task
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.view import NEAREST_TEAMS, NEXT_TASKS, View

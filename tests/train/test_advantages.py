@@ -8,14 +8,14 @@ import torch
 
 from small_worlds import pair_with_a_task_each_side
 from teamformer.nets.critic import Critic, CriticSettings
-from teamformer.policies.any_fleet import AnyFleetCodec
-from teamformer.policies.choices import HALVE, JOIN, MAINTAIN
+from teamformer.policies.learned.any_fleet import AnyFleetCodec
+from teamformer.policies.learned.macro_actions import HALVE, JOIN, MAINTAIN
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import TeamFormation
-from teamformer.train import outlook
-from teamformer.train.advantages import advantages, credit
-from teamformer.train.rewards import MissionReward, TeamReward
-from teamformer.train.rollout import Rollout, play
+from teamformer.train.learning import global_state
+from teamformer.train.learning.advantages import advantages, credit
+from teamformer.train.learning.reward_streams import MissionReward, TeamReward
+from teamformer.train.learning.rollout import Rollout, play
 
 
 def streams(*rows: list[float]) -> Array:
@@ -59,7 +59,7 @@ class _Script:
 
 
 def zero_critic(is_per_team: bool = False) -> Critic:
-    features = outlook.TEAM_FEATURES, outlook.TASK_FEATURES, outlook.WORLD_FEATURES
+    features = global_state.TEAM_FEATURES, global_state.TASK_FEATURES, global_state.WORLD_FEATURES
     critic = Critic(CriticSettings(*features, is_per_team))
     for weights in critic.parameters():
         torch.nn.init.zeros_(weights)

@@ -9,14 +9,14 @@ import torch
 from random_worlds import random_world
 from small_worlds import pair_with_a_task_each_side
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.policies.any_fleet import AnyFleetCodec
-from teamformer.policies.choices import FOLLOW, HALVE
-from teamformer.policies.scripted import JoinUseful
+from teamformer.policies.learned.any_fleet import AnyFleetCodec
+from teamformer.policies.learned.macro_actions import FOLLOW, HALVE
+from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.sim.env import TeamFormation
-from teamformer.train.counterfactual import Trials, try_others
-from teamformer.train.settings import TrainSettings
+from teamformer.train.learning.counterfactual import Trials, try_others
+from teamformer.train.learning.rollout_improvement import TryingSettings, fit
 from teamformer.train.trainer import make_learner
-from teamformer.train.trying import TryingSettings, fit
+from teamformer.train.training_settings import TrainSettings
 
 
 def test_a_fork_goes_its_own_way() -> None:

@@ -15,20 +15,25 @@ from torch import Tensor
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.nets.actor import Actor
-from teamformer.policies.learned import Learned
-from teamformer.policies.registry import load_policy
-from teamformer.policies.trial import run_trials
+from teamformer.policies.learned.policy import Learned
 from teamformer.sim.env import TeamFormation
 from teamformer.train.checkpoint import ABOUT, WEIGHTS, load_weights, read_about
-from teamformer.train.descent import Learner
 from teamformer.train.evaluation import torch_brain
-from teamformer.train.ppo import clipped_loss
-from teamformer.train.rewards import MissionReward, TeamReward
-from teamformer.train.rollout import play, sampler
-from teamformer.train.settings import TrainSettings
+from teamformer.train.learning.optimiser import Learner
+from teamformer.train.learning.ppo import clipped_loss
+from teamformer.train.learning.reward_streams import MissionReward, TeamReward
+from teamformer.train.learning.rollout import play, sampler
 from teamformer.train.trainer import make_learner
 from teamformer.train.trainer import train as train_and_export
-from teamformer.train.worlds import Mixture, paper_mixture, selection_worlds, training_worlds
+from teamformer.train.training_settings import TrainSettings
+from teamformer.train.training_worlds import (
+    Mixture,
+    paper_mixture,
+    selection_worlds,
+    training_worlds,
+)
+from teamformer.trials.registry import load_policy
+from teamformer.trials.trial import run_trials
 
 SHORT = TrainSettings(
     method="ppo",

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from teamformer.policies.heuristic import Heuristic
-from teamformer.policies.recorder import Recorder
-from teamformer.policies.scripted import JoinAll
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay import replay_to_tree
+from teamformer.trials.recorder import Recorder
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 READING = ("scenario", "plane", "counts", "history", "services", "scene")

@@ -11,16 +11,16 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
-from teamformer.bench.engines import Engine
-from teamformer.bench.lots import Lot, known_row, ready_policy
+from teamformer.bench.executors import Engine
+from teamformer.bench.jobs import Lot, known_row, ready_policy
 from teamformer.bench.rows import Row
 from teamformer.bench.store import About, Store
 from teamformer.bench.suites import Suite, cells
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
-from teamformer.policies.registry import BARE
 from teamformer.scenarios.authors import read_worlds
-from teamformer.scenarios.settings import spec_of
+from teamformer.scenarios.named_settings import spec_of
+from teamformer.trials.registry import BARE
 
 TIMED = 50
 """The first so many trials of each policy in each setting run one by one, for their time."""

@@ -13,7 +13,7 @@ from typing import Any
 
 from teamformer.bench.rows import Key, Row, row_of, with_bars
 from teamformer.errors import TeamformerError
-from teamformer.scenarios.disk import read_text
+from teamformer.scenarios.file_access import read_text
 
 ROWS, BROKEN, ABOUT, LOCK = "rows.jsonl", "broken-rows.txt", "bench.json", ".lock"
 FORMAT = 1

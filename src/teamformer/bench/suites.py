@@ -11,10 +11,10 @@ from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.model import ALLOCATIONS, ORDERS
-from teamformer.scenarios.disk import read_text
-from teamformer.scenarios.reading import Reader
-from teamformer.scenarios.settings import spec_of
-from teamformer.scenarios.yaml_tree import parse
+from teamformer.scenarios.file_access import read_text
+from teamformer.scenarios.named_settings import spec_of
+from teamformer.scenarios.tree_reader import Reader
+from teamformer.scenarios.yaml.reader import parse
 
 LARGEST_FILE = 1_000_000  # bytes
 KEYS = ("about", "settings", "axes", "parts", "policies", "trials", "time_limit", "rules", "figure")

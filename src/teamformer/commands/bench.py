@@ -12,15 +12,15 @@ from tempfile import TemporaryDirectory
 from rich.table import Table
 from rich.text import Text
 
-from teamformer.bench.engines import ENGINES
-from teamformer.bench.report import write_report
-from teamformer.bench.results import write_results
+from teamformer.bench.executors import ENGINES
+from teamformer.bench.report.files import write_report
+from teamformer.bench.report.results import write_results
+from teamformer.bench.report.tables import cells_of, headers_for
 from teamformer.bench.rows import Row
 from teamformer.bench.runner import Request, run_benchmark
 from teamformer.bench.store import Store, read_folder
 from teamformer.bench.suites import Suite, cells, load_suite
 from teamformer.bench.summary import Summary, summarise
-from teamformer.bench.tables import cells_of, headers_for
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import (
     Counting,
@@ -192,7 +192,7 @@ def _fly_missions(options: Options, as_json: bool) -> int:
 
 
 def _measure_speed(as_json: bool) -> int:
-    from teamformer.bench.speed import measure_speed
+    from teamformer.bench.measurements.speed import measure_speed
 
     announce_compiling()
     table = Table("what", "figure", "unit", box=None, header_style="dim")

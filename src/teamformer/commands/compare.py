@@ -23,8 +23,8 @@ from teamformer.commands.run import (
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
-from teamformer.policies.trial import Trial
 from teamformer.scenarios.files import read_scenario
+from teamformer.trials.trial import Trial
 
 
 def compare(

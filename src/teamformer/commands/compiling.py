@@ -22,7 +22,7 @@ def announce_compiling(policy_names: Iterable[str] = (), is_planned: bool = Fals
     `is_planned` says that crews or a schedule will be planned, as `central` always does.
     """
     from teamformer.jit import needs_compiling
-    from teamformer.sim.order import plan_worlds
+    from teamformer.sim.allocation.task_order import plan_worlds
     from teamformer.sim.step import step_worlds
 
     names = list(policy_names)
@@ -34,9 +34,10 @@ def announce_compiling(policy_names: Iterable[str] = (), is_planned: bool = Fals
         if is_new and (os.cpu_count() or 1) > 1:
             _compile_beside(next((name for name in names if name != "central"), "join-all"))
     if "central" in names:
-        from teamformer.planning import search, team_search
+        from teamformer.planning.relaxation import ruin_recreate
+        from teamformer.planning.teams import annealing
 
-        if not (search.is_compiled() and team_search.is_compiled()):
+        if not (ruin_recreate.is_compiled() and annealing.is_compiled()):
             say("compiling the central planner, on the first run only (half a minute) ...")
 
 
@@ -55,9 +56,9 @@ def _compile_beside(policy: str) -> None:
 def main() -> None:
     """Run a policy in the smallest world, so that all it needs is compiled."""
     from teamformer.policies import POLICIES
-    from teamformer.policies.registry import load_policy
-    from teamformer.policies.trial import run_trial
     from teamformer.scenarios.smallest import smallest_scenario
+    from teamformer.trials.registry import load_policy
+    from teamformer.trials.trial import run_trial
 
     name = sys.argv[1]
     smallest = replace(smallest_scenario(), allocation="paper")

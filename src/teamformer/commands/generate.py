@@ -15,8 +15,8 @@ from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
 from teamformer.scenarios.generate import Spec
 from teamformer.scenarios.generate import generate as generate_scenario
-from teamformer.scenarios.maps import LARGEST_MAP, read_map
-from teamformer.scenarios.settings import world_of
+from teamformer.scenarios.maps.formats import LARGEST_MAP, read_map
+from teamformer.scenarios.named_settings import world_of
 
 
 def generate(

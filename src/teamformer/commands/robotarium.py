@@ -17,13 +17,13 @@ from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
-from teamformer.policies.registry import load_policy
-from teamformer.robotarium.arena import TICK
-from teamformer.robotarium.bench import bench_robotarium, count_missions, summarise
-from teamformer.robotarium.checks import find_problems
+from teamformer.robotarium.benchmark import bench_robotarium, count_missions, summarise
 from teamformer.robotarium.experiment import Experiment, run_experiment
-from teamformer.robotarium.plant import Weather
+from teamformer.robotarium.mission_checks import find_problems
+from teamformer.robotarium.robots.arena import TICK
+from teamformer.robotarium.robots.plant import Weather
 from teamformer.scenarios.files import read_scenario
+from teamformer.trials.registry import load_policy
 
 NOISE = (0.002, np.deg2rad(1.0))  # metres and radians
 
@@ -80,8 +80,8 @@ def robotarium(path: Path, options: Options, as_json: bool) -> int:
 
 def deploy(path: Path, options: Options, verifies: bool, python: str, as_json: bool) -> int:
     """Write the folder to upload, and run it if asked; return the exit status."""
-    from teamformer.robotarium.deploy import deploy as write
-    from teamformer.robotarium.deploy import verify
+    from teamformer.robotarium.deployment.folder import deploy as write
+    from teamformer.robotarium.deployment.folder import verify
 
     scenario, folder = read_scenario(path, find_problems), options.folder
     if folder is None:

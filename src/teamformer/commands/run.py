@@ -16,14 +16,14 @@ from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import StepProgress, out, prepare_folder, print_json, say
 from teamformer.model import Scenario
 from teamformer.plane import Plane
-from teamformer.planning.bounds import lower_bound
+from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies import POLICIES
-from teamformer.policies.central_plan import CentralPlan
+from teamformer.policies.central.planner import CentralPlan
 from teamformer.policies.protocol import Policy
-from teamformer.policies.registry import load_policy
-from teamformer.policies.trial import Trial, run_trial
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay import Replay, replay_to_tree, write_replay
+from teamformer.trials.registry import load_policy
+from teamformer.trials.trial import Trial, run_trial
 
 LONGEST_TABLE = 40  # tasks
 MOST_NAMES = 12

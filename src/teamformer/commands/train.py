@@ -17,8 +17,8 @@ from teamformer.errors import TeamformerError
 
 if TYPE_CHECKING:
     from teamformer.train.evaluation import Score
-    from teamformer.train.settings import TrainSettings
     from teamformer.train.trainer import Report
+    from teamformer.train.training_settings import TrainSettings
 
 OURS = {"last", "best", "tensorboard"}
 """What a training leaves in its folder."""
@@ -137,8 +137,8 @@ def _refuse_without_torch() -> None:
 
 
 def _settings(options: Options) -> TrainSettings:
-    from teamformer.train.rewards import MissionReward, TeamReward
-    from teamformer.train.settings import TrainSettings
+    from teamformer.train.learning.reward_streams import MissionReward, TeamReward
+    from teamformer.train.training_settings import TrainSettings
 
     return TrainSettings(
         network=options.network,
@@ -164,7 +164,7 @@ class _Table:
 
     def show(self, report: Report) -> None:
         """Print a report."""
-        from teamformer.train.board import figures
+        from teamformer.train.tensorboard import figures
 
         if self._as_json:
             print_json({"iteration": report.progress.iteration, **figures(report)})

@@ -10,7 +10,7 @@ from torch import Tensor, nn
 
 @dataclass(frozen=True)
 class CriticSettings:
-    """Sizes of the critic; the features are those of `train.outlook`."""
+    """Sizes of the critic; the features are those of `train.learning.global_state`."""
 
     team_features: int
     task_features: int

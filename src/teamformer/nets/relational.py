@@ -1,7 +1,7 @@
 """The network for any fleet: tokens in relations, whole choices scored at once.
 
-The choices are those of `policies.choices`. Nothing is tied to a capability, so one set of weights
-serves any number of them.
+The choices are those of `policies.learned.macro_actions`. Nothing is tied to a capability, so one
+set of weights serves any number of them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Tokens(NamedTuple):
 
 @dataclass(frozen=True)
 class RelationalSettings:
-    """Sizes of the network; the features are those of `policies.relations`."""
+    """Sizes of the network; the features are those of `policies.learned.relational_features`."""
 
     own_features: int
     team_features: int

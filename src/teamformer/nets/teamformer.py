@@ -13,9 +13,7 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor, nn
 
-from teamformer.nets.actor import REFUSED
-from teamformer.nets.blocks import DecoderLayer, EncoderLayer, Memory
-from teamformer.nets.grammar import (
+from teamformer.nets.action_mask import (
     EDIT,
     FULL,
     Grammar,
@@ -24,6 +22,8 @@ from teamformer.nets.grammar import (
     legal_symbols,
     spell,
 )
+from teamformer.nets.actor import REFUSED
+from teamformer.nets.blocks import DecoderLayer, EncoderLayer, Memory
 
 KEY_FEATURES = 7
 

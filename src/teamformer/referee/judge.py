@@ -6,18 +6,18 @@ once.
 
 from __future__ import annotations
 
-from teamformer.referee.crews import Lists, check_assignments, judge_crews
-from teamformer.referee.doing import Tasks
-from teamformer.referee.ending import judge_ending, judge_orders, start_fleet, why_over
-from teamformer.referee.fleet import Fleet
-from teamformer.referee.forming import (
+from teamformer.referee.allocation import Lists, check_assignments, judge_crews
+from teamformer.referee.completion import Tasks
+from teamformer.referee.formation import (
     check_reach,
     due_losses,
     join_teams,
     lose_robots,
     split_teams,
 )
-from teamformer.referee.moving import move_team
+from teamformer.referee.lifecycle import judge_ending, judge_orders, start_fleet, why_over
+from teamformer.referee.motion import move_team
+from teamformer.referee.teams import Fleet
 from teamformer.referee.verdict import Notes, Verdict
 from teamformer.sim.replay import Replay, Step
 

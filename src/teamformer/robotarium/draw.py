@@ -15,8 +15,8 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
-from teamformer.robotarium.arena import DIAMETER, HEIGHT, MIDDLE, TICK, WIDTH
 from teamformer.robotarium.mission import Moment
+from teamformer.robotarium.robots.arena import DIAMETER, HEIGHT, MIDDLE, TICK, WIDTH
 
 FRAME_TICKS = 15  # between two pictures of the film
 FRAME_MS = 100

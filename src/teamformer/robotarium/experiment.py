@@ -10,12 +10,12 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
-from teamformer.robotarium.arena import MIDDLE, TICK
-from teamformer.robotarium.checks import check_mission
+from teamformer.robotarium.control.qp_solvers import with_daqp
 from teamformer.robotarium.mission import Outcome, Watch, fly
-from teamformer.robotarium.plant import Faults, Plant, Weather
-from teamformer.robotarium.rps_robots import RpsRobots, is_accepted
-from teamformer.robotarium.solvers import with_daqp
+from teamformer.robotarium.mission_checks import check_mission
+from teamformer.robotarium.robots.arena import MIDDLE, TICK
+from teamformer.robotarium.robots.plant import Faults, Plant, Weather
+from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
 from teamformer.sim.arrays import Array
 
 Simulator = Literal["plant", "rps"]

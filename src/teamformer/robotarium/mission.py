@@ -15,12 +15,12 @@ import numpy as np
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.policies.protocol import Policy
-from teamformer.robotarium.arena import LONGEST, MIDDLE, TICK
-from teamformer.robotarium.barrier import Solver
-from teamformer.robotarium.controller import Controller, Steering
-from teamformer.robotarium.goals import Goals, Work, choose_goals
+from teamformer.robotarium.control.barrier import Solver
+from teamformer.robotarium.control.controller import Controller, Steering
+from teamformer.robotarium.control.goals import Goals, Work, choose_goals
 from teamformer.robotarium.places import team_places
-from teamformer.robotarium.plant import Robots
+from teamformer.robotarium.robots.arena import LONGEST, MIDDLE, TICK
+from teamformer.robotarium.robots.plant import Robots
 from teamformer.robotarium.teams import Team, teams_of
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Tally, TeamFormation

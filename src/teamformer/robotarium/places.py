@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.robotarium.arena import MIDDLE
-from teamformer.robotarium.goals import Goals
+from teamformer.robotarium.control.goals import Goals
+from teamformer.robotarium.robots.arena import MIDDLE
 from teamformer.robotarium.teams import Team, distance
 from teamformer.sim.arrays import Array
 

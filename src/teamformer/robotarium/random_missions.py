@@ -8,9 +8,9 @@ import numpy as np
 
 from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.robotarium.arena import HEIGHT, TICK, WIDTH
-from teamformer.robotarium.checks import LEAST_APART, apart_needed
-from teamformer.robotarium.formation import FROM_WALLS, ring_radius
+from teamformer.robotarium.control.ring_slots import FROM_WALLS, ring_radius
+from teamformer.robotarium.mission_checks import LEAST_APART, apart_needed
+from teamformer.robotarium.robots.arena import HEIGHT, TICK, WIDTH
 
 START_APART = LEAST_APART + 0.05  # metres
 AISLE = 0.20  # metres between rings, more than needed

@@ -15,7 +15,7 @@ from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.scenarios.disk import read_text
+from teamformer.scenarios.file_access import read_text
 
 LARGEST_FILE = 100_000_000  # bytes
 

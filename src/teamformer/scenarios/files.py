@@ -10,11 +10,11 @@ from typing import Any
 
 from teamformer.errors import Problem, ScenarioError, TeamformerError
 from teamformer.model import Scenario
-from teamformer.scenarios import yaml_text, yaml_tree
-from teamformer.scenarios.disk import read_text
-from teamformer.scenarios.reading import Reader
+from teamformer.scenarios.file_access import read_text
+from teamformer.scenarios.tree_reader import Reader
 from teamformer.scenarios.trees import read_tree, scenario_to_tree
-from teamformer.scenarios.yaml_tree import StopReadingError
+from teamformer.scenarios.yaml import reader, writer
+from teamformer.scenarios.yaml.reader import StopReadingError
 
 __all__ = ["read_scenario", "scenario_from_tree", "scenario_to_tree", "write_scenario"]
 
@@ -36,7 +36,7 @@ def read_scenario(path: Path, find_problems: Finder | None = None) -> Scenario:
     hint = "`teamformer generate -o FILE` writes a scenario to start from"
     text = read_text(path, LARGEST_FILE, hint)
     is_json = path.suffix.lower() == ".json"
-    tree = yaml_tree.parse_json(text) if is_json else yaml_tree.parse(text)
+    tree = reader.parse_json(text) if is_json else reader.parse(text)
     scenario = _read(tree, str(path), path.stem, path.parent)
     for problem in find_problems(scenario) if find_problems else ():
         tree.refuse(problem.where, problem.message)
@@ -47,7 +47,7 @@ def read_scenario(path: Path, find_problems: Finder | None = None) -> Scenario:
 
 def scenario_from_tree(value: Any, source: str = "scenario") -> Scenario:
     """Build a scenario from a tree that is in memory already; `source` names it in errors."""
-    return _read(yaml_tree.from_value(value), source, "unnamed", None)
+    return _read(reader.from_value(value), source, "unnamed", None)
 
 
 def write_scenario(scenario: Scenario, path: Path) -> None:
@@ -56,7 +56,7 @@ def write_scenario(scenario: Scenario, path: Path) -> None:
     if path.suffix.lower() == ".json":
         text = json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     else:
-        text = yaml_text.to_text(tree)
+        text = writer.to_text(tree)
     try:
         path.write_text(text, encoding="utf-8")
     except (OSError, ValueError) as error:  # ValueError: a name with a zero byte
@@ -66,7 +66,7 @@ def write_scenario(scenario: Scenario, path: Path) -> None:
         ) from None
 
 
-def _read(tree: yaml_tree.Tree, source: str, name: str, folder: Path | None) -> Scenario:
+def _read(tree: reader.Tree, source: str, name: str, folder: Path | None) -> Scenario:
     scenario = None
     if tree.value is not None or not tree.problems:  # else it has no value because it is broken
         with suppress(StopReadingError):
@@ -76,7 +76,7 @@ def _read(tree: yaml_tree.Tree, source: str, name: str, folder: Path | None) -> 
     return scenario
 
 
-def _error(tree: yaml_tree.Tree, source: str) -> ScenarioError:
+def _error(tree: reader.Tree, source: str) -> ScenarioError:
     found = sorted(dict.fromkeys(tree.problems), key=lambda at: at[0])
     lines = [
         f"{source}:{line}: {problem.message}"

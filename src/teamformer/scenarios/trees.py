@@ -11,9 +11,9 @@ from typing import Any
 from teamformer.errors import ScenarioError
 from teamformer.model import BEST_ALLOCATION, Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
-from teamformer.scenarios.reading import INFINITE, Reader
-from teamformer.scenarios.worlds import read_world
-from teamformer.scenarios.yaml_words import shorten
+from teamformer.scenarios.tree_reader import INFINITE, Reader
+from teamformer.scenarios.world_trees import read_world
+from teamformer.scenarios.yaml.words import shorten
 
 VERSION = 1
 

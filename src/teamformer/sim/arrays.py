@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from teamformer.model import ALLOCATIONS, Grid, Place, Scenario
 from teamformer.plane import DECIMALS, Plane
-from teamformer.planning.travel import UNREACHABLE, blocked_cells, distance_fields
+from teamformer.planning.distances import UNREACHABLE, blocked_cells, distance_fields
 
 Array = npt.NDArray[Any]
 

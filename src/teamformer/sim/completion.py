@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
-from teamformer.sim.allocation import can_do_alone
+from teamformer.sim.allocation.assignment import can_do_alone
 from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NOBODY, STEP_LIMIT
-from teamformer.sim.neighbours import find_tasks_here, stands_at
+from teamformer.sim.spatial_index import find_tasks_here, stands_at
 
 
 @kernel

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.sim.allocation.crewmates import are_mates, name_crews
 from teamformer.sim.arrays import NEVER, NOBODY
-from teamformer.sim.mates import are_mates, name_crews
-from teamformer.sim.neighbours import distance_squared, distance_squared_to, find_near
+from teamformer.sim.spatial_index import distance_squared, distance_squared_to, find_near
 
 MAINTAIN, SPLIT, JOIN = 0, 1, 2
 

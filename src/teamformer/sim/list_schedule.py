@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from teamformer.model import Scenario
-from teamformer.planning.relaxed import relax
-from teamformer.planning.schedule import schedule_tasks
+from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.relaxation.schedule import schedule_tasks
 from teamformer.sim.env import TeamFormation
 
 

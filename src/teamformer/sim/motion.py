@@ -10,7 +10,7 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.plane import DECIMALS
-from teamformer.planning.travel import UNREACHABLE, fill_field
+from teamformer.planning.distances import UNREACHABLE, fill_field
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
 

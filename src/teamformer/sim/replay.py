@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from teamformer.errors import ReplayError, TeamformerError
 from teamformer.model import Scenario
 from teamformer.plane import Plane
-from teamformer.scenarios.disk import read_text
+from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 
 VERSION = 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from teamformer.jit import entry, kernel
-from teamformer.sim.allocation import allocate_tasks
+from teamformer.sim.allocation.assignment import allocate_tasks
 from teamformer.sim.arrays import RUNNING, world_at
 from teamformer.sim.completion import (
     complete_tasks,
@@ -13,8 +13,8 @@ from teamformer.sim.completion import (
 )
 from teamformer.sim.formation import form_joins, lose_robots, read_decisions, split_teams
 from teamformer.sim.motion import move_teams, place_teams
-from teamformer.sim.neighbours import forget_cells, list_teams_by_cell
 from teamformer.sim.reward import reward_teams
+from teamformer.sim.spatial_index import forget_cells, list_teams_by_cell
 
 
 @entry

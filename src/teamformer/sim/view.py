@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.sim.allocation.crewmates import are_mates, name_crews
 from teamformer.sim.arrays import CREWS, NOBODY, RUNNING, Array, world_at
 from teamformer.sim.formation import is_in_same_place
-from teamformer.sim.mates import are_mates, name_crews
-from teamformer.sim.neighbours import (
+from teamformer.sim.spatial_index import (
     distance_squared,
     find_near,
     forget_cells,

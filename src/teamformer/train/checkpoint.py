@@ -14,7 +14,7 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor
 
 from teamformer.errors import TeamformerError
-from teamformer.train.descent import Learner
+from teamformer.train.learning.optimiser import Learner
 
 FORMAT = 3
 WEIGHTS, ABOUT = "weights.safetensors", "training.json"

@@ -10,11 +10,11 @@ import torch
 
 from teamformer.model import Scenario
 from teamformer.nets.actor import Actor
-from teamformer.policies.codec import Codec
-from teamformer.policies.heuristic import Heuristic
-from teamformer.policies.learned import Brain, Learned
+from teamformer.policies.learned.codec import Codec
+from teamformer.policies.learned.policy import Brain, Learned
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinUseful
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Tally, TeamFormation
 

@@ -13,22 +13,22 @@ import torch
 
 from teamformer.model import ALLOCATIONS, Scenario
 from teamformer.nets.actor import Actor
-from teamformer.policies.codec import Codec
-from teamformer.policies.heuristic import Heuristic
-from teamformer.policies.learned import Learned
+from teamformer.policies.learned.codec import Codec
+from teamformer.policies.learned.policy import Learned
+from teamformer.policies.learned.trained_folder import load_trained
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted import JoinUseful
-from teamformer.policies.trained import load_trained
-from teamformer.policies.trial import run_trials
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.scenarios.generate import generate
-from teamformer.scenarios.settings import spec_of
+from teamformer.scenarios.named_settings import spec_of
 from teamformer.sim.arrays import Array
 from teamformer.sim.list_schedule import list_schedule
 from teamformer.train.checkpoint import load_policy_weights, read_about
 from teamformer.train.evaluation import torch_brain
-from teamformer.train.settings import TrainSettings
 from teamformer.train.trainer import make_learner
-from teamformer.train.worlds import FINAL
+from teamformer.train.training_settings import TrainSettings
+from teamformer.train.training_worlds import FINAL
+from teamformer.trials.trial import run_trials
 
 SETTINGS = {
     name: spec_of(name)

@@ -8,11 +8,11 @@ from pathlib import Path
 import torch
 
 from teamformer.errors import TeamformerError
-from teamformer.train import ranks
-from teamformer.train.board import Board
-from teamformer.train.settings import TrainSettings
+from teamformer.train import distributed
+from teamformer.train.tensorboard import Board
 from teamformer.train.trainer import Report, train
-from teamformer.train.worlds import selection_worlds
+from teamformer.train.training_settings import TrainSettings
+from teamformer.train.training_worlds import selection_worlds
 
 
 def run_session(
@@ -27,8 +27,8 @@ def run_session(
     torch.set_num_threads(1)
     family = settings.family
     worlds = selection_worlds(held_out, family.selection(settings.capabilities), family.allocations)
-    with ranks.joined(settings.device):
-        if ranks.rank() > 0:
+    with distributed.joined(settings.device):
+        if distributed.rank() > 0:
             train(settings, folder, worlds)
             return False
         with Board(folder / "tensorboard") as board:

@@ -13,13 +13,14 @@ import torch
 
 from teamformer.model import Scenario
 from teamformer.nets.critic import Critic, CriticSettings
-from teamformer.policies.trained import About, describe_policy
-from teamformer.train import outlook, ranks
+from teamformer.policies.learned.trained_folder import About, describe_policy
+from teamformer.train import distributed
 from teamformer.train.checkpoint import ABOUT, Progress, load, load_weights, save
-from teamformer.train.descent import Learner
 from teamformer.train.evaluation import Exam, Score, examine, prepare_exam
-from teamformer.train.lessons import LESSONS, Lesson
-from teamformer.train.settings import TrainSettings
+from teamformer.train.learning import global_state
+from teamformer.train.learning.iteration import LESSONS, Lesson
+from teamformer.train.learning.optimiser import Learner
+from teamformer.train.training_settings import TrainSettings
 
 
 @dataclass(frozen=True)
@@ -39,9 +40,9 @@ def make_learner(settings: TrainSettings) -> Learner:
         policy = settings.family.make(settings.capabilities)
         critic = Critic(
             CriticSettings(
-                outlook.TEAM_FEATURES,
-                outlook.TASK_FEATURES,
-                outlook.WORLD_FEATURES,
+                global_state.TEAM_FEATURES,
+                global_state.TASK_FEATURES,
+                global_state.WORLD_FEATURES,
                 settings.reward.is_per_team,
             )
         )
@@ -125,13 +126,13 @@ def _is_better(score: Score, progress: Progress) -> bool:
 
 def _keep(folder: Path, learner: Learner, settings: TrainSettings, progress: Progress) -> None:
     """Write a checkpoint; the first process does."""
-    if ranks.rank() == 0:
+    if distributed.rank() == 0:
         save(folder, learner, _described(settings), progress)
 
 
 def _export(folder: Path, learner: Learner, settings: TrainSettings) -> None:
     """Write the policy beside the checkpoint, as it runs without torch; all its files or none."""
-    if ranks.rank() > 0:
+    if distributed.rank() > 0:
         return
     with TemporaryDirectory(dir=folder) as name:
         settings.family.export(learner.policy, settings.capabilities, Path(name))
@@ -145,7 +146,7 @@ def _iterate(learner: Learner, settings: TrainSettings, progress: Progress) -> R
     begun = time.perf_counter()
     done = settings.share_done(progress.iteration, progress.seconds)
     lesson = LESSONS[settings.learns_by](learner, settings, progress.iteration, done)
-    [seconds] = ranks.agreed([time.perf_counter() - begun], settings.device)
+    [seconds] = distributed.agreed([time.perf_counter() - begun], settings.device)
     progress = replace(
         progress,
         iteration=progress.iteration + 1,

@@ -1,0 +1,114 @@
+"""Engines: where lots are run - in this process, in several, or on a Ray cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Generator, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import wait
+from typing import Any, Protocol
+
+from teamformer.bench.jobs import Lot, run_lot
+from teamformer.bench.rows import Row
+from teamformer.errors import TeamformerError
+
+AT_HAND = 4
+"""Lots that wait for each worker on a cluster."""
+
+
+Batches = Generator[list[Row], None, None]
+
+
+class Engine(Protocol):
+    """Runs lots, in any order, and yields the rows of each when they are there.
+
+    Closing what it returns ends all that still runs.
+    """
+
+    def __call__(self, lots: Sequence[Lot], workers: int) -> Batches:
+        """Yield the rows of each lot."""
+
+
+def run_here(lots: Iterable[Lot], workers: int = 1) -> Batches:
+    """Run one lot after the other in this process."""
+    yield from map(run_lot, lots)
+
+
+def run_in_processes(lots: Sequence[Lot], workers: int) -> Batches:
+    """Run lots in processes of one thread each; with one worker, in this one."""
+    workers = min(workers, len(lots))
+    if workers <= 1:
+        yield from run_here(lots)
+        return
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, context, _begin_worker)
+    try:
+        for done in as_completed([pool.submit(run_lot, lot) for lot in lots]):
+            yield done.result()
+    except BrokenProcessPool:
+        hint = "was memory short? rows so far are kept: run the same again, with fewer --workers"
+        raise TeamformerError("a worker process died", hint) from None
+    finally:
+        _end_workers(pool)
+
+
+def _end_workers(pool: ProcessPoolExecutor) -> None:
+    """End all processes, whatever they are at; a second Ctrl-C does not get in between."""
+    is_main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if is_main else None
+    pool.shutdown(wait=False, cancel_futures=True)
+    for child in multiprocessing.active_children():
+        child.terminate()
+    pool.shutdown()
+    if handler is not None:
+        signal.signal(signal.SIGINT, handler)
+
+
+def _begin_worker() -> None:
+    """Leave Ctrl-C to the parent, and end with it however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: Any) -> None:
+    wait([sentinel])
+    os._exit(1)
+
+
+def run_on_ray(lots: Sequence[Lot], workers: int) -> Batches:
+    """Run lots on a Ray cluster: the one at RAY_ADDRESS, or one started here."""
+    try:
+        import ray
+    except ImportError:
+        hint = "pip install 'teamformer[ray]'"
+        raise TeamformerError("--engine ray needs Ray, which is not installed", hint) from None
+    is_ours = not ray.is_initialized()
+    if is_ours:
+        here = {} if "RAY_ADDRESS" in os.environ else {"num_cpus": workers}
+        ray.init(log_to_driver=False, logging_level="ERROR", include_dashboard=False, **here)
+    try:
+        yield from _on_cluster(ray, lots, workers)
+    finally:
+        if is_ours:
+            ray.shutdown()
+
+
+def _on_cluster(ray: Any, lots: Sequence[Lot], workers: int) -> Batches:
+    remote = ray.remote(num_cpus=1)(run_lot)
+    todo = list(reversed(lots))
+    running: list[Any] = []
+    slots = max(workers, int(ray.cluster_resources().get("CPU", 1))) * AT_HAND
+    while todo or running:
+        while todo and len(running) < slots:
+            running.append(remote.remote(todo.pop()))
+        finished, running = ray.wait(running)
+        yield from ray.get(finished)
+
+
+ENGINES: dict[str, Engine] = {"local": run_in_processes, "ray": run_on_ray}

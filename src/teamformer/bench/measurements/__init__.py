@@ -1,0 +1,1 @@
+"""Measurements that are no trials in rows: speed, caching, anytime curves."""

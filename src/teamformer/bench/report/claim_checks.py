@@ -1,0 +1,185 @@
+"""How a claim of the paper is judged from rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from teamformer.bench.report.evidence import Evidence
+from teamformer.bench.report.tables import interval, number, seconds
+from teamformer.bench.statistics import Mean, wilson
+from teamformer.scenarios.named_settings import spec_of
+from teamformer.trials.registry import BARE
+
+TABLE_1 = (
+    "4N20T-C4",
+    "20N100T-C4",
+    "8N20T-C8",
+    "24N100T-C8",
+    "100N20T-C100-R10",
+    "100N20T-C100-R20",
+    "100N20T-C100-R50",
+    "100N20T-C100-R90",
+)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What was measured for a claim, and whether it holds; None if that was not measured."""
+
+    measured: str
+    holds: bool | None
+
+
+Judge = Callable[[Evidence, str], Judgement]
+"""Judges a claim for a family of policies: `teamformer` (the paper's) or `teamformer-any`."""
+
+UNKNOWN = Judgement("not measured", None)
+
+
+def policy_for(family: str, setting: str) -> str:
+    """Return the policy of a family that serves a setting: `gnn-c4`, or the name itself."""
+    if family in ("teamformer", "deepset", "gnn"):
+        return f"{family}-c{spec_of(setting).capabilities}"
+    return family
+
+
+def near_optimum(setting: str, most: float) -> Judge:
+    """Judge whether makespans are within so many steps of the proven optimum."""
+
+    def judge(evidence: Evidence, family: str) -> Judgement:
+        policy = policy_for(family, setting)
+        found = evidence.from_optimum(setting, policy)
+        if found is None:
+            return UNKNOWN
+        played = evidence.difference(setting, policy, "central")
+        text = f"{interval(found)} from the optimum with free joins"
+        text += f"; {interval(played)} from its play" if played else ""
+        return Judgement(text, found.value - _reach(found) <= most)
+
+    return judge
+
+
+def faster_than(setting: str, families: tuple[str, ...]) -> Judge:
+    """Judge whether mean makespans are below those of all other families measured."""
+
+    def judge(evidence: Evidence, family: str) -> Judgement:
+        policy = policy_for(family, setting)
+        found = {
+            bar: evidence.difference(setting, policy, policy_for(bar, setting)) for bar in families
+        }
+        known = {bar: mean for bar, mean in found.items() if mean is not None and mean.count}
+        if not known:
+            return UNKNOWN
+        scripted = evidence.difference(setting, policy, "join-all")
+        told = [f"{bar} {interval(mean)}" for bar, mean in known.items()]
+        told += [f"(join-all {interval(scripted)})"] if scripted else []
+        told += [f"({bar} not measured)" for bar in families if bar not in known]
+        return Judgement(", ".join(told), all(mean.value < 0 for mean in known.values()))
+
+    return judge
+
+
+def saves(setting: str, bar: str, claimed: float) -> Judge:
+    """Judge whether a share of another family's makespan is saved, or the interval reaches it."""
+
+    def judge(evidence: Evidence, family: str) -> Judgement:
+        found = evidence.saving(setting, policy_for(family, setting), policy_for(bar, setting))
+        if found is None:
+            return UNKNOWN
+        low, high = found.value - _reach(found), found.value + _reach(found)
+        text = f"{_percent(found.value)} ({_percent(low)} to {_percent(high)})"
+        return Judgement(text, high >= claimed)
+
+    return judge
+
+
+def no_failure(setting: str, of: str | None = None) -> Judge:
+    """Judge whether no trial failed."""
+
+    def judge(evidence: Evidence, family: str) -> Judgement:
+        summary = evidence.summary(setting, policy_for(of or family, setting))
+        if summary is None:
+            return UNKNOWN
+        return Judgement(_failed(summary.failures, summary.trials), summary.failures == 0)
+
+    return judge
+
+
+def some_failures(setting: str, of: str) -> Judge:
+    """Judge whether a family's trials fail at all, without the liveness rule if that was run."""
+
+    def judge(evidence: Evidence, family: str) -> Judgement:
+        policy = policy_for(of, setting)
+        bare = evidence.summary(setting, policy + BARE)
+        summary = bare or evidence.summary(setting, policy)
+        if summary is None:
+            return UNKNOWN
+        told = _failed(summary.failures, summary.trials)
+        told += " without the liveness rule" if bare else ""
+        return Judgement(told, summary.failures > 0)
+
+    return judge
+
+
+def trend(of: str | None, rises: bool) -> Judge:
+    """Judge whether the makespan rises (or falls) with the requirements of 100-robot worlds."""
+
+    def judge(evidence: Evidence, family: str) -> Judgement:
+        found = [evidence.summary(s, policy_for(of or family, s)) for s in TABLE_1[4:]]
+        means = [summary.makespan.value for summary in found if summary]
+        if len(means) < 2:
+            return UNKNOWN
+        text = ", ".join(number(mean) for mean in means)
+        return Judgement(text, means[-1] > means[0] if rises else means[-1] < means[0])
+
+    return judge
+
+
+def splits_fall(evidence: Evidence, family: str) -> Judgement:
+    """Judge whether teams split less as tasks require more."""
+    found = [evidence.splits(s, policy_for(family, s)) for s in TABLE_1[4:]]
+    known = [splits for splits in found if splits is not None]
+    if len(known) < 2:
+        return UNKNOWN
+    text = ", ".join(number(splits) for splits in known) + " splits a trial"
+    return Judgement(text, known[-1] < known[0] or known[-1] == 0)
+
+
+def as_quick(setting: str, claimed: float) -> Judge:
+    """Judge whether deciding takes no longer than claimed."""
+
+    def judge(evidence: Evidence, family: str) -> Judgement:
+        summary = evidence.summary(setting, policy_for(family, setting))
+        if summary is None or not summary.inference.count:
+            return UNKNOWN
+        told = f"{seconds(summary.inference)} s (one CPU thread)"
+        return Judgement(told, summary.inference.value <= claimed)
+
+    return judge
+
+
+def slowest(evidence: Evidence, family: str) -> Judgement:
+    """Judge whether the policy takes longer than deep set and GNN."""
+    told, holds = [], []
+    for setting in TABLE_1[:4]:
+        ours = evidence.summary(setting, policy_for(family, setting))
+        others = [evidence.summary(setting, policy_for(bar, setting)) for bar in ("deepset", "gnn")]
+        times = [other.inference.value for other in others if other and other.inference.count]
+        if ours and times and ours.inference.count:
+            told.append(f"{setting}: {ours.inference.value / max(times):.1f} times the slower one")
+            holds.append(ours.inference.value > max(times))
+    return Judgement("; ".join(told), all(holds)) if told else UNKNOWN
+
+
+def _failed(failures: int, trials: int) -> str:
+    low, high = wilson(failures, trials)
+    return f"{failures} of {trials} ({low:.1%} to {high:.1%})"
+
+
+def _reach(mean: Mean) -> float:
+    return mean.half_width if mean.count > 1 else 0.0
+
+
+def _percent(share: float) -> str:
+    return f"{round(100 * share)}%"

@@ -1,0 +1,38 @@
+"""The files that a benchmark leaves beside its rows: tables and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+from teamformer.bench.report.tables import EXPLANATION, summary_csv, summary_table
+from teamformer.bench.rows import Row
+from teamformer.bench.suites import Suite
+from teamformer.bench.summary import on_shared_worlds, summarise
+from teamformer.trials.registry import BARE
+
+
+def write_report(
+    suite: Suite, rows: Sequence[Row], folder: Path, say: Callable[[str], None]
+) -> Iterator[Path]:
+    """Write tables and figures; yield each file. Without matplotlib the figures are left out.
+
+    Tables are over all trials, figures over the worlds that all policies of a setting have run.
+    Policies without their liveness rule are in tables only.
+    """
+    summaries = summarise(rows)
+    report = folder / "report.md"
+    heading = f"# {suite.name}: {suite.about}\n\n"
+    report.write_text(f"{heading}{summary_table(summaries)}\n{EXPLANATION}", encoding="utf-8")
+    yield report
+    table = folder / "summary.csv"
+    table.write_text(summary_csv(summaries), encoding="utf-8")
+    yield table
+    try:
+        from teamformer.bench.report.figures import draw_anytime, draw_suite
+    except ImportError:
+        say("no figures: they need matplotlib; pip install 'teamformer[plots]'")
+        return
+    drawn = [row for row in rows if not row.policy.endswith(BARE)]
+    yield from draw_suite(suite, summarise(on_shared_worlds(drawn)), folder)
+    yield from draw_anytime(rows, folder)

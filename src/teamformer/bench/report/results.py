@@ -1,0 +1,269 @@
+"""The document of results: every claim of the paper beside what was measured, written from rows."""
+
+from __future__ import annotations
+
+import os
+import platform
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from typing import TypeVar
+
+from teamformer.bench.report.claim_checks import TABLE_1, Judgement, policy_for
+from teamformer.bench.report.claims import FAILURES, INFERENCE, Claim, claims
+from teamformer.bench.report.evidence import Evidence
+from teamformer.bench.report.tables import (
+    EXPLANATION,
+    markdown,
+    number,
+    plus_minus,
+    seconds,
+    summary_table,
+)
+from teamformer.bench.rows import Row
+from teamformer.bench.runner import AUTHORS
+from teamformer.bench.statistics import Mean, wilson
+from teamformer.bench.store import read_folder
+from teamformer.bench.summary import Summary
+from teamformer.trials.registry import BARE
+
+FAMILIES = {
+    "teamformer": "the paper's network, trained here",
+    "teamformer-any": "`teamformer-any`",
+}
+T = TypeVar("T")
+VERDICTS = {True: "holds", False: "**does not hold**", None: ""}
+
+
+def write_results(file: Path, command: str, folders: Sequence[Path]) -> None:
+    """Write the document from the folders of finished benchmarks, the paper's first.
+
+    Figures are copied beside it, into `images/`.
+    """
+    suites = {about.suite: rows for about, rows in map(read_folder, folders)}
+    evidence = Evidence(next(iter(suites.values())))
+    template = files("teamformer").joinpath("bench", "report", "results_template.md")
+    text = Template(template.read_text(encoding="utf-8")).substitute(
+        **_origin(command, evidence),
+        **_claims(evidence),
+        **_weight(evidence),
+        authors=_beside_the_authors(suites.get("authors", ())),
+        figures=_figures(file, folders),
+        table_1=_table_1(evidence),
+        room=_room(evidence),
+        everything=_everything(suites),
+    )
+    file.write_text(text, encoding="utf-8")
+
+
+def _origin(command: str, evidence: Evidence) -> dict[str, str]:
+    counts = sorted({summary.trials for summary in evidence.summaries})
+    seeds = sorted({row.world_seed for row in evidence.rows})
+    return {
+        "command": command,
+        "trials": f"{len(evidence.rows):,}",
+        "each": f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}",
+        "first_seed": f"{seeds[0]}",
+        "last_seed": f"{seeds[-1]}",
+        "codes": ", ".join(sorted({row.code for row in evidence.rows})),
+        "machine": f"{platform.system()} on {platform.machine()} with {os.cpu_count()} cores",
+        "python": platform.python_version(),
+    }
+
+
+def _claims(evidence: Evidence) -> dict[str, str]:
+    """Return the table of claims, and a note for each that does not hold."""
+    notes: list[str] = []
+    rows = [_claim_row(claim, evidence, notes) for claim in claims()]
+    told = [f"{number}. {note}" for number, note in enumerate(notes, start=1)]
+    return {
+        "claims": markdown(["where", "claim", "paper", *FAMILIES.values()], rows, words=5),
+        "notes": "".join(f"{note}\n" for note in told or ["Nothing to explain."]),
+    }
+
+
+def _claim_row(claim: Claim, evidence: Evidence, notes: list[str]) -> list[str]:
+    found = [claim.judge(evidence, family) for family in FAMILIES]
+    mark = ""
+    if claim.why_not and any(judgement.holds is False for judgement in found):
+        if claim.why_not not in notes:
+            notes.append(claim.why_not)
+        mark = f" [{notes.index(claim.why_not) + 1}]"
+    return [claim.figure, claim.text + mark, claim.paper, *map(_verdict, found)]
+
+
+def _verdict(judgement: Judgement) -> str:
+    verdict = VERDICTS[judgement.holds]
+    return f"{verdict}: {judgement.measured}" if verdict else judgement.measured
+
+
+def _figures(file: Path, folders: Sequence[Path]) -> str:
+    """Copy the figures beside the document and return what shows them.
+
+    They are all of the first folder, and of the others those of the suite as a whole.
+    """
+    images = file.parent / "images"
+    images.mkdir(exist_ok=True)
+    wholes = [folder / f"{read_folder(folder)[0].suite}.png" for folder in folders[1:]]
+    pictures = [*sorted(folders[0].glob("*.png")), *filter(Path.exists, wholes)]
+    shown = []
+    for picture in pictures:
+        copy = images / f"results-{picture.name}"
+        shutil.copyfile(picture, copy)
+        shown.append(f"![{picture.stem}](images/{copy.name})\n")
+    return "\n".join(shown)
+
+
+def _table_1(evidence: Evidence) -> str:
+    """Return Table I, with the paper's numbers in brackets."""
+    rows = [
+        ["failures", _label(family), *(_failures(evidence, family, s) for s in TABLE_1)]
+        for family in ("teamformer", "deepset", "gnn", "teamformer-any", "join-all", "heuristic")
+    ]
+    rows += [
+        ["failures, bare", _label(family), *(_failures(evidence, family, s, BARE) for s in TABLE_1)]
+        for family in ("teamformer", "deepset", "gnn", "teamformer-any")
+    ]
+    rows += [
+        ["inference, s", _label(family), *(_inference(evidence, family, s) for s in TABLE_1)]
+        for family in (*INFERENCE, "teamformer-any", "join-all", "central")
+    ]
+    return markdown(["", "method", *TABLE_1], rows)
+
+
+def _label(family: str) -> str:
+    return f"{family}-cN" if family in FAILURES else family
+
+
+def _failures(evidence: Evidence, family: str, setting: str, ending: str = "") -> str:
+    summary = evidence.summary(setting, policy_for(family, setting) + ending)
+    theirs = _of_paper(FAILURES, family, setting)
+    told = "-" if summary is None else f"{summary.failures} of {summary.trials}"
+    return told if theirs is None else f"{told} ({theirs})"
+
+
+def _inference(evidence: Evidence, family: str, setting: str) -> str:
+    summary = evidence.summary(setting, policy_for(family, setting))
+    theirs = _of_paper(INFERENCE, family, setting)
+    spent = None
+    if summary is not None:
+        spent = summary.waiting if family == "central" else summary.inference
+    told = (seconds(spent) if spent else "") or "-"
+    return told if theirs is None else f"{told} ({theirs[0]:g})"
+
+
+def _of_paper(table: Mapping[str, Sequence[T]], family: str, setting: str) -> T | None:
+    values = table.get(family, ())
+    place = TABLE_1.index(setting)
+    return values[place] if place < len(values) else None
+
+
+def _everything(suites: Mapping[str, Sequence[Row]]) -> str:
+    parts = [
+        f"### {name}\n\n{summary_table(Evidence(rows).summaries)}" for name, rows in suites.items()
+    ]
+    return "\n".join([*parts, EXPLANATION])
+
+
+def _room(evidence: Evidence) -> str:
+    """Return how much better any policy could be, for each setting."""
+    rows = [
+        row
+        for setting in dict.fromkeys(summary.setting for summary in evidence.summaries)
+        if (row := _room_row(evidence, setting))
+    ]
+    headers = [
+        "setting",
+        "lower bound",
+        "planner's schedule",
+        "proven",
+        "list schedule",
+        "best known",
+        "`central`, played",
+        "`join-all`",
+        "`teamformer-any`",
+    ]
+    return markdown(headers, rows, words=1)
+
+
+def _room_row(evidence: Evidence, setting: str) -> list[str]:
+    planned = {r.world_seed for r in evidence.rows if r.setting == setting and r.relaxed}
+    rows = [r for r in evidence.rows if r.setting == setting and r.world_seed in planned]
+    if not rows:
+        return []
+    inner = Evidence(rows)
+    central = inner.summary(setting, "central")
+    if central is None:
+        return []
+    played = [inner.summary(setting, name) for name in ("join-all", "teamformer-any")]
+    return [
+        setting,
+        number(central.lower_bound.value),
+        number(central.relaxed.value),
+        f"{central.proven} of {central.trials}",
+        number(central.list_schedule.value),
+        number(central.best_known.value),
+        _mean(central),
+        *map(_mean, played),
+    ]
+
+
+def _mean(summary: Summary | None) -> str:
+    return "" if summary is None else plus_minus(summary.makespan, summary.makespan.error)
+
+
+def _weight(evidence: Evidence) -> dict[str, str]:
+    """Return the numbers in what a reader has to know to weigh all others."""
+    return {
+        "timed": f"{evidence.least_timed()}",
+        "savings": ", ".join(_savings(evidence)),
+        "open_50": f"{wilson(0, 50)[1]:.1%}",
+        "open_1000": f"{wilson(0, 1000)[1]:.2%}",
+        "power": _power(evidence),
+    }
+
+
+def _savings(evidence: Evidence) -> Iterator[str]:
+    for setting in dict.fromkeys(summary.setting for summary in evidence.summaries):
+        found = evidence.saving(setting, "join-all", "heuristic")
+        if found:
+            yield f"{found.value:.0%} on {setting}"
+
+
+def _beside_the_authors(rows: Sequence[Row]) -> str:
+    """Return how ours do beside the authors' own heuristic, on their worlds."""
+    evidence = Evidence(rows)
+    settings = dict.fromkeys(summary.setting for summary in evidence.summaries)
+    policies = ("heuristic", "join-all", "teamformer-any")
+    table = [[setting, *_beside(evidence, setting, policies)] for setting in settings]
+    if not table:
+        return "Not measured: `teamformer bench authors --worlds FILE` reads such worlds.\n"
+    headers = ["setting", "worlds", AUTHORS, "it failed", *policies]
+    return markdown(headers, table, words=1)
+
+
+def _beside(evidence: Evidence, setting: str, policies: Sequence[str]) -> Iterator[str]:
+    theirs = evidence.summary(setting, AUTHORS)
+    if theirs is not None:
+        yield from (str(theirs.trials), _mean(theirs), str(theirs.failures))
+    for policy in policies:
+        ours, saving = evidence.summary(setting, policy), evidence.saving(setting, policy, AUTHORS)
+        yield _mean(ours) + ("" if saving is None else f" ({-saving.value:+.0%})")
+
+
+def _power(evidence: Evidence) -> str:
+    """Say how far apart two means over 50 trials must be, on one setting as an example."""
+    setting = "4N20T-C4"
+    summary = evidence.summary(setting, "join-all")
+    paired = evidence.difference(setting, "heuristic", "join-all")
+    if not summary or not paired or summary.makespan.count < 2:
+        return ""
+    alone = Mean(0.0, summary.makespan.deviation * 2**0.5, 50).half_width
+    together = Mean(0.0, paired.deviation, 50).half_width
+    return (
+        f"On {setting} the makespan of one policy varies by {summary.makespan.deviation:.1f} steps "
+        f"between worlds, so two means over 50 different worlds must be {alone:.1f} steps apart to "
+        f"tell them; that of `heuristic` to `join-all` on the same worlds, {together:.1f}."
+    )

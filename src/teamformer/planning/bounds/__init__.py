@@ -1,0 +1,1 @@
+"""Lower bounds: what no plan and no policy can beat."""

@@ -1,0 +1,46 @@
+"""Earliest starts of tasks when forming costs a step in which nobody moves.
+
+If several starting teams have to become one, each of their robots forms at least once. Joins pair
+two teams, so of teams that arrive after d_1, d_2, ... steps of walking, one at step D takes part
+in no more than D - d_i joins, and the sum of 2^-(D - d_i) is at most 1 (Kraft's inequality).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.model import Grid, Scenario
+from teamformer.planning.relaxation.problem import FAR, Relaxed
+
+Numbers = npt.NDArray[np.integer[Any]]
+
+
+def raise_for_forming(scenario: Scenario, problem: Relaxed, walked: Numbers) -> Numbers:
+    """Return the first step by which each task's team can have walked and formed, as (tasks,).
+
+    `walked` is the first step in which enough of each capability can be there, as (tasks,), 0 if
+    they start there. Where forming is free, and on planes, that is all that is returned.
+    """
+    raised: Numbers = walked.astype(np.int64)
+    if scenario.forming_steps == 0 or not isinstance(scenario.world, Grid):
+        return raised
+    teams = [list(team) for team in scenario.starting_teams]
+    has = np.array([problem.counts[team].sum(axis=0) for team in teams])  # (teams, caps)
+    steps = problem.steps[problem.pace, problem.cells[:, len(walked) :]]  # (tasks, robots)
+    for task in np.flatnonzero(walked < FAR).tolist():
+        useful = np.minimum(has, problem.needs[task]).sum(axis=1)  # (teams,)
+        most = np.sort(useful)[::-1].cumsum()
+        fewest = 1 + int(np.searchsorted(most, problem.needs[task].sum()))
+        ways = sorted(steps[task, teams[t]].min() for t in np.flatnonzero(useful).tolist())
+        raised[task] = _fewest_steps([*ways[: fewest - 1], max(ways[fewest - 1], walked[task])])
+    return raised
+
+
+def _fewest_steps(ways: list[int]) -> int:
+    """Return the first step in which teams that walk so far can be one; the last walks longest."""
+    longest = int(ways[-1])
+    return longest + math.ceil(math.log2(sum(2.0 ** (int(way) - longest) for way in ways)))

@@ -1,0 +1,140 @@
+"""Who is in which crew: as many crews as are complete, of robots that can reach one another."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.relaxation.problem import NOBODY
+
+
+@entry
+def deal_robots(shared, crew, in_one_crew):  # type: ignore[no-untyped-def]
+    """Deal the robots out into crews, region by region; write each robot's crew.
+
+    A crew takes robots that bring something it still lacks, until it has what any one task needs
+    and one of every capability, or nobody brings any of it. Robots that start as a team stay
+    together. With `in_one_crew` all robots of a region are one crew.
+    """
+    brings = np.zeros(shared.counts.shape, dtype=np.int64)  # of each company, at its leader
+    for robot in range(len(crew)):
+        brings[shared.company[robot]] += shared.counts[robot]
+    number = 0
+    for region in range(shared.robot_region.max() + 1):
+        demand = _demand_in(shared, region)
+        if in_one_crew:
+            demand[:] = shared.counts.sum()
+        is_dealt = False
+        while not is_dealt:
+            have = np.zeros(len(demand), dtype=np.int64)
+            chosen = _most_useful(shared, crew, region, brings, demand, have)
+            is_dealt = chosen == NOBODY
+            while chosen != NOBODY:
+                for robot in range(len(crew)):
+                    if shared.company[robot] == chosen:
+                        crew[robot] = number
+                have += brings[chosen]
+                chosen = _most_useful(shared, crew, region, brings, demand, have)
+            number += not is_dealt
+
+
+@entry
+def _demand_in(shared, region):  # type: ignore[no-untyped-def]
+    """Return what a crew of a region needs to do any of its tasks, and at least 1 of all."""
+    demand = np.ones(shared.needs.shape[1], dtype=np.int64)
+    for task in range(len(shared.needs)):
+        if shared.task_region[task] == region:
+            demand = np.maximum(demand, shared.needs[task])
+    return demand
+
+
+@kernel
+def _most_useful(shared, crew, region, brings, demand, have):  # type: ignore[no-untyped-def]
+    """Return the company without crew that brings most of what is lacking and least besides."""
+    best, best_use, best_waste = NOBODY, 0, 0
+    for leader in range(len(crew)):
+        is_there = shared.company[leader] == leader and shared.robot_region[leader] == region
+        if crew[leader] != NOBODY or not is_there:
+            continue
+        use = waste = 0
+        for cap in range(len(demand)):
+            useful = min(brings[leader, cap], max(demand[cap] - have[cap], 0))
+            use += useful
+            waste += brings[leader, cap] - useful
+        if use > best_use or (use == best_use and use > 0 and waste < best_waste):
+            best, best_use, best_waste = leader, use, waste
+    return best
+
+
+@entry
+def merge_where_needed(shared, crew):  # type: ignore[no-untyped-def]
+    """Merge crews until each task can be done by one; return who can do what, (crews, tasks)."""
+    is_able = _who_can(shared, crew)
+    for task in range(len(shared.needs)):
+        if not is_able[:, task].any():
+            _merge_for(shared, crew, task)
+            is_able = _who_can(shared, crew)
+    return is_able
+
+
+@entry
+def _who_can(shared, crew):  # type: ignore[no-untyped-def]
+    """Return which crew can do which task, (crews, tasks)."""
+    has, region = _sum_up(shared, crew)
+    is_able = np.zeros((len(has), len(shared.needs)), dtype=np.bool_)
+    for number in range(len(has)):
+        for task in range(len(shared.needs)):
+            is_near = region[number] == shared.task_region[task]
+            is_able[number, task] = is_near and covers(has[number], shared.needs[task])
+    return is_able
+
+
+@kernel
+def covers(have, need):  # type: ignore[no-untyped-def]
+    """Say whether counts are enough."""
+    for cap in range(len(need)):
+        if have[cap] < need[cap]:
+            return False
+    return True
+
+
+@entry
+def _sum_up(shared, crew):  # type: ignore[no-untyped-def]
+    """Return what each crew has, (crews, caps), and its region, NOBODY for one without robots."""
+    crews = crew.max() + 1
+    has = np.zeros((crews, shared.needs.shape[1]), dtype=np.int64)
+    region = np.full(crews, NOBODY, dtype=np.int64)
+    for robot in range(len(crew)):
+        has[crew[robot]] += shared.counts[robot]
+        region[crew[robot]] = shared.robot_region[robot]
+    return has, region
+
+
+@entry
+def _merge_for(shared, crew, task):  # type: ignore[no-untyped-def]
+    """Merge the crews that bring most of what a task needs until they have all of it."""
+    has, region = _sum_up(shared, crew)
+    union = np.zeros(has.shape[1], dtype=np.int64)
+    first = NOBODY
+    while not covers(union, shared.needs[task]):
+        best, best_use = NOBODY, 0
+        for number in range(len(has)):
+            if region[number] == shared.task_region[task]:
+                use = _use(union, has[number], shared.needs[task])
+                if use > best_use:
+                    best, best_use = number, use
+        assert best != NOBODY  # a task that cannot be done has ended the trial
+        first = best if first == NOBODY else first
+        region[best] = NOBODY
+        union += has[best]
+        for robot in range(len(crew)):
+            if crew[robot] == best:
+                crew[robot] = first
+
+
+@kernel
+def _use(union, has, need):  # type: ignore[no-untyped-def]
+    use = 0
+    for cap in range(len(need)):
+        use += min(has[cap], max(need[cap] - union[cap], 0))
+    return use

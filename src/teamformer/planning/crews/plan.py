@@ -1,0 +1,130 @@
+"""Crews: a fleet in parts that share out the tasks, worked out alike by everybody.
+
+A crew is a set of robots with a list of tasks that they do together, one after the other. This
+plans all lists at once: it deals the robots out, shares out the tasks, and then moves tasks between
+the lists and along them so that the slowest crew gets done early. It rests on what everybody
+knows, on whole numbers and on a fixed sequence of random ones, never on a clock.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.jit import entry
+from teamformer.planning.crews.evaluation import empty_room, walk_list
+from teamformer.planning.crews.local_search import improve_lists
+from teamformer.planning.crews.membership import deal_robots, merge_where_needed
+from teamformer.planning.crews.routes import (
+    append_task,
+    empty_lists,
+    empty_parties,
+    gather_parties,
+    insert_task,
+)
+from teamformer.planning.relaxation.problem import NOBODY
+from teamformer.planning.tour import plan_tour
+
+
+@entry
+def plan_crews(shared, crew, task_crew, in_one_crew, rounds):  # type: ignore[no-untyped-def]
+    """Write the crew of each robot and task; return the tasks in the order they will be done in.
+
+    `crew` (robots,) holds the crews so far, NOBODY for all at the start; `task_crew` (tasks,) whose
+    list a task is on, NOBODY for those on none; tasks come in the order they had so far. `rounds`
+    is how many changes are tried.
+    """
+    is_start = crew.max() == NOBODY
+    if is_start:
+        deal_robots(shared, crew, in_one_crew)
+    is_able = merge_where_needed(shared, crew)  # (crews, tasks)
+    parties = empty_parties(shared, crew)
+    for number in range(len(is_able)):
+        gather_parties(shared, parties, crew, number)
+    lists = empty_lists(len(is_able), len(task_crew))
+    room = empty_room(shared, parties)
+    if is_start:
+        _cut_tour(shared, lists, is_able)
+    else:
+        _keep_lists(shared, lists, parties, is_able, task_crew, room)
+    improve_lists(shared, lists, parties, crew, is_able, room, rounds, is_start)
+    return _merge_lists(shared, lists, parties, task_crew, room)
+
+
+@entry
+def _merge_lists(shared, lists, parties, task_crew, room):  # type: ignore[no-untyped-def]
+    """Write whose list each task is on; return all in one order, by the steps they are done in."""
+    sequence = np.empty(len(task_crew), dtype=np.int64)
+    end = np.empty(len(task_crew), dtype=np.int64)
+    count = 0
+    for number in range(len(lists.length)):
+        walk_list(shared, parties, number, lists.tasks[number], lists.length[number], room)
+        for position in range(lists.length[number]):
+            sequence[count], end[count] = lists.tasks[number, position], room.ends[position]
+            task_crew[sequence[count]] = number
+            count += 1
+    return sequence[np.argsort(end, kind="mergesort")]
+
+
+@entry
+def _cut_tour(shared, lists, is_able):  # type: ignore[no-untyped-def]
+    """Give each crew a stretch of a tour through all tasks, and what its crew cannot do to others.
+
+    A task that the crew whose turn it is cannot do goes to one that can and has least to do.
+    """
+    count = len(shared.duration)
+    between = np.zeros((count, count), dtype=np.int64)
+    for task in range(count):
+        for other in range(count):
+            between[task, other] = np.int64(shared.ways[task, other])
+    start = np.zeros(count, dtype=np.int64)
+    for task in range(count):
+        for robot in range(len(shared.place)):
+            start[task] += np.int64(shared.ways[shared.place[robot], task]) // len(shared.place)
+    share = np.zeros(len(is_able), dtype=np.int64)  # how many tasks each crew should have
+    for number in range(len(is_able)):
+        share[number] = (count + len(is_able) - 1) // len(is_able)
+    turn = 0
+    for task in plan_tour(between, start):
+        while turn < len(is_able) - 1 and lists.length[turn] >= share[turn]:
+            turn += 1
+        chosen = turn
+        if not is_able[turn, task]:
+            chosen = NOBODY
+            for number in range(len(is_able)):
+                if is_able[number, task] and (
+                    chosen == NOBODY or lists.length[number] < lists.length[chosen]
+                ):
+                    chosen = number
+        append_task(lists, chosen, task)
+
+
+@entry
+def _keep_lists(shared, lists, parties, is_able, task_crew, room):  # type: ignore[no-untyped-def]
+    """Take over what is on lists of crews that can do it; insert the rest where it costs least."""
+    for task in range(len(task_crew)):
+        number = task_crew[task]
+        if NOBODY < number < len(is_able) and is_able[number, task]:
+            append_task(lists, number, task)
+    for task in range(len(task_crew)):
+        if lists.crew[task] == NOBODY:
+            _insert_where_best(shared, lists, parties, is_able, task, room)
+
+
+@entry
+def _insert_where_best(shared, lists, parties, is_able, task, room):  # type: ignore[no-untyped-def]
+    """Put a task where its crew is done earliest, of equals where it becomes least later."""
+    best_finish, best_number, best_position = np.int64(2**62), NOBODY, 0
+    for number in range(len(is_able)):
+        if not is_able[number, task]:
+            continue
+        length = lists.length[number]
+        for position in range(length + 1):
+            for place in range(position):
+                room.first[place] = lists.tasks[number, place]
+            room.first[position] = task
+            for place in range(position, length):
+                room.first[place + 1] = lists.tasks[number, place]
+            finish = walk_list(shared, parties, number, room.first, length + 1, room)
+            if finish < best_finish:
+                best_finish, best_number, best_position = finish, number, position
+    insert_task(lists, best_number, best_position, task)

@@ -1,0 +1,153 @@
+"""What crews are planned from and with: what everybody knows, the lists, and who stands where."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.relaxation.plan import Array
+from teamformer.planning.relaxation.problem import NOBODY
+
+WORD = 64
+"""Capabilities are kept as bits of words so long."""
+
+
+class Shared(NamedTuple):
+    """What everybody knows; lost robots and tasks that are done or unknown are left out.
+
+    Ways are in any unit. A place is a task's, by number, or a start: its lowest robot's number
+    after all tasks.
+    """
+
+    now: np.int64  # steps made
+    ways: Array  # (places, tasks) float64, from places to tasks
+    slowness: Array  # (robots,) float64, steps for one unit of way
+    counts: Array  # (robots, caps)
+    needs: Array  # (tasks, caps)
+    wants: Array  # (tasks, words) uint64, a bit for each capability needed
+    duration: Array  # (tasks,) steps
+    robot_region: Array  # (robots,) the connected part of the map
+    task_region: Array  # (tasks,)
+    place: Array  # (robots,) the last place known
+    ready: Array  # (robots,) the step in which the robot left it
+    company: Array  # (robots,) robots with the same number are known to be together
+
+
+class Lists(NamedTuple):
+    """Each crew's list of tasks."""
+
+    tasks: Array  # (crews, tasks)
+    length: Array  # (crews,)
+    crew: Array  # (tasks,) whose list a task is on
+    position: Array  # (tasks,) where on it
+    finish: Array  # (crews,) the step in which the last of the list is done
+
+
+class Parties(NamedTuple):
+    """The crews as they stand: each party is robots that are together."""
+
+    size: Array  # (crews,) how many
+    place: Array  # (crews, parties)
+    ready: Array  # (crews, parties) the step from which they walk
+    slowness: Array  # (crews, parties)
+    can: Array  # (crews, parties, words) what they can do, in bits
+
+
+@entry
+def bits_of(counts):  # type: ignore[no-untyped-def]
+    """Return what counts (rows, caps) are not zero, as bits (rows, words)."""
+    rows, caps = counts.shape
+    bits = np.zeros((rows, (caps + WORD - 1) // WORD), dtype=np.uint64)
+    for row in range(rows):
+        for cap in range(caps):
+            if counts[row, cap] > 0:
+                bits[row, cap // WORD] |= np.uint64(1) << np.uint64(cap % WORD)
+    return bits
+
+
+@entry
+def empty_lists(crews, tasks):  # type: ignore[no-untyped-def]
+    """Return lists with nothing on them."""
+    return Lists(
+        np.full((crews, tasks), NOBODY, dtype=np.int32),
+        np.zeros(crews, dtype=np.int32),
+        np.full(tasks, NOBODY, dtype=np.int32),
+        np.full(tasks, NOBODY, dtype=np.int32),
+        np.zeros(crews, dtype=np.int64),
+    )
+
+
+@kernel
+def append_task(lists, number, task):  # type: ignore[no-untyped-def]
+    """Put a task at the end of a crew's list."""
+    lists.crew[task], lists.position[task] = number, lists.length[number]
+    lists.tasks[number, lists.length[number]] = task
+    lists.length[number] += 1
+
+
+@kernel
+def insert_task(lists, number, position, task):  # type: ignore[no-untyped-def]
+    """Put a task into a crew's list, before what is at a position."""
+    append_task(lists, number, task)
+    for place in range(lists.length[number] - 1, position, -1):
+        moved = lists.tasks[number, place - 1]
+        lists.tasks[number, place], lists.position[moved] = moved, place
+    lists.tasks[number, position], lists.position[task] = task, position
+
+
+@kernel
+def replace_list(lists, number, tasks, length):  # type: ignore[no-untyped-def]
+    """Give a crew another list."""
+    lists.length[number] = length
+    for position in range(length):
+        task = tasks[position]
+        lists.tasks[number, position] = task
+        lists.crew[task], lists.position[task] = number, position
+
+
+@entry
+def empty_parties(shared, crew):  # type: ignore[no-untyped-def]
+    """Return room for the parties of all crews."""
+    crews = crew.max() + 1
+    sizes = np.zeros(crews, dtype=np.int64)
+    for robot in range(len(crew)):
+        sizes[crew[robot]] += 1
+    shape = (crews, sizes.max())
+    return Parties(
+        np.zeros(crews, dtype=np.int32),
+        np.zeros(shape, dtype=np.int32),
+        np.zeros(shape, dtype=np.int64),
+        np.zeros(shape, dtype=np.float64),
+        np.zeros((crews, sizes.max(), shared.wants.shape[1]), dtype=np.uint64),
+    )
+
+
+@kernel
+def gather_parties(shared, parties, crew, number):  # type: ignore[no-untyped-def]
+    """Write the parties of one crew, which are companies."""
+    count = 0
+    for leader in range(len(crew)):
+        if crew[leader] != number or shared.company[leader] != leader:
+            continue
+        parties.place[number, count] = shared.place[leader]
+        parties.ready[number, count] = shared.ready[leader]
+        parties.slowness[number, count] = 0.0
+        for word in range(parties.can.shape[2]):
+            parties.can[number, count, word] = 0
+        for robot in range(leader, len(crew)):
+            if shared.company[robot] == leader:
+                _add_robot(shared, parties, number, count, robot)
+        count += 1
+    parties.size[number] = count
+
+
+@kernel
+def _add_robot(shared, parties, number, party, robot):  # type: ignore[no-untyped-def]
+    slowness = max(parties.slowness[number, party], shared.slowness[robot])
+    parties.slowness[number, party] = slowness
+    for cap in range(shared.counts.shape[1]):
+        if shared.counts[robot, cap] > 0:
+            bit = np.uint64(1) << np.uint64(cap % WORD)
+            parties.can[number, party, cap // WORD] |= bit

@@ -1,0 +1,317 @@
+"""One more task for a plan: the gap in the order and the crew that cost least.
+
+For a gap and a crew the longest chain of steps through the new task is known exactly from
+the starts before and the tails after it; the new makespan is that or the old one, whichever is
+longer. So every gap is weighed without timing the plan again.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.relaxation.plan import (
+    Array,
+    arrival_at,
+    leg_from,
+    leg_to,
+    recall_visit,
+    serve,
+)
+from teamformer.planning.relaxation.problem import FAR, NOBODY, Relaxed
+
+STEP = 10
+"""A step of makespan weighs as much as ten steps of slack or of walking."""
+
+BLINK = 0.1
+"""Chance to overlook a gap, so that the search does not always see the same best (SISR, 2020)."""
+
+MANY = 12
+"""Of more robots than this with a capability, only so many are looked at for one task."""
+
+NEIGHBOURS = 64
+"""How many tasks around each are listed, nearest first."""
+
+IMPOSSIBLE = 2**40
+"""The cost of what cannot be."""
+
+ASK = np.dtype([("cap", np.int32), ("count", np.int32), ("candidates", np.int32)])
+"""A capability, how often it is needed, and how many robots are considered for it."""
+
+
+class Desk(NamedTuple):
+    """Room to work in while a task is inserted."""
+
+    scarce: Array  # (caps,) capabilities, those that few robots have first
+    near: Array  # (tasks, neighbours) other tasks by distance
+    asked: Array  # (caps + 1,) ASK: what the task needs, closed by a count of 0
+    candidates: Array  # (caps, robots) whom to consider for what is asked
+    pick: Array  # (robots,) the crew for the gap at hand
+    best: Array  # (robots,) the best crew so far
+    spare: Array  # (caps,) what the crew has beyond what is needed
+    is_versatile: Array  # (1,) whether some robot brings more than one count of anything
+    random: Array  # (1,) state of the random numbers
+
+
+def empty_desk(problem: Relaxed, seed: int) -> Desk:
+    """Return the room, with the random numbers seeded."""
+    robots, (tasks, caps) = len(problem.pace), problem.needs.shape
+    by_distance = np.argsort(problem.cells[:, :tasks], axis=1, kind="stable")  # (tasks, tasks)
+    return Desk(
+        scarce=np.argsort((problem.able != NOBODY).sum(axis=1), kind="stable").astype(np.int32),
+        near=np.ascontiguousarray(by_distance[:, : min(NEIGHBOURS, tasks)]).astype(np.int32),
+        asked=np.zeros(caps + 1, ASK),
+        candidates=np.zeros((caps, robots), np.int32),
+        pick=np.zeros(robots, np.int32),
+        best=np.zeros(robots, np.int32),
+        spare=np.zeros(caps, np.int32),
+        is_versatile=np.array([problem.counts.sum(axis=1).max() > 1]),
+        random=np.array([(seed * 2654435769 + 88172645463325252) % 2**64], np.uint64),
+    )
+
+
+@kernel
+def draw(random):  # type: ignore[no-untyped-def]
+    """Return a random number from 0 to 1 and step the state on (xorshift64, Marsaglia 2003)."""
+    state = random[0]
+    state ^= state << np.uint64(13)
+    state ^= state >> np.uint64(7)
+    state ^= state << np.uint64(17)
+    random[0] = state
+    return np.float64(state >> np.uint64(11)) / 9007199254740992.0
+
+
+@kernel
+def draw_below(random, count):  # type: ignore[no-untyped-def]
+    """Return a random whole number from 0 to count - 1."""
+    return int(draw(random) * count)
+
+
+@entry
+def insert_task(problem, plan, timing, desk, task, makespan):  # type: ignore[no-untyped-def]
+    """Put a task into a plan whose tails have just been hung; say whether there is a crew.
+
+    `makespan` is the plan's without the task.
+    """
+    _gather_candidates(problem, plan, timing, desk, task)
+    robots, asked, candidates = timing.robots, desk.asked, desk.candidates
+    counts, pick, random = problem.counts, desk.pick, desk.random
+    steps, cells, visits, crew = problem.steps, problem.cells, timing.visits, plan.crew
+    earliest, duration = problem.appears[task] + 1, problem.duration[task]
+    best_cost, best_gap, best_size = np.int64(IMPOSSIBLE), NOBODY, 0
+    is_new = True
+    for gap in range(plan.placed[0] + 1):
+        is_last_chance = best_gap == NOBODY and gap == plan.placed[0]
+        if is_last_chance or (is_new and draw(random) >= BLINK):
+            size = _pick_crew(robots, asked, candidates, counts, pick, earliest, duration)
+            if desk.is_versatile[0]:
+                count_spares(problem.needs, counts, pick, size, task, desk.spare)
+                size = drop_spares(counts, pick, size, desk.spare)
+            through, detour = _judge_crew(robots, pick, size, earliest, duration)
+            cost = STEP * max(through, makespan) + through + detour
+            if cost < best_cost:
+                best_cost, best_gap, best_size = cost, gap, size
+                desk.best[:size] = pick[:size]
+        if gap < plan.placed[0]:
+            passed = plan.order[gap]
+            end = timing.start[passed] + problem.duration[passed]
+            size = plan.size[passed]
+            is_new = _pass_task(robots, visits, crew, steps, cells, task, passed, size, end)
+    if best_gap == NOBODY:
+        return False
+    _place_task(plan, task, best_gap, desk.best, best_size)
+    return True
+
+
+@kernel
+def _place_task(plan, task, gap, crew, size):  # type: ignore[no-untyped-def]
+    for position in range(plan.placed[0], gap, -1):
+        plan.order[position] = plan.order[position - 1]
+    plan.order[gap] = task
+    plan.placed[0] += 1
+    plan.size[task] = size
+    for seat in range(size):
+        plan.crew[task, seat] = crew[seat]
+
+
+@kernel
+def _gather_candidates(problem, plan, timing, desk, task):  # type: ignore[no-untyped-def]
+    """Choose whom to consider, scarce capabilities first, and weigh each at the first gap."""
+    robots, asked, candidates = timing.robots, desk.asked, desk.candidates
+    needs, scarce, able = problem.needs, desk.scarce, problem.able
+    steps, cells = problem.steps, problem.cells
+    for robot in range(len(robots)):
+        robots[robot].is_candidate = False
+        robots[robot].is_picked = False
+    kind = 0
+    for rank in range(len(scarce)):
+        cap = scarce[rank]
+        if needs[task, cap] > 0:
+            asked[kind].cap, asked[kind].count = cap, needs[task, cap]
+            asked[kind].candidates = 0
+            many = max(MANY, 2 * needs[task, cap])
+            if many < able.shape[1] and able[cap, many] != NOBODY:
+                _consider_nearby(problem, plan, robots, desk, kind, task, many // 2)
+            _consider_able(robots, asked, candidates, kind, able, many, desk.random)
+            kind += 1
+    asked[kind].count = 0
+    for robot in range(len(robots)):
+        if robots[robot].is_candidate:
+            _weigh(robots, steps, cells, robot, task)
+
+
+@kernel
+def _consider_nearby(problem, plan, robots, desk, kind, task, many):  # type: ignore[no-untyped-def]
+    """Consider robots that serve tasks in the neighbourhood."""
+    asked, candidates, crew = desk.asked, desk.candidates, plan.crew
+    counts, cap = problem.counts, desk.asked[kind].cap
+    for nearby in range(desk.near.shape[1]):
+        other = desk.near[task, nearby]
+        for seat in range(plan.size[other]):
+            if counts[crew[other, seat], cap] > 0 and asked[kind].candidates < many:
+                _consider(robots, asked, candidates, kind, crew[other, seat])
+
+
+@kernel
+def _consider_able(robots, asked, candidates, kind, able, many, random):  # type: ignore[no-untyped-def]
+    """Consider all robots with a capability, or some more at random to make them many."""
+    cap, count = asked[kind].cap, 0
+    while count < able.shape[1] and able[cap, count] != NOBODY:
+        count += 1
+    first = draw_below(random, count)
+    for offset in range(count):
+        if asked[kind].candidates < many:
+            _consider(robots, asked, candidates, kind, able[cap, (first + offset) % count])
+
+
+@kernel
+def _consider(robots, asked, candidates, kind, robot):  # type: ignore[no-untyped-def]
+    for index in range(asked[kind].candidates):
+        if candidates[kind, index] == robot:
+            return
+    candidates[kind, asked[kind].candidates] = robot
+    asked[kind].candidates += 1
+    robots[robot].is_candidate = True
+
+
+@kernel
+def _weigh(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+    """Work out what the task would mean for a robot between what it has done and will do."""
+    there = leg_to(robots, steps, cells, robot, task)
+    onward = leg_from(robots, steps, cells, robot, task)
+    robots[robot].arrival = arrival_at(robots, steps, cells, robot, task)
+    robots[robot].beyond = robots[robot].out if onward == 0 else onward + robots[robot].here
+    robots[robot].detour = there + onward - _leg_without(robots, steps, cells, robot)
+
+
+@kernel
+def _leg_without(robots, steps, cells, robot):  # type: ignore[no-untyped-def]
+    if robots[robot].next == NOBODY:
+        return 0
+    return leg_to(robots, steps, cells, robot, robots[robot].next)
+
+
+@kernel
+def _pass_task(robots, visits, crew, steps, cells, task, passed, size, end):  # type: ignore[no-untyped-def]
+    """Move the gap past a task with its crew; say whether that changed a candidate's lot."""
+    is_new = False
+    for seat in range(size):
+        robot = crew[passed, seat]
+        if robots[robot].is_candidate:
+            serve(robots, steps, cells, robot, passed, end)
+            recall_visit(robots, robot, visits, passed, seat)
+            _weigh(robots, steps, cells, robot, task)
+            is_new = True
+    return is_new
+
+
+@kernel
+def _pick_crew(robots, asked, candidates, counts, pick, ready, duration):  # type: ignore[no-untyped-def]
+    """Pick a crew for the gap at hand; return its size, 0 if there is none.
+
+    Scarce capabilities come first; each robot is the one that lengthens the chain least.
+    """
+    remains = size = kind = 0
+    is_possible = True
+    while is_possible and asked[kind].count > 0:
+        short = asked[kind].count
+        for seat in range(size):
+            short -= counts[pick[seat], asked[kind].cap]
+        while is_possible and short > 0:
+            robot = _pick_robot(robots, asked, candidates, kind, ready, remains, duration)
+            is_possible = robot != NOBODY
+            if is_possible:
+                robots[robot].is_picked = True
+                pick[size] = robot
+                size += 1
+                short -= counts[robot, asked[kind].cap]
+                ready = max(ready, robots[robot].arrival)
+                remains = max(remains, robots[robot].beyond)
+        kind += 1
+    for seat in range(size):
+        robots[pick[seat]].is_picked = False
+    return size if is_possible else 0
+
+
+@kernel
+def _pick_robot(robots, asked, candidates, kind, ready, remains, duration):  # type: ignore[no-untyped-def]
+    best, best_cost = NOBODY, IMPOSSIBLE
+    for index in range(asked[kind].candidates):
+        robot = candidates[kind, index]
+        start = max(ready, robots[robot].arrival)
+        chain = start + max(remains, robots[robot].beyond)
+        cost = STEP * chain + robots[robot].detour
+        is_able = start + duration < robots[robot].lost and not robots[robot].is_picked
+        if cost < best_cost and is_able:
+            best, best_cost = robot, cost
+    return best
+
+
+@kernel
+def _judge_crew(robots, pick, size, earliest, duration):  # type: ignore[no-untyped-def]
+    """Return the steps of the longest chain through the task, and the steps more to walk."""
+    ready, remains, detour, lost = earliest, 0, 0, FAR
+    for seat in range(size):
+        ready = max(ready, robots[pick[seat]].arrival)
+        remains = max(remains, robots[pick[seat]].beyond)
+        detour += robots[pick[seat]].detour
+        lost = min(lost, robots[pick[seat]].lost)
+    if size == 0 or ready + duration >= lost:
+        return IMPOSSIBLE, 0
+    return ready + duration + remains, detour
+
+
+@entry
+def drop_spares(counts, pick, size, spare):  # type: ignore[no-untyped-def]
+    """Send away robots that a crew can do without, the first picked first; return who is left.
+
+    `spare` is what the crew has beyond what is needed. No more robots stay than counts are needed.
+    """
+    kept = 0
+    for seat in range(size):
+        if _is_needed(counts, pick[seat], spare):
+            pick[kept] = pick[seat]
+            kept += 1
+        else:
+            for cap in range(len(spare)):
+                spare[cap] -= counts[pick[seat], cap]
+    return kept
+
+
+@kernel
+def _is_needed(counts, robot, spare):  # type: ignore[no-untyped-def]
+    for cap in range(len(spare)):
+        if counts[robot, cap] > spare[cap]:
+            return True
+    return False
+
+
+@kernel
+def count_spares(needs, counts, pick, size, task, spare):  # type: ignore[no-untyped-def]
+    """Work out what a crew has beyond what a task needs."""
+    for cap in range(len(spare)):
+        spare[cap] = -needs[task, cap]
+        for seat in range(size):
+            spare[cap] += counts[pick[seat], cap]

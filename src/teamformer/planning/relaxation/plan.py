@@ -1,0 +1,209 @@
+"""A relaxed plan as arrays: the tasks in order with the crew of each, and the steps that follow.
+
+Times run forwards (when can a task start?) and backwards (how long does what hangs on it take?);
+a task whose start and tail add up to the makespan is critical.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.relaxation.problem import NOBODY, Relaxed
+
+Array = npt.NDArray[Any]
+
+ROBOT = np.dtype(
+    [
+        # What it has done: its last task, and its stay in that place so far.
+        ("at", np.int32),  # place: a task, or its own start
+        ("arrive", np.int32),  # step it came there
+        ("leave", np.int32),  # step all it serves there is done
+        # What it will do: its next task, and its stay in that place from then on.
+        ("next", np.int32),  # task, or NOBODY
+        ("here", np.int32),  # steps from the start of that stay to the last end that hangs on it
+        ("out", np.int32),  # steps that remain when it leaves that place
+        # What one more task in between would mean, see insertion.
+        ("arrival", np.int32),  # step it could be there
+        ("beyond", np.int32),  # steps that would remain after its end
+        ("detour", np.int32),  # steps more to walk
+        # What it is.
+        ("pace", np.int32),
+        ("lost", np.int32),  # step it is missing from
+        ("is_candidate", np.bool_),
+        ("is_picked", np.bool_),
+    ],
+    align=True,
+)
+VISIT = np.dtype([("next", np.int32), ("here", np.int32), ("out", np.int32)])
+
+
+class Plan(NamedTuple):
+    """Which tasks are placed in what order, and who does them."""
+
+    order: Array  # (tasks,) a task comes after those that its robots do before it
+    placed: Array  # (1,) how many of `order` count
+    crew: Array  # (tasks, width) robots, the first `size` of them
+    size: Array  # (tasks,)
+
+
+class Timing(NamedTuple):
+    """When a plan's tasks start, and what its robots do around each."""
+
+    start: Array  # (tasks,) steps
+    tail: Array  # (tasks,) steps from its start to the last end that hangs on it
+    robots: Array  # (robots,) ROBOT
+    visits: Array  # (tasks, width) VISIT: what each robot of the crew does after the task
+
+
+def empty_plan(problem: Relaxed) -> Plan:
+    """Return a plan without any task; `width` is the largest crew without a spare robot."""
+    robots, tasks = len(problem.pace), len(problem.appears)
+    width = min(int(problem.needs.sum(axis=1).max()), robots)
+    return Plan(
+        np.full(tasks, NOBODY, np.int32),
+        np.zeros(1, np.int32),
+        np.zeros((tasks, width), np.int32),
+        np.zeros(tasks, np.int32),
+    )
+
+
+def empty_timing(problem: Relaxed, plan: Plan) -> Timing:
+    """Return room for the times of a plan."""
+    robots, tasks = len(problem.pace), len(problem.appears)
+    timing = Timing(
+        np.zeros(tasks, np.int32),
+        np.zeros(tasks, np.int32),
+        np.zeros(robots, ROBOT),
+        np.zeros(plan.crew.shape, VISIT),
+    )
+    timing.robots["pace"], timing.robots["lost"] = problem.pace, problem.lost
+    return timing
+
+
+@entry
+def copy_plan(plan, into):  # type: ignore[no-untyped-def]
+    """Overwrite a plan with another."""
+    into.order[:] = plan.order
+    into.placed[:] = plan.placed
+    into.crew[:] = plan.crew
+    into.size[:] = plan.size
+
+
+@kernel
+def leg_to(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+    """Return the steps from where a robot is to a task; 0 in the same place only."""
+    return steps[robots[robot].pace, cells[task, robots[robot].at]]
+
+
+@kernel
+def leg_from(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+    """Return the steps from a task to the robot's next; 0 if it has none."""
+    if robots[robot].next == NOBODY:
+        return 0
+    return steps[robots[robot].pace, cells[task, robots[robot].next]]
+
+
+@kernel
+def arrival_at(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+    """Return the step a robot can be at a task; where it stands it has been since it came."""
+    way = leg_to(robots, steps, cells, robot, task)
+    return robots[robot].arrive if way == 0 else robots[robot].leave + way
+
+
+@entry
+def serve(robots, steps, cells, robot, task, end):  # type: ignore[no-untyped-def]
+    """Let a robot go to a task and stay until its end; return the steps walked."""
+    way = leg_to(robots, steps, cells, robot, task)
+    if way > 0:
+        robots[robot].arrive = robots[robot].leave + way
+        robots[robot].leave = end
+    else:
+        robots[robot].leave = max(robots[robot].leave, end)
+    robots[robot].at = task
+    return way
+
+
+@kernel
+def send_home(robots, tasks):  # type: ignore[no-untyped-def]
+    """Put every robot back to its start, with nothing done and nothing to do."""
+    for robot in range(len(robots)):
+        robots[robot].at, robots[robot].arrive, robots[robot].leave = tasks + robot, 0, 0
+        robots[robot].next, robots[robot].here, robots[robot].out = NOBODY, 0, 0
+
+
+@entry
+def start_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
+    """Start every placed task as early as can be.
+
+    Returns the makespan, the steps walked by all robots, and how many visits come too late
+    because the robot is lost.
+    """
+    robots, steps, cells = timing.robots, problem.steps, problem.cells
+    send_home(robots, len(plan.size))
+    makespan = walked = late = 0
+    for position in range(plan.placed[0]):
+        task = plan.order[position]
+        start = problem.appears[task] + 1
+        for seat in range(plan.size[task]):
+            start = max(start, arrival_at(robots, steps, cells, plan.crew[task, seat], task))
+        end = start + problem.duration[task]
+        for seat in range(plan.size[task]):
+            robot = plan.crew[task, seat]
+            walked += serve(robots, steps, cells, robot, task, end)
+            late += end >= problem.lost[robot]
+        timing.start[task] = start
+        makespan = max(makespan, end)
+    return makespan, walked, late
+
+
+@entry
+def hang_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
+    """Work out every tail, from the last task backwards.
+
+    Leaves the robots at home with their first tasks before them.
+    """
+    robots, visits = timing.robots, timing.visits
+    steps, cells = problem.steps, problem.cells
+    send_home(robots, len(plan.size))
+    for position in range(plan.placed[0] - 1, -1, -1):
+        task = plan.order[position]
+        longest = 0
+        for seat in range(plan.size[task]):
+            robot = plan.crew[task, seat]
+            remember_visit(robots, robot, visits, task, seat)
+            longest = max(longest, _leave_backwards(robots, steps, cells, robot, task))
+        timing.tail[task] = problem.duration[task] + longest
+        for seat in range(plan.size[task]):
+            robot = plan.crew[task, seat]
+            robots[robot].here = max(robots[robot].here, timing.tail[task])
+
+
+@kernel
+def _leave_backwards(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+    """Make a task the robot's next; return the steps that remain when it leaves that place."""
+    way = leg_from(robots, steps, cells, robot, task)
+    if way > 0:
+        robots[robot].out = way + robots[robot].here
+        robots[robot].here = 0
+    robots[robot].next = task
+    return robots[robot].out
+
+
+@kernel
+def remember_visit(robots, robot, visits, task, seat):  # type: ignore[no-untyped-def]
+    """Note what a robot does after a task."""
+    visits[task, seat].next = robots[robot].next
+    visits[task, seat].here = robots[robot].here
+    visits[task, seat].out = robots[robot].out
+
+
+@kernel
+def recall_visit(robots, robot, visits, task, seat):  # type: ignore[no-untyped-def]
+    """Put before a robot what it does after a task."""
+    robots[robot].next = visits[task, seat].next
+    robots[robot].here = visits[task, seat].here
+    robots[robot].out = visits[task, seat].out

@@ -1,0 +1,131 @@
+"""The relaxed problem: what is left of a scenario when robots join and split at no cost.
+
+Every robot goes its own way from task to task. A task starts at a step not before `appears + 1`
+and not before every robot of its crew is there; it ends `duration` steps later, and its crew stays
+until then. A crew is any set of robots that together have what the task needs. A robot that stays
+in one place may serve all tasks there at once, as a team does. A robot lost at step l serves only
+tasks that end before l. The makespan is the last end.
+
+On a plane, ways are counted in cells that are a small fraction of a step long. They are counted
+from the edge of one place to the edge of the next, so that tasks whose places touch are in the same
+place here, and in favour of the robots, so that no plan under the rules is faster.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.model import Grid, Scenario
+from teamformer.plane import Plane
+from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
+
+Whole = npt.NDArray[np.int32]
+
+FAR = 2**28
+"""More steps than anything takes: the time to a place that cannot be reached, or never."""
+
+NOBODY = -1
+"""No robot, or no task."""
+
+ROUNDING = 1e-9
+"""Speeds are binary fractions: ten steps at 0.1 must make one cell."""
+
+SHORTEST_CELL = 1e-4  # metres
+MOST_CELLS = 200_000
+"""Of a plane: how long a cell is, and how many the longest way has at most."""
+MICROMETRE = 1e-6  # metres; places on a plane are rounded to it, in every step
+
+
+class Relaxed(NamedTuple):
+    """The relaxed problem as plain arrays; times are in steps."""
+
+    cells: Whole  # (tasks, places) from places to tasks; places are the tasks, then the starts
+    steps: Whole  # (paces, cells) steps that 0, 1, ... cells take; last column: no way, FAR
+    pace: Whole  # (robots,) row of `steps`
+    speed: npt.NDArray[np.float64]  # (robots,) cells a step
+    counts: Whole  # (robots, caps)
+    needs: Whole  # (tasks, caps)
+    able: Whole  # (caps, robots) numbers of the robots with each capability, then NOBODY
+    duration: Whole  # (tasks,)
+    appears: Whole  # (tasks,) steps made when the task becomes known
+    lost: Whole  # (robots,) first step the robot is missing from; FAR for never
+
+
+def relax(scenario: Scenario) -> Relaxed:
+    """Return the relaxed problem of a scenario."""
+    robots, tasks = scenario.robots, scenario.tasks
+    cells, speed = _ways(scenario)
+    no_way = 1 + int(cells[cells < UNREACHABLE].max())
+    speeds, pace = np.unique(speed, return_inverse=True)
+    counts = _table([robot.can for robot in robots], scenario.capabilities)
+    return Relaxed(
+        cells=np.ascontiguousarray(np.minimum(cells, no_way)),
+        steps=_steps_of_cells(speeds, no_way),
+        pace=pace.astype(np.int32),
+        speed=speed,
+        counts=counts,
+        needs=_table([task.needs for task in tasks], scenario.capabilities),
+        able=_able(counts),
+        duration=np.array([task.duration for task in tasks], dtype=np.int32),
+        appears=np.array([task.appears for task in tasks], dtype=np.int32),
+        lost=np.array([FAR if r.lost is None else r.lost for r in robots], dtype=np.int32),
+    )
+
+
+def is_true_relaxation(problem: Relaxed) -> bool:
+    """Say whether no plan under the rules is faster than the best relaxed one.
+
+    So it is on planes, and if all speeds are whole numbers. At 0.5 cells a step a robot on its way
+    stands in each cell for two steps, and a task that appears there in the second costs it nothing;
+    and at 0.8 two legs of a cell take 2 + 2 steps, but two cells at a stretch 3.
+    """
+    return bool((problem.speed % 1 == 0).all())
+
+
+def _ways(scenario: Scenario) -> tuple[Whole, npt.NDArray[np.float64]]:
+    """Return the cells from places to tasks, (tasks, places), and what robots walk in a step."""
+    tasks, speed = [t.at for t in scenario.tasks], np.array([r.speed for r in scenario.robots])
+    places = tasks + [robot.at for robot in scenario.robots]
+    if isinstance(scenario.world, Grid):
+        return travel_matrix(scenario.world, places, tasks).T, speed
+    pace = _most_walked(scenario.world, speed, scenario.forming_steps)
+    touching = np.where(np.arange(len(places)) < len(tasks), 2, 1) * scenario.world.arrival_radius
+    metres = straight_ways(tasks, places) * (1 - MICROMETRE / pace.min()) - touching
+    cell = max(SHORTEST_CELL, float(metres.max()) / MOST_CELLS)
+    cells = np.floor(np.maximum(metres, 0.0) / cell).astype(np.int32)
+    return cells, np.ceil(pace / cell - ROUNDING)
+
+
+def _most_walked(
+    plane: Plane, speed: npt.NDArray[np.float64], forming_steps: int
+) -> npt.NDArray[np.float64]:
+    """Return how many metres each robot gets on in a step at most.
+
+    A join puts the joiner where its partner is, which may be the arrival radius away; robots walk
+    in that step too where forming costs none.
+    """
+    pace: npt.NDArray[np.float64] = speed * plane.step
+    if forming_steps == 0:
+        return pace + plane.arrival_radius
+    return np.maximum(pace, plane.arrival_radius)
+
+
+def _steps_of_cells(speeds: npt.NDArray[np.float64], no_way: int) -> Whole:
+    steps = np.ceil(np.arange(no_way + 1) / speeds[:, None] - ROUNDING)  # (paces, cells)
+    steps[:, no_way] = FAR
+    return np.minimum(steps, FAR).astype(np.int32)
+
+
+def _table(parts: Sequence[Mapping[str, int]], capabilities: tuple[str, ...]) -> Whole:
+    return np.array([[part.get(name, 0) for name in capabilities] for part in parts], np.int32)
+
+
+def _able(counts: Whole) -> Whole:
+    able = np.full(counts.T.shape, NOBODY, dtype=np.int32)
+    for row, count in zip(able, counts.T, strict=True):
+        row[: np.count_nonzero(count)] = np.flatnonzero(count)
+    return able

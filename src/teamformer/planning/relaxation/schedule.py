@@ -1,0 +1,164 @@
+"""Schedules of the relaxed problem, and the list schedule that turns an order of tasks into one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.relaxation.insertion import drop_spares
+from teamformer.planning.relaxation.plan import (
+    Plan,
+    arrival_at,
+    empty_plan,
+    empty_timing,
+    send_home,
+    serve,
+    start_tasks,
+)
+from teamformer.planning.relaxation.problem import FAR, Relaxed
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Who does what when if joining is free; times in steps, per task.
+
+    `order` is one in which every robot can do its tasks; `routes` are the tasks of each robot in
+    that order. Tasks in one place may overlap.
+    """
+
+    order: tuple[int, ...]
+    crews: tuple[tuple[int, ...], ...]
+    start: tuple[int, ...]
+    end: tuple[int, ...]
+    routes: tuple[tuple[int, ...], ...]
+
+    @property
+    def makespan(self) -> int:
+        """Return the step in which the last task ends."""
+        return max(self.end)
+
+
+def schedule_tasks(problem: Relaxed, ranking: Sequence[int]) -> Schedule | None:
+    """Return the list schedule of an order of all tasks.
+
+    Each task in turn gets the crew that can be there first. None if robots that will be lost
+    leave a task without a crew.
+    """
+    plan = empty_plan(problem)
+    decode(problem, np.asarray(ranking, np.int32), plan, empty_timing(problem, plan))
+    return read_schedule(problem, plan)
+
+
+def read_schedule(problem: Relaxed, plan: Plan) -> Schedule | None:
+    """Return a plan with its times; None if a task or a robot is lost in it."""
+    tasks = len(plan.size)
+    timing = empty_timing(problem, plan)
+    _, _, late = start_tasks(problem, plan, timing)
+    if late or plan.placed[0] < tasks:
+        return None
+    crews = [plan.crew[task, : plan.size[task]].tolist() for task in range(tasks)]
+    order = plan.order.tolist()
+    return Schedule(
+        order=tuple(order),
+        crews=tuple(tuple(sorted(crew)) for crew in crews),
+        start=tuple(timing.start.tolist()),
+        end=tuple((timing.start + problem.duration).tolist()),
+        routes=_routes(order, crews, len(problem.pace)),
+    )
+
+
+def _routes(order: list[int], crews: list[list[int]], robots: int) -> tuple[tuple[int, ...], ...]:
+    routes: list[list[int]] = [[] for _ in range(robots)]
+    for task in order:
+        for robot in crews[task]:
+            routes[robot].append(task)
+    return tuple(map(tuple, routes))
+
+
+def make_plan(problem: Relaxed, order: Sequence[int], crews: Sequence[Sequence[int]]) -> Plan:
+    """Return a plan as arrays; robots that a crew can spare are sent away."""
+    plan = empty_plan(problem)
+    plan.order[:] = order
+    plan.placed[0] = len(order)
+    for task, crew in enumerate(crews):
+        pick = np.array(crew, np.int32)
+        spare = problem.counts[pick].sum(axis=0, dtype=np.int32) - problem.needs[task]
+        plan.size[task] = drop_spares(problem.counts, pick, len(pick), spare)
+        plan.crew[task, : plan.size[task]] = pick[: plan.size[task]]
+    return plan
+
+
+@entry
+def decode(problem, ranking, plan, timing):  # type: ignore[no-untyped-def]
+    """Give each task in turn the crew that can be there first; return the makespan.
+
+    Of those that come until there are enough, the first are sent away again if they can be spared:
+    they would wait longest. A task that nobody is left to do stays out of the plan.
+    """
+    robots, steps, cells = timing.robots, problem.steps, problem.cells
+    pick, spare = np.empty(len(robots), np.int32), np.empty(problem.needs.shape[1], np.int32)
+    send_home(robots, len(plan.size))
+    plan.placed[0] = makespan = 0
+    for task in ranking:
+        _sort_by_arrival(robots, steps, cells, task, pick)
+        size = _take_first(robots, problem, pick, spare, task)
+        plan.size[task] = drop_spares(problem.counts, pick, size, spare)
+        start = problem.appears[task] + 1
+        for seat in range(plan.size[task]):
+            plan.crew[task, seat] = pick[seat]
+            start = max(start, robots[pick[seat]].arrival)
+        for seat in range(plan.size[task]):
+            serve(robots, steps, cells, pick[seat], task, start + problem.duration[task])
+        if size > 0:
+            plan.order[plan.placed[0]] = task
+            plan.placed[0] += 1
+            makespan = max(makespan, start + problem.duration[task])
+    return makespan
+
+
+@entry
+def _sort_by_arrival(robots, steps, cells, task, pick):  # type: ignore[no-untyped-def]
+    arrival = np.empty(len(robots), np.int64)
+    for robot in range(len(robots)):
+        arrival[robot] = arrival_at(robots, steps, cells, robot, task)
+        robots[robot].arrival = arrival[robot]
+    pick[:] = np.argsort(arrival, kind="mergesort")
+
+
+@entry
+def _take_first(robots, problem, pick, spare, task):  # type: ignore[no-untyped-def]
+    """Keep in `pick`, sorted by arrival, the first that cover a task; return how many, or 0.
+
+    `spare` is left with what they have beyond what the task needs.
+    """
+    needs, counts = problem.needs, problem.counts
+    earliest, duration = problem.appears[task] + 1, problem.duration[task]
+    spare[:] = -needs[task]
+    size = 0
+    for robot in pick:
+        if (counts[robot] * needs[task]).any() and robots[robot].arrival < FAR:
+            pick[size] = robot
+            size += 1
+            spare += counts[robot]
+            if spare.min() >= 0:
+                end = max(earliest, robots[robot].arrival) + duration
+                size = _drop_lost(robots, counts, pick, size, spare, end)
+                if spare.min() >= 0:
+                    return size
+    return 0
+
+
+@kernel
+def _drop_lost(robots, counts, pick, size, spare, end):  # type: ignore[no-untyped-def]
+    """Send away robots that will be missing at the end; return how many are left."""
+    kept = 0
+    for seat in range(size):
+        if end < robots[pick[seat]].lost:
+            pick[kept] = pick[seat]
+            kept += 1
+        else:
+            spare -= counts[pick[seat]]
+    return kept

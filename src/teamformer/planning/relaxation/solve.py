@@ -1,0 +1,215 @@
+"""The central solver: the best relaxed schedule it can find in time, and a bound on all others."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.planning.bounds.makespan import bound_makespan, earliest_starts
+from teamformer.planning.relaxation.cp_sat import (
+    build_circuits,
+    count_arcs,
+    latest_makespan,
+    make_solver,
+    minimise,
+)
+from teamformer.planning.relaxation.problem import FAR, Relaxed, is_true_relaxation, relax
+from teamformer.planning.relaxation.ruin_recreate import Search
+from teamformer.planning.relaxation.schedule import Schedule
+
+Status = Literal["optimal", "feasible", "infeasible", "unknown"]
+
+FIRST_ROUNDS = 250
+"""Rounds of searching, for each task, before anything is to be proven; up to half of the time."""
+
+LARGEST_MODEL = 20_000
+"""Circuits with more arcs than this prove nothing in minutes, so searching goes on instead."""
+
+SECONDS_TO_BUILD = 5e-5
+"""Seconds that an arc may take to be built and presolved; with less time left, none are."""
+
+MOST_AT_ONCE = 2000
+"""Rounds times tasks of searching between two looks at the clock; a few hundredths of a second."""
+
+EARLY = 0.3
+"""Share of the time left for a first annealing; a second one takes the rest."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What the solver found.
+
+    `value` is the makespan of `schedule`, `bound` what no plan can beat, under the rules either.
+    Status: `optimal` if both are the same, `feasible` if not; `infeasible` if robots are lost too
+    early for some task; `unknown` if no schedule was found. `curve` holds each improvement as
+    (seconds, value).
+    """
+
+    schedule: Schedule | None
+    value: int | None
+    bound: int
+    status: Status
+    seconds: float
+    curve: tuple[tuple[float, int], ...]
+
+
+def solve(
+    scenario: Scenario,
+    time_limit: float,
+    seed: int = 0,
+    workers: int = 2,
+    hint: Schedule | None = None,
+) -> Solution:
+    """Minimise the makespan if joining is free, for up to `time_limit` seconds.
+
+    Starts from `hint`, if given, and works on up to `workers` threads. A limit of 0 returns
+    the first plan. Compiling, once for each installation, takes seconds that do not count.
+    """
+    _compile()
+    progress = Progress(relax(scenario), time_limit)
+    if (earliest_starts(progress.problem) >= FAR).any():
+        progress.is_infeasible = True
+        return progress.report()
+    search = Search(progress.problem, seed, hint)
+    progress.offer(search.best)
+    progress.raise_bound(bound_makespan(progress.problem))
+    if count_arcs(progress.problem) <= LARGEST_MODEL:
+        rounds = FIRST_ROUNDS * len(scenario.tasks)
+        _anneal(progress, search, rounds, progress.seconds_left / 2)
+    if not progress.is_over():
+        _search_and_prove(progress, seed, workers)
+    return progress.report()
+
+
+class Progress:
+    """What all threads together know so far about one problem."""
+
+    def __init__(self, problem: Relaxed, time_limit: float) -> None:
+        self.problem = problem
+        self.best: Schedule | None = None
+        self.is_exhausted = False  # nothing better is left to be found
+        self.is_infeasible = False
+        self.stop_solver: Callable[[], None] = lambda: None
+        self.bound = 0
+        self._curve: list[tuple[float, int]] = []
+        self._started, self._limit = time.perf_counter(), time_limit
+        self._lock = threading.Lock()
+
+    @property
+    def seconds(self) -> float:
+        """Return the seconds since the start."""
+        return time.perf_counter() - self._started
+
+    @property
+    def seconds_left(self) -> float:
+        """Return the seconds until time is up."""
+        return max(0.0, self._limit - self.seconds)
+
+    def is_over(self) -> bool:
+        """Say whether time is up or nothing better is left to be found."""
+        return self.seconds_left == 0 or self.is_exhausted
+
+    def offer(self, schedule: Schedule | None) -> None:
+        """Take a schedule if it is faster than the best."""
+        with self._lock:
+            if schedule and (self.best is None or schedule.makespan < self.best.makespan):
+                self.best = schedule
+                self._curve.append((self.seconds, schedule.makespan))
+        self.raise_bound(0)
+
+    def raise_bound(self, bound: int) -> None:
+        """Note that no plan is faster than this."""
+        self.bound = max(self.bound, bound)
+        self.is_exhausted |= self.best is not None and self.best.makespan <= self.bound
+
+    def stop(self) -> None:
+        """Let all threads come to their end."""
+        self.is_exhausted = True
+        self.stop_solver()
+
+    def report(self) -> Solution:
+        """Return where things stand."""
+        best, status = self.best, self._status()
+        value = best.makespan if best else None
+        return Solution(best, value, self.bound, status, self.seconds, tuple(self._curve))
+
+    def _status(self) -> Status:
+        if self.best is None:
+            return "infeasible" if self.is_infeasible else "unknown"
+        return "optimal" if self.best.makespan <= self.bound else "feasible"
+
+
+def _anneal(progress: Progress, search: Search, rounds: float, seconds: float) -> None:
+    """Anneal once, over so many rounds or seconds, whichever are over first."""
+    begin, made = progress.seconds, 0
+    at_once = max(1, MOST_AT_ONCE // len(progress.problem.appears))
+    while not progress.is_over():
+        part = max(made / rounds, (progress.seconds - begin) / seconds)
+        if part >= 1:
+            break
+        cost = search.cost
+        search.anneal(at_once, part)
+        made += at_once
+        if search.cost < cost:
+            progress.offer(search.best)
+
+
+def _search_on(progress: Progress, seed: int) -> None:
+    """Search until time is up."""
+    search = Search(progress.problem, seed, progress.best)
+    _anneal(progress, search, math.inf, EARLY * progress.seconds_left)
+    if progress.best:
+        search.restart(progress.best)
+    _anneal(progress, search, math.inf, progress.seconds_left)
+
+
+def _search_and_prove(progress: Progress, seed: int, workers: int) -> None:
+    """Let the solver work on one thread, if it can get anywhere, and search on all others.
+
+    The main thread only waits, so that Ctrl-C reaches it.
+    """
+    arcs, workers = count_arcs(progress.problem), max(1, workers)
+    proves = arcs <= LARGEST_MODEL and arcs * SECONDS_TO_BUILD < progress.seconds_left
+    with ThreadPoolExecutor(workers) as pool:
+        work = [pool.submit(_prove, progress, seed)] if proves else []
+        while len(work) < workers:
+            work.append(pool.submit(_search_on, progress, seed + 1 + len(work)))
+        try:
+            for done in as_completed(work):
+                done.result()
+                if progress.is_over():
+                    progress.stop()
+        finally:
+            progress.stop()
+
+
+def _prove(progress: Progress, seed: int) -> None:
+    """Look for a faster schedule with the solver, or show that there is none."""
+    problem, best = progress.problem, progress.best
+    solver = make_solver(seed)
+    progress.stop_solver = solver.stop_search
+    horizon = best.makespan - 1 if best else latest_makespan(problem)
+    circuits = build_circuits(problem, progress.bound, horizon)
+    solver.parameters.max_time_in_seconds = progress.seconds_left
+    has_seen_all, bound = minimise(circuits, solver, progress.offer)
+    if is_true_relaxation(problem):
+        progress.raise_bound(bound)
+        progress.is_infeasible = bound > horizon and best is None
+    progress.is_exhausted |= has_seen_all
+
+
+@cache
+def _compile() -> None:
+    """Compile the kernels, or load what was compiled before, on a smallest problem."""
+    robots = tuple(Robot(f"r{r}", (0, 0), {cap: 1}) for r, cap in enumerate("aab"))
+    tasks = tuple(Task(f"t{k}", (k, 0), {"a": 1, "b": 1}) for k in range(2))
+    problem = relax(Scenario("smallest", Grid(2, 1), ("a", "b"), robots, tasks))
+    Search(problem, seed=0, start=Search(problem, seed=0).best)
+    bound_makespan(problem)

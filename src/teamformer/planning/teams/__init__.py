@@ -1,0 +1,1 @@
+"""Plans with forming counted: who does which task with whom, in what order."""

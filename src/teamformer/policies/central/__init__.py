@@ -1,0 +1,1 @@
+"""The central planner: knows everything, plans first, then plays its plan."""

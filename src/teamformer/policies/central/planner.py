@@ -1,0 +1,219 @@
+"""What the central planner makes of one scenario: plans, their plays, and the best of these."""
+
+from __future__ import annotations
+
+import math
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+from teamformer.model import Scenario
+from teamformer.planning.bounds.makespan import earliest_starts
+from teamformer.planning.relaxation.problem import FAR, relax
+from teamformer.planning.relaxation.solve import Solution, solve
+from teamformer.planning.teams.annealing import TeamSearch
+from teamformer.planning.teams.plan import TeamPlan, routes_of
+from teamformer.planning.teams.solve import BestPlan, first_search, improve
+from teamformer.policies.central.plan_from_play import plan_from_play
+from teamformer.policies.central.plan_player import PlanPlayer
+from teamformer.policies.protocol import Policy
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll, JoinCrew
+from teamformer.sim.arrays import NEVER, NOBODY, Array
+from teamformer.sim.env import TeamFormation
+
+Script = list[dict[int, tuple[Array, int]]]
+"""For each step and slot, the counts wanted and the task named."""
+
+Curve = tuple[tuple[float, int], ...]
+
+RELAXING = 0.4
+"""Share of the time for the relaxed schedule and its proof, on one thread."""
+
+SIMPLE = 0.15
+"""Share of the time that the play of a simple rule may take."""
+
+CREW_SECONDS = 6e-6
+"""What planning crews may take, for each task times robots and tasks: twice what it does take.
+
+It is not begun with less time left, as it cannot be stopped.
+"""
+
+FOLLOWED: tuple[tuple[str, str, Policy], ...] = (
+    ("crews", "crews", JoinCrew()),
+    ("join-all", "paper", JoinAll()),
+)
+"""Names, allocations and rules whose plays the search may begin at, whatever the scenario's are."""
+
+MARGIN = 0.1
+"""Seconds kept back at the end, besides what the last plays take."""
+
+
+@dataclass(frozen=True)
+class CentralPlan:
+    """What the planner found for a scenario.
+
+    `solution` is the relaxed schedule, in which joining is free; its bound holds for every policy.
+    `makespan` is what the plan takes under the step rules, None if it does not end. `played_by`
+    says where the plan comes from: `search` (with forming counted), `schedule` (the relaxed one)
+    or a simple rule. `curve` holds each improvement as (seconds, makespan). `is_first` says that
+    there was no time to improve the first plan.
+    """
+
+    solution: Solution
+    makespan: int | None
+    played_by: str
+    script: Script
+    curve: Curve = ()
+    is_first: bool = False
+
+
+def plan_centrally(
+    scenario: Scenario, time_limit: float, seed: int = 0, workers: int = 2
+) -> CentralPlan:
+    """Return the best plan found in `time_limit` seconds; the first one if that is 0.
+
+    Simple rules are played too, so that the plan is never slower than theirs.
+    """
+    plays = _Plays(scenario, time.perf_counter(), time_limit)
+    search = _start(scenario, seed)
+    if search is not None:
+        plays.add("search", _player(scenario, search.best))
+    for name, rule in (("join-all", JoinAll()), ("heuristic", Heuristic())):
+        plays.add(name, rule, most_seconds=SIMPLE * max(1.0, time_limit))
+    if search is None or time_limit == 0:
+        solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
+        searched = []
+    else:
+        for name, allocation, followed in FOLLOWED:
+            _follow(name, replace(scenario, allocation=allocation), followed, search, plays)
+        solution, best = _improve(scenario, search, plays, seed, workers)
+        plays.add("search", _player(scenario, best.plan))
+        searched = best.curve
+    if time_limit > 0 and solution.schedule is not None:
+        plays.add(
+            "schedule", PlanPlayer(scenario, solution.schedule.routes, solution.schedule.order)
+        )
+    return plays.report(solution, searched, is_first=time_limit == 0)
+
+
+def _start(scenario: Scenario, seed: int) -> TeamSearch | None:
+    """Return a search at a first plan; None if some task can never be done."""
+    problem = relax(scenario)
+    if (earliest_starts(problem) >= FAR).any():
+        return None
+    return first_search(problem, scenario, seed)
+
+
+def _follow(name: str, scenario: Scenario, rule: Policy, search: TeamSearch, plays: _Plays) -> None:
+    """Let the search begin at what a rule does; leave it if time is short."""
+    tasks = len(scenario.tasks)
+    if plays.seconds_left < CREW_SECONDS * tasks * (tasks + len(scenario.robots)):
+        return
+    plan = plan_from_play(scenario, search.problem, rule, plays.begun + plays.limit)
+    if plan is not None:
+        search.restart(plan)
+        plays.add(name, _player(scenario, plan))
+
+
+def _improve(
+    scenario: Scenario, search: TeamSearch, plays: _Plays, seed: int, workers: int
+) -> tuple[Solution, BestPlan]:
+    """Search until it is time for the last plays; relax and prove on another thread meanwhile.
+
+    The main thread only waits, so that Ctrl-C reaches it.
+    """
+    best = BestPlan(plays.begun, search)
+    deadline = time.perf_counter() + plays.seconds_left
+
+    def relax_and_search() -> Solution:
+        seconds = RELAXING * max(0.0, deadline - time.perf_counter())
+        solution = solve(scenario, seconds, seed=seed, workers=1)
+        best.bound = solution.bound
+        improve(best, TeamSearch(search.problem, scenario, search.best, seed + 1), deadline)
+        return solution
+
+    with ThreadPoolExecutor(2) as pool:
+        relaxing = pool.submit(relax_and_search)
+        searching = pool.submit(improve, best, search, deadline) if workers > 1 else None
+        try:
+            solution = relaxing.result()
+            if searching is not None:
+                searching.result()
+        finally:
+            best.stop()
+    return solution, best
+
+
+def _player(scenario: Scenario, plan: TeamPlan) -> PlanPlayer:
+    return PlanPlayer(scenario, routes_of(plan, len(scenario.robots)), plan.order.tolist())
+
+
+class _Plays:
+    """What has been played of one scenario, and the time that is left."""
+
+    def __init__(self, scenario: Scenario, begun: float, time_limit: float) -> None:
+        self.begun = begun
+        self.makespan: int | None = None
+        self.limit = time_limit
+        self._scenario = scenario
+        self._played_by, self._script = "", Script()
+        self._curve: list[tuple[float, int]] = []
+        self._longest = 0.0  # seconds that a play took
+
+    @property
+    def seconds(self) -> float:
+        """Return the seconds since planning began."""
+        return time.perf_counter() - self.begun
+
+    @property
+    def seconds_left(self) -> float:
+        """Return the seconds until it is time for the last plays."""
+        return max(0.0, self.limit - self.seconds - MARGIN - 1.5 * self._longest)
+
+    def add(self, name: str, player: PlanPlayer | Policy, most_seconds: float = math.inf) -> None:
+        """Play a plan or a policy, and keep its decisions if it is the fastest so far.
+
+        Once there is a play to show, others end early: when they are no faster, when time is up,
+        or after `most_seconds`.
+        """
+        begun = self.seconds
+        end = begun + most_seconds if self.limit == 0 else min(begun + most_seconds, self.limit)
+        most = NEVER if self.makespan is None else self.makespan
+        env = TeamFormation([self._scenario])
+        script: Script = []
+        while env.is_running[0] and len(script) < most:
+            if self.makespan is not None and self.seconds > end:
+                return
+            script.append(_step(env, player))
+        tally = env.tally()
+        if tally.status == "completed" and tally.steps < most:
+            self.makespan, self._played_by, self._script = tally.steps, name, script
+            self._curve.append((self.seconds, tally.steps))
+        elif self.makespan is None:
+            self._played_by, self._script = name, script
+        self._longest = max(self._longest, self.seconds - begun)
+
+    def report(
+        self, solution: Solution, searched: list[tuple[float, int]], is_first: bool = False
+    ) -> CentralPlan:
+        """Return the best play; what the search expected in between is in its curve."""
+        curve: list[tuple[float, int]] = []
+        for seconds, steps in sorted(self._curve + searched):
+            is_better = not curve or steps < curve[-1][1]
+            if is_better and self.makespan is not None and steps >= self.makespan:
+                curve.append((round(seconds, 3), steps))
+        return CentralPlan(
+            solution, self.makespan, self._played_by, self._script, tuple(curve), is_first
+        )
+
+
+def _step(env: TeamFormation, player: PlanPlayer | Policy) -> dict[int, tuple[Array, int]]:
+    """Let a player make a step; return what it decided."""
+    view = env.view()
+    decision = player.decide_in(env) if isinstance(player, PlanPlayer) else player.decide(view)
+    named = [NOBODY] * len(view.slot) if decision.task is None else decision.task.tolist()
+    slots = view.slot.tolist()
+    made = {s: (decision.wanted[row].copy(), named[row]) for row, s in enumerate(slots)}
+    env.step(decision)
+    return made

@@ -1,0 +1,65 @@
+"""The central planner: knows everything, plans first, and then plays its plan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+
+from teamformer.model import Scenario
+from teamformer.planning.relaxation.cp_sat import make_solver
+from teamformer.policies.central.planner import CentralPlan, plan_centrally
+from teamformer.scenarios.smallest import smallest_scenario
+from teamformer.sim.arrays import NOBODY
+from teamformer.sim.env import Decision
+from teamformer.sim.view import View
+
+COMPILING = 600.0
+"""Seconds to plan the smallest scenario in: more than compiling takes, as it ends when proven."""
+
+
+class Central:
+    """Plans for up to `time_limit` seconds a scenario, then plays what it found.
+
+    A search over who does what in which order counts what forming costs. Its best plan is
+    played through the simulator beforehand, as are the relaxed schedule and simple rules; the
+    fastest play becomes the script that `decide` reads out. A limit of 0 gives the first plan.
+    """
+
+    needs_everything = True
+
+    def __init__(self, time_limit: float = 10.0, workers: int = 2) -> None:
+        self.time_limit = time_limit
+        self.workers = workers
+        self.plans: list[CentralPlan] = []
+
+    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+        """Plan every scenario."""
+        if everything is None:
+            raise ValueError("the central planner has to be given the scenarios")
+        seed = int(rng.integers(2**31))
+        _warm_up()
+        self.plans = [
+            plan_centrally(scenario, self.time_limit, seed, self.workers) for scenario in everything
+        ]
+        self._steps = np.zeros(len(self.plans), dtype=np.int64)
+
+    def decide(self, view: View) -> Decision:
+        """Read the next line of each world's script."""
+        wanted = view.counts.copy()
+        named = np.full(len(wanted), NOBODY, dtype=np.int32)
+        for row, (w, slot) in enumerate(zip(view.world.tolist(), view.slot.tolist(), strict=True)):
+            script = self.plans[w].script
+            if self._steps[w] < len(script):
+                counts, named[row] = script[self._steps[w]][slot]
+                wanted[row, : len(counts)] = counts  # others in the batch may know more
+        self._steps[np.unique(view.world)] += 1
+        return Decision(wanted, named)
+
+
+@cache
+def _warm_up() -> None:
+    """Have everything compiled and imported before the clock starts."""
+    make_solver(seed=0)
+    plan_centrally(smallest_scenario(), time_limit=COMPILING)

@@ -1,0 +1,1 @@
+"""Learned policies: features, actions and networks behind the seam, without torch."""

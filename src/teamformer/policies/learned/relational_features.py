@@ -1,0 +1,387 @@
+"""What a team's view says in relations, for any number of capabilities.
+
+No feature belongs to a capability: each counts, compares or adds up over all of them, so that the
+names and the number of capabilities mean nothing. Distances are in cells (on a plane, in units
+that count as one), clipped and scaled.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.policies.learned.macro_actions import (
+    HALVE,
+    JOIN,
+    MAINTAIN,
+    SHED,
+    SPLIT,
+    TASKS,
+    TEAMS,
+    keep_for,
+    legal_choices,
+    scripted_counts,
+)
+from teamformer.policies.scripted.pairing import pair_by_slot
+from teamformer.sim.arrays import NOBODY, Array
+from teamformer.sim.view import View
+
+OWN_FEATURES, TEAM_FEATURES, TASK_FEATURES = 22, 25, 24
+
+FAR, NEAR = 20.0, 4.0  # cells; distances are clipped here, coarse and fine
+
+
+class Relations(NamedTuple):
+    """A token for each team, for teams it sees and for its next tasks; float32 and bool."""
+
+    own: Array  # (teams, OWN_FEATURES)
+    teams: Array  # (teams, TEAMS, TEAM_FEATURES)
+    tasks: Array  # (teams, TASKS, TASK_FEATURES)
+    is_team: Array  # (teams, TEAMS) False for padding
+    is_task: Array  # (teams, TASKS)
+    is_legal: Array  # (teams, CHOICES)
+
+
+def relate(view: View) -> Relations:
+    """Return the relations of every team of a view."""
+    rows, scripted = len(view.slot), scripted_counts(view)
+    relations = Relations(
+        own=np.zeros((rows, OWN_FEATURES), dtype=np.float32),
+        teams=np.zeros((rows, TEAMS, TEAM_FEATURES), dtype=np.float32),
+        tasks=np.zeros((rows, TASKS, TASK_FEATURES), dtype=np.float32),
+        is_team=np.zeros((rows, TEAMS), dtype=np.bool_),
+        is_task=np.zeros((rows, TASKS), dtype=np.bool_),
+        is_legal=legal_choices(view, scripted),
+    )
+    _fill(view, scripted, relations)
+    return relations
+
+
+@entry
+def _fill(view, scripted, relations):  # type: ignore[no-untyped-def]
+    caps = view.counts.shape[1]
+    kept = np.zeros(caps, dtype=np.int32)
+    for row in range(len(view.slot)):
+        _relate_tasks(view, relations, row, kept)
+        _relate_teams(view, relations, row)
+        _relate_script(view, scripted, relations, row)
+        _relate_self(view, relations, row)
+        _relate_parts(view, relations, row, kept)
+
+
+@kernel
+def _cells_between(view, row, here, there):  # type: ignore[no-untyped-def]
+    """Return the Manhattan distance in cells, 0 in the same place."""
+    away_x, away_y = abs(here[0] - there[0]), abs(here[1] - there[1])
+    if away_x * away_x + away_y * away_y <= view.arrival_radius[row] ** 2:
+        return 0.0
+    return (away_x + away_y) / view.unit[row]
+
+
+@kernel
+def _distance(view, row, here, there):  # type: ignore[no-untyped-def]
+    return min(_cells_between(view, row, here, there), FAR) / FAR
+
+
+@kernel
+def _nearness(view, row, here, there):  # type: ignore[no-untyped-def]
+    """Return a distance that tells the last cells apart."""
+    return min(_cells_between(view, row, here, there), NEAR) / NEAR
+
+
+@kernel
+def _share(have, extra, needs):  # type: ignore[no-untyped-def]
+    """Return which share of the needs two teams cover together."""
+    covered = needed = 0
+    for cap in range(len(needs)):
+        needed += needs[cap]
+        covered += min(have[cap] + extra[cap], needs[cap])
+    return covered / needed if needed > 0 else 1.0
+
+
+@kernel
+def _surplus(have, needs):  # type: ignore[no-untyped-def]
+    """Return which share of a team's counts a task does not need."""
+    beyond = total = 0
+    for cap in range(len(needs)):
+        total += have[cap]
+        beyond += max(have[cap] - needs[cap], 0)
+    return beyond / max(total, 1)
+
+
+@kernel
+def _overlap(have, other):  # type: ignore[no-untyped-def]
+    """Return which share of a team's counts another has too."""
+    both = total = 0
+    for cap in range(len(have)):
+        total += have[cap]
+        both += min(have[cap], other[cap])
+    return both / total if total > 0 else 0.0
+
+
+@kernel
+def _column_of_task(view, row, task):  # type: ignore[no-untyped-def]
+    """Return where a task stands in the row's view, or NOBODY."""
+    if task != NOBODY:
+        for column in range(view.task_number.shape[1]):
+            if view.task_number[row, column] == task:
+                return column
+    return NOBODY
+
+
+@kernel
+def _relate_tasks(view, relations, row, kept):  # type: ignore[no-untyped-def]
+    caps = view.counts.shape[1]
+    have = view.counts[row]
+    for column in range(min(TASKS, view.task_number.shape[1])):
+        task = view.task_number[row, column]
+        if task == NOBODY:
+            continue
+        relations.is_task[row, column] = True
+        needs = view.task_needs[row, column]
+        out = relations.tasks[row, column]
+        total = covered = 0
+        for cap in range(caps):
+            total += needs[cap]
+            covered += min(have[cap], needs[cap])
+            kept[cap] = min(have[cap], needs[cap])
+        mine = covered / max(total, 1)
+        out[0] = task == view.task[row]
+        out[1] = min(view.task_rank[row, column], 8) / 8
+        out[2] = _distance(view, row, view.place[row], view.task_place[row, column])
+        out[3] = out[2] == 0.0
+        out[4] = mine
+        out[5] = mine == 1.0
+        out[6] = covered > 0
+        out[7] = _surplus(have, needs)
+        out[8] = _distance(view, row, view.task_place[row, 0], view.task_place[row, column])
+        out[9] = min(total, 10) / 10
+        _relate_helpers(view, out, row, task, needs)
+        _relate_rest(view, out, row, column, kept)
+        _relate_ways(view, out, row, column, kept)
+        out[17] = relations.is_legal[row, SPLIT + column]
+        out[18] = _nearness(view, row, view.place[row], view.task_place[row, column])
+
+
+@kernel
+def _relate_helpers(view, out, row, task, needs):  # type: ignore[no-untyped-def]
+    """Say who else in sight heads for the task, and what they bring together."""
+    helpers = here = covered = with_me = total = 0
+    for other in range(view.seen_slot.shape[1]):
+        if view.seen_slot[row, other] != NOBODY and view.seen_task[row, other] == task:
+            helpers += 1
+            here += view.is_here[row, other]
+    for cap in range(len(needs)):
+        together = 0
+        for other in range(view.seen_slot.shape[1]):
+            if view.seen_slot[row, other] != NOBODY and view.seen_task[row, other] == task:
+                together += view.seen_counts[row, other, cap]
+        total += needs[cap]
+        covered += min(together, needs[cap])
+        with_me += min(together + view.counts[row, cap], needs[cap])
+    out[10] = min(helpers, 4) / 4
+    out[11] = min(here, 4) / 4
+    out[12] = covered / max(total, 1)
+    out[13] = with_me / max(total, 1)
+    out[14] = with_me == total
+
+
+@kernel
+def _relate_rest(view, out, row, column, kept):  # type: ignore[no-untyped-def]
+    """Say what those could do who would leave if only what the task needs stayed."""
+    alone = useful = 0
+    for other in range(view.task_number.shape[1]):
+        if other == column or view.task_number[row, other] == NOBODY:
+            continue
+        can_do, helps = True, False
+        for cap in range(len(kept)):
+            rest = view.counts[row, cap] - kept[cap]
+            can_do &= rest >= view.task_needs[row, other, cap]
+            helps |= rest > 0 and view.task_needs[row, other, cap] > 0
+        alone += can_do
+        useful += helps
+    out[15] = min(alone, 8) / 8
+    out[16] = min(useful, 8) / 8
+
+
+@kernel
+def _relate_ways(view, out, row, column, kept):  # type: ignore[no-untyped-def]
+    """Say what way those save who go straight to what comes after the task if it needs them."""
+    here, task = view.place[row], view.task_place[row, column]
+    for other in range(view.task_number.shape[1]):
+        if other == column or view.task_number[row, other] == NOBODY:
+            continue
+        needs, there = view.task_needs[row, other], view.task_place[row, other]
+        helps, all_helps, alone = False, False, True
+        for cap in range(len(kept)):
+            rest = view.counts[row, cap] - kept[cap]
+            helps |= rest > 0 and needs[cap] > 0
+            all_helps |= kept[cap] > 0 and needs[cap] > rest
+            alone &= rest >= needs[cap]
+        if helps:
+            around = _cells_between(view, row, here, task) + _cells_between(view, row, task, there)
+            straight = _cells_between(view, row, here, there)
+            out[19] = max(-1.0, min(around - straight, FAR) / FAR)
+            out[20] = min(around - straight, NEAR) / NEAR
+            out[21] = alone
+            out[22] = all_helps
+            out[23] = min(straight, FAR) / FAR
+            return
+
+
+@kernel
+def _relate_script(view, scripted, relations, row):  # type: ignore[no-untyped-def]
+    """Say whom the script would join, whose crew others are in, and what kind of fleet this is."""
+    own = relations.own[row]
+    own[18] = view.has_crews[row]
+    own[19] = min(view.pace[row] / view.unit[row], 2.0) / 2
+    own[20] = relations.is_legal[row, MAINTAIN]  # the script would join
+    for other in range(min(TEAMS, view.seen_slot.shape[1])):
+        if view.seen_slot[row, other] == NOBODY:
+            continue
+        out = relations.teams[row, other]
+        out[20] = view.is_mate[row, other]
+        out[21] = relations.is_legal[row, MAINTAIN]
+        for cap in range(view.counts.shape[1]):
+            union = view.counts[row, cap] + view.seen_counts[row, other, cap]
+            if union != scripted[row, cap]:
+                out[21] = 0.0
+        own[21] = max(own[21], out[21])
+
+
+@kernel
+def _relate_teams(view, relations, row):  # type: ignore[no-untyped-def]
+    have = view.counts[row]
+    own = _column_of_task(view, row, view.task[row])
+    pair = pair_by_slot(view, row, False, True)
+    for other in range(min(TEAMS, view.seen_slot.shape[1])):
+        if view.seen_slot[row, other] == NOBODY:
+            continue
+        relations.is_team[row, other] = True
+        theirs = view.seen_counts[row, other]
+        out = relations.teams[row, other]
+        out[0] = _distance(view, row, view.place[row], view.seen_place[row, other])
+        out[1] = view.is_here[row, other]
+        out[2] = relations.is_legal[row, JOIN + other]
+        out[3] = view.seen_slot[row, other] < view.slot[row]
+        out[4] = view.seen_task[row, other] == NOBODY
+        out[5] = own != NOBODY and view.seen_task[row, other] == view.task[row]
+        out[6] = _overlap(have, theirs)
+        out[7] = _overlap(theirs, have)
+        if own != NOBODY:
+            needs = view.task_needs[row, own]
+            alone, together = _share_alone(have, needs), _share(have, theirs, needs)
+            out[8] = together - alone
+            out[9] = together == 1.0 and alone < 1.0
+            out[10] = _share_alone(theirs, needs)
+        column = _column_of_task(view, row, view.seen_task[row, other])
+        if column != NOBODY:
+            needs = view.task_needs[row, column]
+            alone, together = _share_alone(theirs, needs), _share(have, theirs, needs)
+            out[11] = together - alone
+            out[12] = together == 1.0 and alone < 1.0
+            out[13] = alone == 1.0
+            if own != NOBODY:
+                out[14] = view.task_rank[row, column] < view.task_rank[row, own]
+            there = view.task_place[row, column]
+            out[22] = _distance(view, row, view.seen_place[row, other], there)
+            out[23] = _nearness(view, row, view.seen_place[row, other], there)
+            if own != NOBODY:
+                out[24] = _distance(view, row, view.task_place[row, own], there)
+        out[18] = other == pair
+        out[19] = _nearness(view, row, view.place[row], view.seen_place[row, other])
+        _relate_union(view, out, row, have, theirs)
+
+
+@kernel
+def _share_alone(have, needs):  # type: ignore[no-untyped-def]
+    covered = needed = 0
+    for cap in range(len(needs)):
+        needed += needs[cap]
+        covered += min(have[cap], needs[cap])
+    return covered / needed if needed > 0 else 1.0
+
+
+@kernel
+def _relate_union(view, out, row, have, theirs):  # type: ignore[no-untyped-def]
+    """Say how many tasks in view the two could do together and neither alone."""
+    gained = shared = 0
+    adds = False
+    for column in range(view.task_number.shape[1]):
+        if view.task_number[row, column] == NOBODY:
+            continue
+        mine, other, both = True, True, True
+        for cap in range(len(have)):
+            need = view.task_needs[row, column, cap]
+            mine &= have[cap] >= need
+            other &= theirs[cap] >= need
+            both &= have[cap] + theirs[cap] >= need
+            adds |= need > have[cap] and theirs[cap] > 0
+        gained += both and not mine and not other
+        shared += mine and other
+    out[15] = min(gained, 8) / 8
+    out[16] = min(shared, 8) / 8
+    out[17] = adds
+
+
+@kernel
+def _relate_self(view, relations, row):  # type: ignore[no-untyped-def]
+    out = relations.own[row]
+    here = joinable = seen = lower = 0
+    for other in range(view.seen_slot.shape[1]):
+        if view.seen_slot[row, other] != NOBODY:
+            seen += 1
+            here += view.is_here[row, other]
+            joinable += view.can_join[row, other]
+            lower += view.is_here[row, other] and view.seen_slot[row, other] < view.slot[row]
+    open_tasks = alone = 0
+    for column in range(view.task_number.shape[1]):
+        if view.task_number[row, column] != NOBODY:
+            open_tasks += 1
+            alone += _share_alone(view.counts[row], view.task_needs[row, column]) == 1.0
+    counts = 0
+    for cap in range(view.counts.shape[1]):
+        counts += view.counts[row, cap]
+    out[0] = view.size[row] == 1
+    out[1] = min(view.size[row], 16) / 16
+    out[2] = min(counts, 16) / 16
+    out[3] = view.task[row] == NOBODY
+    out[4] = view.is_at_task[row]
+    out[5] = min(seen, 9) / 9
+    out[6] = min(here, 9) / 9
+    out[7] = min(joinable, 9) / 9
+    out[8] = lower % 2
+    out[9] = min(lower, 8) / 8
+    out[10] = min(open_tasks, 16) / 16
+    out[11] = alone / max(open_tasks, 1)
+    out[12] = relations.tasks[row, 0, 4]
+    out[13] = relations.tasks[row, 0, 2]
+
+
+@kernel
+def _relate_parts(view, relations, row, kept):  # type: ignore[no-untyped-def]
+    """Say which share of the tasks in view each part could do alone after the wholesale splits."""
+    out = relations.own[row]
+    out[14] = relations.is_legal[row, HALVE]
+    out[15] = relations.is_legal[row, SHED]
+    keep_for(view, row, HALVE, kept)
+    out[16] = _share_done_by_rest(view, row, kept)
+    keep_for(view, row, SHED, kept)
+    out[17] = _share_done_by_rest(view, row, kept)
+
+
+@kernel
+def _share_done_by_rest(view, row, kept):  # type: ignore[no-untyped-def]
+    tasks = done = 0
+    for column in range(view.task_number.shape[1]):
+        if view.task_number[row, column] == NOBODY:
+            continue
+        can_do = True
+        for cap in range(len(kept)):
+            rest = view.counts[row, cap] - kept[cap]
+            can_do &= rest >= view.task_needs[row, column, cap]
+        tasks += 1
+        done += can_do
+    return done / max(tasks, 1)

@@ -1,0 +1,288 @@
+"""The codec of the paper's network: views as tokens of teams and tasks, actions as wanted counts.
+
+Places are relative to the own team, in units of ten cells, and relative to the box around all that
+is in view, so that they mean the same on a grid of any size.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.errors import TeamformerError
+from teamformer.jit import entry, kernel
+from teamformer.policies.scripted.pairing import pair_by_slot
+from teamformer.sim.arrays import NOBODY, Array
+from teamformer.sim.view import View
+
+TEAM_FEATURES, TASK_FEATURES = 20, 19
+REACH = 10.0  # cells; offsets are in these units
+FAR = 2.0  # of them; clipped here
+NEVER_FITS = 1e6  # the counts of a profile that is only padding
+
+
+class Spelled(NamedTuple):
+    """Tokens of the deciding teams, each itself first; float32 and bool.
+
+    `singles` holds, for each capability, the least count of it that one of the team's robots with
+    no other has (0: there is none); `profiles` the counts of the robots with several, each kind
+    once. Both are without robots in a team that must maintain.
+    """
+
+    teams: Array  # (teams, 1 + seen, TEAM_FEATURES)
+    team_counts: Array  # (teams, 1 + seen, caps)
+    tasks: Array  # (teams, tasks, TASK_FEATURES)
+    task_needs: Array  # (teams, tasks, caps)
+    is_team: Array  # (teams, 1 + seen) False for padding
+    is_task: Array  # (teams, tasks)
+    can_join: Array  # (teams, 1 + seen) the first, itself, never
+    singles: Array  # (teams, caps)
+    profiles: Array  # (teams, 1 + seen, caps)
+
+
+class SpellingCodec:
+    """Reads views for a network of so many capabilities; an action is the wanted counts.
+
+    Fewer capabilities are padded; more raise `TeamformerError`. A team with more than
+    `1 + seen` different kinds of robots with several capabilities splits for the first ones.
+    """
+
+    def __init__(self, capabilities: int) -> None:
+        self.capabilities = capabilities
+
+    def encode(self, view: View) -> Spelled:
+        """Return the tokens of every team of a view."""
+        rows, caps = view.counts.shape
+        if caps > self.capabilities:
+            raise TeamformerError(
+                f"the network knows {self.capabilities} capabilities, the scenario has {caps}",
+                "use teamformer-any, which serves any number",
+            )
+        seen, tasks = 1 + view.seen_slot.shape[1], view.task_number.shape[1]
+        tokens = Spelled(
+            teams=_zeros(rows, seen, TEAM_FEATURES),
+            team_counts=_zeros(rows, seen, self.capabilities),
+            tasks=_zeros(rows, tasks, TASK_FEATURES),
+            task_needs=_zeros(rows, tasks, self.capabilities),
+            is_team=np.zeros((rows, seen), dtype=np.bool_),
+            is_task=np.zeros((rows, tasks), dtype=np.bool_),
+            can_join=np.zeros((rows, seen), dtype=np.bool_),
+            singles=_zeros(rows, self.capabilities),
+            profiles=np.full((rows, seen, self.capabilities), NEVER_FITS, dtype=np.float32),
+        )
+        _fill(view, tokens)
+        return tokens
+
+    def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
+        """Return which teams can do anything but maintain, as (teams,); none where crews decide."""
+        spelled = Spelled(*tokens)
+        brings = (spelled.team_counts > 0).any(axis=2)  # (teams, seen)
+        can_split = (view.size > 1) & ~view.is_serving & (view.counts > 0).any(axis=1)
+        can_form = can_split | (spelled.can_join & brings).any(axis=1)
+        has_choice: Array = can_form & ~view.has_crews
+        return has_choice
+
+    def decode(self, view: View, action: Array) -> Array:
+        """Return the counts that actions (teams, caps) stand for, without the padding."""
+        return action[:, : view.counts.shape[1]].astype(np.int16)
+
+
+def _zeros(*shape: int) -> Array:
+    return np.zeros(shape, dtype=np.float32)
+
+
+@entry
+def _fill(view, tokens):  # type: ignore[no-untyped-def]
+    box = np.zeros(4)
+    for row in range(len(view.slot)):
+        _find_box(view, row, box)
+        _write_own(view, tokens, row, box)
+        paired = pair_by_slot(view, row, False, False)
+        for other in range(view.seen_slot.shape[1]):
+            if view.seen_slot[row, other] != NOBODY:
+                _write_team(view, tokens, row, other, box)
+                tokens.teams[row, other + 1, 19] = other == paired
+        for column in range(view.task_number.shape[1]):
+            if view.task_number[row, column] != NOBODY:
+                _write_task(view, tokens, row, column, box)
+        if not view.is_serving[row]:
+            _write_members(view, tokens, row)
+
+
+@kernel
+def _find_box(view, row, box):  # type: ignore[no-untyped-def]
+    """Write the middle and half the longer side of the box around all places in view."""
+    left = right = view.place[row, 0]
+    low = high = view.place[row, 1]
+    for column in range(view.task_number.shape[1]):
+        if view.task_number[row, column] != NOBODY:
+            left = min(left, view.task_place[row, column, 0])
+            right = max(right, view.task_place[row, column, 0])
+            low = min(low, view.task_place[row, column, 1])
+            high = max(high, view.task_place[row, column, 1])
+    box[0], box[1] = (left + right) / 2, (low + high) / 2
+    box[2] = max(right - left, high - low) / 2
+
+
+@kernel
+def _write_place(view, row, place, box, out):  # type: ignore[no-untyped-def]
+    """Write a place, as seen by a team, into the first eight features."""
+    away_x = (place[0] - view.place[row, 0]) / view.unit[row]
+    away_y = (place[1] - view.place[row, 1]) / view.unit[row]
+    away = abs(away_x) + abs(away_y)
+    if (away_x * away_x + away_y * away_y) * view.unit[row] ** 2 <= view.arrival_radius[row] ** 2:
+        away = 0.0
+    half = max(box[2], 1e-9)
+    out[0] = min(max(away_x / REACH, -FAR), FAR)
+    out[1] = min(max(away_y / REACH, -FAR), FAR)
+    out[2] = min(away / REACH, FAR)
+    out[3] = away == 0.0
+    out[4] = 0.0 < away < 1.5
+    out[5] = 1.5 <= away < 2.5
+    out[6] = min(max((place[0] - box[0]) / half, -FAR), FAR)
+    out[7] = min(max((place[1] - box[1]) / half, -FAR), FAR)
+
+
+@kernel
+def _write_own(view, tokens, row, box):  # type: ignore[no-untyped-def]
+    out = tokens.teams[row, 0]
+    _write_place(view, row, view.place[row], box, out)
+    lower = here = 0
+    for other in range(view.seen_slot.shape[1]):
+        if view.seen_slot[row, other] != NOBODY and view.is_here[row, other]:
+            here += 1
+            lower += view.seen_slot[row, other] < view.slot[row]
+    total = 0
+    for cap in range(view.counts.shape[1]):
+        tokens.team_counts[row, 0, cap] = view.counts[row, cap]
+        total += view.counts[row, cap]
+    out[8] = 1.0  # itself
+    out[9] = view.task[row] == NOBODY
+    out[10] = view.is_at_task[row]
+    out[11] = min(here, 8) / 8
+    out[12] = lower % 2
+    out[13] = min(lower, 8) / 8
+    out[14] = min(total, 16) / 16
+    out[15] = view.size[row] == 1
+    tokens.is_team[row, 0] = True
+
+
+@kernel
+def _write_team(view, tokens, row, other, box):  # type: ignore[no-untyped-def]
+    column = other + 1
+    out = tokens.teams[row, column]
+    _write_place(view, row, view.seen_place[row, other], box, out)
+    total = 0
+    for cap in range(view.counts.shape[1]):
+        tokens.team_counts[row, column, cap] = view.seen_counts[row, other, cap]
+        total += view.seen_counts[row, other, cap]
+    task = view.seen_task[row, other]
+    out[3] = view.is_here[row, other]
+    out[9] = task == NOBODY
+    out[10] = task != NOBODY and task == view.task[row]
+    out[11] = view.can_join[row, other]
+    out[12] = view.seen_slot[row, other] < view.slot[row]
+    out[14] = min(total, 16) / 16
+    _compare_union(view, row, other, out)
+    tokens.is_team[row, column] = True
+    tokens.can_join[row, column] = view.can_join[row, other]
+
+
+@kernel
+def _compare_union(view, row, other, out):  # type: ignore[no-untyped-def]
+    """Say for what a seen team is of use: features 15 to 18."""
+    useful = completed = 0
+    for column in range(view.task_number.shape[1]):
+        if view.task_number[row, column] == NOBODY:
+            continue
+        adds, both, alone = False, True, True
+        for cap in range(view.counts.shape[1]):
+            need, have = view.task_needs[row, column, cap], view.counts[row, cap]
+            theirs = view.seen_counts[row, other, cap]
+            adds |= need > have and theirs > 0
+            both &= have + theirs >= need
+            alone &= have >= need
+        useful += adds
+        completed += both and not alone
+        if column == 0:
+            out[15] = adds
+            out[16] = both and not alone
+    out[17] = min(useful, 8) / 8
+    out[18] = min(completed, 8) / 8
+
+
+@kernel
+def _write_task(view, tokens, row, column, box):  # type: ignore[no-untyped-def]
+    out = tokens.tasks[row, column]
+    _write_place(view, row, view.task_place[row, column], box, out)
+    task = view.task_number[row, column]
+    total = covered = beyond = 0
+    for cap in range(view.counts.shape[1]):
+        need, have = view.task_needs[row, column, cap], view.counts[row, cap]
+        tokens.task_needs[row, column, cap] = need
+        total += need
+        covered += min(have, need)
+        beyond += max(have - need, 0)
+    rank = view.task_rank[row, column]
+    out[8] = task == view.task[row]
+    out[9] = min(rank, 16) / 16
+    out[10] = rank == 0
+    out[11] = column == 0
+    out[12] = covered / max(total, 1)
+    out[13] = covered == total
+    out[14] = covered > 0
+    out[15] = beyond > 0
+    helpers = 0
+    for other in range(view.seen_slot.shape[1]):
+        helpers += view.seen_slot[row, other] != NOBODY and view.seen_task[row, other] == task
+    out[16] = min(helpers, 4) / 4
+    out[17] = _share_together(view, row, column, task)
+    out[18] = min(total, 8) / 8
+    tokens.is_task[row, column] = True
+
+
+@kernel
+def _share_together(view, row, column, task):  # type: ignore[no-untyped-def]
+    """Return which share of a task's needs the team covers with those seen heading there."""
+    total = covered = 0
+    for cap in range(view.counts.shape[1]):
+        together = view.counts[row, cap]
+        for other in range(view.seen_slot.shape[1]):
+            if view.seen_slot[row, other] != NOBODY and view.seen_task[row, other] == task:
+                together += view.seen_counts[row, other, cap]
+        total += view.task_needs[row, column, cap]
+        covered += min(together, view.task_needs[row, column, cap])
+    return covered / max(total, 1)
+
+
+@kernel
+def _write_members(view, tokens, row):  # type: ignore[no-untyped-def]
+    """Write what the robots of a team need to stay in it."""
+    kinds = 0
+    for member in range(view.first_member[row], view.first_member[row + 1]):
+        several, only = 0, 0
+        for cap in range(view.counts.shape[1]):
+            if view.member_counts[member, cap] > 0:
+                several += 1
+                only = cap
+        if several == 1:
+            need, least = view.member_counts[member, only], tokens.singles[row, only]
+            tokens.singles[row, only] = need if least == 0 else min(least, need)
+        elif kinds < tokens.profiles.shape[1] and _is_new_kind(view, tokens, row, member, kinds):
+            for cap in range(tokens.profiles.shape[2]):
+                tokens.profiles[row, kinds, cap] = 0
+            for cap in range(view.counts.shape[1]):
+                tokens.profiles[row, kinds, cap] = view.member_counts[member, cap]
+            kinds += 1
+
+
+@kernel
+def _is_new_kind(view, tokens, row, member, kinds):  # type: ignore[no-untyped-def]
+    for kind in range(kinds):
+        is_same = True
+        for cap in range(view.counts.shape[1]):
+            is_same &= tokens.profiles[row, kind, cap] == view.member_counts[member, cap]
+        if is_same:
+            return False
+    return True

@@ -1,0 +1,150 @@
+"""Crews: that their lists share out the open tasks, and that every team goes by them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from teamformer.capabilities import covers, total
+from teamformer.referee.completion import Tasks
+from teamformer.referee.teams import Fleet, Team
+from teamformer.referee.verdict import Notes
+from teamformer.sim.replay import Crew, Replay
+
+
+class Lists:
+    """Whose list each task is on, and in which order, as the record has it step by step."""
+
+    def __init__(self, replay: Replay) -> None:
+        self.scenario = replay.scenario
+        self._crews = dict(replay.crews)
+        self._orders = dict(replay.orders)
+        self._now: Sequence[Crew] = ()
+        self._rank: dict[int, int] = {}
+
+    def give_tasks(self, fleet: Fleet, tasks: Tasks, steps_made: int) -> None:
+        """Write each team's `due`, once all have formed in a step and before they walk.
+
+        It is the first open task that is on the list of one of its robots' crews and needs that
+        robot.
+        """
+        if self.scenario.allocation != "crews":
+            return
+        if steps_made in self._crews:
+            self._now = self._crews[steps_made]
+            self._rank = {task: i for i, task in enumerate(self._orders.get(steps_made, ()))}
+        for team in fleet.teams.values():
+            team.was_serving = bool(team.services)
+            found = [] if team.services else list(self._next_tasks(team, tasks, steps_made))
+            team.due = min(found, key=lambda task: self._rank.get(task, 0), default=None)
+
+    def tasks_of_unions(
+        self, fleet: Fleet, pairs: Sequence[tuple[int, int]]
+    ) -> dict[frozenset[int], int | None]:
+        """Return the tasks of teams that join on their way: the earlier, if both have one."""
+        unions = {}
+        for pair in pairs:
+            teams = [fleet.teams[slot] for slot in pair if slot in fleet.teams]
+            dues = [team.due for team in teams if team.due is not None]
+            robots = frozenset(robot for team in teams for robot in team.robots)
+            earliest = min(dues, key=lambda task: self._rank.get(task, 0), default=None)
+            unions[robots] = earliest if len(dues) == 2 else None
+        return unions
+
+    def give_unions(self, fleet: Fleet, unions: dict[frozenset[int], int | None]) -> None:
+        """Write down what teams are due to do that have joined on their way."""
+        for team in fleet.teams.values():
+            team.due = unions.get(frozenset(team.robots), team.due)
+
+    def _next_tasks(self, team: Team, tasks: Tasks, steps_made: int) -> Iterator[int]:
+        for crew in self._now:
+            open_ones = [task for task in crew.tasks if tasks.is_open(task, steps_made)]
+            for robot in team.robots & set(crew.robots):
+                yield from [task for task in open_ones if self._is_needed(robot, task)][:1]
+
+    def _is_needed(self, robot: int, task: int) -> bool:
+        """Say whether a task needs something that a robot can do, and it can get there."""
+        world, one, wanted = (
+            self.scenario.world,
+            self.scenario.robots[robot],
+            self.scenario.tasks[task],
+        )
+        return world.region(one.at) == world.region(wanted.at) and bool(
+            one.can.keys() & wanted.needs.keys()
+        )
+
+
+def check_assignments(
+    fleet: Fleet, tasks: Tasks, named: Sequence[int], steps_made: int, any_lost: bool, notes: Notes
+) -> None:
+    """Check after a step that each team heads for the task that it is due to do, or named.
+
+    Everybody is free after a loss and when tasks appear, except from a task being served.
+    """
+    scenario = fleet.scenario
+    if scenario.allocation != "crews":
+        return
+    is_news = any_lost or any(task.appears == steps_made for task in scenario.tasks)
+    for slot, team in sorted(fleet.teams.items()):
+        due = None if team.due in tasks.done else team.due
+        if is_news and due not in team.services:
+            due = None
+        if slot not in named and not team.was_serving and team.task != due:
+            goes, should = (_name(fleet, task) for task in (team.task, due))
+            notes.note(f"{fleet.name(team)} heads for {goes}; by its crew's list it is {should}")
+
+
+def _name(fleet: Fleet, task: int | None) -> str:
+    return "nothing" if task is None else f"task {fleet.scenario.tasks[task].name}"
+
+
+def judge_crews(replay: Replay, done: dict[int, int], notes: Notes) -> None:
+    """Check that crews are planned when they must be, and share out robots and open tasks."""
+    scenario = replay.scenario
+    if scenario.allocation != "crews":
+        if replay.crews:
+            notes.note("the record has crews, and the scenario has none")
+        return
+    orders = dict(replay.orders)
+    last = len(replay.steps) - 1
+    losses = {robot.lost for robot in scenario.robots if robot.lost is not None}
+    made = {steps for steps, _ in replay.crews}
+    for steps in sorted({0, *(task.appears for task in scenario.tasks), *losses} - made):
+        any_open = any(
+            task.appears <= steps and done.get(number, steps + 1) > steps
+            for number, task in enumerate(scenario.tasks)
+        )
+        if steps <= last and any_open:
+            notes.note(f"there are no crews from after {steps} steps")
+    for steps, crews in replay.crews:
+        lost = {r for r, robot in enumerate(scenario.robots) if (robot.lost or steps + 1) <= steps}
+        left = set(range(len(scenario.robots))) - lost
+        _check_crews(replay, steps, crews, left, orders.get(steps, ()), notes)
+
+
+def _check_crews(
+    replay: Replay,
+    steps: int,
+    crews: Sequence[Crew],
+    left: set[int],
+    order: Sequence[int],
+    notes: Notes,
+) -> None:
+    when = f"the crews made after {steps} steps"
+    if sorted(robot for crew in crews for robot in crew.robots) != sorted(left):
+        notes.note(f"{when} are not of all robots left, each in one")
+    if sorted(task for crew in crews for task in crew.tasks) != sorted(order):
+        notes.note(f"{when} do not share out the open tasks, each on one list")
+    for crew in crews:
+        if [task for task in order if task in crew.tasks] != list(crew.tasks):
+            notes.note(f"{when} have a list that is not in order")
+        for task in crew.tasks:
+            if not _can_do(replay, crew, task):
+                name = replay.scenario.tasks[task].name
+                notes.note(f"{when} have task {name} on the list of one that cannot do it")
+
+
+def _can_do(replay: Replay, crew: Crew, task: int) -> bool:
+    world, wanted = replay.scenario.world, replay.scenario.tasks[task]
+    robots = (replay.scenario.robots[robot] for robot in crew.robots)
+    near = (robot.can for robot in robots if world.region(robot.at) == world.region(wanted.at))
+    return covers(total(near), wanted.needs)

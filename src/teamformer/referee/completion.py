@@ -1,0 +1,122 @@
+"""Completion: every task that is recorded as done was done, and every one that was is recorded."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+from teamformer.capabilities import describe, missing
+from teamformer.model import Grid, Place, Scenario
+from teamformer.referee.teams import Fleet, Team, are_together
+from teamformer.referee.verdict import Notes
+
+SMALLEST_SQUARE = 1e-3  # metres
+
+
+class _Places:
+    """Finds the tasks in a place, by cell; on a plane by squares as wide as the arrival radius."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        world = scenario.world
+        self._reach = 0 if isinstance(world, Grid) else 1  # squares around
+        self._side = 1.0 if isinstance(world, Grid) else max(world.arrival_radius, SMALLEST_SQUARE)
+        self._tasks: dict[tuple[int, int], list[int]] = defaultdict(list)
+        for number, task in enumerate(scenario.tasks):
+            self._tasks[self._square(task.at)].append(number)
+
+    def tasks_at(self, place: Place) -> list[int]:
+        """Return the tasks that a team in a place stands at."""
+        column, row = self._square(place)
+        around = range(-self._reach, self._reach + 1)
+        near = (self._tasks.get((column + i, row + j), ()) for i in around for j in around)
+        world, tasks = self._scenario.world, self._scenario.tasks
+        return sorted(k for part in near for k in part if are_together(world, place, tasks[k].at))
+
+    def _square(self, place: Place) -> tuple[int, int]:
+        return int(place[0] / self._side), int(place[1] / self._side)
+
+
+class Tasks:
+    """Which tasks are known and done, and who serves them."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+        self.done: dict[int, int] = {}  # task -> step
+        self._places = _Places(scenario)
+
+    def is_open(self, task: int, steps_made: int) -> bool:
+        """Say whether a task is known once so many steps are made, and undone."""
+        return task not in self.done and self.scenario.tasks[task].appears <= steps_made
+
+    def complete(self, fleet: Fleet, recorded: dict[int, int], step: int, notes: Notes) -> None:
+        """Work out what is done in a step and compare it with the record, task -> slot."""
+        found: dict[int, int] = {}
+        for slot, team in sorted(fleet.teams.items()):
+            for task in sorted(team.services):
+                self._serve(fleet, slot, team, task, found)
+        served = {task for team in fleet.teams.values() for task in team.services}
+        for slot, team in sorted(fleet.teams.items()):
+            for task in self._places.tasks_at(team.at):
+                is_free = task not in found and task not in served
+                if is_free and self.is_open(task, step - 1) and fleet.covers(team, task):
+                    self._begin(slot, team, task, found)
+                    served.add(task)
+        for task in sorted(found.keys() | recorded.keys()):
+            self._compare(fleet, task, found.get(task), recorded.get(task), step, notes)
+        for task in sorted(found.keys() | recorded.keys()):
+            self.done.setdefault(task, step)
+            for team in fleet.teams.values():
+                team.services.pop(task, None)
+
+    def _serve(self, fleet: Fleet, slot: int, team: Team, task: int, found: dict[int, int]) -> None:
+        team.services[task] -= 1
+        if not fleet.covers(team, task):
+            del team.services[task]
+        elif team.services[task] == 0:
+            del team.services[task]
+            found[task] = slot
+
+    def _begin(self, slot: int, team: Team, task: int, found: dict[int, int]) -> None:
+        duration = self.scenario.tasks[task].duration
+        if duration:
+            team.services[task] = duration
+            team.credit = 0.0
+        else:
+            found[task] = slot
+
+    def _compare(
+        self,
+        fleet: Fleet,
+        task: int,
+        found: int | None,
+        recorded: int | None,
+        step: int,
+        notes: Notes,
+    ) -> None:
+        if found == recorded:
+            return
+        name = self.scenario.tasks[task].name
+        if recorded is None:
+            assert found is not None
+            team = fleet.name(fleet.teams[found])
+            notes.note(f"{team} does task {name}, and the record leaves it out")
+        elif task in self.done:
+            notes.note(f"task {name} is done again; it was done in step {self.done[task]}")
+        else:
+            notes.note(f"task {name} cannot be done: {self._why_not(fleet, task, recorded, step)}")
+
+    def _why_not(self, fleet: Fleet, task: int, slot: int, step: int) -> str:
+        wanted = self.scenario.tasks[task]
+        if not self.is_open(task, step - 1):
+            return f"it appears after {wanted.appears} steps"
+        team = fleet.teams.get(slot)
+        if team is None:
+            return f"there is no team of robot {self.scenario.robots[slot].name} as its lowest"
+        if not fleet.is_at(team, wanted.at):
+            return f"{fleet.name(team)} is at {list(team.at)}, the task at {list(wanted.at)}"
+        if not fleet.covers(team, task):
+            short = describe(missing(team.counts, wanted.needs))
+            return f"{fleet.name(team)} lacks {short}"
+        if wanted.duration:
+            return f"{fleet.name(team)} has not served it for {wanted.duration} steps"
+        return f"another team than {fleet.name(team)} is first"

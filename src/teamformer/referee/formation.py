@@ -1,0 +1,106 @@
+"""Splits, joins and losses: who may form with whom, and who must leave."""
+
+from __future__ import annotations
+
+import math
+
+from teamformer.capabilities import covers, total
+from teamformer.plane import Plane
+from teamformer.referee.teams import Fleet, Team
+from teamformer.referee.verdict import Notes
+from teamformer.sim.replay import Step
+
+ROUNDING = 1e-9
+
+
+def split_teams(fleet: Fleet, step: Step, notes: Notes) -> None:
+    """Part each team that the step says has split."""
+    for stay, leave in step.splits:
+        slot = fleet.find({*stay, *leave})
+        if slot is None or not stay or not leave or len({*stay, *leave}) != len(stay) + len(leave):
+            notes.note(f"a split into {_list(fleet, stay)} and {_list(fleet, leave)} parts no team")
+            continue
+        team = fleet.teams[slot]
+        if team.services:
+            notes.note(f"{fleet.name(team)} splits while it serves a task")
+        if team.has_formed:
+            notes.note(f"{fleet.name(team)} forms twice in one step")
+        del fleet.teams[slot]
+        if not _are_first_that_fit(fleet, stay, leave):
+            notes.note(f"{_list(fleet, stay)} are not the first of {fleet.name(team)} that fit")
+        for robots in (stay, leave):
+            fleet.put(Team(set(robots), team.at, team.task, has_formed=True))
+
+
+def _are_first_that_fit(fleet: Fleet, stay: tuple[int, ...], leave: tuple[int, ...]) -> bool:
+    """Say whether robots that are taken in order, while they fit, are those that stay."""
+    can = [robot.can for robot in fleet.scenario.robots]
+    wanted = total(can[robot] for robot in stay)
+    return not any(
+        covers(wanted, total([can[robot], *(can[other] for other in stay if other < robot)]))
+        for robot in leave
+    )
+
+
+def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -> None:
+    """Make one team of each pair that the step says has joined."""
+    for joiner, partner in joins:
+        if joiner == partner or joiner not in fleet.teams or partner not in fleet.teams:
+            names = [fleet.scenario.robots[slot].name for slot in (joiner, partner)]
+            notes.note(f"a join of {names[0]} with {names[1]} is not one of two teams")
+            continue
+        one, other = fleet.teams.pop(joiner), fleet.teams.pop(partner)
+        for team in (one, other):
+            if team.services:
+                notes.note(f"{fleet.name(team)} joins while it serves a task")
+            if team.has_formed:
+                notes.note(f"{fleet.name(team)} forms twice in one step")
+        if not fleet.is_at(one, other.at):
+            notes.note(
+                f"{fleet.name(one)} at {list(one.at)} joins {fleet.name(other)} at "
+                f"{list(other.at)}; they are not in the same place"
+            )
+        task = min(one, other, key=lambda team: min(team.robots)).task
+        robots = one.robots | other.robots
+        at, met_at = (one.at, other.at) if joiner < partner else (other.at, one.at)
+        fleet.put(Team(robots, at, task, has_formed=True, met_at=met_at))
+
+
+def check_reach(fleet: Fleet, pairs: tuple[tuple[int, int], ...], notes: Notes) -> None:
+    """Note which teams are too far apart to want the join for which they walk."""
+    world = fleet.scenario.world
+    here = world.arrival_radius if isinstance(world, Plane) else 0.0
+    reach = max(fleet.scenario.join_radius, here) + ROUNDING
+    for pair in pairs:
+        teams = [fleet.teams[slot] for slot in pair if slot in fleet.teams]
+        places = [team.at for team in teams]
+        if len(teams) == 2 and math.dist(*places) > reach:
+            one, other = (fleet.name(team) for team in teams)
+            notes.note(f"{one} joins {other} from beyond the join radius")
+
+
+def due_losses(fleet: Fleet, number: int) -> set[int]:
+    """Return the robots that a step loses."""
+    return {r for r, robot in enumerate(fleet.scenario.robots) if robot.lost == number}
+
+
+def lose_robots(fleet: Fleet, step: Step, due: set[int], notes: Notes) -> None:
+    """Take out the robots that are lost in this step, and say where the record differs."""
+    for robot in sorted(due ^ set(step.lost)):
+        name, when = fleet.scenario.robots[robot].name, fleet.scenario.robots[robot].lost
+        if robot in due:
+            notes.note(f"robot {name} is lost in this step and the record keeps it")
+        else:
+            notes.note(f"the record loses robot {name} here, the scenario {when or 'never'}")
+    if len(set(step.lost)) < len(step.lost):
+        notes.note("the record loses a robot twice")
+    for slot, team in list(fleet.teams.items()) if due else ():
+        if team.robots & due:
+            del fleet.teams[slot]
+            team.robots -= due
+            if team.robots:
+                fleet.put(team)
+
+
+def _list(fleet: Fleet, robots: tuple[int, ...]) -> str:
+    return f"[{', '.join(fleet.scenario.robots[robot].name for robot in robots)}]"

@@ -1,0 +1,113 @@
+"""The start, the orders and the ending of a record."""
+
+from __future__ import annotations
+
+from teamformer.capabilities import covers, total
+from teamformer.referee.completion import Tasks
+from teamformer.referee.teams import Fleet, Team
+from teamformer.referee.verdict import Notes
+from teamformer.sim.replay import Replay
+
+
+def start_fleet(replay: Replay, notes: Notes) -> Fleet:
+    """Return the fleet as the scenario has it, and say where the record's start differs."""
+    scenario = replay.scenario
+    fleet = Fleet(scenario, {})
+    expected = set()
+    for robots in scenario.starting_teams:
+        at = scenario.robots[robots[0]].at
+        fleet.put(Team(set(robots), at))
+        expected.add((robots[0], robots, *at))
+    if set(replay.start) != expected or len(replay.start) != len(expected):
+        notes.note("the starting teams are not those of the scenario")
+    return fleet
+
+
+def judge_orders(replay: Replay, done: dict[int, int], notes: Notes) -> None:
+    """Check that each shared order holds exactly the tasks that are known and undone then.
+
+    There is one at the start, and one whenever tasks have appeared.
+    """
+    last = len(replay.steps)
+    made = {steps for steps, _ in replay.orders}
+    for steps in sorted({0, *(task.appears for task in replay.scenario.tasks)} - made):
+        if steps <= last:
+            notes.note(f"there is no order from after {steps} steps, when tasks appeared")
+    for steps in sorted(made - set(range(last + 1))):
+        notes.note(f"there is an order from after {steps} steps, but only {last} were made")
+    for steps, order in replay.orders:
+        known = {
+            number
+            for number, task in enumerate(replay.scenario.tasks)
+            if task.appears <= steps and done.get(number, steps + 1) > steps
+        }
+        if set(order) != known or len(order) != len(known):
+            notes.note(f"the order made after {steps} steps is not one of the open tasks")
+
+
+def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, notes: Notes) -> None:
+    """Check what the record says of itself against what happened in it."""
+    end, scenario = replay.end, replay.scenario
+    is_completed = len(tasks.done) == len(scenario.tasks)
+    makespan = max(tasks.done.values(), default=0) if is_completed else None
+    facts = {
+        "makespan": (end.makespan, makespan),
+        "steps": (end.steps, len(replay.steps)),
+        "tasks_done": (end.tasks_done, len(tasks.done)),
+        "joins": (end.joins, sum(len(step.joins) for step in replay.steps)),
+        "splits": (end.splits, sum(len(step.splits) for step in replay.steps)),
+    }
+    for name, (said, found) in facts.items():
+        if said != found:
+            notes.note(f"the record says {name} {said}; it is {found}")
+    blocked = tuple(blocked_tasks(fleet, tasks))
+    is_true = {
+        "completed": is_completed and makespan == len(replay.steps),
+        "step limit": not is_completed and len(replay.steps) == scenario.step_limit,
+        "infeasible": not is_completed and bool(blocked),
+        "interrupted": True,
+    }
+    if not is_true[end.status]:
+        notes.note(f"the record ends as '{end.status}', which is not so")
+    if end.blocked_tasks != (blocked if end.status == "infeasible" else ()):
+        notes.note(
+            f"the record says that {_names(end.blocked_tasks)} are blocked; {_names(blocked)} are"
+        )
+    if replay.lower_bound is not None and makespan is not None and replay.lower_bound > makespan:
+        notes.note(f"the lower bound {replay.lower_bound} is above the makespan {makespan}")
+    if end.illegal_decisions < 0:
+        notes.note(f"the record says illegal_decisions {end.illegal_decisions}")
+
+
+def blocked_tasks(fleet: Fleet, tasks: Tasks) -> list[str]:
+    """Name the undone tasks that the robots left around them can never cover."""
+    scenario = fleet.scenario
+    left = [robot for team in fleet.teams.values() for robot in team.robots]
+    around: dict[int, list[int]] = {}
+    for robot in left:
+        region = scenario.world.region(scenario.robots[robot].at)
+        around.setdefault(region, []).append(robot)
+    able = {
+        region: total(scenario.robots[r].can for r in robots) for region, robots in around.items()
+    }
+    return [
+        task.name
+        for number, task in enumerate(scenario.tasks)
+        if number not in tasks.done
+        and not covers(able.get(scenario.world.region(task.at), {}), task.needs)
+    ]
+
+
+def why_over(fleet: Fleet, tasks: Tasks, steps_made: int, has_lost: bool) -> str:
+    """Say why no more step can be made; empty if one can."""
+    if len(tasks.done) == len(fleet.scenario.tasks):
+        return "everything was done before"
+    if steps_made >= fleet.scenario.step_limit:
+        return "the step limit was reached before"
+    if has_lost and blocked_tasks(fleet, tasks):
+        return "some tasks could never be done since a robot was lost"
+    return ""
+
+
+def _names(names: tuple[str, ...]) -> str:
+    return ", ".join(names) or "none"

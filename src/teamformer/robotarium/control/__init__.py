@@ -1,0 +1,1 @@
+"""Where real robots go and how they get there safely."""

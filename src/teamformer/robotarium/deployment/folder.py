@@ -1,0 +1,158 @@
+"""Makes the flat folder that Robotarium's testbed takes: the same code, with its libraries alone.
+
+The modules that a mission needs are copied with their imports made flat. The testbed has no numba,
+so kernels run as plain Python there; no ONNX Runtime, so networks run in NumPy; no daqp, so the
+safety filter asks cvxopt.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from teamformer.errors import TeamformerError
+from teamformer.model import Scenario
+from teamformer.policies import POLICIES
+from teamformer.policies.learned.onnx_sessions import shipped
+from teamformer.robotarium.deployment.onnx_files import Graph, read_onnx
+from teamformer.robotarium.experiment import start_poses
+from teamformer.robotarium.mission_checks import check_mission
+
+ROOT = Path(__file__).parents[2]
+SHIMS = Path(__file__).parent / "testbed"
+IMPORT = re.compile(r"from teamformer\.([\w.]+) import (\([^)]*\)|[^\n]*)")
+
+MAIN = "main.py"
+REPLACED = {"jit": "jit.txt", "policies.learned.onnx_sessions": "sessions.txt"}
+"""Modules that are something else on the testbed, and the files that hold that."""
+
+FOR_MISSIONS = (
+    "model",
+    "plane",
+    "robotarium.mission",
+    "robotarium.robots.rps_robots",
+    "robotarium.control.qp_solvers",
+    "sim.env",
+)
+NETWORKS = {"teamformer": "teamformer-any", "teamformer-any": "teamformer-any"}
+DEPLOYED = ("teamformer", "teamformer-any", "heuristic", "join-all", "join-fitting", "join-crew")
+
+
+def deploy(scenario: Scenario, policy: str, seed: int, folder: Path) -> list[Path]:
+    """Write the folder for a scenario and a policy; return its files, the main one first.
+
+    Raises `TeamformerError` for a policy that has no form for the testbed.
+    """
+    check_mission(scenario)
+    if policy not in DEPLOYED:
+        hint = f"use {', '.join(DEPLOYED)}"
+        raise TeamformerError(f"policy '{policy}' cannot be deployed", hint)
+    where = next(listing.where for listing in POLICIES if listing.name == policy)
+    module, maker = where.removeprefix("teamformer.").split(":")
+    texts = {f"{_flat(name)}.py": _text(name) for name in sorted(_needed(module))}
+    texts["tf_scenario.py"] = _scenario_text(scenario, start_poses(scenario, seed), seed)
+    texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", _flat(module)).replace("MAKER", maker)
+    if policy in NETWORKS:
+        graph = read_onnx(shipped(f"{NETWORKS[policy]}.onnx"))
+        texts["tf_graph.py"] = _graph_text(graph)
+        np.save(folder / "weights.npy", _weights(graph))
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    rest = sorted(path for path in folder.glob("*") if path.name in texts or path.suffix == ".npy")
+    return [folder / MAIN, *(path for path in rest if path.name != MAIN)]
+
+
+def verify(folder: Path, python: str = sys.executable) -> dict[str, object]:
+    """Run a folder by a Python without this package, and return the result that it prints.
+
+    Raises `TeamformerError` with what it said if it fails. `python` should have what the testbed
+    has: NumPy, SciPy, cvxopt, matplotlib and the simulator.
+    """
+    command = [python, "-P", "-c", "import runpy, sys; sys.path.insert(0, '.'); " + FENCE]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    if done.returncode:
+        said = done.stderr.strip().splitlines()[-1:] or ["no word"]
+        hint = "it needs numpy, scipy, cvxopt, matplotlib and robotarium-python-simulator"
+        raise TeamformerError(f"the deployed folder failed: {said[0]}", hint)
+    result: dict[str, object] = json.loads(done.stdout.strip().splitlines()[-1])
+    return result
+
+
+FENCE = (
+    "blocked = ('teamformer', 'numba', 'onnxruntime', 'daqp', 'ortools', 'torch'); "
+    "sys.modules.update(dict.fromkeys(blocked)); runpy.run_path('main.py', run_name='__main__')"
+)
+"""What is not on the testbed, or not needed, cannot be imported; None in sys.modules does that."""
+
+
+def _needed(policy_module: str) -> set[str]:
+    """Return the modules of the package that a mission needs, by dotted name."""
+    found, waiting = set[str](), [*FOR_MISSIONS, policy_module]
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            waiting += [module for module, _ in IMPORT.findall(_source(name))]
+    return found
+
+
+def _source(name: str) -> str:
+    """Return a module's text as the testbed gets it, with imports as they are here."""
+    if name in REPLACED:
+        return _shim(REPLACED[name])
+    return ROOT.joinpath(*name.split(".")).with_suffix(".py").read_text()
+
+
+def _text(name: str) -> str:
+    """Return a module's text with flat imports."""
+    flat = IMPORT.sub(lambda match: f"from {_flat(match[1])} import {match[2]}", _source(name))
+    text = flat.replace("import numba as nb\n", "import tf_jit as nb\n")
+    return text + _shim("arrays.txt") if name == "sim.arrays" else text
+
+
+def _flat(name: str) -> str:
+    return "tf_" + name.replace(".", "_")
+
+
+def _shim(name: str) -> str:
+    return (SHIMS / name).read_text()
+
+
+def _scenario_text(scenario: Scenario, poses: np.ndarray, seed: int) -> str:
+    return (
+        '"""The scenario, where its robots start, and the seed."""\n\n'
+        "from tf_model import Grid, Robot, Scenario, Task\nfrom tf_plane import Plane\n\n"
+        f"SCENARIO = {scenario!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
+    )
+
+
+def _graph_text(graph: Graph) -> str:
+    """Return a module that builds a network from weights.npy, in which constants lie end to end."""
+    at, places = 0, {}
+    for name, constant in graph.constants.items():
+        places[name] = (at, constant.shape, constant.dtype.str)
+        at += constant.size
+    nodes = [(n.operation, n.inputs, n.outputs, _plain(n.settings)) for n in graph.nodes]
+    return (
+        '"""The network: constants as (begin, shape, type) in weights.npy, and operations."""\n\n'
+        f"CONSTANTS = {places!r}\nINPUTS = {graph.inputs!r}\nOUTPUTS = {graph.outputs!r}\n"
+        f"NODES = {nodes!r}\n"
+    )
+
+
+def _plain(settings: dict[str, object]) -> dict[str, object]:
+    """Return settings that Python can read back from their text."""
+    for name, value in settings.items():
+        if isinstance(value, np.ndarray):
+            raise TeamformerError(f"this network keeps a constant in '{name}'; export it anew")
+    return settings
+
+
+def _weights(graph: Graph) -> np.ndarray:
+    """Return all constants end to end; whole numbers are small and stay exact."""
+    return np.concatenate([c.astype(np.float64).ravel() for c in graph.constants.values()])

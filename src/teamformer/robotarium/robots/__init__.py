@@ -1,0 +1,1 @@
+"""Robots to drive: a simulated plant, the official simulator, the testbed."""

@@ -1,0 +1,1 @@
+"""Maps that others have made."""

@@ -1,0 +1,165 @@
+"""Maps that others have made: MovingAI benchmarks and ROS map_server."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.errors import TeamformerError
+from teamformer.model import BLOCKED, FREE, Grid
+from teamformer.scenarios.file_access import read_bytes, read_text
+from teamformer.scenarios.maps.pgm import Image, read_pgm
+from teamformer.scenarios.tree_reader import Reader
+from teamformer.scenarios.yaml.reader import parse
+from teamformer.scenarios.yaml.words import Misread, describe
+
+LARGEST_MAP = 4_200_000  # cells: 2048 x 2048
+LARGEST_MOVINGAI = 10_000_000  # bytes
+LARGEST_DESCRIPTION = 100_000  # bytes
+
+MOVINGAI_FREE = ".GS"  # ground, grass and swamp; trees, water and walls are not
+HINT = "write the name as it is seen from the folder of the scenario"
+
+
+def read_map(path: Path, cell: float | None = None) -> Grid:
+    """Read a map by its file name: MovingAI for `.map`, ROS map_server for `.yaml`."""
+    if path.suffix in (".yaml", ".yml"):
+        return read_ros_map(path, cell)
+    if path.suffix != ".map":
+        raise TeamformerError(f"{path}: this is no map; name a .map or a map_server .yaml file")
+    if cell is not None:
+        raise TeamformerError(f"{path}: a .map file has its cells already; remove 'cell'")
+    return read_movingai(path)
+
+
+def read_movingai(path: Path) -> Grid:
+    """Read a MovingAI `.map`; the first row of the file is y = 0, as in its scenarios.
+
+    Raises `TeamformerError` where the file is broken.
+    """
+    text = read_bytes(path, LARGEST_MOVINGAI, HINT).decode("ascii", errors="replace")
+    lines = [line.rstrip() for line in text.split("\n")]
+    if "map" not in lines:
+        raise TeamformerError(f"{path}: this is no MovingAI map: it has no line 'map'")
+    begin = lines.index("map") + 1
+    width, height = (_announced(path, lines[:begin], key) for key in ("width", "height"))
+    _check_size(path, width * height)
+    rows = lines[begin : begin + height]
+    if len(rows) < height:
+        raise TeamformerError(f"{path}: {height} rows are announced and {len(rows)} are there")
+    for number, row in enumerate(rows, start=begin + 1):
+        if len(row) != width:
+            raise TeamformerError(f"{path}:{number}: this row has {len(row)} cells, not {width}")
+    cells = ("".join(FREE if c in MOVINGAI_FREE else BLOCKED for c in row) for row in rows)
+    return Grid(width, height, tuple(cells), "down")
+
+
+def _announced(path: Path, head: list[str], key: str) -> int:
+    for line in head:
+        if found := re.fullmatch(rf"\s*{key}\s+([1-9]\d{{0,6}})", line):
+            return int(found.group(1))
+    raise TeamformerError(f"{path}: this is no MovingAI map: it has no '{key} N' above 'map'")
+
+
+def read_ros_map(path: Path, cell: float | None = None) -> Grid:
+    """Read a map_server YAML and its PGM image, in cells of `cell` metres (default: one a pixel).
+
+    A cell is blocked if any pixel in it is occupied or unknown (trinary mode). The bottom row of
+    the image is y = 0. Raises `TeamformerError` where a file is broken.
+    """
+    about = _read_about(path)
+    factor = 1 if cell is None else _pixels_a_cell(path, cell, about.resolution)
+    image = read_pgm(path.parent / about.image)
+    height, width = (math.ceil(pixels / factor) for pixels in image.shades.shape)
+    _check_size(path, width * height)
+    is_blocked = ~about.is_free(image)[::-1]  # (height, width) in pixels, row 0 at the bottom
+    for axis, pixels in enumerate(image.shades.shape):
+        is_blocked = np.logical_or.reduceat(is_blocked, np.arange(0, pixels, factor), axis=axis)
+    cells = np.where(is_blocked, ord(BLOCKED), ord(FREE)).astype(np.uint8)
+    return Grid(width, height, tuple(row.tobytes().decode() for row in cells), "up")
+
+
+@dataclass(frozen=True)
+class About:
+    """What a map_server file says about its image."""
+
+    image: str
+    resolution: float  # metres a pixel
+    is_negated: bool  # white is occupied
+    occupied_thresh: float
+    free_thresh: float
+
+    def is_free(self, image: Image) -> npt.NDArray[np.bool_]:
+        """Say which pixels are free, by map_server's trinary rule; unknown ones are not."""
+        dark = (image.white - np.arange(image.white + 1)) / image.white  # (shades,)
+        occupancy = dark[::-1] if self.is_negated else dark
+        is_free = (occupancy <= self.occupied_thresh) & (occupancy < self.free_thresh)
+        return np.asarray(is_free[image.shades])
+
+
+def _read_about(path: Path) -> About:
+    tree = parse(read_text(path, LARGEST_DESCRIPTION, HINT))
+    reader = Reader(tree)
+    known = tree.value
+    if isinstance(tree.value, dict):  # what else it says, such as the origin, does not matter here
+        known = {key: part for key, part in tree.value.items() if key in ABOUT_KEYS}
+    keys = {} if tree.problems else reader.mapping((), known, ABOUT_KEYS)
+    about = About(
+        image=reader.text(("image",), keys.get("image", "?")),
+        resolution=reader.number(("resolution",), keys.get("resolution", 1)),
+        is_negated=_read_negate(reader, keys.get("negate", 0)),
+        occupied_thresh=reader.number(("occupied_thresh",), keys.get("occupied_thresh", 0)),
+        free_thresh=reader.number(("free_thresh",), keys.get("free_thresh", 0)),
+    )
+    if not about.resolution >= FINEST:
+        reader.refuse(("resolution",), f"resolution is {about.resolution}; write {FINEST} or more")
+    if keys.get("mode", "trinary") not in ("trinary", "scale"):
+        mode = describe(keys["mode"])
+        reader.refuse(("mode",), f"the mode is {mode}; only trinary and scale are read")
+    if tree.problems:
+        found = sorted((line, problem.message) for line, problem in tree.problems)
+        raise TeamformerError(
+            "; ".join(f"{path}:{line}: {message}" for line, message in found[:10])
+        )
+    return about
+
+
+ABOUT_KEYS = {
+    "image": True,  # required
+    "resolution": True,
+    "negate": False,
+    "occupied_thresh": True,
+    "free_thresh": True,
+    "mode": False,
+}
+FINEST = 1e-6  # metres
+
+
+def _read_negate(reader: Reader, value: Any) -> bool:
+    word = value.text.lower() if isinstance(value, Misread) else value
+    if word not in (0, 1, "true", "false"):
+        reader.refuse(("negate",), f"negate is {describe(value)}; write 0 or 1")
+    return word in (1, "true")
+
+
+def _pixels_a_cell(path: Path, cell: float, resolution: float) -> int:
+    factor = round(cell / resolution)
+    if factor < 1 or not math.isclose(cell, factor * resolution):
+        raise TeamformerError(
+            f"{path}: a cell of {cell:g} m is no multiple of the map's {resolution:g} m; "
+            f"use {max(1, factor) * resolution:g}"
+        )
+    return factor
+
+
+def _check_size(path: Path, cells: int) -> None:
+    if cells > LARGEST_MAP:
+        raise TeamformerError(
+            f"{path}: {cells:,} cells; {LARGEST_MAP:,} are possible, so use larger cells"
+        )

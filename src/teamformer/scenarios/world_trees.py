@@ -1,0 +1,123 @@
+"""The `world` of a scenario file: a grid, rows of cells, a map in another file, or a plane."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Literal
+
+from teamformer.errors import TeamformerError
+from teamformer.model import BLOCKED, FREE, Grid, World
+from teamformer.plane import Plane
+from teamformer.scenarios.maps.formats import LARGEST_MAP, read_map
+from teamformer.scenarios.tree_reader import Reader
+from teamformer.scenarios.yaml.words import describe
+
+FORMS = {
+    "grid": {"grid", "y_axis"},
+    "rows": {"rows", "y_axis"},
+    "map": {"map", "cell"},
+    "plane": {"plane", "step", "arrival_radius", "unit"},
+}
+KEYS = dict.fromkeys(sorted(set().union(*FORMS.values())), False)
+WHERE = ("world",)
+STAND_IN = Grid(1, 1)
+"""Read instead of a world that is wrong, so that reading can go on."""
+
+
+def read_world(reader: Reader, value: Any, folder: Path | None) -> World:
+    """Return the map; problems are noted in the reader. `folder` is where map files lie."""
+    world = reader.mapping(WHERE, value, KEYS)
+    forms = [form for form in FORMS if form in world]
+    if len(forms) != 1:
+        if isinstance(value, dict):
+            choice = "grid: [width, height], rows: [...], map: FILE and plane: [width, height]"
+            reader.refuse(WHERE, f"the world needs exactly one of {choice}")
+        return STAND_IN
+    for extra in sorted(set(world) - FORMS[forms[0]]):
+        reader.refuse((*WHERE, extra), f"'{extra}' does not go with '{forms[0]}'; remove it")
+    if forms == ["grid"]:
+        return _read_grid(reader, world)
+    if forms == ["rows"]:
+        return _read_rows(reader, world)
+    if forms == ["map"]:
+        return _read_map(reader, world, folder)
+    return _read_plane(reader, world)
+
+
+def _read_grid(reader: Reader, world: dict[str, Any]) -> Grid:
+    where, size = (*WHERE, "grid"), world["grid"]
+    if not isinstance(size, list) or len(size) != 2:
+        reader.refuse(where, "the grid is not a pair; write it as [width, height]")
+        return STAND_IN
+    width, height = (reader.whole((*where, axis), part, 1) for axis, part in enumerate(size))
+    if not _is_possible(reader, "grid", width * height):
+        return STAND_IN
+    return Grid(width, height, y_axis=_read_y_axis(reader, world, "up"))
+
+
+def _read_rows(reader: Reader, world: dict[str, Any]) -> Grid:
+    where, value = (*WHERE, "rows"), world["rows"]
+    y_axis = _read_y_axis(reader, world, "down")
+    parts = value.split() if isinstance(value, str) else value  # a block of text will do
+    texts = reader.names(where, parts, longest=LARGEST_MAP)
+    rows = tuple(row.replace("#", BLOCKED) for row in texts)
+    if not rows:
+        reader.refuse(where, "the map has no rows; write a text of cells for each")
+        return STAND_IN
+    for number, row in enumerate(rows):
+        strange = sorted(set(row) - {FREE, BLOCKED, "?"})
+        if strange:
+            what = f"'{strange[0]}' is no cell; use '{FREE}' for free and '{BLOCKED}' for blocked"
+            reader.refuse((*where, number), f"row {number + 1}: {what}")
+        elif len(row) != len(rows[0]):
+            what = f"{len(row)} cells, but the first has {len(rows[0])}; make them alike"
+            reader.refuse((*where, number), f"row {number + 1} has {what}")
+    if not _is_possible(reader, "rows", sum(map(len, rows))):
+        return STAND_IN
+    return Grid(len(rows[0]), len(rows), rows, y_axis)
+
+
+def _read_map(reader: Reader, world: dict[str, Any], folder: Path | None) -> Grid:
+    where = (*WHERE, "map")
+    name = reader.text(where, world["map"])
+    cell = reader.number((*WHERE, "cell"), world["cell"]) if "cell" in world else None
+    if folder is None:
+        reader.refuse(where, "a map in another file cannot be read here; write its rows")
+    elif reader.is_faithful:
+        try:
+            return read_map(folder / name, cell)
+        except TeamformerError as error:
+            hint = f"; {error.hint}" if error.hint else ""
+            reader.refuse(where, f"{error}{hint}")
+    return STAND_IN
+
+
+def _read_plane(reader: Reader, world: dict[str, Any]) -> Plane:
+    where, size = (*WHERE, "plane"), world["plane"]
+    if not isinstance(size, list) or len(size) != 2:
+        reader.refuse(where, "the plane is not a pair; write it as [width, height], in metres")
+        size = [1, 1]
+    width, height = (reader.number((*where, axis), part) for axis, part in enumerate(size))
+    keys = ("step", "arrival_radius", "unit")
+    given = {key: reader.number((*WHERE, key), world[key]) for key in keys if key in world}
+    return Plane(width, height, **given)
+
+
+def _read_y_axis(
+    reader: Reader, world: dict[str, Any], usual: Literal["up", "down"]
+) -> Literal["up", "down"]:
+    match world.get("y_axis", usual):
+        case "up":
+            return "up"
+        case "down":
+            return "down"
+        case other:
+            reader.refuse((*WHERE, "y_axis"), f"y_axis is {describe(other)}; write up or down")
+            return usual
+
+
+def _is_possible(reader: Reader, key: str, cells: int) -> bool:
+    if cells > LARGEST_MAP:
+        most = f"{LARGEST_MAP:,} are possible, so use larger cells"
+        reader.refuse((*WHERE, key), f"the map has {cells:,} cells; {most}")
+    return cells <= LARGEST_MAP

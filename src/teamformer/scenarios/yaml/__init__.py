@@ -1,0 +1,1 @@
+"""YAML and JSON as trees that know their lines, both ways."""

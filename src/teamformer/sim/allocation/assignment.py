@@ -1,0 +1,179 @@
+"""Allocation: which task a team without an assignment heads for (docs/allocation.md)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.jit import kernel
+from teamformer.sim.arrays import CREWS, NEAREST_ALONE, NOBODY
+from teamformer.sim.motion import travel, travel_between
+from teamformer.sim.spatial_index import find_near
+
+
+@kernel
+def allocate_tasks(world, named):  # type: ignore[no-untyped-def]
+    """Phase 4, in slot order: tasks that decisions name, and the allocation's for the others.
+
+    The part that leaves a team under command waits for its own decision.
+    """
+    has_crews = world.rules.allocation == CREWS
+    if has_crews:
+        _find_earliest_tasks(world)
+    for team in range(world.rules.robots):
+        world.teams[team].pursued = world.teams[team].task
+        if world.teams[team].size == 0 or world.teams[team].serves > 0:
+            continue
+        if world.teams[team].is_commanded:
+            row = world.teams[team].row
+            world.teams[team].task = NOBODY if row == NOBODY else named[row]
+            world.teams[team].is_detour = False
+        elif has_crews:
+            world.teams[team].task = world.teams[team].next
+            world.teams[team].is_detour = False
+        elif world.teams[team].task == NOBODY and contributes_to_any(world, team):
+            task, is_detour = choose_task(world, team)
+            world.teams[team].task, world.teams[team].is_detour = task, is_detour
+        world.teams[team].pursued = world.teams[team].task
+
+
+@kernel
+def _find_earliest_tasks(world):  # type: ignore[no-untyped-def]
+    """Find each team's task by the lists of its robots' crews: the earliest of their next ones."""
+    for team in range(world.rules.robots):
+        world.teams[team].next = NOBODY
+    for robot in range(world.rules.robots):
+        team, task = world.robots[robot].team, world.robots[robot].next
+        if team != NOBODY and task != NOBODY:
+            earliest = world.teams[team].next
+            if earliest == NOBODY or world.tasks[task].rank < world.tasks[earliest].rank:
+                world.teams[team].next = task
+
+
+@kernel
+def contributes_to_any(world, team):  # type: ignore[no-untyped-def]
+    """Say whether any open task needs something that the team has."""
+    for cap in range(world.has.shape[1]):
+        if world.has[team, cap] > 0 and world.demand[cap] > 0:
+            return True
+    return False
+
+
+@kernel
+def choose_task(world, team):  # type: ignore[no-untyped-def]
+    """Return the team's task by the shared order, and whether it is a detour.
+
+    The first open task in the order that it can contribute to and that nearer teams it senses do
+    not cover already, or a later one that it can do alone on a detour: one that shortens the tour,
+    or under the rule of the nearest the nearest.
+    """
+    near = find_near(world, team, world.rules.sensing_radius)
+    for position in range(world.count.open):
+        task = world.order[position]
+        if contributes(world, team, task) and not is_covered(world, near, team, task):
+            if world.rules.allocation == NEAREST_ALONE:
+                detour = _nearest_alone(world, near, team, position)
+            else:
+                detour = _best_detour(world, near, team, position)
+            if detour != NOBODY:
+                return detour, True
+            return task, False
+    return np.int32(NOBODY), False
+
+
+@kernel
+def contributes(world, team, task):  # type: ignore[no-untyped-def]
+    """Say whether a team has something that a task needs, and a way to it."""
+    if world.robots[team].region != world.tasks[task].region:
+        return False
+    for cap in range(world.has.shape[1]):
+        if world.has[team, cap] > 0 and world.needs[task, cap] > 0:
+            return True
+    return False
+
+
+@kernel
+def can_do_alone(world, team, task):  # type: ignore[no-untyped-def]
+    """Say whether a team has everything that a task needs."""
+    for cap in range(world.has.shape[1]):
+        if world.has[team, cap] < world.needs[task, cap]:
+            return False
+    return True
+
+
+@kernel
+def is_covered(world, near, team, task):  # type: ignore[no-untyped-def]
+    """Say whether the sensed teams that head for a task and are nearer to it need no help.
+
+    Of two that are equally near, the lower slot counts as nearer.
+    """
+    away = np.int64(-1)
+    helpers = 0  # the nearer ones are moved to the front of world.near
+    for i in range(near):
+        other = world.near[i]
+        if world.teams[other].task != task:
+            continue
+        if away < 0:
+            away = travel(world, world.teams[team].x, world.teams[team].y, task)
+        other_away = travel(world, world.teams[other].x, world.teams[other].y, task)
+        if other_away < away or (other_away == away and other < team):
+            world.near[i], world.near[helpers] = world.near[helpers], other
+            helpers += 1
+    if helpers == 0:
+        return False
+    for cap in range(world.has.shape[1]):
+        short = world.needs[task, cap]
+        for i in range(helpers):
+            short -= world.has[world.near[i], cap]
+        if short > 0:
+            return False
+    return True
+
+
+@kernel
+def _best_detour(world, near, team, position):  # type: ignore[no-untyped-def]
+    """Return the later task to do first, alone, that shortens the tour most; NOBODY if none does.
+
+    The tour is the team's way to its next task and on through the order.
+    """
+    best, best_change = np.int32(NOBODY), np.int64(0)
+    x, y = world.teams[team].x, world.teams[team].y
+    following = world.order[position]
+    direct = travel(world, x, y, following)
+    count = world.count.open
+    for later in range(position + 1, count):
+        task = world.order[later]
+        if world.robots[team].region != world.tasks[task].region:
+            continue
+        if not can_do_alone(world, team, task):
+            continue
+        before = world.order[later - 1]
+        change = travel(world, x, y, task) + travel_between(world, task, following) - direct
+        change -= travel_between(world, before, task)
+        if later + 1 < count:
+            after = world.order[later + 1]
+            change += travel_between(world, before, after) - travel_between(world, task, after)
+        if change < best_change and not is_covered(world, near, team, task):
+            best, best_change = task, change
+    return best
+
+
+@kernel
+def _nearest_alone(world, near, team, position):  # type: ignore[no-untyped-def]
+    """Return the nearest later task of a team that can do all open ones alone; else NOBODY.
+
+    NOBODY too if its next one, at `position`, is no farther.
+    """
+    best = np.int32(NOBODY)
+    x, y = world.teams[team].x, world.teams[team].y
+    best_away = travel(world, x, y, world.order[position])
+    for later in range(world.count.open):
+        task = world.order[later]
+        if world.robots[team].region != world.tasks[task].region:
+            continue
+        if not can_do_alone(world, team, task):
+            return np.int32(NOBODY)
+        away = travel(world, x, y, task)
+        is_nearer = later > position and away < best_away
+        if is_nearer and not is_covered(world, near, team, task):
+            best, best_away = task, away
+    return best

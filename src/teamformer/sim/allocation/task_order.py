@@ -1,0 +1,103 @@
+"""The shared task order: made at the start and again when tasks appear, alike by every robot.
+
+It rests only on what everybody knows: the fleet list, the open tasks, who did the others when.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.tour import FAR, plan_tour
+from teamformer.sim.allocation.crew_plan import update_plan
+from teamformer.sim.arrays import CREWS, NEAREST, NOBODY, RUNNING, Worlds, world_at
+from teamformer.sim.motion import travel, travel_between
+
+
+def orderings_for(worlds: Worlds) -> list[Callable[[Worlds], None]]:
+    """Return what brings order and crews up to date in these worlds: call each after every step.
+
+    Only what they need, as a planner that is never called need not be compiled.
+    """
+    is_planned = (worlds.rules["allocation"] == CREWS) | (worlds.rules["has_schedule"] != 0)
+    orderings = []
+    if is_planned.any():
+        orderings.append(plan_worlds)
+    if not is_planned.all():
+        orderings.append(order_worlds)
+    return orderings
+
+
+@entry
+def plan_worlds(worlds):  # type: ignore[no-untyped-def]
+    """Bring crews and order up to date in every world that goes on and plans them."""
+    for w in range(len(worlds.rules)):
+        world = world_at(worlds, w)
+        if world.count.status == RUNNING and _is_planned(world):
+            update_plan(world)
+            world.count.arrived = 0
+
+
+@entry
+def order_worlds(worlds):  # type: ignore[no-untyped-def]
+    """Bring the order up to date in every other world that goes on."""
+    for w in range(len(worlds.rules)):
+        world = world_at(worlds, w)
+        if world.count.status == RUNNING and not _is_planned(world) and world.count.arrived > 0:
+            _order_arrived(world)
+            world.count.arrived = 0
+
+
+@kernel
+def _is_planned(world):  # type: ignore[no-untyped-def]
+    return world.rules.allocation == CREWS or world.rules.has_schedule
+
+
+@entry
+def _order_arrived(world):  # type: ignore[no-untyped-def]
+    """Give the tasks that have arrived a place in the tour, or make a new one."""
+    if world.rules.new_tasks == NEAREST and world.count.arrived < world.count.open:
+        _insert_after_nearest(world)
+    else:
+        _solve_anew(world)
+    for position in range(world.count.open):
+        world.tasks[world.order[position]].rank = position
+    world.count.plans += 1
+
+
+@entry
+def _solve_anew(world):  # type: ignore[no-untyped-def]
+    """Order the open tasks by a tour from the latest one done, at first from the centroid."""
+    x, y = world.rules.start_x, world.rules.start_y
+    latest = 0
+    for task in range(world.rules.tasks):
+        if world.tasks[task].done_at > latest:
+            latest = world.tasks[task].done_at
+            x, y = world.tasks[task].x, world.tasks[task].y
+    tasks = np.array([k for k in range(world.rules.tasks) if world.tasks[k].is_open])
+    from_start = np.empty(len(tasks), dtype=np.int64)
+    between = np.zeros((len(tasks), len(tasks)), dtype=np.int64)
+    for i in range(len(tasks)):
+        from_start[i] = travel(world, x, y, tasks[i])
+        for j in range(i):
+            between[i, j] = between[j, i] = travel_between(world, tasks[i], tasks[j])
+    for position, chosen in enumerate(plan_tour(between, from_start)):
+        world.order[position] = tasks[chosen]
+
+
+@kernel
+def _insert_after_nearest(world):  # type: ignore[no-untyped-def]
+    """Put each new task right after the nearest task in the order, the first of equals."""
+    count = world.count.open
+    for arrived in range(count - world.count.arrived, count):
+        task = world.order[arrived]
+        nearest, nearest_away = NOBODY, FAR
+        for position in range(arrived):
+            away = travel_between(world, task, world.order[position])
+            if away < nearest_away:
+                nearest, nearest_away = position, away
+        for position in range(arrived, nearest + 1, -1):
+            world.order[position] = world.order[position - 1]
+        world.order[nearest + 1] = task

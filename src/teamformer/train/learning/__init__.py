@@ -1,0 +1,1 @@
+"""What an iteration learns: rollouts, advantages, PPO and rollout improvement."""

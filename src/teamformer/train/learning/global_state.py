@@ -1,0 +1,172 @@
+"""What the critic sees: every team and every open task of every world, in relations.
+
+Unlike a view this is global; it is used in training only, and like a view's relations it names
+no capability.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.sim.arrays import CREWS, NOBODY, Array, Worlds, world_at
+
+OPEN_TASKS = 16
+"""How many of the open tasks the critic sees, first ones first."""
+
+TEAM_FEATURES, TASK_FEATURES, WORLD_FEATURES = 10, 9, 10
+FAR = 20.0  # cells
+
+
+class GlobalState(NamedTuple):
+    """Tokens for all teams and open tasks of each world; float32 and bool."""
+
+    teams: Array  # (worlds, robots, TEAM_FEATURES)
+    is_team: Array  # (worlds, robots)
+    tasks: Array  # (worlds, tasks, TASK_FEATURES)
+    is_task: Array  # (worlds, tasks)
+    world: Array  # (worlds, WORLD_FEATURES)
+
+
+def global_state_of(worlds: Worlds) -> GlobalState:
+    """Return the state of every world of a batch."""
+    count, robots, _ = worlds.has.shape
+    tasks = min(OPEN_TASKS, worlds.needs.shape[1])
+    state = GlobalState(
+        teams=np.zeros((count, robots, TEAM_FEATURES), dtype=np.float32),
+        is_team=np.zeros((count, robots), dtype=np.bool_),
+        tasks=np.zeros((count, tasks, TASK_FEATURES), dtype=np.float32),
+        is_task=np.zeros((count, tasks), dtype=np.bool_),
+        world=np.zeros((count, WORLD_FEATURES), dtype=np.float32),
+    )
+    _fill(worlds, *state)
+    return state
+
+
+@entry
+def _fill(worlds, teams, is_team, tasks, is_task, about):  # type: ignore[no-untyped-def]
+    for w in range(len(worlds.rules)):
+        world = world_at(worlds, w)
+        shown = min(is_task.shape[1], world.count.open)
+        for position in range(shown):
+            is_task[w, position] = True
+            _write_task(world, tasks[w, position], position)
+        for team in range(world.rules.robots):
+            if world.teams[team].size > 0:
+                is_team[w, team] = True
+                _write_team(world, teams[w, team], team, shown)
+        _write_world(world, about[w], shown)
+
+
+@kernel
+def _away(world, team, task):  # type: ignore[no-untyped-def]
+    away = abs(world.teams[team].x - world.tasks[task].x)
+    return min(away + abs(world.teams[team].y - world.tasks[task].y), FAR) / FAR
+
+
+@kernel
+def _share(world, team, task):  # type: ignore[no-untyped-def]
+    covered = needed = 0
+    for cap in range(world.has.shape[1]):
+        needed += world.needs[task, cap]
+        covered += min(world.has[team, cap], world.needs[task, cap])
+    return covered / max(needed, 1)
+
+
+@kernel
+def _write_team(world, out, team, shown):  # type: ignore[no-untyped-def]
+    task, counts, alone, here = world.teams[team].task, 0, 0, 0
+    for cap in range(world.has.shape[1]):
+        counts += world.has[team, cap]
+    for position in range(shown):
+        alone += _share(world, team, world.order[position]) == 1.0
+    for other in range(world.rules.robots):
+        if other != team and world.teams[other].size > 0:
+            here += (
+                world.teams[other].x == world.teams[team].x
+                and world.teams[other].y == world.teams[team].y
+            )
+    out[0] = min(world.teams[team].size, 16) / 16
+    out[1] = min(counts, 16) / 16
+    out[2] = task != NOBODY
+    if task != NOBODY:
+        out[3] = _away(world, team, task)
+        out[4] = out[3] == 0.0
+        out[5] = _share(world, team, task)
+        out[6] = min(world.tasks[task].rank, 8) / 8
+    if shown > 0:
+        out[7] = _away(world, team, world.order[0])
+    out[8] = alone / max(shown, 1)
+    out[9] = min(here, 8) / 8
+
+
+@kernel
+def _write_task(world, out, position):  # type: ignore[no-untyped-def]
+    task, needed, assigned = world.order[position], 0, 0
+    nearest, nearest_able, best, best_assigned = 1.0, 1.0, 0.0, 0.0
+    for cap in range(world.has.shape[1]):
+        needed += world.needs[task, cap]
+    for team in range(world.rules.robots):
+        if world.teams[team].size == 0:
+            continue
+        away, share = _away(world, team, task), _share(world, team, task)
+        nearest, best = min(nearest, away), max(best, share)
+        if share == 1.0:
+            nearest_able = min(nearest_able, away)
+        if world.teams[team].task == task:
+            assigned += 1
+            best_assigned = max(best_assigned, share)
+    out[0] = position / 16
+    out[1] = min(needed, 10) / 10
+    out[2] = nearest
+    out[3] = nearest_able
+    out[4] = best
+    out[5] = best == 1.0
+    out[6] = best_assigned
+    out[7] = min(assigned, 8) / 8
+    if position > 0:
+        out[8] = _between(world, world.order[position - 1], task)
+
+
+@kernel
+def _between(world, task, other):  # type: ignore[no-untyped-def]
+    away = abs(world.tasks[task].x - world.tasks[other].x)
+    return min(away + abs(world.tasks[task].y - world.tasks[other].y), FAR) / FAR
+
+
+@kernel
+def _write_world(world, out, shown):  # type: ignore[no-untyped-def]
+    teams = largest = 0
+    for team in range(world.rules.robots):
+        teams += world.teams[team].size > 0
+        largest = max(largest, world.teams[team].size)
+    way = 0.0
+    for position in range(1, shown):
+        way += _between(world, world.order[position - 1], world.order[position])
+    out[0] = world.count.open / 10
+    out[1] = shown == 1
+    out[2] = teams / 10
+    out[3] = world.rules.robots / 10
+    out[4] = largest / max(world.rules.robots, 1)
+    out[5] = way / 5
+    out[6] = teams == 1
+    out[7] = min(world.rules.sensing_radius, 10.0) / 10
+    out[8] = world.rules.allocation == CREWS
+    out[9] = _longest_way(world, shown) / 5
+
+
+@kernel
+def _longest_way(world, shown):  # type: ignore[no-untyped-def]
+    """Return the longest way along the open tasks of one crew; without crews, of all."""
+    longest = 0.0
+    for first in range(shown):
+        way, last = 0.0, world.order[first]
+        for position in range(first + 1, shown):
+            task = world.order[position]
+            if world.tasks[task].crew == world.tasks[last].crew:
+                way += _between(world, last, task)
+                last = task
+        longest = max(longest, way)
+    return longest

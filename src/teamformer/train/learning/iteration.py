@@ -1,0 +1,88 @@
+"""Lessons: what an iteration of a training plays and learns, by either method.
+
+All randomness comes from the seed, the process's rank and the iteration's number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from teamformer.model import Scenario
+from teamformer.sim.env import TeamFormation
+from teamformer.train import distributed
+from teamformer.train.learning.counterfactual import try_others
+from teamformer.train.learning.optimiser import Learner
+from teamformer.train.learning.ppo import update
+from teamformer.train.learning.rollout import play, sampler
+from teamformer.train.learning.rollout_improvement import fit
+from teamformer.train.training_settings import TrainSettings
+from teamformer.train.training_worlds import training_worlds
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """What there is to say of an iteration."""
+
+    steps: int  # of worlds, in all processes
+    figures: Mapping[str, float]
+
+
+def learn_from_rewards(
+    learner: Learner, settings: TrainSettings, number: int, progress: float
+) -> Lesson:
+    """Play fresh worlds, and improve policy and critic by PPO on the rewards that came."""
+    worlds, seed = _worlds(settings, number)
+    env = TeamFormation(worlds, settings.reward.of_environment)
+    codec = settings.family.codec(settings.capabilities)
+    generator = torch.Generator(settings.device).manual_seed(seed)
+    choose = sampler(learner.policy, generator, settings.device)  # type: ignore[arg-type]
+    rollout = play(env, codec, choose, settings.reward, settings.worlds_from.steps)
+    seen = update(learner, rollout, settings.update, progress, torch.Generator().manual_seed(seed))
+    figures = {
+        "reward": float(rollout.rewards.sum(axis=0).mean()),  # of a stream
+        "ended": float(rollout.has_ended.mean()),  # share of worlds
+        "splits": float(np.mean(env.worlds.count["splits"])),
+        "entropy": seen.entropy,
+        "clipped": seen.clipped,
+        "policy loss": seen.policy_loss,
+        "value loss": seen.value_loss,
+    }
+    return Lesson(int(rollout.is_running.sum()) * distributed.count(), figures)
+
+
+def learn_by_trying(
+    learner: Learner, settings: TrainSettings, number: int, progress: float
+) -> Lesson:
+    """Play fresh worlds by the script, try other choices, and learn what they gain."""
+    worlds, seed = _worlds(settings, number)
+    codec = settings.family.codec(settings.capabilities)
+    rng = np.random.default_rng(seed)
+    tried, steps = try_others(codec, worlds, rng, settings.trying.share)
+    generator = torch.Generator().manual_seed(seed)
+    error = fit(learner, tried, settings.trying, progress, generator)
+    count = max(1, len(tried.gain))
+    variance = float((tried.gain - tried.gain.sum() / count).square().sum()) / count
+    figures = {
+        "tried": float(len(tried.gain)),
+        "gained": float((tried.gain > 0).sum()) / count,
+        "explained": 1.0 - error / variance if variance > 0 else 0.0,  # share of the variance
+    }
+    return Lesson(steps * distributed.count(), figures)
+
+
+LESSONS: Mapping[str, Callable[[Learner, TrainSettings, int, float], Lesson]] = {
+    "ppo": learn_from_rewards,
+    "trying": learn_by_trying,
+}
+
+
+def _worlds(settings: TrainSettings, number: int) -> tuple[list[Scenario], int]:
+    """Return this process's worlds of an iteration, and a seed for all else."""
+    rank = distributed.rank()
+    seed = settings.seed * 1_000_003 + number + rank * 7_919_993
+    worlds = training_worlds(settings.worlds_from, settings.worlds, (settings.seed, number, rank))
+    return worlds, seed

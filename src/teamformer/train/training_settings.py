@@ -1,0 +1,87 @@
+"""What makes a training the training it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from teamformer.errors import TeamformerError
+from teamformer.train.architectures import Family, find_family
+from teamformer.train.learning.ppo import PpoSettings
+from teamformer.train.learning.reward_streams import MissionReward, TeamReward
+from teamformer.train.learning.rollout_improvement import TryingSettings
+from teamformer.train.training_worlds import Mixture
+
+ITERATIONS, NO_LIMIT = 60, 10**9
+
+
+@dataclass(frozen=True)
+class TrainSettings:
+    """One training; the same settings give the same weights, if no clock ends it."""
+
+    network: str = "any"
+    capabilities: int | None = None  # None: any number
+    method: str | None = None  # None: the network's own
+    seed: int = 0
+    iterations: int | None = None  # None: as many as the minutes allow, else 60
+    minutes: float | None = None  # ends the training, where that is earlier
+    worlds: int = 256  # in each iteration and process
+    mixture: Mixture | None = None  # None: the network's own
+    mission_reward: MissionReward | None = field(default_factory=MissionReward)
+    team_reward: TeamReward | None = None  # instead, if mission_reward is None
+    ppo: PpoSettings | None = None  # None: the network's own
+    trying: TryingSettings = field(default_factory=TryingSettings)
+    evaluate_every: int = 10
+    begin_from: str = ""  # folder of a checkpoint to take the first weights from
+    device: str = "cpu"
+
+    def __post_init__(self) -> None:
+        family = find_family(self.network, self.capabilities)
+        if self.method is not None and self.method not in family.methods:
+            known = " or ".join(family.methods)
+            raise TeamformerError(
+                f"'{self.network}' does not learn by {self.method}", f"use {known}"
+            )
+        if self.learns_by == "trying" and self.mission_reward is None:
+            hint = "leave the reward out, or use ppo"
+            raise TeamformerError("learning by trying knows no reward", hint)
+
+    @property
+    def learns_by(self) -> str:
+        """Return the method: `ppo`, from rewards, or `trying`."""
+        return self.method or self.family.methods[0]
+
+    @property
+    def last_iteration(self) -> int:
+        """Return how many iterations there are at most."""
+        if self.iterations is not None:
+            return self.iterations
+        return ITERATIONS if self.minutes is None else NO_LIMIT
+
+    @property
+    def family(self) -> Family:
+        """Return the network's kind."""
+        return find_family(self.network, self.capabilities)
+
+    @property
+    def worlds_from(self) -> Mixture:
+        """Return where training worlds are drawn from."""
+        return self.mixture or self.family.mixture(self.capabilities)
+
+    @property
+    def update(self) -> PpoSettings:
+        """Return how rollouts change the weights."""
+        return self.ppo or self.family.ppo
+
+    @property
+    def reward(self) -> MissionReward | TeamReward:
+        """Return the one reward that is set."""
+        if self.mission_reward is None:
+            return self.team_reward or TeamReward()
+        return self.mission_reward
+
+    def share_done(self, iteration: int, seconds: float) -> float:
+        """Return how much of the training is over, from 0 to 1."""
+        of_iterations = iteration / self.last_iteration
+        if self.minutes is None:
+            return of_iterations
+        return min(1.0, max(of_iterations, seconds / (60 * self.minutes)))

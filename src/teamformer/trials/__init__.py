@@ -1,0 +1,1 @@
+"""Trials: one scenario, one policy, one seed, run to its end and recorded."""

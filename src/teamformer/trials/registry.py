@@ -1,0 +1,78 @@
+"""Policies by name: the listed ones, and a user's own class."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from teamformer.errors import TeamformerError
+from teamformer.policies.listing import Listing
+from teamformer.policies.protocol import Policy
+
+BARE = "-bare"
+"""After the name of a learned policy: without its liveness rule."""
+
+
+def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
+    """Return a policy by its listed name, as `module:Class`, or from the folder of a training.
+
+    With `-bare` after it a learned policy goes without its liveness rule. Raises `TeamformerError`
+    for a name that is unknown and for a class that is no policy.
+    """
+    for listing in listings:
+        if listing.name == name:
+            return _instance(listing.where)
+    if name and Path(name).is_dir():
+        # brings all that networks need
+        from teamformer.policies.learned.trained_folder import load_trained
+
+        return load_trained(Path(name))
+    if name.endswith(BARE):
+        return _bare(name, listings)
+    if ":" in name:
+        return _instance(name)
+    known = [listing.name for listing in listings]
+    near = difflib.get_close_matches(name, known, 1)
+    hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)};"
+    hint += " your own is module:Class or a folder"
+    raise TeamformerError(f"there is no policy '{name}'", hint)
+
+
+def _bare(name: str, listings: Sequence[Listing]) -> Policy:
+    try:
+        policy = load_policy(name.removesuffix(BARE), listings)
+    except TeamformerError as error:
+        raise TeamformerError(f"there is no policy '{name}': {error}", error.hint) from None
+    if not hasattr(policy, "with_liveness"):
+        hint = f"{BARE} is for learned policies, which have one"
+        raise TeamformerError(f"there is no policy '{name}': it has no liveness rule", hint)
+    policy.with_liveness = False
+    return policy
+
+
+def _instance(where: str) -> Policy:
+    module_name, _, class_name = where.partition(":")
+    if not all(part.isidentifier() for part in (*module_name.split("."), class_name)):
+        hint = "write it as module:Class, such as mine:Patient for class Patient in mine.py"
+        raise TeamformerError(f"policy '{where}' cannot be imported: it is no name", hint)
+    if str(Path.cwd()) not in sys.path:
+        sys.path.append(str(Path.cwd()))
+    try:
+        made: Any = getattr(importlib.import_module(module_name), class_name)()
+    except (ImportError, ValueError) as error:
+        hint = "run from the folder that holds the module"
+        raise TeamformerError(f"policy '{where}' cannot be imported: {error}", hint) from None
+    except AttributeError:
+        raise TeamformerError(f"module '{module_name}' has no class '{class_name}'") from None
+    except TypeError as error:
+        raise TeamformerError(f"'{where}' cannot be made without arguments: {error}") from None
+    for part in ("needs_everything", "begin", "decide"):
+        if not hasattr(made, part):
+            hint = "see docs/policies.md for what a policy offers"
+            raise TeamformerError(f"'{where}' is no policy: it has no '{part}'", hint)
+    policy: Policy = made
+    return policy

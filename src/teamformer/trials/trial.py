@@ -1,0 +1,94 @@
+"""A trial: one scenario, one policy, one seed, run to its end; alone or many side by side."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from teamformer.model import Scenario
+from teamformer.policies.central.planner import CentralPlan
+from teamformer.policies.protocol import Policy
+from teamformer.sim.env import Tally, TeamFormation
+from teamformer.sim.replay import Replay
+from teamformer.trials.recorder import Recorder
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A finished trial: its record, and what the clock said (which the record never holds).
+
+    `is_interrupted` says that Ctrl-C was pressed, be it in the very last step.
+    """
+
+    replay: Replay
+    decision_seconds: float
+    total_seconds: float
+    is_interrupted: bool = False
+    plan: CentralPlan | None = None  # where the central planner decided
+
+
+def run_trial(
+    scenario: Scenario,
+    policy: Policy,
+    name: str,
+    seed: int = 0,
+    lower_bound: int | None = None,
+    on_step: Callable[[Tally], None] | None = None,
+) -> Trial:
+    """Run one trial and record it; Ctrl-C ends it with what was done so far.
+
+    `lower_bound` is what is known of the scenario; a planner that has proven more raises it.
+    `on_step` is called after each step, for a display of progress.
+    """
+    begun = time.perf_counter()
+    deciding = 0.0
+    env = TeamFormation([scenario])
+    recorder = Recorder(env)
+    is_interrupted = False
+    try:
+        deciding += _seconds(lambda: _begin(policy, [scenario], seed))
+        while env.is_running[0]:
+            view = env.view()
+            asked = time.perf_counter()
+            decision = policy.decide(view)
+            deciding += time.perf_counter() - asked
+            env.step(decision)
+            recorder.step()
+            if on_step is not None:
+                on_step(env.tally())
+    except KeyboardInterrupt:
+        is_interrupted = True
+    plan = next(iter(getattr(policy, "plans", ())), None)
+    replay = recorder.finish(name, seed, _best_bound(lower_bound, plan))
+    return Trial(replay, deciding, time.perf_counter() - begun, is_interrupted, plan)
+
+
+def run_trials(
+    scenarios: Sequence[Scenario], policy: Policy, seed: int = 0, threads: int = 1
+) -> list[Tally]:
+    """Run one trial of each scenario side by side, unrecorded, and return how each ended."""
+    with TeamFormation(scenarios, threads=threads) as env:
+        _begin(policy, scenarios, seed)
+        while env.is_running.any():
+            env.step(policy.decide(env.view()))
+        return [env.tally(w) for w in range(len(scenarios))]
+
+
+def _best_bound(known: int | None, plan: CentralPlan | None) -> int | None:
+    """Return the highest bound that holds for every policy."""
+    proven = None if plan is None else plan.solution.bound
+    return max((bound for bound in (known, proven) if bound is not None), default=None)
+
+
+def _begin(policy: Policy, scenarios: Sequence[Scenario], seed: int) -> None:
+    """Start a policy; only one that says so is told more than its views."""
+    policy.begin(scenarios if policy.needs_everything else None, np.random.default_rng(seed))
+
+
+def _seconds(work: Callable[[], None]) -> float:
+    begun = time.perf_counter()
+    work()
+    return time.perf_counter() - begun

@@ -1,0 +1,96 @@
+"""The script that the policy for any fleet begins from: by hand, and that it ends missions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from random_worlds import random_world
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.policies.scripted.join_fitting import JoinFitting, Script
+from teamformer.policies.scripted.joining import JoinAll, JoinCrew
+from teamformer.scenarios.named_settings import world_of
+from teamformer.sim.env import Decision, TeamFormation
+from teamformer.trials.trial import run_trials
+
+CAPS = ("a", "b")
+
+
+def side_by_side(cans: list[dict[str, int]], tasks: list[tuple[int, dict[str, int]]]) -> Scenario:
+    """Robots in cell 0 of a row of eight, and tasks at their cells."""
+    return Scenario(
+        "side by side",
+        Grid(8, 1),
+        CAPS,
+        tuple(Robot(f"r{r}", (0, 0), can) for r, can in enumerate(cans)),
+        tuple(Task(f"t{k}", (x, 0), needs) for k, (x, needs) in enumerate(tasks)),
+    )
+
+
+def wanted(scenario: Scenario) -> list[list[int]]:
+    counts: list[list[int]] = JoinFitting().decide(TeamFormation([scenario]).view()).wanted.tolist()
+    return counts
+
+
+def test_who_adds_what_is_needed_is_joined_and_who_would_be_one_too_many_is_not() -> None:
+    both = (4, {"a": 1, "b": 1})
+    assert wanted(side_by_side([{"a": 1}, {"b": 1}], [both])) == [[1, 1], [1, 1]]
+    assert wanted(side_by_side([{"a": 1}, {"a": 1}], [(4, {"a": 1})])) == [[1, 0], [1, 0]]
+    assert wanted(side_by_side([{"a": 1}, {"a": 1}], [(4, {"a": 2})])) == [[2, 0], [2, 0]]
+
+
+def test_at_the_task_what_is_missing_is_joined_even_if_some_is_wasted() -> None:
+    """Robots {a, b} and {a, c} fit nobody elsewhere; where both must work they join."""
+    scenario = Scenario(
+        "overlap",
+        Grid(4, 1),
+        ("a", "b", "c"),
+        (Robot("r0", (0, 0), {"a": 1, "b": 1}), Robot("r1", (0, 0), {"a": 1, "c": 1})),
+        (Task("t0", (2, 0), {"a": 1, "b": 1, "c": 1}),),
+    )
+    assert wanted(scenario) == [[1, 1, 0], [1, 0, 1]]
+    [tally] = run_trials([scenario], JoinFitting())
+    assert (tally.status, tally.steps) == ("completed", 3)  # two steps there, one to join
+
+
+def test_those_who_can_do_their_own_tasks_alone_part() -> None:
+    """{a} heads for the near task, {b} for the far one; only the third needs both."""
+    tasks = [(2, {"a": 1}), (4, {"b": 1}), (7, {"a": 1, "b": 1})]
+    env = TeamFormation([side_by_side([{"a": 1}, {"b": 1}], tasks)])
+    env.step(Decision(env.view().counts))  # they have assignments now, and both stand in cell 1
+    assert JoinFitting().decide(env.view()).wanted.tolist() == [[1, 0], [0, 1]]
+
+
+def test_without_doubles_it_does_as_well_as_join_all() -> None:
+    worlds = [world_of("8N20T-C8", seed) for seed in range(30)]
+    fitting, bar = (
+        np.mean([tally.steps for tally in run_trials(worlds, policy)])
+        for policy in (JoinFitting(), JoinAll())
+    )
+    assert fitting <= bar + 0.1
+
+
+def test_with_doubles_it_is_faster_than_join_all() -> None:
+    worlds = [world_of("20N40T-C4-20x20", seed) for seed in range(20)]
+    fitting, bar = (
+        np.mean([tally.steps for tally in run_trials(worlds, policy)])
+        for policy in (JoinFitting(), JoinAll())
+    )
+    assert fitting < 0.95 * bar
+
+
+def test_under_crews_the_script_is_join_crew() -> None:
+    worlds = [replace(world_of("8N20T-C4", seed), allocation="crews") for seed in range(10)]
+    assert run_trials(worlds, Script()) == run_trials(worlds, JoinCrew())
+
+
+@pytest.mark.parametrize("allocation", ["paper", "nearest", "crews"])
+@pytest.mark.parametrize("is_plane", [False, True])
+def test_missions_end(allocation: str, is_plane: bool) -> None:
+    rng = np.random.default_rng(11)
+    drawn = [random_world(rng, with_losses=False, is_plane=is_plane) for _ in range(300)]
+    worlds = [replace(world, allocation=allocation) for world in drawn]
+    for world, tally in zip(worlds, run_trials(worlds, Script()), strict=True):
+        assert tally.status == "completed", world

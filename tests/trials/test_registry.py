@@ -1,0 +1,98 @@
+"""Policies by name, and what is said of names that name none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from teamformer.errors import TeamformerError
+from teamformer.policies import POLICIES
+from teamformer.policies.learned.policy import Learned
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll
+from teamformer.trials.registry import load_policy
+
+OWN = """
+class Patient:
+    needs_everything = False
+
+    def begin(self, everything, rng):
+        pass
+
+    def decide(self, view):
+        return None
+
+
+class Deaf:
+    needs_everything = False
+
+    def begin(self, everything, rng):
+        pass
+
+
+class Picky(Patient):
+    def __init__(self, taste):
+        pass
+"""
+
+
+@pytest.fixture
+def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A module of a user's, in the folder they work in."""
+    (tmp_path / "my_own_policies.py").write_text(OWN)
+    (tmp_path / "broken_policies.py").write_text("import no_such_library\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    return "my_own_policies"
+
+
+def test_listed_names() -> None:
+    assert isinstance(load_policy("heuristic", POLICIES), Heuristic)
+    assert isinstance(load_policy("join-all", POLICIES), JoinAll)
+
+
+def test_learned_policies_go_without_their_liveness_rule(own_module: str, tmp_path: Path) -> None:
+    for name in ("teamformer-any", "gnn-c8"):
+        with_it, bare = load_policy(name, POLICIES), load_policy(f"{name}-bare", POLICIES)
+        assert isinstance(with_it, Learned)
+        assert isinstance(bare, Learned)
+        assert (with_it.with_liveness, bare.with_liveness) == (True, False)
+    for name in ("join-all-bare", f"{own_module}:Patient-bare"):
+        with pytest.raises(TeamformerError, match="has no liveness rule"):
+            load_policy(name, POLICIES)
+    with pytest.raises(TeamformerError, match="no policy 'gnn-bare'"):
+        load_policy("gnn-bare", POLICIES)
+
+
+def test_names_are_listed_once() -> None:
+    names = [listing.name for listing in POLICIES]
+    assert len(set(names)) == len(names)
+    assert all(listing.summary for listing in POLICIES)
+
+
+def test_a_class_of_ones_own(own_module: str) -> None:
+    policy = load_policy(f"{own_module}:Patient", POLICIES)
+    assert type(policy).__name__ == "Patient"
+
+
+@pytest.mark.parametrize(
+    ("name", "message", "hint"),
+    [
+        ("heuristik", "there is no policy 'heuristik'", "did you mean 'heuristic'?"),
+        ("quantum", "there is no policy 'quantum'", "known are teamformer, heuristic, join-all"),
+        ("no_such_module:Class", "cannot be imported", "the folder that holds the module"),
+        ("broken_policies:Class", "no_such_library", "the folder that holds the module"),
+        (":Class", "cannot be imported", "write it as module:Class"),
+        (".mine:X", "cannot be imported", "write it as module:Class"),
+        ("my_own_policies:Nobody", "module 'my_own_policies' has no class 'Nobody'", ""),
+        ("my_own_policies:Picky", "cannot be made without arguments", ""),
+        ("my_own_policies:Deaf", "is no policy: it has no 'decide'", "docs/policies.md"),
+    ],
+)
+@pytest.mark.usefixtures("own_module")
+def test_what_is_no_policy(name: str, message: str, hint: str) -> None:
+    with pytest.raises(TeamformerError) as error:
+        load_policy(name, POLICIES)
+    assert message in str(error.value)
+    assert hint in error.value.hint

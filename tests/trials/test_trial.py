@@ -1,0 +1,163 @@
+"""Trials: how they begin, what they count, and how they are cut short."""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from types import FrameType
+
+import numpy as np
+import pytest
+
+from random_worlds import random_decision, random_world
+from small_worlds import two_robots_one_task, two_tasks_two_pairs, walker
+from teamformer.model import Scenario
+from teamformer.policies.scripted.joining import JoinAll
+from teamformer.referee import judge
+from teamformer.sim.env import Decision, Tally
+from teamformer.sim.view import View
+from teamformer.trials.trial import Trial, run_trial, run_trials
+
+
+class Dice:
+    """Decides at random, by the generator it is given."""
+
+    needs_everything = False
+    given: Sequence[Scenario] | None = ()
+
+    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+        self.given, self.rng = everything, rng
+
+    def decide(self, view: View) -> Decision:
+        return random_decision(view, self.rng)
+
+
+class AllKnowing(Dice):
+    needs_everything = True
+
+
+class Impatient(JoinAll):
+    """Presses Ctrl-C when asked for the third time."""
+
+    asked = 0
+
+    def decide(self, view: View) -> Decision:
+        self.asked += 1
+        if self.asked == 3:
+            raise KeyboardInterrupt
+        return super().decide(view)
+
+
+def test_a_trial_is_recorded_to_its_end() -> None:
+    replay = run_trial(two_robots_one_task(), JoinAll(), "join-all", 5, lower_bound=3).replay
+    assert (replay.policy, replay.seed, replay.lower_bound) == ("join-all", 5, 3)
+    assert (replay.end.status, replay.end.makespan, replay.end.steps) == ("completed", 4, 4)
+    assert (replay.end.tasks_done, replay.end.joins, replay.end.splits) == (1, 1, 0)
+    assert len(replay.steps) == 4
+
+
+def test_a_trial_that_hits_its_limit_has_no_makespan() -> None:
+    replay = run_trial(two_robots_one_task(step_limit=3), JoinAll(), "join-all").replay
+    assert (replay.end.status, replay.end.makespan, replay.end.steps) == ("step limit", None, 3)
+
+
+def test_only_a_policy_that_needs_everything_is_given_it() -> None:
+    scenario = walker(1.0)
+    dice, all_knowing = Dice(), AllKnowing()
+    run_trial(scenario, dice, "dice")
+    run_trial(scenario, all_knowing, "all-knowing")
+    assert dice.given is None
+    assert all_knowing.given == [scenario]
+
+
+def test_the_seed_decides() -> None:
+    scenario = two_tasks_two_pairs(step_limit=20)
+    trials = [run_trial(scenario, Dice(), "dice", seed).replay for seed in (1, 1, 2)]
+    assert trials[0] == trials[1]
+    assert trials[0].steps != trials[2].steps
+
+
+def test_ctrl_c_keeps_what_was_done() -> None:
+    replay = run_trial(two_robots_one_task(), Impatient(), "impatient").replay
+    assert (replay.end.status, replay.end.steps, replay.end.makespan) == ("interrupted", 2, None)
+    assert len(replay.steps) == 2
+    assert replay.steps[0].joins == ((0, 1),)
+
+
+class Interrupter:
+    """Presses Ctrl-C before one line, counted from 1, of what runs and records a trial."""
+
+    FILES = ("trial.py", "recorder.py", "env.py")
+
+    def __init__(self, line: int) -> None:
+        self.lines_left = line
+
+    def __call__(self, frame: FrameType, event: str, _: object) -> Interrupter | None:
+        if not frame.f_code.co_filename.endswith(self.FILES):
+            return None
+        if event == "line":
+            self.lines_left -= 1
+            if self.lines_left == 0:
+                raise KeyboardInterrupt
+        return self
+
+    def run(self, scenario: Scenario) -> Trial | None:
+        """Return the trial, None if nothing could be recorded."""
+        before = sys.gettrace()
+        sys.settrace(self)
+        try:
+            return run_trial(scenario, JoinAll(), "join-all")
+        except KeyboardInterrupt:
+            return None
+        finally:
+            sys.settrace(before)
+
+
+def test_ctrl_c_at_any_line_leaves_a_legal_record() -> None:
+    scenario = two_tasks_two_pairs(step_limit=6)
+    endings: Counter[tuple[str, int]] = Counter()
+    unrecorded = 0
+    for line in itertools.count(1):
+        interrupter = Interrupter(line)
+        trial = interrupter.run(scenario)
+        if trial is None:
+            unrecorded += 1
+            continue
+        assert judge(trial.replay).findings == ()
+        assert trial.is_interrupted == (interrupter.lines_left <= 0)
+        if not trial.is_interrupted:
+            break
+        endings[trial.replay.end.status, trial.replay.end.steps] += 1
+    last = trial.replay.end.steps
+    assert set(endings) == {("completed", last), *(("interrupted", n) for n in range(last))}
+    assert sum(endings.values()) > unrecorded  # while the trial is set up or handed over
+
+
+def test_each_step_is_reported() -> None:
+    seen: list[Tally] = []
+    run_trial(walker(1.0, goal=3), JoinAll(), "join-all", on_step=seen.append)
+    assert [tally.steps for tally in seen] == [1, 2, 3]
+    assert [tally.tasks_done for tally in seen] == [0, 0, 1]
+
+
+def test_the_clock_counts_deciding_as_part_of_the_whole() -> None:
+    trial = run_trial(walker(1.0), JoinAll(), "join-all")
+    assert 0 < trial.decision_seconds < trial.total_seconds
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_trials_side_by_side_end_as_they_do_alone(threads: int) -> None:
+    rng = np.random.default_rng(15)
+    scenarios = [random_world(rng) for _ in range(20)]
+    for scenario, tally in zip(
+        scenarios, run_trials(scenarios, JoinAll(), 0, threads), strict=True
+    ):
+        end = run_trial(scenario, JoinAll(), "join-all").replay.end
+        assert (end.status, end.steps, end.tasks_done) == (
+            tally.status,
+            tally.steps,
+            tally.tasks_done,
+        )
+        assert (end.joins, end.splits) == (tally.joins, tally.splits)

@@ -55,9 +55,11 @@ HOMES = {
     "daqp": ("robotarium/control/qp_solvers.py",),
     "cvxopt": ("robotarium/control/qp_solvers.py",),
     "rps": ("robotarium/robots/rps_robots.py",),
+    "scipy": ("robotarium/control/assignment.py",),
+    "onnx": ("train/export/",),
     "PIL": ("robotarium/draw.py",),
 }
-NOWHERE = ("scipy", "pandas", "networkx")
+NOWHERE = ("pandas", "networkx")
 
 FILES = sorted(ROOT.rglob("*.py"))
 

@@ -1,4 +1,4 @@
-"""The assignment against all permutations."""
+"""Who takes which slot, against all permutations."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from teamformer.robotarium.control.assignment import assign, match
+from teamformer.robotarium.control.assignment import match
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 6])
-def test_it_costs_the_least_of_all(n: int) -> None:
+def test_the_squares_of_the_ways_add_up_to_the_least(n: int) -> None:
     rng = np.random.default_rng(n)
     for _ in range(20):
-        cost = rng.uniform(-1, 1, (n, n))
-        columns = assign(cost)
-        assert sorted(columns.tolist()) == list(range(n))
-        best = min(sum(cost[r, c] for r, c in enumerate(p)) for p in permutations(range(n)))
-        assert cost[np.arange(n), columns].sum() == pytest.approx(best)
+        places, slots = rng.uniform(-1, 1, (n, 2)), rng.uniform(-1, 1, (n, 2))
+        taken = match(places, slots)
+        assert sorted(map(tuple, taken)) == sorted(map(tuple, slots))
+        least = min(((places - slots[list(p)]) ** 2).sum() for p in permutations(range(n)))
+        assert ((places - taken) ** 2).sum() == pytest.approx(least)
 
 
 def test_nobody_passes_through_the_others() -> None:

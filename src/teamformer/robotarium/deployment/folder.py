@@ -19,7 +19,7 @@ from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.policies import POLICIES
 from teamformer.policies.learned.onnx_sessions import shipped
-from teamformer.robotarium.deployment.onnx_files import Graph, read_onnx
+from teamformer.robotarium.deployment.graphs import Graph, read_graph
 from teamformer.robotarium.experiment import start_poses
 from teamformer.robotarium.mission_checks import check_mission
 
@@ -58,7 +58,7 @@ def deploy(scenario: Scenario, policy: str, seed: int, folder: Path) -> list[Pat
     texts["tf_scenario.py"] = _scenario_text(scenario, start_poses(scenario, seed), seed)
     texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", _flat(module)).replace("MAKER", maker)
     if policy in NETWORKS:
-        graph = read_onnx(shipped(f"{NETWORKS[policy]}.onnx"))
+        graph = read_graph(shipped(f"{NETWORKS[policy]}.npz"))
         texts["tf_graph.py"] = _graph_text(graph)
         np.save(folder / "weights.npy", _weights(graph))
     for name, text in texts.items():
@@ -137,20 +137,12 @@ def _graph_text(graph: Graph) -> str:
     for name, constant in graph.constants.items():
         places[name] = (at, constant.shape, constant.dtype.str)
         at += constant.size
-    nodes = [(n.operation, n.inputs, n.outputs, _plain(n.settings)) for n in graph.nodes]
+    nodes = [(n.operation, n.inputs, n.outputs, n.settings) for n in graph.nodes]
     return (
         '"""The network: constants as (begin, shape, type) in weights.npy, and operations."""\n\n'
         f"CONSTANTS = {places!r}\nINPUTS = {graph.inputs!r}\nOUTPUTS = {graph.outputs!r}\n"
         f"NODES = {nodes!r}\n"
     )
-
-
-def _plain(settings: dict[str, object]) -> dict[str, object]:
-    """Return settings that Python can read back from their text."""
-    for name, value in settings.items():
-        if isinstance(value, np.ndarray):
-            raise TeamformerError(f"this network keeps a constant in '{name}'; export it anew")
-    return settings
 
 
 def _weights(graph: Graph) -> np.ndarray:

@@ -64,6 +64,8 @@ def test_scrubbing_to_the_end_shows_the_makespan(open_page: Opener, dock: Tree) 
         "61 1.27 x the bound",
         "Lower bound",
         "48",
+        "Lost",
+        "r4",
     ]
     assert opened.page.inner_text("#status") == "Completed"
 
@@ -226,7 +228,7 @@ def test_a_trial_that_cannot_end_says_why(open_page: Opener, dock: Tree) -> None
     assert "Can never be done: late load." in opened.page.inner_text("#notice")
     assert "Can never be done" in opened.details()
     assert opened.page.inner_text("#figures").split("\n")[2:] == [
-        "Makespan", "none", "Lower bound", "unknown",
+        "Makespan", "none", "Lower bound", "unknown", "Lost", "r4",
     ]  # fmt: skip
 
 

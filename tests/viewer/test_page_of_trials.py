@@ -18,7 +18,10 @@ from teamformer.sim.replay import replay_to_tree
 from teamformer.trials.recorder import Recorder
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-READING = ("scenario", "plane", "counts", "history", "services", "scene")
+READING = (
+    *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
+    "record/scene",
+)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,10 @@ from typing import Any
 import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_states
 
-PURE = ("scenario", "plane", "counts", "history", "services", "scene", "packing")
+PURE = (
+    *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
+    *("record/scene", "record/ways", "record/phases", "record/words", "draw/packing"),
+)
 
 
 @pytest.fixture(scope="module")
@@ -123,3 +126,37 @@ def test_teams_in_one_place_do_not_overlap(scripts: Any) -> None:
         for one, other in itertools.combinations(circles, 2):
             apart = math.dist((one["x"], one["y"]), (other["x"], other["y"]))
             assert apart >= one["r"] + other["r"] - 1e-6
+
+
+def test_ways_lead_around_walls_as_teams_walk(scripts: Any) -> None:
+    """Of two shortest first steps the one along the longer side is taken, as in `downhill`."""
+    world = {"rows": [".....", ".@@@.", "....."], "y_axis": "down"}
+    ways = scripts.evaluate(
+        "(world) => [[0, 2], [2, 2], [4, 0]].map((at) => wayTo(readWorld(world), at, [4, 0]))",
+        world,
+    )
+    assert ways == [
+        [[0, 2], [4, 2], [4, 0]],
+        [[2, 2], [4, 2], [4, 0]],
+        [[4, 0], [4, 0]],
+    ]
+
+
+def test_every_step_of_a_robot_has_its_phase(scripts: Any) -> None:
+    """Two join in step 1, serve in steps 2 to 4, are idle in 5; in step 6 one is lost."""
+    steps = [
+        {"joins": [[1, 0]], "teams": [[0, 3, 3, 0]]}, {}, {},
+        {"done": [[0, 0]], "teams": [[0, 3, 3, None]]},
+        {}, {"lost": [0], "teams": [[1, 3, 3, None]]},
+    ]  # fmt: skip
+    tree = two_robots(steps, needs={"lift": 2}, duration=3)
+    ask = "(tree) => { const h = frames(tree); return [0, 1].map((robot) => phaseRuns(h, robot)); }"
+    named = [
+        [(PHASES[run["phase"]], run["from"], run["to"]) for run in runs]
+        for runs in scripts.evaluate(ask, tree)
+    ]
+    both = [("forms", 0, 1), ("serves", 1, 4)]
+    assert named == [[*both, ("idle", 4, 5), ("lost", 5, 6)], [*both, ("idle", 4, 6)]]
+
+
+PHASES = ["walks", "waits", "forms", "serves", "idle", "lost"]

@@ -13,11 +13,13 @@ from pathlib import Path
 from string import Template
 
 SCRIPTS = (
-    *("scenario", "plane", "counts", "history", "services", "scene", "story", "words"),
-    *("packing", "placing", "palette", "camera"),
-    *("draw_world", "draw_tasks", "draw_teams", "draw_extras", "draw_names", "map"),
-    *("dom", "chips", "waiting", "inspector", "rows", "lists"),
-    *("header", "player", "timeline", "controls", "app", "main"),
+    *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
+    *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
+    *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
+    *("draw/teams", "draw/groups", "draw/extras", "draw/names", "draw/map"),
+    *("panel/dom", "panel/chips", "panel/waiting", "panel/inspector", "panel/rows", "panel/lists"),
+    *("panel/header", "panel/playback", "panel/timeline", "panel/gantt", "panel/files"),
+    *("panel/controls", "player", "companion", "app", "main"),
 )
 """The scripts of the page in the order in which they are put together."""
 

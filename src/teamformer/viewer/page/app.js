@@ -1,40 +1,72 @@
-// The page as a whole: one trial, one clock, one selection.
+// The page as a whole: one record, one clock, one selection; perhaps a second record beside it.
 
 const LINES_UP_TO = 30; // teams; with more, the lines to assignments are off at first
+const ADDRESS_EVERY = 300; // milliseconds, while it plays
 
 class App {
-  constructor(replay) {
-    this.history = frames(replay);
-    const { scenario } = this.history;
-    this.events = this.history.events.filter(({ kind }) => kind !== "heads");
-    this.colours = capabilityColours(scenario.capabilities.length);
-    this.labels = shortLabels(scenario.capabilities);
-    this.selection = {}; // {robot}, {task}, {cap} or nothing
-    const isSmall = scenario.robots.length <= LINES_UP_TO;
-    this.options = {
-      lines: isSmall,
-      trails: false,
-      order: false,
-      names: scenario.tasks.length <= 2 * LINES_UP_TO,
-    };
-    this.sceneAt = rememberLast(STATES_KEPT, (step) => sceneAt(this.history, step));
-    this.player = new Player(this.history.last, (isNewStep) => this.show(isNewStep));
+  constructor(record) {
+    this.player = new Player(0, (isNewStep) => this.show(isNewStep));
+    this.options = { lines: true, trails: false, order: false, names: true, rings: "team" };
+    this.view = "map";
     this.map = new TrialMap(this, byId("map"));
     this.lists = new Lists(this);
     this.timeline = new Timeline(this, byId("marks"));
+    this.gantt = new Gantt(this, byId("gantt"));
+    this.companion = new Companion(this);
+    this.load(record);
+  }
+
+  // Show a record; what cannot be read throws before anything has changed.
+  load(record) {
+    const trial = readTrial(record);
+    Object.assign(this, trial);
+    const { scenario } = trial.history;
+    this.events = trial.history.events.filter(({ kind }) => kind !== "heads");
+    this.selection = {}; // {robot}, {task}, {cap} or nothing
+    this.options.lines = scenario.robots.length <= LINES_UP_TO;
+    this.options.names = scenario.tasks.length <= 2 * LINES_UP_TO;
+    this.options.rings = "team";
+    this.player.reset(this.lastStep());
+    this.map.look(scenario.world);
+    this.gantt.forget();
+    byId("scrub").max = String(this.player.last);
   }
 
   start() {
-    showHeader(this);
     connectControls(this);
+    connectFiles(this);
     this.readAddress();
     addEventListener("hashchange", () => this.readAddress());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.show(true));
+    this.showAll();
+  }
+
+  // Everything that depends on the record and not on the moment, too.
+  showAll() {
+    showHeader(this);
+    this.timeline.draw();
     this.show(true);
   }
 
+  // Open another record in place of this one, or put it beside.
+  open(record, isBeside) {
+    if (isBeside) this.companion.load(record);
+    else {
+      this.companion.close();
+      this.load(record);
+    }
+    this.player.reset(this.lastStep());
+    byId("scrub").max = String(this.player.last);
+    this.map.resize();
+    this.showAll();
+  }
+
+  lastStep() {
+    return Math.max(this.history.last, this.companion.lastStep());
+  }
+
   scene() {
-    return this.sceneAt(this.player.step);
+    return this.sceneAt(Math.min(this.player.step, this.history.last));
   }
 
   selectedTeam() {
@@ -53,6 +85,12 @@ class App {
     this.show(true);
   }
 
+  // "map" or "gantt".
+  look(view) {
+    this.view = view;
+    this.show(true);
+  }
+
   go(step) {
     this.player.pause();
     this.player.go(step);
@@ -62,7 +100,7 @@ class App {
     if (event.task !== undefined) this.selection = { task: event.task };
     else if (event.kind === "join") this.selection = { robot: event.joiner };
     else if (event.kind === "split") this.selection = { robot: event.stay[0] };
-    else if (event.kind === "lost") this.selection = { robot: event.robot };
+    else if (event.robot !== undefined) this.selection = { robot: event.robot };
     this.go(event.step);
     this.show(true);
   }
@@ -72,10 +110,10 @@ class App {
     const { step } = this.player;
     const steps = this.events.map((event) => event.step);
     const next = direction > 0 ? steps.find((at) => at > step) : steps.findLast((at) => at < step);
-    this.go(next ?? (direction > 0 ? this.history.last : 0));
+    this.go(next ?? (direction > 0 ? this.player.last : 0));
   }
 
-  // `#step=12&task=crate-7`, or `&robot=r1`, or `&capability=lift`.
+  // `#step=12&task=crate-7`, or `&robot=r1`, or `&capability=lift`; `&view=gantt`.
   readAddress() {
     const wanted = new URLSearchParams(location.hash.slice(1));
     const { robots, tasks, capabilities } = this.history.scenario;
@@ -85,7 +123,27 @@ class App {
     if (task >= 0) this.select({ task });
     else if (robot >= 0) this.select({ robot });
     else if (cap >= 0) this.select({ cap });
+    this.look(wanted.get("view") === "gantt" ? "gantt" : "map");
     if (wanted.has("step")) this.go(Math.round(Number(wanted.get("step"))) || 0);
+  }
+
+  // The address follows, so that a copy of it opens the page at this moment.
+  writeAddress() {
+    this.addressTimer ??= setTimeout(() => {
+      this.addressTimer = null;
+      window.history.replaceState(null, "", `#${this.address()}`);
+    }, ADDRESS_EVERY);
+  }
+
+  address() {
+    const { scenario } = this.history;
+    const { task, robot, cap } = this.selection;
+    const parts = new URLSearchParams({ step: this.player.step });
+    if (task !== undefined) parts.set("task", taskName(scenario, task));
+    if (robot !== undefined) parts.set("robot", robotName(scenario, robot));
+    if (cap !== undefined) parts.set("capability", scenario.capabilities[cap]);
+    if (this.view !== "map") parts.set("view", this.view);
+    return parts.toString();
   }
 
   redraw() {
@@ -93,7 +151,9 @@ class App {
     this.isDrawing = true;
     requestAnimationFrame(() => {
       this.isDrawing = false;
-      this.map.draw();
+      if (this.view === "gantt") this.gantt.draw();
+      else this.map.draw();
+      this.companion.draw();
     });
   }
 
@@ -109,21 +169,16 @@ class App {
   }
 
   showStep() {
-    const { player } = this;
     showFigures(this);
     showDetails(this);
     this.lists.follow();
-    byId("scrub").value = String(player.step);
-    byId("scrub").setAttribute("aria-valuetext", `step ${player.step} of ${this.history.last}`);
-    byId("speed").value = String(player.speed);
-    byId("play").classList.toggle("on", player.isPlaying);
-    byId("play").setAttribute("aria-label", player.isPlaying ? "Pause" : "Play");
-    for (const [name, isOn] of Object.entries(this.options)) {
-      byId(name).setAttribute("aria-pressed", String(isOn));
-    }
-    const title = `Map of ${this.history.scenario.name} at step ${player.step}`;
+    showPlayback(this);
+    showSwitches(this);
+    this.writeAddress();
+    const { scenario } = this.history;
+    const title = `Map of ${scenario.name} ${describeAt(scenario.world, this.player.step)}`;
     this.map.canvas.setAttribute("aria-label", title);
-    if (!player.isPlaying) this.say();
+    if (!this.player.isPlaying) this.say();
   }
 
   // What happens in this step, for those who listen.
@@ -131,6 +186,20 @@ class App {
     const { step } = this.player;
     const texts = this.events.filter((event) => event.step === step).slice(0, 8);
     const said = texts.map((event) => describeEvent(this.history, event)).join("; ");
-    byId("said").textContent = `Step ${step} of ${this.history.last}. ${said}`;
+    byId("said").textContent = `Step ${step} of ${this.player.last}. ${said}`;
   }
+}
+
+const SCENES_KEPT = 40;
+
+// A record with what is worked out from it once.
+function readTrial(record) {
+  const history = frames(record);
+  const { capabilities } = history.scenario;
+  return {
+    history,
+    colours: capabilityColours(capabilities.length),
+    labels: shortLabels(capabilities),
+    sceneAt: rememberLast(SCENES_KEPT, (step) => sceneAt(history, step)),
+  };
 }

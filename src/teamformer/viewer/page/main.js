@@ -23,4 +23,7 @@ window.teamformer = Object.freeze({
   taskColour: (task) => taskColour(task, app.map.isDark),
   robotSpot: (robot) => robotSpot(app.map.shown, robot),
   taskBox: (task) => taskBox(app.map.shown, task),
+  detail: () => app.map.shown.detail,
+  groups: () => app.map.shown.groups.map(({ x, y, count }) => ({ x, y, count })),
+  besideStep: () => app.companion.scene().step,
 });

@@ -6,13 +6,24 @@ const SECONDS_AT_START = 25; // about how long a replay takes at the speed it op
 class Player {
   // `changed(isNewStep)` is called whenever another moment is to be shown.
   constructor(last, changed) {
-    this.last = last;
     this.changed = changed;
-    this.time = 0;
     this.isPlaying = false;
+    this.isStill = matchMedia("(prefers-reduced-motion: reduce)");
+    this.reset(last);
+  }
+
+  // Back to the start of what takes so many steps.
+  reset(last) {
+    this.isPlaying = false;
+    this.last = last;
+    this.time = 0;
     this.speed =
       SPEEDS.find((speed) => speed >= 2 && last / speed <= SECONDS_AT_START) ?? SPEEDS.at(-1);
-    this.isStill = matchMedia("(prefers-reduced-motion: reduce)");
+  }
+
+  shorten(last) {
+    this.last = last;
+    this.time = Math.min(this.time, last);
   }
 
   get step() {

@@ -49,22 +49,13 @@ function distanceTo(scenario, team, task) {
   return walkingDistance(scenario.world, [team.x, team.y], scenario.tasks[task].at);
 }
 
-// What a team is about, in one word: serves, done, waits, walks or idle.
-function activityOf(scenario, team) {
-  if (team.service) return "serves";
-  if (team.justDone !== NOBODY) return "done";
-  if (team.assigned === NOBODY) return "idle";
-  const { at } = scenario.tasks[team.assigned];
-  return isSamePlace(scenario.world, [team.x, team.y], at) ? "waits" : "walks";
-}
-
 function describeDoing(scenario, team, step) {
   const name = team.goal === NOBODY ? "" : taskName(scenario, team.goal);
   const lack = describeCounts(scenario, team.missing, MANY);
-  switch (activityOf(scenario, team)) {
+  switch (team.activity) {
     case "serves": {
       const { duration } = scenario.tasks[team.goal];
-      return `does ${name}, ${step - team.service.from} of ${plural(duration, "step")} made`;
+      return `does ${name}, ${describePart(scenario.world, step - team.service.from, duration)}`;
     }
     case "done":
       return `has just done ${name}`;
@@ -82,18 +73,44 @@ function describeDoing(scenario, team, step) {
   }
 }
 
+// How much of a service is made.
+function describePart(world, made, duration) {
+  const count = world.isPlane ? secondsOf(world, made) : made;
+  return `${count} of ${describeSpan(world, duration)} made`;
+}
+
+function describeAt(world, step) {
+  return `at ${describeMoment(world, step)}`;
+}
+
+function describeWhen(world, step) {
+  return `${world.isPlane ? "at" : "in"} ${describeMoment(world, step)}`;
+}
+
+// How a robot has spent its time so far, the largest share first.
+function describeShares(history, robot, step) {
+  const steps = new Map(PHASES.map((name) => [name, 0]));
+  for (let made = 1; made <= Math.min(step, history.last); made++) {
+    const name = PHASES[phasesIn(history, made)[robot]];
+    steps.set(name, steps.get(name) + 1);
+  }
+  const parts = [...steps].filter(([, count]) => count).sort(([, a], [, b]) => b - a);
+  const text = parts.map(([name, count]) => `${PHASE_NAMES[name]} ${percent(count / step)}`);
+  return text.join(", ") || "not yet begun";
+}
+
 function describeStanding(history, task, scene) {
   const { scenario } = history;
   const { step } = scene;
   const { appears, duration } = scenario.tasks[task];
   switch (standingOf(history, task, step)) {
     case "hidden":
-      return `appears after step ${appears}`;
+      return `appears after ${describeMoment(scenario.world, appears)}`;
     case "done":
-      return `done in step ${history.doneAt[task]}`;
+      return `done ${describeWhen(scenario.world, history.doneAt[task])}`;
     case "served": {
       const made = step - serviceOf(history, task, step).from;
-      return `under way, ${made} of ${plural(duration, "step")} made`;
+      return `under way, ${describePart(scenario.world, made, duration)}`;
     }
     case "blocked":
       return "can never be done";
@@ -146,10 +163,12 @@ function describeSplit(scenario, { slot, stay, leave }) {
   return `${teamName(scenario, slot, stay.length + leave.length)} splits: ${parts}`;
 }
 
-function describeEnd({ end }) {
+function describeEnd({ end, scenario }) {
   const blocked = end.blocked_tasks.join(", ");
+  const { world } = scenario;
+  const makespan = world.isPlane ? describeMoment(world, end.makespan) : end.makespan;
   return {
-    completed: `completed, makespan ${end.makespan}`,
+    completed: `completed, makespan ${makespan}`,
     "step limit": "stopped at the step limit",
     infeasible: `stopped, for ${blocked} can never be done`,
     interrupted: "interrupted",

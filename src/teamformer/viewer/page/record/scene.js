@@ -1,14 +1,18 @@
 // What there is to see after a step: teams with what they can do, and how each task stands.
 
-// A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone}.
+// A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, crew,
+// activity}; the crew is that of its lowest robot.
 // `goal` is the task whose colour the ring may take: the one served, just done or headed for.
 function sceneAt(history, step) {
   const state = history.at(step);
   const teams = gatherTeams(history.scenario, state);
   const serving = servicesAt(history, step);
   const justDone = doneIn(history, step);
+  const crews = crewNumbers(history, step);
   for (const team of teams.values()) {
     describeGoal(history.scenario, team, serving.get(team.slot), justDone.get(team.slot));
+    team.crew = crews.get(team.slot) ?? null;
+    team.activity = activityOf(history.scenario, team);
   }
   return { step, state, teams, assignedTo: groupByTask(teams) };
 }
@@ -39,6 +43,15 @@ function describeGoal(scenario, team, service, done) {
   team.goal = service?.task ?? done ?? team.assigned;
   team.missing = team.goal === NOBODY ? [] : missing(team.counts, scenario.tasks[team.goal].needs);
   team.isMet = team.goal !== NOBODY && team.missing.length === 0;
+}
+
+// What a team is about, in one word: serves, done, waits, walks or idle.
+function activityOf(scenario, team) {
+  if (team.service) return "serves";
+  if (team.justDone !== NOBODY) return "done";
+  if (team.assigned === NOBODY) return "idle";
+  const { at } = scenario.tasks[team.assigned];
+  return isSamePlace(scenario.world, [team.x, team.y], at) ? "waits" : "walks";
 }
 
 function servicesAt(history, step) {
@@ -106,6 +119,14 @@ function crewsAt(history, step) {
   let crews = [];
   for (const [made, planned] of history.replay.crews ?? []) if (made <= step) crews = planned;
   return crews;
+}
+
+function crewNumbers(history, step) {
+  const numbers = new Map();
+  crewsAt(history, step).forEach(([robots], number) => {
+    for (const robot of robots) numbers.set(robot, number);
+  });
+  return numbers;
 }
 
 // The number of a robot's crew from 1 on, and how many of its tasks are left; null without crews.

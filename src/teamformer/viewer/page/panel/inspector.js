@@ -27,8 +27,7 @@ function overview(app) {
   const scene = app.scene();
   const counts = new Map();
   for (const team of scene.teams.values()) {
-    const activity = activityOf(app.history.scenario, team);
-    counts.set(activity, (counts.get(activity) ?? 0) + 1);
+    counts.set(team.activity, (counts.get(team.activity) ?? 0) + 1);
   }
   const parts = Object.keys(ACTIVITIES)
     .filter((activity) => counts.has(activity))
@@ -36,7 +35,7 @@ function overview(app) {
   const hint =
     "Click a team or a task, on the map or in the lists, to see what it does and waits for.";
   return [
-    element("h2", {}, `${plural(scene.teams.size, "team")} at step ${scene.step}`),
+    element("h2", {}, `${plural(scene.teams.size, "team")} ${describeAt(app.history.scenario.world, scene.step)}`),
     lead(parts.join(", ") || "Nobody is left"),
     element("p", { class: "muted" }, hint),
   ];
@@ -50,6 +49,7 @@ function teamDetails(app, team, robot) {
     lead(capitalised(describeDoing(scenario, team, app.player.step))),
     waitingFor(app, team.goal, team.missing, team),
     crewText(app, robot),
+    sharesText(app, robot),
     ...(team.robots.length > 1 ? titled("Robots", robotChips(app, team.robots, robot)) : []),
     ...titled("Brings", capabilityChips(app, "brings", team.counts)),
     ...(team.goal === NOBODY ? [] : titled("Task", taskLink(app, team.goal))),
@@ -64,6 +64,12 @@ function titleOfTeam(scenario, team) {
   const { length } = team.robots;
   if (length === 1) return robotName(scenario, team.slot);
   return `Team ${robotName(scenario, team.slot)} of ${length} robots`;
+}
+
+function sharesText({ history, player }, robot) {
+  if (!player.step) return null;
+  const text = `${robotName(history.scenario, robot)} so far: ${describeShares(history, robot, player.step)}`;
+  return element("p", { class: "muted" }, text);
 }
 
 function crewText({ history, player }, robot) {
@@ -81,7 +87,7 @@ function lostDetails(app, robot) {
   const name = robotName(history.scenario, robot);
   return [
     heading(app, mark("mark", app.map.theme.lost), name),
-    lead(`Lost in step ${history.lostAt[robot]}`),
+    lead(`Lost ${describeWhen(history.scenario.world, history.lostAt[robot])}`),
     ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
   ];
 }
@@ -91,7 +97,7 @@ function taskDetails(app, task) {
   const { name, at, needs, duration } = history.scenario.tasks[task];
   const standing = standingOf(history, task, player.step);
   const isOpen = standing === "open";
-  const steps = duration ? `, takes ${plural(duration, "step")}` : "";
+  const steps = duration ? `, takes ${describeSpan(history.scenario.world, duration)}` : "";
   return [
     heading(app, taskMark(app, task), name),
     lead(capitalised(describeStanding(history, task, app.scene()))),
@@ -148,7 +154,8 @@ function storyList(app, events) {
   const items = events.map((event, number) => {
     const text = describeEvent(app.history, event);
     const go = link(text, () => app.go(event.step), `story ${number}`);
-    const when = element("span", { class: "when" }, String(event.step));
+    const { world } = app.history.scenario;
+    const when = element("span", { class: "when" }, shortMoment(world, event.step));
     return element("li", { class: event.step > step ? "ahead" : "" }, when, go);
   });
   return foldedList("story", "story", items, STORY_SHOWN);

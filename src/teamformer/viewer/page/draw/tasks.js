@@ -6,7 +6,8 @@ function drawTasks(view) {
     if (standing === "hidden") return;
     const box = taskBox(view, task);
     if (!isOnScreen(view, box.x, box.y, box.half + 20)) return;
-    if (isUnchanging(view, task, standing)) drawTaskImage(view, task, box, standing);
+    if (view.detail !== "robots") drawTaskDot(view, task, box, standing);
+    else if (isUnchanging(view, task, standing)) drawTaskImage(view, task, box, standing);
     else drawTask(view, task, box, standing);
   });
 }
@@ -46,14 +47,22 @@ function taskImage(view, task, half, reach, standing) {
 }
 
 // The square of a task in pixels.
-function taskBox({ camera, scenario, places, placesAfter, part }, task) {
+function taskBox({ camera, scenario, places, placesAfter, part, detail }, task) {
+  const { cell } = camera;
   const { at } = scenario.tasks[task];
-  const half = between(
-    taskHalf(places, at, camera.cell),
-    taskHalf(placesAfter, at, camera.cell),
-    part,
+  const [x, y] = [camera.x(at[0]), camera.y(at[1])];
+  if (detail !== "robots") return { x, y, half: Math.max(1.5, 0.3 * cell) };
+  const [from, to] = [places, placesAfter].map((known) =>
+    taskSquare(known, scenario.tasks[task], task, cell),
   );
-  return { x: camera.x(at[0]), y: camera.y(at[1]), half: half * camera.cell };
+  const pixels = (key) => between(from[key], to[key], part) * cell;
+  return { x: x + pixels("right"), y: y + pixels("down"), half: pixels("half") };
+}
+
+// Robots stand in the middle of a task that has its place for itself.
+function isCovered({ places, scenario }, task) {
+  const { at, mates } = scenario.tasks[task];
+  return mates.length === 1 && places.cells.has(cellKey(...at));
 }
 
 function isOnScreen({ width, height }, x, y, reach) {
@@ -72,8 +81,7 @@ function drawOpenTask(view, task, box, standing) {
   drawOwnOutline(view, task, box);
   if (standing === "served") drawProgress(view, task, box);
   if (standing === "blocked") drawCross(view, box, box.half * 0.5, view.theme.bad);
-  else if (!view.places.cells.has(cellKey(...view.scenario.tasks[task].at)))
-    drawNeeds(view, task, box);
+  else if (!isCovered(view, task)) drawNeeds(view, task, box);
 }
 
 function cornerOf(half) {
@@ -182,7 +190,7 @@ function drawDoneTask(view, task, box) {
   ctx.globalAlpha = strength * 0.2;
   ctx.fill();
   ctx.globalAlpha = Math.min(1, strength + 0.25);
-  if (!view.places.cells.has(cellKey(...view.scenario.tasks[task].at))) drawTick(view, box, colour);
+  if (!isCovered(view, task)) drawTick(view, box, colour);
   ctx.globalAlpha = 1;
 }
 

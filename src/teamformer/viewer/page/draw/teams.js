@@ -1,12 +1,14 @@
 // Robots and teams: inner disc = capability, outer ring = team, in the task's colour once met.
 
 function drawTeams(view) {
+  if (view.detail === "groups") return drawGroups(view);
+  if (view.detail === "density") return drawDensity(view);
   for (const team of view.scene.teams.values()) drawTeam(view, team);
   drawLostRobots(view);
 }
 
 function drawTeam(view, team) {
-  const ring = ringColour(team, view.isDark);
+  const ring = ringColour(team, view.isDark, view.options.rings);
   if (team.robots.length > 1) drawUnion(view, team, ring);
   for (const robot of team.robots) drawRobot(view, robot, ring, team.isMet);
 }

@@ -1,10 +1,14 @@
 // The map: a canvas as large as its box that shows a moment and knows what is under a pixel.
 
+const THEME = [
+  ...["paper", "surface", "ground", "grid", "wall", "edge", "line", "ink", "muted", "faint"],
+  ...["accent", "soft", "good", "bad", "lost", "wait", "form", "task"],
+];
+
 class TrialMap {
   constructor(app, canvas) {
     this.app = app;
     this.canvas = canvas;
-    this.camera = new Camera(app.history.scenario.world);
     this.placed = new Map(); // step -> places, at one zoom
     this.images = new Map(); // of tasks, at one zoom
     this.keptFor = "";
@@ -16,22 +20,17 @@ class TrialMap {
     });
   }
 
+  // Another world from now on.
+  look(world) {
+    this.camera = new Camera(world);
+    if (this.width) this.camera.fit(this.width, this.height);
+    this.placed.clear();
+    this.images.clear();
+  }
+
   readTheme() {
     const style = getComputedStyle(document.documentElement);
-    const names = [
-      "surface",
-      "ground",
-      "grid",
-      "wall",
-      "edge",
-      "ink",
-      "muted",
-      "faint",
-      "accent",
-      "bad",
-      "lost",
-    ];
-    this.theme = Object.fromEntries(names.map((n) => [n, style.getPropertyValue(`--${n}`).trim()]));
+    this.theme = Object.fromEntries(THEME.map((n) => [n, style.getPropertyValue(`--${n}`).trim()]));
     this.theme.font = getComputedStyle(document.body).fontFamily;
     this.isDark = matchMedia("(prefers-color-scheme: dark)").matches;
   }
@@ -43,7 +42,7 @@ class TrialMap {
     this.height = height;
     this.canvas.width = Math.round(width * sharpness);
     this.canvas.height = Math.round(height * sharpness);
-    if (this.camera.isFitted) this.camera.fit(width, height);
+    if (this.camera?.isFitted) this.camera.fit(width, height);
     this.app.redraw();
   }
 
@@ -66,7 +65,8 @@ class TrialMap {
     if (!this.width) return;
     const view = this.viewNow();
     view.ctx.setTransform(view.sharpness, 0, 0, view.sharpness, 0, 0);
-    view.ctx.clearRect(0, 0, this.width, this.height);
+    view.ctx.fillStyle = view.theme.paper; // all of it, so that pictures and videos have a ground
+    view.ctx.fillRect(0, 0, this.width, this.height);
     drawWorld(view);
     if (view.options.trails) drawTrails(view);
     if (view.options.order) drawOrder(view);
@@ -84,8 +84,8 @@ class TrialMap {
     const { history } = app;
     const sharpness = this.canvas.width / this.width;
     this.forgetUnless(`${camera.cell} ${sharpness} ${this.isDark}`);
-    const part = app.player.part;
     const scene = app.scene();
+    const part = scene.step < history.last ? app.player.part : 0;
     const places = this.placesAt(scene.step);
     const placesAfter = part > 0 ? this.placesAt(scene.step + 1) : places;
     return {
@@ -95,6 +95,8 @@ class TrialMap {
       camera,
       history,
       scene,
+      sceneAfter: part > 0 ? app.sceneAt(scene.step + 1) : scene,
+      detail: detailAt(history.scenario, camera.cell),
       places,
       placesAfter,
       part,
@@ -131,9 +133,10 @@ class TrialMap {
     return this.placed.get(step);
   }
 
-  // What is under a pixel: {robot}, {task} or {}.
+  // What is under a pixel: {robot}, {task}, {group} or {}.
   thingAt(x, y) {
     const view = this.shown;
+    if (view.detail !== "robots") return groupUnder(view, x, y) ?? taskUnder(view, x, y) ?? {};
     return robotUnder(view, x, y) ?? taskUnder(view, x, y) ?? {};
   }
 }

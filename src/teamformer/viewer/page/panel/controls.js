@@ -12,8 +12,16 @@ function connectControls(app) {
   click("zoom-out", () => map.zoom(1 / 1.4));
   click("zoom-fit", () => map.fit());
   click("help", () => byId("help-text").showModal());
-  for (const name of Object.keys(app.options)) click(name, () => app.toggle(name));
-  byId("scrub").max = String(player.last);
+  click("start", () => player.play());
+  for (const name of SWITCHES) click(name, () => app.toggle(name));
+  for (const view of VIEWS) click(`view-${view}`, () => app.look(view));
+  byId("rings").append(
+    ...Object.entries(RINGS).map(([value, name]) => element("option", { value }, name)),
+  );
+  byId("rings").addEventListener("change", ({ target }) => {
+    app.options.rings = target.value;
+    app.show(true);
+  });
   byId("scrub").addEventListener("input", (event) => app.go(Number(event.target.value)));
   connectSpeed(player);
   document.addEventListener("click", leaveButton);
@@ -48,13 +56,23 @@ const KEYS = {
   f: (app) => app.map.fit(),
   F: (app) => app.map.fit(),
   Escape: (app) => app.select({}),
-  "?": () => byId("help-text").showModal(),
+  g: (app) => app.look(app.view === "gantt" ? "map" : "gantt"),
+  G: (app) => app.look(app.view === "gantt" ? "map" : "gantt"),
+  "?": () => toggleHelp(),
 };
+
+function toggleHelp() {
+  const help = byId("help-text");
+  if (help.open) help.close();
+  else help.showModal();
+}
 
 // Keys that the focused control uses itself are left to it.
 function pressKey(app, event) {
   const at = event.target;
-  const isTyping = at.matches("input[type=search], select") || byId("help-text").open;
+  if (byId("help-text").open && event.key === "?") return toggleHelp();
+  const isTyping =
+    at.matches("input:not([type=range]), textarea, select") || document.querySelector("dialog[open]");
   const isPressing = event.key === " " && at.closest("button, summary");
   if (isTyping || isPressing || event.ctrlKey || event.metaKey || event.altKey) return;
   const act = KEYS[event.key];
@@ -83,22 +101,37 @@ function connectPointer(app, canvas) {
   canvas.addEventListener("pointerup", (event) => {
     pointers.delete(event.pointerId);
     canvas.classList.remove("dragged");
-    if (moved <= 4) app.select(app.map.thingAt(event.offsetX, event.offsetY));
+    if (moved <= 4) clickMap(app, event);
   });
   canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
   canvas.addEventListener("pointerleave", () => (byId("tip").hidden = true));
-  canvas.addEventListener(
-    "wheel",
-    (event) => {
-      event.preventDefault();
-      app.map.zoom(
-        Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0016)),
-        event.offsetX,
-        event.offsetY,
-      );
-    },
-    { passive: false },
-  );
+  connectWheel(app.map);
+}
+
+// Of a group of robots, a click shows more; of all else, what it is.
+function clickMap(app, { offsetX, offsetY }) {
+  const thing = app.map.thingAt(offsetX, offsetY);
+  if (thing.group) app.map.zoom(2.2, thing.group.x, thing.group.y);
+  else app.select(thing);
+}
+
+function connectWheel(map) {
+  const turn = (event) => {
+    event.preventDefault();
+    const factor = Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0016));
+    map.zoom(factor, event.offsetX, event.offsetY);
+  };
+  map.canvas.addEventListener("wheel", turn, { passive: false });
+}
+
+// A map that is only looked at: it is dragged and zoomed, and selects nothing.
+function connectView(map) {
+  if (map.isConnected) return;
+  map.isConnected = true;
+  connectWheel(map);
+  map.canvas.addEventListener("pointermove", ({ buttons, movementX, movementY }) => {
+    if (buttons) map.pan(movementX, movementY);
+  });
 }
 
 function dragMap(map, pointers, id, before, after) {
@@ -131,8 +164,9 @@ function showTip(app, { offsetX, offsetY, pointerType }) {
   tip.style.top = `${Math.max(4, top)}px`;
 }
 
-function tipLines(app, { robot, task }) {
+function tipLines(app, { robot, task, group }) {
   const { history } = app;
+  if (group) return describeGroup(group);
   const { scenario } = history;
   if (task !== undefined) {
     const needs = describeCounts(scenario, scenario.tasks[task].needs, 5);
@@ -145,7 +179,7 @@ function tipLines(app, { robot, task }) {
   const team = teamOfRobot(app.scene(), robot);
   const can = describeCounts(scenario, scenario.robots[robot].can, 5);
   const title = `${robotName(scenario, robot)} (${can})`;
-  if (!team) return [title, `lost in step ${history.lostAt[robot]}`];
+  if (!team) return [title, `lost ${describeWhen(scenario.world, history.lostAt[robot])}`];
   const who = team.robots.length > 1 ? `in ${nameOfTeam(scenario, team)}, which ` : "";
   return [title, who + describeDoing(scenario, team, app.player.step)];
 }

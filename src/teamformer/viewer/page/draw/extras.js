@@ -22,14 +22,24 @@ function drawAssignment(view, team) {
   const { ctx } = view;
   const from = teamSpot(view, team);
   const to = taskBox(view, team.assigned);
-  const apart = Math.hypot(to.x - from.x, to.y - from.y);
-  const stop = 1 - (to.half + 2) / apart;
-  if (apart < from.r + to.half + 4) return;
-  ctx.strokeStyle = ringColour(team, view.isDark);
+  if (Math.hypot(to.x - from.x, to.y - from.y) < from.r + to.half + 4) return;
+  const { world } = view.scenario;
+  const way = wayTo(world, [team.x, team.y], view.scenario.tasks[team.assigned].at);
+  const corners = way.slice(1, -1).map(([x, y]) => ({ x: view.camera.x(x), y: view.camera.y(y) }));
+  const points = [from, ...corners, to];
+  points[points.length - 1] = shorten(to, points.at(-2), to.half + 2);
+  points[0] = shorten(from, points[1], from.r);
+  ctx.strokeStyle = ringColour(team, view.isDark, view.options.rings);
   ctx.beginPath();
-  ctx.moveTo(between(from.x, to.x, from.r / apart), between(from.y, to.y, from.r / apart));
-  ctx.lineTo(between(from.x, to.x, stop), between(from.y, to.y, stop));
+  for (const { x, y } of points) ctx.lineTo(x, y);
   ctx.stroke();
+}
+
+// The point so far from one towards another, at most halfway.
+function shorten(one, other, length) {
+  const apart = Math.hypot(other.x - one.x, other.y - one.y);
+  const part = apart ? Math.min(0.5, length / apart) : 0;
+  return { x: between(one.x, other.x, part), y: between(one.y, other.y, part) };
 }
 
 // A team's circle on the screen: the middle of its robots, and how far they reach.
@@ -53,7 +63,7 @@ function drawTrails(view) {
       const { x, y } = placeOf(history.at(scene.step - back), robot);
       ctx.lineTo(camera.x(x), camera.y(y));
     }
-    ctx.strokeStyle = ringColour(team, view.isDark);
+    ctx.strokeStyle = ringColour(team, view.isDark, view.options.rings);
     ctx.stroke();
   }
   ctx.globalAlpha = 1;

@@ -53,7 +53,7 @@ function swatch(app, cap) {
 }
 
 function teamMark(app, team) {
-  return mark("mark", ringColour(team, app.map.isDark));
+  return mark("mark", ringColour(team, app.map.isDark, app.options.rings));
 }
 
 function taskMark(app, task) {

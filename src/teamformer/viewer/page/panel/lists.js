@@ -5,6 +5,7 @@ const LISTS = {
   events: { height: 32, items: listedEvents, row: eventRow, empty: "Nothing happens." },
   tasks: { height: 48, items: listedTasks, row: taskRow, empty: "No such task." },
   teams: { height: 48, items: listedTeams, row: teamRow, empty: "No such team." },
+  robots: { height: 48, items: listedRobots, row: robotRow, empty: "No such robot." },
   capabilities: {
     height: 48,
     items: listedCapabilities,
@@ -26,9 +27,7 @@ class Lists {
 
   tab(name) {
     const properties = { type: "button", role: "tab", id: `tab-${name}`, "aria-controls": "rows" };
-    const count = this.app.history.scenario[name]?.length; // teams and events come and go
-    const note = count === undefined ? null : element("small", {}, ` ${count}`);
-    return element("button", { ...properties, on: () => this.open(name) }, capitalised(name), note);
+    return element("button", { ...properties, on: () => this.open(name) }, capitalised(name));
   }
 
   moveBetweenTabs(event) {
@@ -83,10 +82,10 @@ function eventRow(app, event) {
   const text = describeEvent(app.history, event);
   return {
     class: event.step === step ? "now" : event.step > step ? "ahead" : "",
-    title: `Step ${event.step}: ${text}`,
+    title: `${capitalised(describeMoment(app.history.scenario.world, event.step))}: ${text}`,
     on: () => app.goToEvent(event),
     children: [
-      element("span", { class: "when" }, String(event.step)),
+      element("span", { class: "when" }, shortMoment(app.history.scenario.world, event.step)),
       element("span", { class: "dot", colour: eventColour(app, event) }),
       element("span", { class: "text" }, element("span", {}, text)),
     ],
@@ -140,6 +139,24 @@ function teamRow(app, team) {
     children: [
       teamMark(app, team),
       twoLines(nameOfTeam(scenario, team) + size, describeDoing(scenario, team, app.player.step)),
+    ],
+  };
+}
+
+function listedRobots(app, isWanted) {
+  const { robots } = app.history.scenario;
+  return robots.map((_, robot) => robot).filter((robot) => isWanted(robots[robot].name));
+}
+
+function robotRow(app, robot) {
+  const { history, selection, player } = app;
+  const [cap] = history.scenario.robots[robot].can[0];
+  return {
+    class: selection.robot === robot ? "now" : "",
+    on: () => app.select({ robot }),
+    children: [
+      swatch(app, cap),
+      twoLines(robotName(history.scenario, robot), describeShares(history, robot, player.step)),
     ],
   };
 }

@@ -3,7 +3,7 @@
 function readScenario(tree) {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
   const tasks = tree.tasks.map((task) => readTask(task, numbers));
-  return {
+  const scenario = {
     name: tree.name || "unnamed scenario",
     capabilities: tree.capabilities,
     world: readWorld(tree.world),
@@ -13,9 +13,10 @@ function readScenario(tree) {
       can: readCounts(robot.can, numbers),
     })),
     tasks,
-    taskAt: new Map(tasks.map(({ at }, task) => [cellKey(...at.map(Math.round)), task])),
     sensingRadius: readRadius(tree.sensing_radius),
   };
+  sharePlaces(scenario);
+  return scenario;
 }
 
 function readTask({ name, at, needs, duration, appears }, numbers) {
@@ -28,12 +29,29 @@ function readTask({ name, at, needs, duration, appears }, numbers) {
   };
 }
 
+// Note for each task `mates`, all tasks in exactly its place, and for each cell or square its tasks.
+function sharePlaces(scenario) {
+  scenario.tasksAt = groupTasks(scenario.tasks, ({ at }) => cellKey(...at.map(Math.round)));
+  const groups = groupTasks(scenario.tasks, ({ at }) => cellKey(...at));
+  for (const task of scenario.tasks) task.mates = groups.get(cellKey(...task.at));
+}
+
+function groupTasks(tasks, keyOf) {
+  const groups = new Map();
+  tasks.forEach((task, number) => {
+    const key = keyOf(task);
+    groups.set(key, [...(groups.get(key) ?? []), number]);
+  });
+  return groups;
+}
+
 function cellKey(x, y) {
   return `${x},${y}`;
 }
 
 function readRadius(radius) {
   if (radius === undefined) return 1;
+  if (radius === ".inf") return Infinity;
   return radius ?? Infinity; // the page's JSON writes infinity as null
 }
 

@@ -74,10 +74,23 @@ function placeRobots(places, robots, middle, scale) {
   });
 }
 
-// A task's outline opens to embrace the robots that stand in its cell.
-function taskHalf(places, [x, y], cell) {
-  const inside = places.cells.get(cellKey(x, y)) ?? 0;
-  return Math.max(TASK_HALF, 6 / cell, inside + 2 / cell);
+// Where a task's square is, in cells from the middle of its own: {right, down, half}. It opens to
+// embrace the robots that stand there; tasks that share a cell share it out, and line up below
+// the robots that come.
+function taskSquare(places, { at, mates }, task, cell) {
+  const inside = places.cells.get(cellKey(...at)) ?? 0;
+  if (mates.length === 1) {
+    return { right: 0, down: 0, half: Math.max(TASK_HALF, 6 / cell, inside + 2 / cell) };
+  }
+  const columns = Math.ceil(Math.sqrt(mates.length));
+  const pitch = Math.max((2 * TASK_HALF) / columns, 6 / cell);
+  const half = pitch * 0.46;
+  const index = mates.indexOf(task);
+  const [column, row] = [index % columns, Math.floor(index / columns)];
+  const middle = (columns - 1) / 2;
+  const rows = Math.ceil(mates.length / columns);
+  const down = inside ? inside + 2 / cell + pitch / 2 : (-pitch * (rows - 1)) / 2;
+  return { right: (column - middle) * pitch, down: down + row * pitch, half };
 }
 
 function between(from, to, part) {

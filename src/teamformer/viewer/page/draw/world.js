@@ -66,12 +66,13 @@ function drawNumbers({ ctx, camera, theme, scenario }) {
     const last = isPlane ? side * square : side - 1;
     return Array.from({ length: Math.floor(last / every + 1e-9) + 1 }, (_, mark) => mark * every);
   };
+  const unit = isPlane ? " m" : "";
   ctx.fillStyle = theme.faint;
   ctx.font = `10px ${theme.font}`;
   ctx.textBaseline = "top";
   ctx.textAlign = "center";
   const below = camera.top + world.height * camera.cell + 18; // names of tasks come first
-  for (const x of marks(world.width)) ctx.fillText(short(x), camera.x(x / square), below);
+  for (const x of marks(world.width)) ctx.fillText(short(x) + unit, camera.x(x / square), below);
   ctx.textBaseline = "middle";
   ctx.textAlign = "right";
   for (const y of marks(world.height)) ctx.fillText(short(y), camera.left - 7, camera.y(y / square));

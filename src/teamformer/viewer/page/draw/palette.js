@@ -35,9 +35,22 @@ function oklch(lightness, chroma, hue) {
   return `oklch(${lightness} ${chroma} ${(hue % 360).toFixed(1)})`;
 }
 
-// The colour that the outer ring of a team has: its task's once it brings all that is needed.
-function ringColour(team, isDark) {
+const RINGS = { team: "Teams", coalition: "Coalitions", crew: "Crews" };
+
+// The colour of a team's outer ring. Of teams, its own, or its task's once it brings all that is
+// needed; of coalitions, that of the task that several teams may head for; of crews, the crew's.
+function ringColour(team, isDark, rings = "team") {
+  if (rings === "coalition") {
+    return team.goal === NOBODY ? idleColour(isDark) : taskColour(team.goal, isDark);
+  }
+  if (rings === "crew") {
+    return team.crew === null ? idleColour(isDark) : teamColour(team.crew, isDark);
+  }
   return team.isMet ? taskColour(team.goal, isDark) : teamColour(team.slot, isDark);
+}
+
+function idleColour(isDark) {
+  return oklch(isDark ? 0.6 : 0.65, 0, 0);
 }
 
 // One to three letters for each name, all different; the number for names such as `skill-17`.

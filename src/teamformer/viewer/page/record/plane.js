@@ -64,6 +64,20 @@ function describePlace(world, at) {
   return `[${x}, ${y}]${world.isPlane ? " m" : ""}`;
 }
 
-function describeSteps(world, steps) {
-  return world.isPlane ? `${Number((steps * world.stepSeconds).toFixed(2))} s` : "";
+// A moment or a span: seconds on planes; on grids, whose steps have no length, steps.
+function describeMoment(world, step) {
+  return world.isPlane ? `${secondsOf(world, step)} s` : `step ${step}`;
+}
+
+function describeSpan(world, steps) {
+  return world.isPlane ? `${secondsOf(world, steps)} s` : plural(steps, "step");
+}
+
+// The same where a column says what it is.
+function shortMoment(world, step) {
+  return world.isPlane ? `${secondsOf(world, step)} s` : String(step);
+}
+
+function secondsOf(world, steps) {
+  return Number((steps * world.stepSeconds).toFixed(2));
 }

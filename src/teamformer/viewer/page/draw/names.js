@@ -4,6 +4,7 @@ const NAMES_FROM = 20; // pixels a cell
 const TEAMS_NAMED = 3; // in one place
 const BADGE_FROM = 12; // robots
 const LONGEST_NAME = 40; // letters
+const LOST_NAMED = 12; // robots, whatever the zoom
 
 function drawNames(view) {
   const { ctx, theme, camera, options } = view;
@@ -15,6 +16,8 @@ function drawNames(view) {
   view.scenario.tasks.forEach((_, task) => {
     if (isRoomy || task === view.selection.task) drawTaskName(view, taken, task);
   });
+  if (isRoomy || view.history.lostPlace.size <= LOST_NAMED) drawLostNames(view, taken);
+  if (view.detail !== "robots") return;
   for (const teams of teamsByPlace(view.scene).values()) {
     const named = isRoomy ? teams : teams.filter((team) => team === view.selectedTeam);
     if (named.length) drawTeamNames(view, taken, named);
@@ -26,9 +29,28 @@ function drawTaskName(view, taken, task) {
   const { theme, scenario, history, scene } = view;
   const standing = standingOf(history, task, scene.step);
   if (standing === "hidden") return;
-  const { x, y, half } = taskBox(view, task);
+  const { mates } = scenario.tasks[task];
+  const { half } = taskBox(view, mates.at(-1));
+  const [x, y] = [view.camera.x(scenario.tasks[task].at[0]), taskBox(view, mates.at(-1)).y];
   const colour = standing === "done" ? theme.faint : theme.muted;
-  drawName(view, taken, taskName(scenario, task), { x, y: y + half + 10 }, colour);
+  drawName(view, taken, namesOfPlace(scenario, task, mates), { x, y: y + half + 10 }, colour);
+}
+
+// One line for all tasks in one place.
+function namesOfPlace(scenario, task, mates) {
+  if (mates.length === 1) return taskName(scenario, task);
+  const shown = mates.slice(0, MANY).map((mate) => taskName(scenario, mate));
+  return shown.join(", ") + (mates.length > MANY ? ` + ${mates.length - MANY} more` : "");
+}
+
+function drawLostNames(view, taken) {
+  const { history, scenario, scene, theme } = view;
+  for (const robot of history.lostPlace.keys()) {
+    if (history.lostAt[robot] > scene.step) continue;
+    const { x, y, r } = robotSpot(view, robot);
+    const name = `${robotName(scenario, robot)}, lost`;
+    drawName(view, taken, name, { x, y: y - r - 9 }, theme.bad);
+  }
 }
 
 function teamsByPlace(scene) {
@@ -60,7 +82,7 @@ function drawTeamNames(view, taken, teams) {
 // The upper edge of the task whose square a pixel is in; teams walk through such squares too.
 function topOfTaskAround(view, x, y) {
   const [column, row] = view.camera.placeAt(x, y).map(Math.round);
-  const task = view.scenario.taskAt.get(cellKey(column, row));
+  const [task] = view.scenario.tasksAt.get(cellKey(column, row)) ?? [];
   if (task === undefined || standingOf(view.history, task, view.scene.step) === "hidden") return y;
   const box = taskBox(view, task);
   return Math.max(Math.abs(box.x - x), Math.abs(box.y - y)) <= box.half ? box.y - box.half : y;
@@ -81,7 +103,7 @@ function drawBadge(view, team) {
   ctx.roundRect(x - half, y - 8, 2 * half, 16, 8);
   ctx.fillStyle = theme.surface;
   ctx.fill();
-  ctx.strokeStyle = ringColour(team, view.isDark);
+  ctx.strokeStyle = ringColour(team, view.isDark, view.options.rings);
   ctx.lineWidth = 2;
   ctx.stroke();
   ctx.fillStyle = theme.ink;

@@ -6,7 +6,7 @@ class Timeline {
   constructor(app, canvas) {
     this.app = app;
     this.canvas = canvas;
-    new ResizeObserver(() => this.draw()).observe(canvas);
+    new ResizeObserver(() => app.history && this.draw()).observe(canvas);
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);
       this.scrubTo(event);
@@ -15,13 +15,12 @@ class Timeline {
   }
 
   scrubTo({ offsetX }) {
-    const { history } = this.app;
     const part = (offsetX - THUMB / 2) / (this.canvas.clientWidth - THUMB);
-    this.app.go(Math.round(part * history.last));
+    this.app.go(Math.round(part * this.app.player.last));
   }
 
   x(step) {
-    const { last } = this.app.history;
+    const { last } = this.app.player;
     return THUMB / 2 + (last ? step / last : 0) * (this.canvas.clientWidth - THUMB);
   }
 

@@ -15,10 +15,7 @@ function showHeader(app) {
       ? "1 capability"
       : `${scenario.capabilities.length} capabilities`,
   ].join(", ");
-  byId("status").textContent = capitalised(history.end.status);
-  byId("status").className = `status ${history.end.status.replace(" ", "-")}`;
-  byId("notice").textContent = noticeText(history);
-  byId("notice").hidden = !noticeText(history);
+  notify(noticeText(history));
   byId("legend").replaceChildren(...legend(app));
 }
 
@@ -64,21 +61,43 @@ function showFigures(app) {
   const { history, player } = app;
   const done = countDone(history, player.step);
   const { makespan } = history.end;
+  const bound = history.lowerBound;
+  const { world } = history.scenario;
+  const shortSpan = (steps) => (world.isPlane ? describeSpan(world, steps) : String(steps));
   byId("figures").replaceChildren(
     figure("Tasks done", String(done), ` of ${history.doneAt.length}`),
-    figure("Makespan", makespan === null ? "none" : String(makespan), ratioText(history)),
-    figure("Lower bound", history.lowerBound === null ? "unknown" : String(history.lowerBound), ""),
+    figure("Makespan", makespan === null ? "none" : shortSpan(makespan), ratioText(history)),
+    figure("Lower bound", bound === null ? "unknown" : shortSpan(bound), ""),
+    ...lostFigure(history, player.step),
   );
-  byId("counter").replaceChildren(
-    "Step ",
-    element("b", {}, String(player.step)),
-    ` of ${history.last}`,
-  );
+  const status = statusAt(history, player.step);
+  byId("status").textContent = capitalised(status);
+  byId("status").className = `status ${status.replaceAll(" ", "-")}`;
+}
+
+// How the trial ended is said once its end is shown.
+function statusAt(history, step) {
+  if (step >= history.last) return history.end.status;
+  return step === 0 ? "at the start" : "under way";
+}
+
+function lostFigure({ scenario, lostPlace, lostAt }, step) {
+  const lost = [...lostPlace.keys()].filter((robot) => lostAt[robot] <= step);
+  return lost.length ? [figure("Lost", listRobots(scenario, lost), "")] : [];
+}
+
+// Where a record stands, in a line.
+function describeProgress(history, step) {
+  const { scenario, end, doneAt } = history;
+  const done = `${countDone(history, step)} of ${doneAt.length} tasks`;
+  if (step < history.last) return done;
+  const makespan = end.makespan === null ? "" : ` ${describeAt(scenario.world, end.makespan)}`;
+  return `${done}, ${end.status}${makespan}`;
 }
 
 function ratioText({ end, lowerBound, scenario }) {
   if (end.makespan === null) return "";
-  const seconds = describeSteps(scenario.world, end.makespan);
+  const seconds = scenario.world.isPlane ? plural(end.makespan, "step") : "";
   const ratio = lowerBound ? `${(end.makespan / lowerBound).toFixed(2)} x the bound` : "";
   const notes = [seconds, ratio].filter(Boolean);
   return notes.length ? ` ${notes.join(", ")}` : "";

@@ -1,0 +1,142 @@
+// Records that are opened or dropped, and pictures and videos that are saved.
+
+const LARGEST_RECORD = 512_000_000; // bytes
+
+function connectFiles(app) {
+  byId("open").addEventListener("click", () => askForRecord(app, false));
+  byId("open-beside").addEventListener("click", () => askForRecord(app, true));
+  byId("save-picture").addEventListener("click", () => savePicture(app));
+  byId("save-video").addEventListener("click", () => toggleVideo(app));
+  addEventListener("dragover", (event) => {
+    event.preventDefault();
+    byId("drop").hidden = false;
+    byId("drop-beside").classList.toggle("aimed", isOverRight(event));
+    byId("drop-instead").classList.toggle("aimed", !isOverRight(event));
+  });
+  addEventListener("dragleave", (event) => {
+    if (!event.relatedTarget) byId("drop").hidden = true;
+  });
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    byId("drop").hidden = true;
+    const [file] = event.dataTransfer.files;
+    if (file) openFile(app, file, isOverRight(event));
+  });
+}
+
+function isOverRight({ clientX }) {
+  return clientX > innerWidth / 2;
+}
+
+function askForRecord(app, isBeside) {
+  byId("menu").open = false;
+  const input = element("input", { type: "file", accept: ".json,application/json" });
+  input.addEventListener("change", () => openFile(app, input.files[0], isBeside));
+  input.click();
+}
+
+async function openFile(app, file, isBeside) {
+  try {
+    if (file.size > LARGEST_RECORD) throw new Error("it is larger than 512 MB");
+    app.open(readRecord(await file.text()), isBeside);
+    notify(noticeText(app.history));
+  } catch (error) {
+    notify(`${file.name} is not shown: ${error.message}.`);
+  }
+}
+
+// The record in a text; an Error says what is wrong with it.
+function readRecord(text) {
+  let record;
+  try {
+    record = JSON.parse(text);
+  } catch {
+    throw new Error("it is no JSON; drop a replay.json that `teamformer run --out` wrote");
+  }
+  if (record?.teamformer_replay === undefined) {
+    throw new Error("it is no record of a trial; drop a replay.json that `teamformer run --out` wrote");
+  }
+  if (record.teamformer_replay > KNOWN_FORMAT) {
+    throw new Error(`it has format ${record.teamformer_replay}, and this page knows ${KNOWN_FORMAT}`);
+  }
+  try {
+    frames(record);
+  } catch (error) {
+    throw new Error(`it is damaged (${error.message})`);
+  }
+  return record;
+}
+
+const KNOWN_FORMAT = 1;
+
+function notify(text) {
+  byId("notice").textContent = text;
+  byId("notice").hidden = !text;
+}
+
+// The map or the Gantt view as it is seen, with a line that says what it is.
+function savePicture(app) {
+  byId("menu").open = false;
+  const shown = app.view === "gantt" ? app.gantt.canvas : app.map.canvas;
+  const sharpness = window.devicePixelRatio || 1;
+  const canvas = document.createElement("canvas");
+  canvas.width = shown.width;
+  canvas.height = shown.height + 34 * sharpness;
+  const ctx = canvas.getContext("2d");
+  ctx.fillStyle = app.map.theme.surface;
+  ctx.fillRect(0, 0, canvas.width, canvas.height);
+  ctx.drawImage(shown, 0, 34 * sharpness);
+  ctx.scale(sharpness, sharpness);
+  ctx.font = `600 14px ${app.map.theme.font}`;
+  ctx.fillStyle = app.map.theme.ink;
+  ctx.textBaseline = "middle";
+  const { scenario, replay } = app.history;
+  const moment = describeAt(scenario.world, app.player.step);
+  ctx.fillText(`${scenario.name}, ${replay.policy}, ${moment}`, 12, 18);
+  canvas.toBlob((blob) => download(blob, `${fileName(scenario.name)}-${app.player.step}.png`));
+}
+
+function download(blob, name) {
+  const url = URL.createObjectURL(blob);
+  element("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
+
+function fileName(name) {
+  return name.replace(/[^\p{L}\p{N}-]+/gu, "-").slice(0, 60) || "mission";
+}
+
+const FRAMES_A_SECOND = 30;
+const LAST_FRAME_STAYS = 500; // milliseconds
+
+// Play from here (from the start, at the end) to the end, and save it as WebM; again: stop there.
+function toggleVideo(app) {
+  byId("menu").open = false;
+  if (app.recorder) return app.recorder.stop();
+  if (!window.MediaRecorder) return notify("This browser records no video; save pictures instead.");
+  app.look("map");
+  if (app.player.time >= app.player.last) app.player.go(0);
+  const parts = [];
+  const recorder = new MediaRecorder(app.map.canvas.captureStream(FRAMES_A_SECOND), {
+    mimeType: "video/webm",
+  });
+  recorder.ondataavailable = ({ data }) => parts.push(data);
+  recorder.onstop = () => {
+    app.recorder = null;
+    app.player.pause();
+    byId("save-video").textContent = "Record a video";
+    const name = `${fileName(app.history.scenario.name)}.webm`;
+    download(new Blob(parts, { type: "video/webm" }), name);
+  };
+  app.recorder = recorder;
+  byId("save-video").textContent = "Stop recording";
+  recorder.start();
+  app.player.play();
+  stopAtEnd(app, recorder);
+}
+
+function stopAtEnd(app, recorder) {
+  if (recorder.state !== "recording") return;
+  if (app.player.isPlaying) requestAnimationFrame(() => stopAtEnd(app, recorder));
+  else setTimeout(() => recorder.state === "recording" && recorder.stop(), LAST_FRAME_STAYS);
+}

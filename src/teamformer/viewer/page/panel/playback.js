@@ -1,0 +1,37 @@
+// What the buttons, the slider and the counter show of the moment.
+
+function showPlayback(app) {
+  const { player, history } = app;
+  const { world } = history.scenario;
+  byId("counter").replaceChildren(
+    "Step ",
+    element("b", {}, String(player.step)),
+    ` of ${player.last}`,
+    world.isPlane ? element("small", {}, ` ${describeMoment(world, player.step)}`) : "",
+  );
+  byId("scrub").value = String(player.step);
+  byId("scrub").setAttribute("aria-valuetext", `step ${player.step} of ${player.last}`);
+  byId("speed").value = String(player.speed);
+  byId("play").classList.toggle("on", player.isPlaying);
+  byId("play").setAttribute("aria-label", player.isPlaying ? "Pause" : "Play");
+  showStart(app);
+}
+
+// Before anything has been played: how to start.
+function showStart({ player, history }) {
+  const box = byId("start");
+  box.hidden = player.time > 0 || player.isPlaying || player.last === 0;
+  byId("start-length").textContent = describeSpan(history.scenario.world, player.last);
+}
+
+function showSwitches(app) {
+  for (const name of SWITCHES) byId(name).setAttribute("aria-pressed", String(app.options[name]));
+  byId("rings").value = app.options.rings;
+  for (const view of VIEWS) {
+    byId(`view-${view}`).setAttribute("aria-pressed", String(app.view === view));
+    byId(`stage-${view}`).hidden = app.view !== view;
+  }
+}
+
+const SWITCHES = ["lines", "trails", "order", "names"];
+const VIEWS = ["map", "gantt"];

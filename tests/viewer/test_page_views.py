@@ -1,0 +1,235 @@
+"""More than the plain map: shared cells, crowds, the Gantt view, files in and out, two records."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from conftest import Opened, Opener
+from toy_replays import Tree, random_scenario, small_scenario, toy_replay
+
+
+def three_in_one_cell() -> Tree:
+    """Two robots that walk to one cell with three tasks, the last one hours of work."""
+    scenario = small_scenario() | {"world": {"grid": [9, 7]}, "capabilities": ["lift", "scan"]}
+    scenario["robots"] = [
+        {"name": "r1", "at": [1, 1], "can": ["lift"]},
+        {"name": "r2", "at": [7, 5], "can": ["scan"]},
+    ]
+    scenario["tasks"] = [
+        {"name": name, "at": [4, 3], "needs": needs}
+        for name, needs in [("unload", ["lift"]), ("inspect", ["scan"]), ("seal", ["lift", "scan"])]
+    ]
+    return toy_replay(scenario)
+
+
+def test_tasks_in_one_cell_lie_side_by_side_and_can_each_be_clicked(open_page: Opener) -> None:
+    opened = open_page(three_in_one_cell(), "#step=1")
+    boxes = [opened.page.evaluate(f"window.teamformer.taskBox({task})") for task in range(3)]
+    for one, other in [(0, 1), (0, 2), (1, 2)]:
+        apart = max(abs(boxes[one][key] - boxes[other][key]) for key in ("x", "y"))
+        assert apart >= boxes[one]["half"] + boxes[other]["half"]
+    for box, name in zip(boxes, ["unload", "inspect", "seal"], strict=True):
+        opened.click_map(box)
+        assert opened.details().startswith(name)
+
+
+def test_robots_that_come_leave_the_tasks_of_a_shared_cell_in_sight(open_page: Opener) -> None:
+    tree = three_in_one_cell()
+    opened = open_page(tree, f"#step={len(tree['steps'])}")
+    spots = [opened.page.evaluate(f"window.teamformer.robotSpot({robot})") for robot in range(2)]
+    for task in range(3):
+        box = opened.page.evaluate(f"window.teamformer.taskBox({task})")
+        for spot in spots:
+            assert max(abs(box["x"] - spot["x"]), abs(box["y"] - spot["y"])) > box["half"]
+
+
+@pytest.mark.parametrize(
+    ("robots", "size", "detail"), [(39, 60, "robots"), (100, 60, "groups"), (300, 100, "density")]
+)
+def test_a_crowd_is_drawn_as_groups_and_a_large_one_by_density(
+    open_page: Opener, robots: int, size: int, detail: str
+) -> None:
+    opened = open_page(toy_replay(random_scenario(robots, 8, 4, size, 2), steps=12), "#step=6")
+    assert opened.page.evaluate("window.teamformer.detail()") == detail
+    if detail != "robots":
+        groups = opened.page.evaluate("window.teamformer.groups()")
+        alone = robots - sum(group["count"] for group in groups)
+        assert alone == 0 if detail == "density" else alone < 20
+        before = opened.page.evaluate("window.teamformer.taskBox(0).half")
+        opened.click_map(max(groups, key=lambda group: group["count"]))  # comes nearer
+        opened.details()
+        assert opened.page.evaluate("window.teamformer.taskBox(0).half") > before
+    assert opened.errors == []
+
+
+def test_the_first_view_says_how_to_start(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock)
+    assert opened.page.inner_text("#status") == "At the start"
+    assert " ".join(opened.page.inner_text("#start").split()) == "Play the mission 61 steps"
+    opened.page.click("#start")
+    opened.wait_until("window.teamformer.step > 0")
+    assert not opened.page.is_visible("#start")
+    assert opened.page.inner_text("#status") == "Under way"
+
+
+def test_help_closes_with_the_key_that_opens_it(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock)
+    opened.page.keyboard.press("?")
+    assert opened.page.is_visible("#help-text")
+    opened.page.keyboard.press("?")
+    assert not opened.page.is_visible("#help-text")
+
+
+def test_the_address_follows_and_leads_back(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock)
+    opened.page.fill("#scrub", "33")
+    opened.page.click("#tab-tasks")
+    opened.page.click("text=seam")
+    opened.page.keyboard.press("g")
+    opened.wait_until("location.hash === '#step=33&task=seam&view=gantt'")
+    again = open_page(dock, "#step=33&task=seam&view=gantt")
+    assert again.shown_step() == 33
+    assert again.details().startswith("seam")
+    assert again.page.is_visible("#gantt")
+
+
+def test_the_gantt_view_leads_to_robots_and_moments(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock)
+    opened.page.keyboard.press("g")
+    opened.details()
+    box = opened.page.locator("#gantt").bounding_box()
+    width = box["width"] - 96 - 54 - 6  # names, shares, margin
+    opened.page.mouse.click(box["x"] + 96 + width * 33 / 61, box["y"] + 24 + 2.5 * 22)
+    assert opened.shown_step() == 33
+    assert opened.details().startswith("Team r2")  # r3, in row 3, has joined it
+    opened.wait_until("location.hash === '#step=33&robot=r3&view=gantt'")
+    opened.page.focus("#gantt")
+    opened.page.keyboard.press("ArrowUp")
+    opened.wait_until("location.hash === '#step=33&robot=r2&view=gantt'")
+    assert "serving" in opened.page.inner_text("#phases")
+
+
+def test_robots_say_how_they_spend_their_time(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock, "#step=40")
+    opened.page.click("#tab-robots")
+    texts = opened.page.locator(".row").all_inner_texts()
+    assert len(texts) == 4
+    assert "lost 13%" in texts[3]  # r4 is lost in 36: 5 of 40 steps, 12.5
+    shares = [int(part.split()[-1][:-1]) for part in texts[3].split("\n")[-1].split(", ")]
+    assert abs(sum(shares) - 100) <= 2
+
+
+def record_file(tree: Tree, path: Path) -> Path:
+    path.write_text(json.dumps(tree), encoding="utf-8")
+    return path
+
+
+def choose(opened: Opened, button: str, path: Path) -> None:
+    opened.page.click("#menu summary")
+    with opened.page.expect_file_chooser() as chooser:
+        opened.page.click(button)
+    chooser.value.set_files(path)
+
+
+DROP = """([text, x]) => {
+  const data = new DataTransfer();
+  data.items.add(new File([text], "dropped.json"));
+  const event = { dataTransfer: data, clientX: x, bubbles: true, cancelable: true };
+  document.body.dispatchEvent(new DragEvent("dragover", event));
+  document.body.dispatchEvent(new DragEvent("drop", event));
+}"""
+
+
+def test_a_dropped_record_is_opened(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock, "#step=61")
+    opened.page.evaluate(DROP, [json.dumps(three_in_one_cell()), 20])
+    opened.wait_until("document.querySelector('#about').textContent.includes('2 robots')")
+    assert opened.shown_step() == 0
+    opened.page.keyboard.press("End")
+    opened.shown_step()
+    assert opened.page.inner_text("#status") == "Completed"
+    assert opened.errors == []
+
+
+def test_two_records_run_in_step(open_page: Opener, dock: Tree, tmp_path: Path) -> None:
+    opened = open_page(dock)
+    tasks = small_scenario()["tasks"][:2]
+    other = toy_replay(small_scenario() | {"name": "the other", "tasks": tasks})
+    assert len(other["steps"]) < 61
+    choose(opened, "#open-beside", record_file(other, tmp_path / "other.json"))
+    opened.wait_until("document.querySelector('#beside-name').textContent === 'the other, toy'")
+    for key, step, beside in [("ArrowRight", 1, 1), ("End", 61, len(other["steps"]))]:
+        opened.page.keyboard.press(key)
+        assert opened.shown_step() == step
+        assert opened.page.evaluate("window.teamformer.besideStep()") == beside
+    opened.wait_until("document.querySelector('#beside-state').textContent.includes('completed')")
+    opened.page.click("#beside-close")
+    assert not opened.page.is_visible("#beside")
+    assert opened.errors == []
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "it is no JSON"),
+        ('{"teamformer": 1}', "it is no record of a trial"),
+        ('{"teamformer_replay": 2}', "it has format 2, and this page knows 1"),
+        ('{"teamformer_replay": 1}', "it is damaged"),
+    ],
+)
+def test_what_is_no_record_is_refused_and_nothing_is_lost(
+    open_page: Opener, dock: Tree, text: str, message: str
+) -> None:
+    opened = open_page(dock, "#step=7")
+    opened.page.evaluate(DROP, [text, 20])
+    opened.wait_until("!document.querySelector('#notice').hidden")
+    assert message in opened.page.inner_text("#notice")
+    assert opened.shown_step() == 7
+    assert opened.errors == []
+
+
+def test_a_picture_is_saved(open_page: Opener, dock: Tree, tmp_path: Path) -> None:
+    opened = open_page(dock, "#step=33")
+    opened.page.click("#menu summary")
+    with opened.page.expect_download() as download:
+        opened.page.click("#save-picture")
+    assert download.value.suggested_filename == "Dock-early-shift-33.png"
+    data = download.value.path().read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    width = int.from_bytes(data[16:20], "big")
+    assert width == opened.page.evaluate("document.getElementById('map').width")
+
+
+def test_a_video_is_saved(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock, "#step=52")
+    opened.page.click("#menu summary")
+    with opened.page.expect_download() as download:
+        opened.page.click("#save-video")
+    data = download.value.path().read_bytes()
+    assert data[:4] == b"\x1a\x45\xdf\xa3"  # EBML, of which WebM is made
+    assert len(data) > 2000
+    assert opened.shown_step() == 61
+
+
+def test_the_phone_shows_the_map_first(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock, "#robot=r1")
+    opened.page.set_viewport_size({"width": 390, "height": 844})
+    opened.details()
+    box = opened.page.locator("#map").bounding_box()
+    assert box["y"] < 90
+    assert box["height"] >= 400
+    assert opened.page.evaluate("document.documentElement.scrollWidth") == 390
+
+
+def test_on_a_plane_moments_are_in_seconds(open_page: Opener, dock: Tree) -> None:
+    scenario = dock["scenario"] | {
+        "world": {"plane": [9, 6], "step": 0.5, "arrival_radius": 0.05, "unit": 1.0},
+    }
+    opened = open_page({**dock, "scenario": scenario}, "#step=36&robot=r4")
+    assert opened.details().startswith("r4\nClose\nLost at 18 s")
+    assert opened.page.inner_text("#counter") == "Step 36 of 61\n18 s"
+    opened.page.keyboard.press("End")
+    opened.shown_step()
+    assert "30.5 s 61 steps" in opened.page.inner_text("#figures").replace("\n", " ")

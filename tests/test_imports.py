@@ -14,7 +14,7 @@ import teamformer
 
 ROOT = Path(teamformer.__file__).parent
 
-CORE = {"errors", "model", "capabilities", "plane", "regions", "jit"}
+CORE = {"errors", "model", "capabilities", "plane", "regions", "jit", "kernel_cache"}
 BELOW_POLICIES = {*CORE, "scenarios", "planning", "sim"}
 BELOW_COMMANDS = {*BELOW_POLICIES, "policies", "trials", "referee", "viewer", "bench"}
 SEES = {

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib.util
+import os
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numba as nb
 import pytest
@@ -72,5 +77,72 @@ def test_a_planner_is_compiled_once_its_search_is(
     search_anew = jit.entry(getattr(module, begins).py_func)  # kept in another, empty place
     monkeypatch.setattr(module, begins, search_anew)
     assert not module.is_compiled()
-    monkeypatch.setattr(search_anew._cache._cache_file, "_load_index", lambda: {"kept": "code"})
+    monkeypatch.setattr(search_anew._cache._cache_file, "is_empty", lambda: False)
     assert module.is_compiled()
+
+
+class KilledError(BaseException):
+    """Stands for a process that ends without another instruction of ours."""
+
+
+def answer_kernel(path: Path, answer: int) -> Any:
+    """Write a module whose only kernel returns a number, and load it as a new process would."""
+    path.write_text(
+        f"from teamformer.jit import entry\n\n@entry\ndef reply():\n    return {answer}\n"
+    )
+    for kept in (jit.stamp_of, jit._imported, jit._content):
+        kept.cache_clear()
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.reply
+
+
+def killed_at(call: int) -> Callable[[str, str], None]:
+    """Return an `os.replace` in which the process is killed when it is called so often."""
+    done, calls = os.replace, iter(range(1, 100))
+
+    def replace(source: str, target: str) -> None:
+        if next(calls) == call:
+            raise KilledError
+        done(source, target)
+
+    return replace
+
+
+@pytest.mark.parametrize("call", [1, 2])
+def test_a_process_killed_while_it_keeps_code_leaves_no_old_code_for_later_ones(
+    call: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing but a number changes, which numba's own keys do not show."""
+    monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path / "kept"))
+    assert answer_kernel(tmp_path / "oracle.py", 1)() == 1
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "replace", killed_at(call))
+        with contextlib.suppress(KilledError):
+            assert answer_kernel(tmp_path / "oracle.py", 2)() == 2
+    assert answer_kernel(tmp_path / "oracle.py", 2)() == 2
+    (kept,) = (path for path in (tmp_path / "kept").rglob("*") if path.is_file())
+    assert kept.suffix == ".nbc"
+
+
+def test_a_torn_file_is_compiled_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path / "kept"))
+    assert answer_kernel(tmp_path / "oracle.py", 1)() == 1
+    (kept,) = (tmp_path / "kept").rglob("*.nbc")
+    for torn in (b"", kept.read_bytes()[:-1]):
+        kept.write_bytes(torn)
+        assert answer_kernel(tmp_path / "oracle.py", 1)() == 1
+
+
+def test_what_cannot_be_kept_runs_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(self: Path, data: bytes) -> int:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path / "kept"))
+    monkeypatch.setattr(Path, "write_bytes", full)
+    assert answer_kernel(tmp_path / "oracle.py", 3)() == 3

@@ -11,6 +11,8 @@ from typing import Any
 
 import numba as nb
 
+from teamformer.kernel_cache import KernelFiles
+
 ROOT = Path(__file__).parent
 IMPORT = re.compile(r"^ *from teamformer\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
 
@@ -50,14 +52,16 @@ def _compile(function: Callable[..., Any], **options: Any) -> Any:
     """Compile on first use, and keep the result until the function's file or one below changes.
 
     numba looks only at a function's own file, so that code inlined from another file would stay
-    as it was; its check of versions is made to look at all that the file imports.
+    as it was; so what is kept is named by all that the file imports.
     """
     try:
         compiled = nb.njit(cache=True, nogil=True, **options)(function)
     except RuntimeError:  # nowhere to write: compile in every process
         return nb.njit(nogil=True, **options)(function)
     if hasattr(compiled, "_cache"):  # absent where numba is switched off
-        compiled._cache._cache_file._version += stamp_of(Path(function.__code__.co_filename))
+        folder, name = Path(compiled._cache.cache_path), compiled._cache._impl.filename_base
+        stamp = stamp_of(Path(function.__code__.co_filename))
+        compiled._cache._cache_file = KernelFiles(folder, name, stamp)
     return compiled
 
 
@@ -78,5 +82,5 @@ def needs_compiling(function: Any) -> bool:
     """Say whether calling a compiled function for the first time will take its time."""
     if not hasattr(function, "_cache"):
         return False
-    index = function._cache._cache_file
-    return not index._load_index()
+    files: KernelFiles = function._cache._cache_file
+    return files.is_empty()

@@ -1,0 +1,93 @@
+"""Where compiled kernels are kept: one file each, whose name says what it was compiled from.
+
+numba keeps an index beside its files and checks only the index; a process killed between the two
+writes leaves old machine code under a new index for ever. Here there is no index. The name of a
+file is made from the sources, the versions, the types of the arguments and the processor, so old
+code has another name; a file is renamed into place whole, and a torn one is not read.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+from collections.abc import Iterator
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+from numba.core.serialize import dumps
+
+IS_CHECKED = bool(numba.core.config.BOUNDSCHECK)  # type: ignore[attr-defined]
+VERSIONS = f"{numba.__version__}, {llvmlite.__version__}, bounds checked: {IS_CHECKED}"
+DIGITS = 16
+"""Of each of the two hashes in a name."""
+
+
+class KernelFiles:
+    """The files of one function; numba asks it for code by the types that it is called with."""
+
+    def __init__(self, folder: Path, name: str, stamp: str) -> None:
+        """`stamp` changes with the sources that the function is made of."""
+        self._folder, self._name = folder, name
+        self._stamp = _digest(f"{VERSIONS}, {stamp}")
+
+    def is_empty(self) -> bool:
+        """Say whether nothing is kept that was compiled from the sources as they are."""
+        return next(self._folder.glob(f"{self._name}.{self._stamp}.*.nbc"), None) is None
+
+    def load(self, key: Any) -> Any:
+        """Return the code kept for a key, or None."""
+        try:
+            content = self._path(key).read_bytes()
+        except OSError:
+            return None
+        checksum, packed = content[:32], content[32:]
+        if sha256(packed).digest() != checksum:  # the machine stopped before it was all on disk
+            return None
+        kept_for, code = pickle.loads(packed)
+        return code if kept_for == key else None
+
+    def save(self, key: Any, code: Any) -> None:
+        """Keep code for a key, and remove what older sources and killed processes left.
+
+        On a full disk nothing is kept; several processes may write at once.
+        """
+        packed: bytes = dumps((key, code))  # type: ignore[no-untyped-call]
+        path = self._path(key)
+        unfinished = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+        with contextlib.suppress(OSError), _removed_at_the_end(unfinished):
+            unfinished.write_bytes(sha256(packed).digest() + packed)
+            os.replace(unfinished, path)
+        for old in [*self._folder.glob(f"{self._name}.*")]:
+            is_current = old.name.startswith(f"{self._name}.{self._stamp}.")
+            if not is_current or old.name.startswith(f"{path.name}."):
+                old.unlink(missing_ok=True)
+
+    def flush(self) -> None:
+        """Remove all that is kept of the function."""
+        for old in [*self._folder.glob(f"{self._name}.*")]:
+            old.unlink(missing_ok=True)
+
+    def _path(self, key: Any) -> Path:
+        return self._folder / f"{self._name}.{self._stamp}.{_digest(_spell(key))}.nbc"
+
+
+@contextlib.contextmanager
+def _removed_at_the_end(path: Path) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def _digest(text: str) -> str:
+    return sha256(text.encode()).hexdigest()[:DIGITS]
+
+
+def _spell(key: Any) -> str:
+    """Write a key of numba's, (types of the arguments, processor, hashes of the code), as text."""
+    types, processor, code = key
+    return repr(([str(kind) for kind in types], processor, code))

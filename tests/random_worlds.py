@@ -19,7 +19,7 @@ def random_world(
 ) -> Scenario:
     """Return a small possible world with walls, counts, durations, radii, late tasks, losses.
 
-    On a plane some places are hardly more than the arrival radius apart.
+    On a plane some places are hardly more than the arrival radius apart, and some on its edges.
     """
     while True:
         try:
@@ -83,10 +83,12 @@ def _plane(rng: np.random.Generator) -> Plane:
 
 
 def _points(plane: Plane, rng: np.random.Generator) -> list[Place]:
-    """Return points anywhere, and beside half of them one that is nearly in the same place."""
+    """Return points anywhere, beside half of them one that is nearly in the same place, corners."""
     points = rng.uniform((0, 0), plane.corner, size=(8, 2))
     beside = points[:4] + rng.uniform(-1.2, 1.2, size=(4, 2)) * plane.arrival_radius
     inside = np.clip(np.concatenate([points, beside]), 0, plane.corner).round(3)
+    inside[4:6, 0] = plane.width
+    inside[5:7, 1] = plane.height
     return [(float(x), float(y)) for x, y in inside]
 
 

@@ -196,3 +196,30 @@ def test_a_batch_may_mix_planes_and_grids() -> None:
         maintain(env)
     assert env.tally(1).steps == 3
     assert env.view().unit[0] == 1.0
+
+
+CORNERED = pytest.mark.parametrize("side", [0.6, 0.9, 1.2, 1.8, 2.4, 3.6, 4.8])
+"""With nine things on such a plane dividing by the width of a cell rounds otherwise than
+multiplying by its inverse."""
+
+
+@CORNERED
+def test_a_team_in_the_far_corner_is_seen_there(side: float) -> None:
+    """r0 stands in the corner, r1 within its reach, and all others far away."""
+    starts = [(side, side), (side, side - 0.08), *[(0.0, 0.0)] * 4]
+    tasks = [((0.1, 0.1), {"a": 1})] * 3
+    plane = Plane(side, side)
+    view = TeamFormation([field(starts, tasks, plane, sensing_radius=0.1)]).view()
+    seen = {int(slot): set(view.seen_slot[row].tolist()) for row, slot in enumerate(view.slot)}
+    assert 1 in seen[0]
+    assert 0 in seen[1]
+
+
+@CORNERED
+def test_a_task_in_the_far_corner_is_done_there(side: float) -> None:
+    corner = (side, side)
+    tasks = [(corner, {"a": 1}), *[((0.1, 0.1), {"b": 1})] * 2]
+    scenario = field([corner] * 6, tasks, Plane(side, side), sensing_radius=0.1)
+    env = TeamFormation([scenario])
+    maintain(env)
+    assert env.worlds.tasks["done_at"][0, 0] == 1

@@ -318,7 +318,7 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
 
 def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario) -> None:
     cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
-    width, _, cells_per_length = _cells_of(scenario)
+    width, height, cells_per_length = _cells_of(scenario)
     for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
         task, record = scenario.tasks[k], worlds.tasks[w, k]
         record["x"], record["y"] = task.at
@@ -327,7 +327,7 @@ def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario) -> None:
         record["region"] = scenario.world.region(task.at)
         record["is_open"] = task.appears == 0
         column, row = (int(along * cells_per_length) for along in task.at)
-        cell = worlds.cells[w, row * width + column]
+        cell = worlds.cells[w, min(row, height - 1) * width + min(column, width - 1)]
         record["next_here"], cell["first_task"] = cell["first_task"], k
         for name, count in task.needs.items():
             worlds.needs[w, k, cap_of[name]] = count

@@ -27,9 +27,11 @@ def forget_cells(world):  # type: ignore[no-untyped-def]
 
 @kernel
 def cell_of(world, x, y):  # type: ignore[no-untyped-def]
-    """Return the number of the cell at a place."""
+    """Return the number of the cell at a place; what rounding puts past an edge counts as on it."""
     per_length = world.rules.cells_per_length
-    return int(y * per_length) * world.rules.width + int(x * per_length)
+    column = max(0, min(int(x * per_length), world.rules.width - 1))
+    row = max(0, min(int(y * per_length), world.rules.height - 1))
+    return row * world.rules.width + column
 
 
 @kernel

@@ -20,6 +20,7 @@ from teamformer.sim.replay import read_replay
 
 ROOT = Path(__file__).parent.parent
 FOUR = str(ROOT / "examples" / "four-robots.yaml")
+SMALL_ROBOTS = str(ROOT / "examples" / "robotarium-4.yaml")
 
 
 def teamformer(*words: str) -> int:
@@ -143,6 +144,10 @@ def test_generate_makes_a_scenario_that_runs(
         (("run", FOUR, "--html"), "--out"),
         (("run", FOUR, "--out", "/proc/none"), "cannot be written"),
         (("run", FOUR, "--out", FOUR), "this is no folder"),
+        (("run", FOUR, "--step-limit", "9999999999"), "use a whole number up to 1,000,000,000"),
+        (("robotarium", SMALL_ROBOTS, "--policy", "central"), "plans every step before the start"),
+        (("bench", "robotarium", "--policies", "central"), "plans every step before the start"),
+        (("generate", "-o", "x.yaml", "--grid", "99999x99999"), "9,999,800,001 cells"),
         (("run", FOUR, "--order", "alphabetical"), "order 'alphabetical' is unknown"),
         (("compare", FOUR, "--policies", "join-all,"), "there is no policy ''"),
         (("generate", "-o", "/proc/none/x.yaml"), "cannot be written"),
@@ -185,6 +190,28 @@ def test_your_own_policy_by_module_and_class(
     assert teamformer("run", FOUR, "--policy", "mine:Patient", "--step-limit", "50", "--json") == 1
     row = json.loads(capsys.readouterr().out)
     assert (row["joins"], row["tasks_done"]) == (0, 1)  # only t2 needs one robot alone
+
+
+def test_a_mistake_in_your_own_policy_is_told_without_a_traceback(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = """
+class Wrong:
+    needs_everything = False
+
+    def begin(self, everything, rng):
+        pass
+
+    def decide(self, view):
+        return view.cuonts
+"""
+    (tmp_path / "wrong.py").write_text(code, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert teamformer("run", FOUR, "--policy", "wrong:Wrong", "--json") == 2
+    printed = capsys.readouterr()
+    assert "wrong.py:9: AttributeError: 'View' object has no attribute 'cuonts'" in printed.err
+    assert printed.out == ""
 
 
 @pytest.mark.parametrize("words", [(), ("--json",)])

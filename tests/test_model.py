@@ -243,6 +243,55 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         (*TASK, "appears"),
         "task 'x' has appears -1; use 0 or more",
     ),
+    # what files cannot say, but Python can
+    (
+        {"world": Grid(1_400_001, 3)},
+        {"world": Grid(1_400_000, 3)},
+        WORLD,
+        "the grid has 4,200,003 cells; 4,200,000 are possible",
+    ),
+    (
+        robots(at=(0.5, 0)),
+        robots(at=(1.0, 0)),
+        (*ROBOT, "at"),
+        "robot 'b' is at [0.5, 0], which is no cell; use whole numbers",
+    ),
+    (
+        tasks(at=(1, math.nan)),
+        tasks(at=(1, 1)),
+        (*TASK, "at"),
+        "task 'x' is at [1, nan], which is no cell; use whole numbers",
+    ),
+    (
+        third(can={"scan": 1.5}),  # type: ignore[dict-item]
+        third(can={"scan": 2}),
+        ("robots", 2, "can"),
+        "robot 'c' can 'scan' 1.5 times; use 1 or more",
+    ),
+    (
+        robots(lost=2.5),
+        robots(lost=2),
+        (*ROBOT, "lost"),
+        "robot 'b' is lost at step 2.5; use a whole number up to 1,000,000,000",
+    ),
+    (
+        tasks(duration=10**9 + 1),
+        tasks(duration=10**9),
+        (*TASK, "duration"),
+        "task 'x' has duration 1000000001; use a whole number up to 1,000,000,000",
+    ),
+    (
+        tasks(appears=math.nan),
+        tasks(appears=1),
+        (*TASK, "appears"),
+        "task 'x' has appears nan; use 0 or more",
+    ),
+    (
+        {"step_limit": 9_999_999_999},
+        {"step_limit": 10**9},
+        ("step_limit",),
+        "step_limit is 9999999999; use a whole number up to 1,000,000,000",
+    ),
 ]
 
 

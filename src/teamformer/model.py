@@ -24,6 +24,12 @@ MOST_WAITING = 10**9
 LARGEST_COUNT = 30_000
 """What all robots together may have of one capability: kernels count in 16 bits."""
 
+LARGEST_MAP = 4_200_000
+"""Cells: 2048 x 2048."""
+
+LARGEST_NUMBER = 10**9
+"""Of steps, and along an axis; beyond lie slips of the keyboard, and what 32 bits cannot hold."""
+
 FREE = "."
 BLOCKED = "@"
 
@@ -206,9 +212,12 @@ def _problems_of_world(world: World) -> Iterator[Problem]:
     if isinstance(world, Plane):
         yield from (Problem(("world",), message) for message in world.problems())
         return
-    if world.width < 1 or world.height < 1:
+    sides, cells = (world.width, world.height), world.width * world.height
+    if not all(is_whole(side) and side >= 1 for side in sides):
         size = f"{world.width} x {world.height}"
         yield Problem(("world",), f"the grid is {size}; make it 1 x 1 or more")
+    elif cells > LARGEST_MAP:
+        yield Problem(("world",), f"the grid has {cells:,} cells; {LARGEST_MAP:,} are possible")
     if world.rows and {len(row) for row in world.rows} != {world.width}:
         yield Problem(("world",), f"the rows of the map are not all {world.width} cells long")
     if world.rows and len(world.rows) != world.height:
@@ -246,8 +255,8 @@ def _problems_of_rules(scenario: Scenario) -> Iterator[Problem]:
         )
     if scenario.forming_steps not in (0, 1):
         yield Problem(("forming_steps",), f"forming_steps is {scenario.forming_steps}; use 0 or 1")
-    if scenario.step_limit < 0:
-        yield Problem(("step_limit",), f"step_limit is {scenario.step_limit}; use 1 or more")
+    limit, where = scenario.step_limit, ("step_limit",)
+    yield from _problems_of_steps(limit, 0, where, "step_limit is", "use 1 or more")
     for key, known in (("order", ORDERS), ("new_tasks", NEW_TASKS), ("allocation", ALLOCATIONS)):
         if getattr(scenario, key) not in known:
             choices = " or ".join(known)
@@ -264,7 +273,11 @@ def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
         for number, thing in enumerate(things):
             where, what = (key, number, "at"), f"{key[:-1]} '{thing.name}'"
             x, y = thing.at
-            if not world.is_inside(thing.at):
+            if isinstance(world, Grid) and not (is_whole(x) and is_whole(y)):
+                yield Problem(
+                    where, f"{what} is at [{x}, {y}], which is no cell; use whole numbers"
+                )
+            elif not world.is_inside(thing.at):
                 last_x, last_y = world.corner
                 yield Problem(
                     where,
@@ -286,10 +299,10 @@ def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
                 (*where, "speed"),
                 f"robot '{robot.name}' has speed {robot.speed:g}; use 0.001 to 1000",
             )
-        if robot.lost is not None and robot.lost < 1:
-            yield Problem(
-                (*where, "lost"),
-                f"robot '{robot.name}' is lost at step {robot.lost}; the first step is 1",
+        if robot.lost is not None:
+            what = f"robot '{robot.name}' is lost at step"
+            yield from _problems_of_steps(
+                robot.lost, 1, (*where, "lost"), what, "the first step is 1"
             )
 
 
@@ -310,8 +323,23 @@ def _problems_of_counts(
     for name, count in counts.items():
         if name not in known:
             yield Problem(where, f"{what} '{name}', which is not under capabilities; add it there")
-        if count < 1:
+        if not is_whole(count) or count < 1:
             yield Problem(where, f"{what} '{name}' {count} times; use 1 or more")
+
+
+def _problems_of_steps(
+    steps: int, least: int, where: tuple[str | int, ...], what: str, advice: str
+) -> Iterator[Problem]:
+    """Return what is wrong with a number of steps; `advice` is for one below the least."""
+    if not steps >= least:  # NaN too
+        yield Problem(where, f"{what} {steps}; {advice}")
+    elif not is_whole(steps) or steps > LARGEST_NUMBER:
+        yield Problem(where, f"{what} {steps}; use a whole number up to {LARGEST_NUMBER:,}")
+
+
+def is_whole(number: float) -> bool:
+    """Say whether a number is finite and has no fraction."""
+    return number - number == 0 and number == int(number)
 
 
 def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
@@ -342,9 +370,9 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
             task.needs, scenario.capabilities, (*where, "needs"), f"{what} needs"
         )
         for key in ("duration", "appears"):
-            if getattr(task, key) < 0:
-                steps = getattr(task, key)
-                yield Problem((*where, key), f"{what} has {key} {steps}; use 0 or more")
+            steps = getattr(task, key)
+            said = f"{what} has {key}"
+            yield from _problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")
         known = {name: n for name, n in task.needs.items() if name in scenario.capabilities}
         if not covers(everybody, known):
             yield Problem((*where, "needs"), _impossible(what, everybody, known))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import reprlib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 
 from teamformer.errors import ReplayError, TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.plane import Plane
 from teamformer.sim.replay import (
     Ending,
     Replay,
@@ -146,8 +148,8 @@ def test_a_folder_is_told_with_the_file_in_it(path: Path) -> None:
         (b"\xff\xfe", ": this is not text: byte 1 is no UTF-8"),
         (b"steps: 3", ":1: this is not JSON: Expecting value"),
         (b'{\n"a": 1,}', ":2: this is not JSON: Expecting property name enclosed in double quotes"),
-        (b"[" * 100_000, ": this is JSON, but no replay"),
-        (b"9" * 5000, ": this is JSON, but no replay"),
+        (b"[" * 100_000, ": this is no replay: lists lie in lists in lists"),
+        (b"9" * 5000, ": this is no replay: a number has thousands of digits"),
         (b"[]", ": this is not a replay: it has no 'teamformer_replay'"),
         (b'{"teamformer": 1}', ": this is not a replay: it has no 'teamformer_replay'"),
         (b'{"teamformer_replay": 2}', ": format 2 is newer than 1"),
@@ -237,6 +239,11 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
         ),
         (damage("end", "blocked_tasks", to=[1]), "end: 1 stands where a text belongs"),
         (damage("lower_bound", to="3"), "'3' stands where a whole number belongs"),
+        (damage("lower_bound", to=2**53 + 1), f"{2**53 + 1} is more than a record can count"),
+        (
+            damage("steps", 1, "teams", 0, 1, to=10**400),
+            f"step 2: {reprlib.repr(10**400)} is more than a record can count",
+        ),
     ],
 )
 def test_damage_is_told_with_its_step(
@@ -247,6 +254,19 @@ def test_damage_is_told_with_its_step(
     with pytest.raises(ReplayError) as caught:
         replay_from_tree(tree, "r.json")
     assert str(caught.value) == f"r.json: the record is damaged: {message}"
+
+
+@pytest.mark.parametrize("value", [10**400, -(10**9) - 1, float("nan")])
+def test_a_point_beyond_all_planes_is_damage(value: float) -> None:
+    tree = replay_to_tree(replace(RECORD, scenario=replace(HALL, world=Plane(4, 4))))
+    tree["steps"][1]["teams"][0][1] = value
+    with pytest.raises(ReplayError, match=r"step 2: .* stands where a number belongs"):
+        replay_from_tree(tree, "r.json")
+
+
+def test_a_seed_may_have_any_number_of_digits() -> None:
+    record = replace(RECORD, seed=10**400)
+    assert replay_from_tree(replay_to_tree(record), "r.json") == record
 
 
 @pytest.mark.parametrize("key", replay_to_tree(RECORD)["end"])

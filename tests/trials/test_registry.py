@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from teamformer.errors import TeamformerError
@@ -11,9 +13,13 @@ from teamformer.policies import POLICIES
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
+from teamformer.scenarios.smallest import smallest_scenario
+from teamformer.sim.env import TeamFormation
 from teamformer.trials.registry import load_policy
 
 OWN = """
+from teamformer.sim.env import Decision
+
 class Patient:
     needs_everything = False
 
@@ -34,6 +40,31 @@ class Deaf:
 class Picky(Patient):
     def __init__(self, taste):
         pass
+
+
+class Rude(Patient):
+    def begin(self, everything, rng):
+        {}["seed"]
+
+    def decide(self, view):
+        return 1 / 0
+
+
+class Vague(Patient):
+    def decide(self, view):
+        return Decision(view.counts + 0.5)
+
+
+class Narrow(Patient):
+    def decide(self, view):
+        return Decision(view.counts[:, :1])
+
+
+class Timed(Patient):
+    time_limit = 1.0
+
+    def report(self):
+        return self.time_limit
 """
 
 
@@ -42,6 +73,8 @@ def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """A module of a user's, in the folder they work in."""
     (tmp_path / "my_own_policies.py").write_text(OWN)
     (tmp_path / "broken_policies.py").write_text("import no_such_library\n")
+    (tmp_path / "broken_policies_too.py").write_text("\nprint(nothing)\n")
+    (tmp_path / "unfinished_policies.py").write_text("class Class(\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     return "my_own_policies"
@@ -72,8 +105,35 @@ def test_names_are_listed_once() -> None:
 
 
 def test_a_class_of_ones_own(own_module: str) -> None:
-    policy = load_policy(f"{own_module}:Patient", POLICIES)
-    assert type(policy).__name__ == "Patient"
+    policy: Any = load_policy(f"{own_module}:Timed", POLICIES)
+    assert not policy.needs_everything
+    assert not hasattr(policy, "plans")
+    policy.time_limit = 3.0
+    assert policy.report() == 3.0
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("Rude", r"failed at \S*my_own_policies.py:31: ZeroDivisionError: division by zero"),
+        ("Patient", r"decide\(\) returned NoneType, not a Decision"),
+        ("Vague", r"wanted holds what is no whole number of 16 bits"),
+        ("Narrow", r"asks for wanted \(3, 2\) and task \(3,\); the decision has \(3, 1\)"),
+    ],
+)
+def test_what_goes_wrong_in_a_policy_of_ones_own_is_told_by_line(
+    name: str, message: str, own_module: str
+) -> None:
+    policy = load_policy(f"{own_module}:{name}", POLICIES)
+    view = TeamFormation([smallest_scenario()]).view()
+    with pytest.raises(TeamformerError, match=message):
+        policy.decide(view)
+
+
+def test_what_goes_wrong_when_a_policy_begins_is_told_by_line(own_module: str) -> None:
+    policy = load_policy(f"{own_module}:Rude", POLICIES)
+    with pytest.raises(TeamformerError, match=r"my_own_policies.py:28: KeyError: 'seed'"):
+        policy.begin(None, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize(
@@ -87,6 +147,8 @@ def test_a_class_of_ones_own(own_module: str) -> None:
         (".mine:X", "cannot be imported", "write it as module:Class"),
         ("my_own_policies:Nobody", "module 'my_own_policies' has no class 'Nobody'", ""),
         ("my_own_policies:Picky", "cannot be made without arguments", ""),
+        ("broken_policies_too:Class", "broken_policies_too.py:2: NameError", ""),
+        ("unfinished_policies:Class", "unfinished_policies.py:1: SyntaxError", ""),
         ("my_own_policies:Deaf", "is no policy: it has no 'decide'", "docs/policies.md"),
     ],
 )

@@ -10,12 +10,12 @@ import numpy as np
 
 from teamformer.commands.console import prepare_file, print_json, say
 from teamformer.errors import TeamformerError
-from teamformer.model import BEST_ALLOCATION, Grid, Scenario, World
+from teamformer.model import BEST_ALLOCATION, LARGEST_MAP, Grid, Scenario, World
 from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
 from teamformer.scenarios.generate import Spec
 from teamformer.scenarios.generate import generate as generate_scenario
-from teamformer.scenarios.maps.formats import LARGEST_MAP, read_map
+from teamformer.scenarios.maps.formats import read_map
 from teamformer.scenarios.named_settings import world_of
 
 
@@ -64,10 +64,11 @@ def _world(grid: str | None, plane: str | None, map_path: Path | None, cell: flo
     if plane is not None:
         width, height = _size("--plane", plane, r"\d{1,5}(?:\.\d{1,3})?", "3.2x2.0")
         return Plane(width, height)
-    width, height = _size("--grid", grid or "10x10", r"\d{1,4}", "20x10")
+    width, height = _size("--grid", grid or "10x10", r"\d{1,9}", "20x10")
     if width * height > LARGEST_MAP:
         raise TeamformerError(
-            f"--grid {grid} has {width * height:,.0f} cells", f"{LARGEST_MAP:,} are possible"
+            f"--grid {grid} has {width * height:,.0f} cells",
+            f"{LARGEST_MAP:,} are possible, such as 2048x2048",
         )
     return Grid(int(width), int(height))
 

@@ -17,6 +17,7 @@ from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
+from teamformer.policies.protocol import Policy
 from teamformer.robotarium.benchmark import bench_robotarium, count_missions, summarise
 from teamformer.robotarium.experiment import Experiment, run_experiment
 from teamformer.robotarium.mission_checks import find_problems
@@ -52,7 +53,7 @@ def robotarium(path: Path, options: Options, as_json: bool) -> int:
         raise TeamformerError(f"there is no simulator '{options.simulator}'", "use plant or rps")
     if options.simulator == "rps" and (options.delay or options.has_noise):
         raise TeamformerError("rps has neither delay nor noise", "use --simulator plant")
-    policy = load_policy(options.policy, POLICIES)
+    policy = _decentralised(options.policy)
     film: Any = None
     if options.folder is not None:
         from teamformer.robotarium.draw import Film
@@ -76,6 +77,17 @@ def robotarium(path: Path, options: Options, as_json: bool) -> int:
     else:
         _show(done)
     return 0 if done.is_good else 1
+
+
+def _decentralised(name: str) -> Policy:
+    """Return a policy that can fly: a plan of steps is not what real robots keep to."""
+    policy = load_policy(name, POLICIES)
+    if policy.needs_everything:
+        raise TeamformerError(
+            f"policy '{name}' plans every step before the start, and robots drive as they can",
+            "name one that decides by its view, such as teamformer or heuristic",
+        )
+    return policy
 
 
 def deploy(path: Path, options: Options, verifies: bool, python: str, as_json: bool) -> int:
@@ -112,6 +124,7 @@ def fly_missions(trials: int, policy: str, seed: int, folder: Path | None, as_js
         say("without robotarium-python-simulator: only the plant is measured")
     if folder is not None:
         prepare_folder(folder)
+    _decentralised(policy)
     announce_compiling([policy])
     rows = []
     with Counting("missions") as counting:

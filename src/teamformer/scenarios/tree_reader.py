@@ -7,12 +7,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from teamformer.model import Place
+from teamformer.model import LARGEST_NUMBER, Place
 from teamformer.scenarios.yaml.reader import Tree, Where
 from teamformer.scenarios.yaml.words import Misread, describe, kind_of, misread, shorten
 
-LARGEST_NUMBER = 1_000_000_000
-"""Coordinates and steps beyond this are slips of the keyboard; the simulator counts further."""
 LARGEST_COUNT = 1000
 LONGEST_TEXT = 200
 INFINITE = ".inf"

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from teamformer.errors import TeamformerError
-from teamformer.model import BLOCKED, FREE, Grid, World
+from teamformer.model import BLOCKED, FREE, LARGEST_MAP, Grid, World
 from teamformer.plane import Plane
-from teamformer.scenarios.maps.formats import LARGEST_MAP, read_map
+from teamformer.scenarios.maps.formats import read_map
 from teamformer.scenarios.tree_reader import Reader
 from teamformer.scenarios.yaml.words import describe
 

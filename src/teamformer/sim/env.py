@@ -165,19 +165,11 @@ class TeamFormation:
 
     def _read(self, decision: Decision) -> tuple[Array, Array]:
         """Return what the teams want and name, as the kernels take it."""
-        rows, caps = int(self._first_row[-1]), self.worlds.has.shape[2]
         if not self._is_viewed:
             raise ValueError("the state has changed since the latest view: call view() first")
-        task = np.full(rows, NOBODY, np.int32) if decision.task is None else decision.task
-        wanted = _whole("wanted", decision.wanted, np.dtype(np.int16))
-        named = _whole("task", task, np.dtype(np.int32))
-        if wanted.shape != (rows, caps) or named.shape != (rows,):
-            raise ValueError(
-                f"the latest view asks for wanted ({rows}, {caps}) and task ({rows},); "
-                f"the decision has {wanted.shape} and {named.shape}"
-            )
+        read = read_decision(decision, int(self._first_row[-1]), self.worlds.has.shape[2])
         self._is_viewed = False
-        return wanted, named
+        return read
 
     @property
     def is_running(self) -> Array:
@@ -208,6 +200,23 @@ class TeamFormation:
             work(0, len(self.scenarios))
         else:
             list(self._pool.map(work, *zip(*self._chunks, strict=True)))
+
+
+def read_decision(decision: Decision, rows: int, caps: int) -> tuple[Array, Array]:
+    """Return what teams want, (rows, caps), and the tasks that they name, (rows,), for kernels.
+
+    Raises ValueError where the decision has other rows, fractions, or counts that 16 bits cannot
+    hold.
+    """
+    task = np.full(rows, NOBODY, np.int32) if decision.task is None else decision.task
+    wanted = _whole("wanted", decision.wanted, np.dtype(np.int16))
+    named = _whole("task", task, np.dtype(np.int32))
+    if wanted.shape != (rows, caps) or named.shape != (rows,):
+        raise ValueError(
+            f"the latest view asks for wanted ({rows}, {caps}) and task ({rows},); "
+            f"the decision has {wanted.shape} and {named.shape}"
+        )
+    return wanted, named
 
 
 def _whole(name: str, values: Array, dtype: np.dtype[Any]) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import reprlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from teamformer.errors import ReplayError, TeamformerError
-from teamformer.model import Scenario
+from teamformer.model import LARGEST_NUMBER, Scenario
 from teamformer.plane import Plane
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
@@ -21,6 +20,8 @@ from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 VERSION = 1
 STATUSES = ("completed", "step limit", "infeasible", "interrupted")
 
+LARGEST_COUNT = 2**53
+"""Which every reader of JSON keeps exact, the page's too."""
 LARGEST_FILE = 1_000_000_000  # bytes
 """A thousand robots on the move for three thousand steps take 40 MB."""
 RUN_AGAIN = "run the scenario again to have it written anew"
@@ -172,8 +173,10 @@ def _parse(text: str, source: str) -> Any:
         is_cut = _is_unfinished(text[error.pos :].strip()) or error.msg.startswith("Unterminated")
         what = "it breaks off" if is_cut else f"this is not JSON: {error.msg}"
         raise ReplayError(f"{source}:{error.lineno}: {what}", RUN_AGAIN) from None
-    except (ValueError, RecursionError):  # a number of thousands of digits, lists in lists in lists
-        raise ReplayError(f"{source}: this is JSON, but no replay", RUN_AGAIN) from None
+    except (ValueError, RecursionError) as error:
+        is_deep = isinstance(error, RecursionError)
+        what = "lists lie in lists in lists" if is_deep else "a number has thousands of digits"
+        raise ReplayError(f"{source}: this is no replay: {what}", RUN_AGAIN) from None
 
 
 def _is_unfinished(rest: str) -> bool:
@@ -248,7 +251,7 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
     return Replay(
         scenario=scenario,
         policy=_text(tree["policy"]),
-        seed=_number(tree["seed"]),
+        seed=_whole(tree["seed"]),
         orders=orders,
         start=start,
         steps=tuple(_steps(tree["steps"], robots, tasks, along)),
@@ -342,6 +345,13 @@ def _count(value: Any) -> int:
 
 
 def _number(value: Any) -> int:
+    """Return a whole number that counts something or says where something is."""
+    if not abs(_whole(value)) <= LARGEST_COUNT:
+        raise _DamageError(f"{_short(value)} is more than a record can count")
+    return int(value)
+
+
+def _whole(value: Any) -> int:
     if not _is_number(value):
         raise _DamageError(f"{_short(value)} stands where a whole number belongs")
     return int(value)
@@ -349,7 +359,7 @@ def _number(value: Any) -> int:
 
 def _metres(value: Any) -> float:
     """Return a coordinate in a plane."""
-    if type(value) not in (int, float) or not math.isfinite(value):
+    if type(value) not in (int, float) or not abs(value) <= LARGEST_NUMBER:  # NaN too
         raise _DamageError(f"{_short(value)} stands where a number belongs")
     return float(value)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import inspect
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.policies.listing import Listing
+from teamformer.policies.own import OwnPolicy, telling_where
 from teamformer.policies.protocol import Policy
 
 BARE = "-bare"
@@ -61,18 +63,32 @@ def _instance(where: str) -> Policy:
         raise TeamformerError(f"policy '{where}' cannot be imported: it is no name", hint)
     if str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))
-    try:
-        made: Any = getattr(importlib.import_module(module_name), class_name)()
-    except (ImportError, ValueError) as error:
-        hint = "run from the folder that holds the module"
-        raise TeamformerError(f"policy '{where}' cannot be imported: {error}", hint) from None
-    except AttributeError:
-        raise TeamformerError(f"module '{module_name}' has no class '{class_name}'") from None
-    except TypeError as error:
-        raise TeamformerError(f"'{where}' cannot be made without arguments: {error}") from None
+    policy = _make(_find(where, module_name, class_name), where)
     for part in ("needs_everything", "begin", "decide"):
-        if not hasattr(made, part):
+        if not hasattr(policy, part):
             hint = "see docs/policies.md for what a policy offers"
             raise TeamformerError(f"'{where}' is no policy: it has no '{part}'", hint)
-    policy: Policy = made
+    return policy if where.startswith("teamformer.") else OwnPolicy(policy, where)
+
+
+def _find(where: str, module_name: str, class_name: str) -> Any:
+    try:
+        with telling_where(f"policy '{where}' cannot be imported"):
+            module = importlib.import_module(module_name)
+    except TeamformerError as error:
+        if isinstance(error.__cause__, ImportError):
+            error.hint = "run from the folder that holds the module"
+        raise
+    if not hasattr(module, class_name):
+        raise TeamformerError(f"module '{module_name}' has no class '{class_name}'")
+    return getattr(module, class_name)
+
+
+def _make(make: Any, where: str) -> Policy:
+    try:
+        inspect.signature(make).bind()
+    except TypeError as error:
+        raise TeamformerError(f"'{where}' cannot be made without arguments: {error}") from None
+    with telling_where(f"'{where}' cannot be made"):
+        policy: Policy = make()
     return policy

@@ -12,14 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.errors import TeamformerError
-from teamformer.model import BLOCKED, FREE, Grid
+from teamformer.model import BLOCKED, FREE, LARGEST_MAP, Grid
 from teamformer.scenarios.file_access import read_bytes, read_text
 from teamformer.scenarios.maps.pgm import Image, read_pgm
 from teamformer.scenarios.tree_reader import Reader
 from teamformer.scenarios.yaml.reader import parse
 from teamformer.scenarios.yaml.words import Misread, describe
 
-LARGEST_MAP = 4_200_000  # cells: 2048 x 2048
 LARGEST_MOVINGAI = 10_000_000  # bytes
 LARGEST_DESCRIPTION = 100_000  # bytes
 

@@ -175,10 +175,10 @@ def bench(
 
     Run it again with the same folder to go on after an interruption, or for more trials.
     """
-    from teamformer.commands.bench import Options
+    from teamformer.commands.bench import BenchOptions
     from teamformer.commands.bench import bench as command
 
-    options = Options(
+    options = BenchOptions(
         trials=trials,
         seed=seed,
         time_limit=time_limit,
@@ -227,7 +227,7 @@ def train(
     worlds: Annotated[int, typer.Option(min=1, help="played in each iteration")] = 256,
     held_out: Annotated[int, typer.Option(min=1, help="worlds of each setting")] = 48,
     method: Annotated[
-        str | None, typer.Option(help="trying, or ppo; the network's own by default")
+        str | None, typer.Option(help="rollouts, or ppo; the network's own by default")
     ] = None,
     reward: Annotated[
         str, typer.Option(help="of ppo; mission, or team as in the paper")
@@ -237,7 +237,7 @@ def train(
     as_json: AsJson = False,
 ) -> None:
     """Train a policy; needs torch: pip install 'teamformer[train]'."""
-    from teamformer.commands.train import Options
+    from teamformer.commands.train import TrainOptions
     from teamformer.commands.train import train as command
 
     for name, given, known in (
@@ -251,7 +251,7 @@ def train(
     if resume is not None and given_too:
         flag = given_too[0].replace("_", "-")
         raise TeamformerError(f"--resume goes on as it was begun; leave --{flag} out")
-    options = Options(
+    options = TrainOptions(
         network=network or ("any" if capabilities is None else "teamformer"),
         capabilities=capabilities,
         iterations=iterations,
@@ -288,13 +288,13 @@ def robotarium(
     as_json: AsJson = False,
 ) -> None:
     """Fly a mission in Robotarium's arena; `deploy` writes what its testbed takes."""
-    from teamformer.commands.robotarium import Options, deploy
+    from teamformer.commands.robotarium import RobotariumOptions, deploy
     from teamformer.commands.robotarium import robotarium as command
 
     *verbs, path = words
     if verbs not in ([], ["deploy"]):
         raise TeamformerError(f"'{' '.join(words)}' is not one scenario", "give one file")
-    options = Options(policy, seed, simulator, delay, noise, out)
+    options = RobotariumOptions(policy, seed, simulator, delay, noise, out)
     if verbs:
         raise typer.Exit(deploy(Path(path), options, verify, python, as_json))
     raise typer.Exit(command(Path(path), options, as_json))

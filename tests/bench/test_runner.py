@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from teamformer.bench.executors import Batches, run_here, run_in_processes
-from teamformer.bench.jobs import Lot, list_schedule, run_lot
+from teamformer.bench.jobs import Job, list_schedule, run_job
 from teamformer.bench.rows import Key, Row
 from teamformer.bench.runner import TIMED, Request, fits, run_benchmark
 from teamformer.bench.store import Store
@@ -34,7 +34,7 @@ SMALL = Suite(
 def measured(
     folder: Path,
     request: Request,
-    engine: Callable[[Sequence[Lot], int], Batches] = run_here,
+    engine: Callable[[Sequence[Job], int], Batches] = run_here,
     say: Callable[[str], None] = print,
 ) -> dict[Key, Row]:
     with Store(folder, request.about, say) as store:
@@ -74,16 +74,16 @@ def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:
 
 def test_going_on_runs_only_what_is_missing(tmp_path: Path) -> None:
     before = measured(tmp_path, Request(SMALL, trials=2, policies=("join-all",)))
-    asked: list[Lot] = []
+    asked: list[Job] = []
 
-    def watching(lots: Sequence[Lot], workers: int) -> Batches:
-        asked.extend(lots)
-        yield from run_here(lots)
+    def watching(jobs: Sequence[Job], workers: int) -> Batches:
+        asked.extend(jobs)
+        yield from run_here(jobs)
 
     said: list[str] = []
     rows = measured(tmp_path, Request(SMALL, trials=3), watching, said.append)
     assert len(rows) == 2 * 2 * 3
-    run = [(lot.setting, lot.policy, seed) for lot in asked for seed in lot.seeds]
+    run = [(job.setting, job.policy, seed) for job in asked for seed in job.seeds]
     assert sorted([*run, *before]) == sorted(rows)
     assert "4 of 12 trials are there already" in said
     kept = {key: rows[key].total_seconds for key in before}
@@ -91,8 +91,8 @@ def test_going_on_runs_only_what_is_missing(tmp_path: Path) -> None:
 
 
 def test_an_interrupted_benchmark_ends_like_any_other(tmp_path: Path) -> None:
-    def breaking(lots: Sequence[Lot], workers: int) -> Batches:
-        yield from itertools.islice(run_here(lots), 2)
+    def breaking(jobs: Sequence[Job], workers: int) -> Batches:
+        yield from itertools.islice(run_here(jobs), 2)
         raise KeyboardInterrupt
 
     request = Request(SMALL, trials=7)
@@ -100,7 +100,7 @@ def test_an_interrupted_benchmark_ends_like_any_other(tmp_path: Path) -> None:
     (tmp_path / "parts").mkdir()
     with pytest.raises(KeyboardInterrupt):
         measured(tmp_path / "parts", request, breaking)
-    assert (tmp_path / "parts" / "rows.jsonl").read_text().count("\n") == 7  # lots of 5 and 2
+    assert (tmp_path / "parts" / "rows.jsonl").read_text().count("\n") == 7  # jobs of 5 and 2
     parts = measured(tmp_path / "parts", request)
     whole = measured(tmp_path / "whole", request)
     assert list(map(outcome, parts.values())) == list(map(outcome, whole.values()))
@@ -117,8 +117,8 @@ def test_processes_give_the_same_rows(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("policy", ["heuristic", "join-all", "teamformer-any"])
 def test_side_by_side_or_alone_a_trial_is_the_same(policy: str) -> None:
-    lot = Lot("small", "8N9T-C4", policy, tuple(range(12)), 1.0, "code")
-    alone, together = run_lot(lot), run_lot(replace(lot, is_timed=False))
+    job = Job("small", "8N9T-C4", policy, tuple(range(12)), 1.0, "code")
+    alone, together = run_job(job), run_job(replace(job, is_timed=False))
     assert {row.side_by_side for row in alone} == {1}
     assert {row.side_by_side for row in together} == {12}
     assert [replace(outcome(row), side_by_side=0) for row in alone] == [
@@ -127,8 +127,8 @@ def test_side_by_side_or_alone_a_trial_is_the_same(policy: str) -> None:
 
 
 def test_what_deciding_took_is_shared_out_whole() -> None:
-    lot = Lot("small", "8N9T-C4", "join-all", tuple(range(5)), 1.0, "code", is_timed=False)
-    rows = run_lot(lot)
+    job = Job("small", "8N9T-C4", "join-all", tuple(range(5)), 1.0, "code", is_timed=False)
+    rows = run_job(job)
     deciding = sum(row.decision_seconds or 0 for row in rows)
     assert 0 < deciding < sum(row.total_seconds or 0 for row in rows)
     assert all((row.decisions or 0) >= (row.steps or 0) for row in rows)  # a team a step at least

@@ -9,18 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.bench.jobs import Lot, known_row
+from teamformer.bench.jobs import Job, known_row
 from teamformer.bench.rows import Row, row_of, with_bars
-from teamformer.bench.store import About, Store
+from teamformer.bench.store import BenchmarkDescription, Store
 from teamformer.errors import TeamformerError
 from teamformer.scenarios.named_settings import world_of
 
-ABOUT = About("fig3", 0, {"order": "tsp"})
+ABOUT = BenchmarkDescription("fig3", 0, {"order": "tsp"})
 
 
 def make_row(policy: str = "join-all", seed: int = 0, makespan: int | None = 20) -> Row:
-    lot = Lot("fig3", "4N4T-C4", policy, (seed,), 10.0, "abc")
-    return known_row(lot, seed, world_of("4N4T-C4", seed), makespan)
+    job = Job("fig3", "4N4T-C4", policy, (seed,), 10.0, "abc")
+    return known_row(job, seed, world_of("4N4T-C4", seed), makespan)
 
 
 def by_seed(row: Row) -> tuple[str, int]:
@@ -101,7 +101,9 @@ def test_what_is_no_row(line: str) -> None:
         (replace(ABOUT, rules={}), "rules {'order': 'tsp'}, not {}"),
     ],
 )
-def test_another_benchmark_s_folder_is_refused(tmp_path: Path, other: About, told: str) -> None:
+def test_another_benchmark_s_folder_is_refused(
+    tmp_path: Path, other: BenchmarkDescription, told: str
+) -> None:
     reopened(tmp_path)
     with pytest.raises(TeamformerError, match="holds rows of another benchmark") as refused:
         Store(tmp_path, other, print).__enter__()

@@ -158,13 +158,13 @@ def test_verdicts() -> None:
     assert as_quick(SMALL, 1.0)(evidence, "teamformer").holds is None  # nothing was timed
 
 
-def test_who_struggles_shows_without_the_liveness_rule() -> None:
+def test_who_struggles_shows_without_the_deadlock_guard() -> None:
     safe, bare = rows_of(SMALL, "gnn-c4", [10, 20]), rows_of(SMALL, "gnn-c4-bare", [10, None])
     judge = some_failures(SMALL, "gnn")
     assert judge(Evidence(safe), "teamformer").holds is False
     told = judge(Evidence([*safe, *bare]), "teamformer")
     assert told.holds is True
-    assert told.measured == "1 of 2 (9.5% to 90.5%) without the liveness rule"
+    assert told.measured == "1 of 2 (9.5% to 90.5%) without the deadlock guard"
 
 
 def test_trends_go_by_the_ends() -> None:

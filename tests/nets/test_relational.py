@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from teamformer.nets.critic import Critic, CriticSettings
-from teamformer.nets.relational import REFUSED, RelationalPolicy, RelationalSettings, Tokens
+from teamformer.nets.relational import REFUSED, RelationalPolicy, RelationalSettings, RelationTokens
 
 SEEN, TASKS = 5, 4
 
@@ -20,11 +20,11 @@ def network() -> RelationalPolicy:
     return made
 
 
-def tokens(teams: int = 20) -> Tokens:
+def tokens(teams: int = 20) -> RelationTokens:
     torch.manual_seed(1)
     is_legal = torch.rand(teams, 4 + SEEN + TASKS) < 0.6
     is_legal[:, 0] = True
-    return Tokens(
+    return RelationTokens(
         torch.randn(teams, 6),
         torch.randn(teams, SEEN, 7),
         torch.randn(teams, TASKS, 8),
@@ -57,7 +57,7 @@ def test_what_stands_in_padding_changes_nothing(network: RelationalPolicy) -> No
 def test_order_of_tokens_changes_only_the_order_of_choices(network: RelationalPolicy) -> None:
     given, seen, tasks = tokens(), torch.randperm(SEEN), torch.randperm(TASKS)
     places = torch.cat([torch.arange(4), 4 + seen, 4 + SEEN + tasks])
-    shuffled = Tokens(
+    shuffled = RelationTokens(
         given.own,
         given.teams[:, seen],
         given.tasks[:, tasks],

@@ -1,4 +1,4 @@
-"""The learned policy as it runs: ONNX against torch, and the liveness rule."""
+"""The learned policy as it runs: ONNX against torch, and the deadlock guard."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.policies.learned.any_fleet import AnyFleetCodec, any_fleet, teamformer_any
-from teamformer.policies.learned.deadlock_guard import Liveness
+from teamformer.policies.learned.deadlock_guard import DeadlockGuard
 from teamformer.policies.learned.macro_actions import FOLLOW, MAINTAIN
 from teamformer.policies.learned.onnx_sessions import OnnxNetwork
 from teamformer.policies.learned.policy import Brain, Learned, rows_of
@@ -46,8 +46,8 @@ class Whim:
         return np.where(is_legal, self.rng.random(is_legal.shape), -1.0).argmax(axis=1)
 
 
-def learned(brain: Brain, with_liveness: bool = True) -> Learned:
-    return Learned(AnyFleetCodec(), brain, with_liveness)
+def learned(brain: Brain, is_guarded: bool = True) -> Learned:
+    return Learned(AnyFleetCodec(), brain, is_guarded)
 
 
 def two_who_need_each_other() -> Scenario:
@@ -112,18 +112,18 @@ def test_capabilities_may_be_many() -> None:
     assert tally.steps < 20
 
 
-def test_liveness_by_hand() -> None:
+def test_the_deadlock_guard_by_hand() -> None:
     """Both walk to cell 3 and wait: what they see spans three cells, then two, then none."""
     env = TeamFormation([two_who_need_each_other()])
-    liveness, overdue = Liveness(), []
+    guard, overdue = DeadlockGuard(), []
     for _ in range(34):
         view = env.view()
-        overdue.append(liveness.is_overdue(view).tolist())
+        overdue.append(guard.is_overdue(view).tolist())
         env.step(Decision(view.counts))
     assert overdue[30] == [False, False]
     assert overdue[31] == [True, True]  # 31 steps without change, at the task, with 30 of patience
-    liveness.begin()
-    assert liveness.is_overdue(env.view()).tolist() == [False, False]
+    guard.begin()
+    assert guard.is_overdue(env.view()).tolist() == [False, False]
 
 
 def test_progress_and_arrivals_reset_patience() -> None:
@@ -135,10 +135,10 @@ def test_progress_and_arrivals_reset_patience() -> None:
         (Task("t0", (3, 0), {"a": 1, "b": 1}), Task("t1", (3, 0), {"a": 1}, appears=20)),
     )
     env = TeamFormation([scenario])
-    liveness, first = Liveness(), None
+    guard, first = DeadlockGuard(), None
     for step in range(60):
         view = env.view()
-        if liveness.is_overdue(view).any() and first is None:
+        if guard.is_overdue(view).any() and first is None:
             first = step
         env.step(Decision(view.counts))
     # t1 is done in the step after it appears; the list last changes at step 21
@@ -152,7 +152,7 @@ def test_who_does_nothing_ends_with_the_rule_and_not_without() -> None:
     [tally] = run_trials(worlds, policy)
     assert tally.status == "completed"
     assert policy.overdue == 3  # all are, in the one step that it takes
-    [tally] = run_trials(worlds, learned(prefer_maintain, with_liveness=False))
+    [tally] = run_trials(worlds, learned(prefer_maintain, is_guarded=False))
     assert tally.status == "step limit"
 
 
@@ -175,7 +175,7 @@ def test_untrained_it_is_the_script(allocation: str) -> None:
     specs = [Spec(8, 8, 8), Spec(12, 12, 4), Spec(30, 4, 30)]
     worlds = [replace(generate(s, rng), allocation=allocation) for s in specs for _ in range(6)]
     network = make_learner(TrainSettings(seed=3)).policy
-    policy = Learned(AnyFleetCodec(), torch_brain(network), with_liveness=False)  # type: ignore[arg-type]
+    policy = Learned(AnyFleetCodec(), torch_brain(network), is_guarded=False)  # type: ignore[arg-type]
     assert run_trials(worlds, policy) == run_trials(worlds, Script())
 
 

@@ -17,7 +17,7 @@ from teamformer.robotarium.control.goals import (
 )
 from teamformer.robotarium.control.ring_slots import SPACING, ring_radius, slots_around
 from teamformer.robotarium.places import team_places
-from teamformer.robotarium.teams import Team, distance
+from teamformer.robotarium.teams import RobotTeam, distance
 
 MIDDLE = np.array([1.6, 1.0])
 
@@ -47,7 +47,7 @@ def test_a_task_gets_no_more_robots_than_it_needs() -> None:
     robots = np.array([[0.5, 0.0], [0.4, 0.0], [0.6, 0.0], [0.1, 0.0]])
     brings = np.array([[1, 0], [0, 1], [1, 0], [0, 1]])
     work = Work(np.zeros((1, 2)), np.array([[1, 1]]), brings)
-    teams = [Team(0, (0, 1, 2), 0, None), Team(3, (3,), 0, None)]
+    teams = [RobotTeam(0, (0, 1, 2), 0, None), RobotTeam(3, (3,), 0, None)]
     assert choose_needed(teams, robots, work, 0) == [1, 0]
     assert choose_needed(teams[1:], robots, work, 0) == [3]
 
@@ -55,7 +55,11 @@ def test_a_task_gets_no_more_robots_than_it_needs() -> None:
 def test_who_is_not_needed_keeps_clear_and_a_joiner_seeks_its_partner() -> None:
     robots = np.array([[0.5, 0.0], [0.1, 0.0], [-1.0, 0.5]])
     work = Work(np.zeros((1, 2)), np.array([[1]]), np.ones((3, 1), dtype=int))
-    teams = [Team(0, (0,), 0, None), Team(1, (1,), None, None), Team(2, (2,), None, 0)]
+    teams = [
+        RobotTeam(0, (0,), 0, None),
+        RobotTeam(1, (1,), None, None),
+        RobotTeam(2, (2,), None, 0),
+    ]
     goals = choose_goals(teams, robots, work, np.array([True]), np.zeros(3))
     np.testing.assert_array_equal(goals.places[0], [0.0, 0.0])
     assert np.linalg.norm(goals.places[1]) >= 0.3  # outside the clearance, and near
@@ -69,7 +73,7 @@ def test_who_is_not_needed_keeps_clear_and_a_joiner_seeks_its_partner() -> None:
 def test_who_does_not_get_clear_looks_farther_off() -> None:
     robots = np.array([[0.1, 0.0], [0.6, 0.0]])
     work = Work(np.zeros((1, 2)), np.array([[1]]), np.ones((2, 1), dtype=int))
-    teams = [Team(0, (0,), None, None), Team(1, (1,), None, None)]
+    teams = [RobotTeam(0, (0,), None, None), RobotTeam(1, (1,), None, None)]
     is_open = np.array([True])
     away = []
     for decisions in (0, GIVES_UP - 1, GIVES_UP, 2 * GIVES_UP):
@@ -104,7 +108,7 @@ def test_a_way_leads_midway_between_two_rings_or_around_both() -> None:
 
 
 def test_a_team_is_at_its_task_when_all_its_slots_are_filled() -> None:
-    tasks, team = np.array([[2.0, 1.0]]), [Team(0, (0, 1), 0, None)]
+    tasks, team = np.array([[2.0, 1.0]]), [RobotTeam(0, (0, 1), 0, None)]
     slots = [[0.3, 0.0], [0.5, 0.0]]
     goals = goals_at(slots, [True, True])
     filled = np.array(slots) + np.array([[0.04, 0.0], [0.0, -0.04]])
@@ -118,7 +122,7 @@ def test_a_team_is_at_its_task_when_all_its_slots_are_filled() -> None:
 def test_contact_makes_one_place_of_two_but_not_of_both_a_worker() -> None:
     """A second team within 0.4 m of one at the task may join it, but does not do the task."""
     tasks = np.array([[2.0, 1.0]])
-    teams = [Team(0, (0,), 0, None), Team(1, (1,), 0, None)]
+    teams = [RobotTeam(0, (0,), 0, None), RobotTeam(1, (1,), 0, None)]
     goals = goals_at([[0.4, 0.0], [0.4, 0.0]], [True, False])
     for away, same in ((0.39, True), (0.41, False)):
         robots = np.array([[0.4, 0.0], [0.4 + away, 0.0]])
@@ -129,7 +133,7 @@ def test_contact_makes_one_place_of_two_but_not_of_both_a_worker() -> None:
 
 def test_teams_with_other_tasks_do_not_meet() -> None:
     tasks = np.array([[2.0, 1.0], [1.0, 1.0]])
-    teams = [Team(0, (0,), 0, None), Team(1, (1,), 1, None)]
+    teams = [RobotTeam(0, (0,), 0, None), RobotTeam(1, (1,), 1, None)]
     robots = np.array([[0.0, 0.0], [0.2, 0.0]])
     first, second = team_places(teams, robots, goals_at([[1, 1], [1, 1]], [True] * 2), tasks, 0.05)
     np.testing.assert_allclose([first, second], robots + MIDDLE)
@@ -137,4 +141,6 @@ def test_teams_with_other_tasks_do_not_meet() -> None:
 
 def test_teams_are_as_far_apart_as_their_nearest_robots() -> None:
     robots = np.array([[0.0, 0.0], [1.0, 0.0], [1.3, 0.4], [9.0, 9.0]])
-    assert distance(Team(0, (0, 1), None, None), Team(2, (2, 3), None, None), robots) == 0.5
+    assert (
+        distance(RobotTeam(0, (0, 1), None, None), RobotTeam(2, (2, 3), None, None), robots) == 0.5
+    )

@@ -14,7 +14,7 @@ from teamformer.policies.learned.macro_actions import FOLLOW, HALVE
 from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.sim.env import TeamFormation
 from teamformer.train.learning.counterfactual import Trials, try_others
-from teamformer.train.learning.rollout_improvement import TryingSettings, fit
+from teamformer.train.learning.rollout_improvement import RolloutImprovementSettings, fit
 from teamformer.train.trainer import make_learner
 from teamformer.train.training_settings import TrainSettings
 
@@ -63,12 +63,12 @@ def test_where_nobody_has_a_choice_nothing_is_learned() -> None:
     assert (len(tried.gain), steps) == (0, 3 + 3)  # a step in each of three forks
     learner = make_learner(TrainSettings(seed=1))
     before = [part.clone() for part in learner.policy.parameters()]
-    assert fit(learner, tried, TryingSettings(), 0.0, torch.Generator()) == 0.0
+    assert fit(learner, tried, RolloutImprovementSettings(), 0.0, torch.Generator()) == 0.0
     assert all(map(torch.equal, before, learner.policy.parameters()))
 
 
 def test_a_network_fitted_to_gains_promises_them_less_the_margin() -> None:
-    settings = TryingSettings(passes=200, minibatch=64, margin=0.25)
+    settings = RolloutImprovementSettings(passes=200, minibatch=64, margin=0.25)
     learner = make_learner(TrainSettings(seed=1))
     torch.set_num_threads(1)
     fit(learner, tried_by_pairs(), settings, 0.0, torch.Generator().manual_seed(0))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.commands.train import Options, train
+from teamformer.commands.train import TrainOptions, train
 from teamformer.errors import TeamformerError
 from teamformer.train.checkpoint import ABOUT, WEIGHTS, read_about
 
@@ -88,6 +88,6 @@ def test_what_cannot_be_resumed_is_told(tmp_path: Path, capsys: pytest.CaptureFi
 def test_a_folder_with_other_files_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("mine")
     with pytest.raises(TeamformerError, match=r"thesis\.tex for example") as error:
-        train(Options(folder=tmp_path), as_json=False)
+        train(TrainOptions(folder=tmp_path), as_json=False)
     assert "--out" in error.value.hint
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]

@@ -73,7 +73,7 @@ def test_one_seed_is_one_run_and_another_is_another(tmp_path: Path) -> None:
     assert not all(torch.equal(a, b) for a, b in zip(first, other, strict=True))
 
 
-@pytest.mark.parametrize("method", ["ppo", "trying"])
+@pytest.mark.parametrize("method", ["ppo", "rollouts"])
 def test_a_resumed_run_ends_as_an_uninterrupted_one(method: str, tmp_path: Path) -> None:
     settings = replace(SHORT, method=method)
     whole = weights(train(settings, tmp_path / "whole", held_out()))
@@ -115,8 +115,8 @@ def test_networks_that_cannot_be_are_refused(
 
 
 def test_methods_that_cannot_be_are_refused() -> None:
-    with pytest.raises(TeamformerError, match="'gnn' does not learn by trying"):
-        TrainSettings(network="gnn", capabilities=4, method="trying")
+    with pytest.raises(TeamformerError, match="'gnn' does not learn by rollouts"):
+        TrainSettings(network="gnn", capabilities=4, method="rollouts")
     with pytest.raises(TeamformerError, match="knows no reward"):
         TrainSettings(mission_reward=None)
 
@@ -134,7 +134,7 @@ def test_training_may_begin_from_the_weights_of_another(tmp_path: Path) -> None:
 
 def test_log_probs_of_a_rollout_are_those_of_the_same_actions_again() -> None:
     learner = make_learner(SHORT)
-    codec = SHORT.family.codec(None)
+    codec = SHORT.architecture.codec(None)
     env = TeamFormation(training_worlds(SHORT.worlds_from, 30, (5, 0)))
     choose = sampler(learner.policy, torch.Generator().manual_seed(0))
     rollout = play(env, codec, choose, MissionReward(), 40)
@@ -188,7 +188,7 @@ def test_what_training_leaves_runs_by_the_folders_name(tmp_path: Path) -> None:
     train_and_export(SHORT, tmp_path, held_out())
     policy = load_policy(str(tmp_path), ())
     worlds = held_out()[0]
-    in_torch = Learned(SHORT.family.codec(None), torch_brain(best_of(tmp_path)))
+    in_torch = Learned(SHORT.architecture.codec(None), torch_brain(best_of(tmp_path)))
     assert run_trials(worlds, policy) == run_trials(worlds, in_torch)
 
 

@@ -85,14 +85,14 @@ def test_listed_names() -> None:
     assert isinstance(load_policy("join-all", POLICIES), JoinAll)
 
 
-def test_learned_policies_go_without_their_liveness_rule(own_module: str, tmp_path: Path) -> None:
+def test_learned_policies_go_without_their_deadlock_guard(own_module: str, tmp_path: Path) -> None:
     for name in ("teamformer-any", "gnn-c8"):
         with_it, bare = load_policy(name, POLICIES), load_policy(f"{name}-bare", POLICIES)
         assert isinstance(with_it, Learned)
         assert isinstance(bare, Learned)
-        assert (with_it.with_liveness, bare.with_liveness) == (True, False)
+        assert (with_it.is_guarded, bare.is_guarded) == (True, False)
     for name in ("join-all-bare", f"{own_module}:Patient-bare"):
-        with pytest.raises(TeamformerError, match="has no liveness rule"):
+        with pytest.raises(TeamformerError, match="has no deadlock guard"):
             load_policy(name, POLICIES)
     with pytest.raises(TeamformerError, match="no policy 'gnn-bare'"):
         load_policy("gnn-bare", POLICIES)

@@ -1,4 +1,4 @@
-"""Engines: where lots are run - in this process, in several, or on a Ray cluster."""
+"""Engines: where jobs are run - in this process, in several, or on a Ray cluster."""
 
 from __future__ import annotations
 
@@ -12,42 +12,42 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.connection import wait
 from typing import Any, Protocol
 
-from teamformer.bench.jobs import Lot, run_lot
+from teamformer.bench.jobs import Job, run_job
 from teamformer.bench.rows import Row
 from teamformer.errors import TeamformerError
 
 AT_HAND = 4
-"""Lots that wait for each worker on a cluster."""
+"""Jobs that wait for each worker on a cluster."""
 
 
 Batches = Generator[list[Row], None, None]
 
 
 class Engine(Protocol):
-    """Runs lots, in any order, and yields the rows of each when they are there.
+    """Runs jobs, in any order, and yields the rows of each when they are there.
 
     Closing what it returns ends all that still runs.
     """
 
-    def __call__(self, lots: Sequence[Lot], workers: int) -> Batches:
-        """Yield the rows of each lot."""
+    def __call__(self, jobs: Sequence[Job], workers: int) -> Batches:
+        """Yield the rows of each job."""
 
 
-def run_here(lots: Iterable[Lot], workers: int = 1) -> Batches:
-    """Run one lot after the other in this process."""
-    yield from map(run_lot, lots)
+def run_here(jobs: Iterable[Job], workers: int = 1) -> Batches:
+    """Run one job after the other in this process."""
+    yield from map(run_job, jobs)
 
 
-def run_in_processes(lots: Sequence[Lot], workers: int) -> Batches:
-    """Run lots in processes of one thread each; with one worker, in this one."""
-    workers = min(workers, len(lots))
+def run_in_processes(jobs: Sequence[Job], workers: int) -> Batches:
+    """Run jobs in processes of one thread each; with one worker, in this one."""
+    workers = min(workers, len(jobs))
     if workers <= 1:
-        yield from run_here(lots)
+        yield from run_here(jobs)
         return
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, context, _begin_worker)
     try:
-        for done in as_completed([pool.submit(run_lot, lot) for lot in lots]):
+        for done in as_completed([pool.submit(run_job, job) for job in jobs]):
             yield done.result()
     except BrokenProcessPool:
         hint = "was memory short? rows so far are kept: run the same again, with fewer --workers"
@@ -81,8 +81,8 @@ def _end_with(sentinel: Any) -> None:
     os._exit(1)
 
 
-def run_on_ray(lots: Sequence[Lot], workers: int) -> Batches:
-    """Run lots on a Ray cluster: the one at RAY_ADDRESS, or one started here."""
+def run_on_ray(jobs: Sequence[Job], workers: int) -> Batches:
+    """Run jobs on a Ray cluster: the one at RAY_ADDRESS, or one started here."""
     try:
         import ray
     except ImportError:
@@ -93,15 +93,15 @@ def run_on_ray(lots: Sequence[Lot], workers: int) -> Batches:
         here = {} if "RAY_ADDRESS" in os.environ else {"num_cpus": workers}
         ray.init(log_to_driver=False, logging_level="ERROR", include_dashboard=False, **here)
     try:
-        yield from _on_cluster(ray, lots, workers)
+        yield from _on_cluster(ray, jobs, workers)
     finally:
         if is_ours:
             ray.shutdown()
 
 
-def _on_cluster(ray: Any, lots: Sequence[Lot], workers: int) -> Batches:
-    remote = ray.remote(num_cpus=1)(run_lot)
-    todo = list(reversed(lots))
+def _on_cluster(ray: Any, jobs: Sequence[Job], workers: int) -> Batches:
+    remote = ray.remote(num_cpus=1)(run_job)
+    todo = list(reversed(jobs))
     running: list[Any] = []
     slots = max(workers, int(ray.cluster_resources().get("CPU", 1))) * AT_HAND
     while todo or running:

@@ -1,4 +1,4 @@
-"""Lots: the trials that one process runs in one go, and the rows that come of them."""
+"""Jobs: the trials that one process runs in one go, and the rows that come of them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from teamformer.bench.rows import Row
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies import POLICIES
-from teamformer.policies.protocol import Policy
+from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.authors import read_world
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.arrays import Array
@@ -26,7 +26,7 @@ from teamformer.trials.trial import run_trials
 
 
 @dataclass(frozen=True)
-class Lot:
+class Job:
     """Trials of one policy in one setting.
 
     `worlds` is the file that the worlds are read from, None if they are generated. Trials that are
@@ -84,12 +84,12 @@ class Clock:
         self.cpu_seconds += shares * (time.process_time() - began_cpu)
 
 
-def run_lot(lot: Lot) -> list[Row]:
-    """Run the trials of a lot."""
-    policy = ready_policy(lot.policy, lot.time_limit)
-    worlds = {seed: lot.scenario(seed) for seed in lot.seeds}
-    _warm_up(lot, policy)
-    parts = [[seed] for seed in lot.seeds] if lot.is_timed else [list(lot.seeds)]
+def run_job(job: Job) -> list[Row]:
+    """Run the trials of a job."""
+    policy = ready_policy(job.policy, job.time_limit)
+    worlds = {seed: job.scenario(seed) for seed in job.seeds}
+    _warm_up(job, policy)
+    parts = [[seed] for seed in job.seeds] if job.is_timed else [list(job.seeds)]
     rows = []
     for seeds in parts:
         clock = Clock(policy, len(seeds))
@@ -97,19 +97,18 @@ def run_lot(lot: Lot) -> list[Row]:
         tallies = run_trials([worlds[seed] for seed in seeds], clock, seeds[0])
         seconds = (time.perf_counter() - began) / len(seeds)
         for place, seed in enumerate(seeds):
-            row = _row(lot, seed, worlds[seed], tallies[place])
+            row = _row(job, seed, worlds[seed], tallies[place])
             row = replace(row, total_seconds=round(seconds, 6), side_by_side=len(seeds))
             rows.append(_timed(row, clock, place))
-    return [_with_bars(row, worlds[row.world_seed]) for row in rows] if lot.with_bars else rows
+    return [_with_bars(row, worlds[row.world_seed]) for row in rows] if job.with_bars else rows
 
 
 @lru_cache(maxsize=16)
 def ready_policy(name: str, time_limit: float) -> Policy:
-    """Return a policy by name, kept for the next lot; a planner is given its time, one thread."""
+    """Return a policy by name, kept for the next job; a planner is given its time, one thread."""
     policy = load_policy(name, POLICIES)
-    if hasattr(policy, "time_limit"):
+    if isinstance(policy, Planner):
         policy.time_limit = time_limit
-    if hasattr(policy, "workers"):
         policy.workers = 1
     return policy
 
@@ -118,25 +117,25 @@ _WARM: set[tuple[str, str]] = set()
 """Policies and settings that have had a trial in this process."""
 
 
-def _warm_up(lot: Lot, policy: Policy) -> None:
+def _warm_up(job: Job, policy: Policy) -> None:
     """Run a trial that does not count, so that loading compiled code is not timed."""
-    if (lot.policy, lot.setting) in _WARM:
+    if (job.policy, job.setting) in _WARM:
         return
-    _WARM.add((lot.policy, lot.setting))
-    scenario = lot.scenario(lot.seeds[0])
+    _WARM.add((job.policy, job.setting))
+    scenario = job.scenario(job.seeds[0])
     if policy.needs_everything:  # planning takes as long as it may
         scenario = world_of(f"{len(scenario.robots)}N1T-C{len(scenario.capabilities)}", 0)
     run_trials([scenario], policy)
 
 
-def known_row(lot: Lot, seed: int, scenario: Scenario, makespan: int | None) -> Row:
+def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> Row:
     """Return the row of a trial of which nothing but the makespan is known; None: it failed."""
     return Row(
-        suite=lot.suite,
-        setting=lot.setting,
+        suite=job.suite,
+        setting=job.setting,
         world_seed=seed,
         scenario=scenario.name,
-        policy=lot.policy,
+        policy=job.policy,
         seed=seed,
         completed=makespan is not None,
         makespan=makespan,
@@ -162,15 +161,15 @@ def known_row(lot: Lot, seed: int, scenario: Scenario, makespan: int | None) -> 
         relaxed_bound=None,
         curve=None,
         time_limit=None,
-        code=lot.code,
-        rerun=rerun_command(lot, seed),
+        code=job.code,
+        rerun=rerun_command(job, seed),
     )
 
 
-def _row(lot: Lot, seed: int, scenario: Scenario, tally: Tally) -> Row:
+def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
     makespan = tally.steps if tally.status == "completed" else None
     return replace(
-        known_row(lot, seed, scenario, makespan),
+        known_row(job, seed, scenario, makespan),
         steps=tally.steps,
         tasks_done=tally.tasks_done,
         joins=tally.joins,
@@ -186,14 +185,17 @@ def _timed(row: Row, clock: Clock, place: int) -> Row:
         decisions=int(clock.decisions[place]),
         decision_seconds=round(float(clock.seconds[place]), 6),
         decision_cpu_seconds=round(float(clock.cpu_seconds[place]), 6),
-        time_limit=getattr(clock.policy, "time_limit", None),
     )
-    plans = getattr(clock.policy, "plans", None)
-    if not plans:
+    if not isinstance(clock.policy, Planner):
         return row
-    solution = plans[place].solution
-    curve = [[round(seconds, 3), steps] for seconds, steps in plans[place].curve]
-    return replace(row, relaxed=solution.value, relaxed_bound=solution.bound, curve=curve)
+    plan = clock.policy.plans[place]
+    return replace(
+        row,
+        time_limit=clock.policy.time_limit,
+        relaxed=plan.solution.value,
+        relaxed_bound=plan.solution.bound,
+        curve=[[round(seconds, 3), steps] for seconds, steps in plan.curve],
+    )
 
 
 def _with_bars(row: Row, scenario: Scenario) -> Row:
@@ -201,17 +203,17 @@ def _with_bars(row: Row, scenario: Scenario) -> Row:
     return replace(row, lower_bound=bound, list_schedule=listed)
 
 
-def rerun_command(lot: Lot, seed: int) -> str:
+def rerun_command(job: Job, seed: int) -> str:
     """Return the command that runs this one trial again."""
-    rules = {key: lot.rules[key] for key in ("order", "allocation") if key in lot.rules}
+    rules = {key: job.rules[key] for key in ("order", "allocation") if key in job.rules}
     options: dict[str, object] = {
-        "worlds": lot.worlds,
-        "settings": lot.setting,
-        "policies": lot.policy,
+        "worlds": job.worlds,
+        "settings": job.setting,
+        "policies": job.policy,
         "seed": seed,
         "trials": 1,
         **rules,
-        "time-limit": f"{lot.time_limit:g}" if lot.policy == "central" else None,
+        "time-limit": f"{job.time_limit:g}" if job.policy == "central" else None,
     }
     said = [f"--{key} {value}" for key, value in options.items() if value is not None]
-    return f"teamformer bench {lot.suite} {' '.join(said)} --json"
+    return f"teamformer bench {job.suite} {' '.join(said)} --json"

@@ -12,9 +12,9 @@ from functools import cache
 from pathlib import Path
 
 from teamformer.bench.executors import Engine
-from teamformer.bench.jobs import Lot, known_row, ready_policy
+from teamformer.bench.jobs import Job, known_row, ready_policy
 from teamformer.bench.rows import Row
-from teamformer.bench.store import About, Store
+from teamformer.bench.store import BenchmarkDescription, Store
 from teamformer.bench.suites import Suite, cells
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
@@ -28,7 +28,7 @@ TIMED = 50
 TIMED_AT_ONCE = 5
 MOST_SIDE_BY_SIDE = 50
 MOST_ROBOTS_SIDE_BY_SIDE = 1000
-"""How large lots are: what a crash can cost, and what memory a process needs."""
+"""How large jobs are: what a crash can cost, and what memory a process needs."""
 
 AUTHORS = "authors-heuristic"
 """The name of the authors' own heuristic, whose makespans come with their worlds."""
@@ -52,12 +52,12 @@ class Request:
     worlds: Mapping[str, Path] = field(default_factory=dict)
 
     @property
-    def about(self) -> About:
+    def about(self) -> BenchmarkDescription:
         """Return what all rows of this benchmark have in common."""
         stamp = hashlib.sha256()
         for path in sorted(self.worlds.values()):
             stamp.update(path.read_bytes())
-        return About(
+        return BenchmarkDescription(
             suite=self.suite.name,
             first_seed=self.first_seed,
             rules=dict(self.suite.rules),
@@ -92,13 +92,13 @@ def run_benchmark(
     store.add(_authors_rows(request, code))
     if {row.code for row in store.rows.values()} - {code}:
         say(f"{store.folder}: holds rows that other versions of the code made; they are kept")
-    lots = list(_lots(request, wanted, store, code))
+    jobs = list(_jobs(request, wanted, store, code))
     total = sum(len(request.seeds(setting)) for setting, _ in wanted)
-    missing = sum(len(lot.seeds) for lot in lots)
+    missing = sum(len(job.seeds) for job in jobs)
     if 0 < missing < total:
         say(f"{total - missing} of {total} trials are there already")
     on_rows(total - missing, total)
-    with closing(engine(lots, request.workers)) as batches:
+    with closing(engine(jobs, request.workers)) as batches:
         for rows in batches:
             store.add(rows)
             missing -= len(rows)
@@ -149,13 +149,13 @@ def fits(policy: str, setting: str) -> bool:
     return most is None or spec_of(setting).capabilities <= int(most[1])
 
 
-def _lots(
+def _jobs(
     request: Request, wanted: Iterable[tuple[str, str]], store: Store, code: str
-) -> Iterator[Lot]:
-    """Yield what is still to be run; the first lot that meets a world works out its bars."""
+) -> Iterator[Job]:
+    """Yield what is still to be run; the first job that meets a world works out its bars."""
     known = {(row.setting, row.world_seed) for row in store.rows.values() if row.lower_bound}
     for setting, policy in wanted:
-        lot = Lot(
+        job = Job(
             request.suite.name,
             setting,
             policy,
@@ -172,8 +172,8 @@ def _lots(
                 groups[alone or place < TIMED, (setting, seed) not in known].append(seed)
                 known.add((setting, seed))
         for (is_timed, bare), seeds in groups.items():
-            for some in _in_lots(seeds, _lot_size(setting, is_timed, alone)):
-                yield replace(lot, seeds=some, is_timed=is_timed, with_bars=bare)
+            for some in _in_jobs(seeds, _lot_size(setting, is_timed, alone)):
+                yield replace(job, seeds=some, is_timed=is_timed, with_bars=bare)
 
 
 def _goes_alone(policy: str, request: Request) -> bool:
@@ -190,7 +190,7 @@ def _lot_size(setting: str, is_timed: bool, alone: bool) -> int:
     return max(1, min(MOST_SIDE_BY_SIDE, MOST_ROBOTS_SIDE_BY_SIDE // spec_of(setting).robots))
 
 
-def _in_lots(seeds: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
+def _in_jobs(seeds: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
     for begin in range(0, len(seeds), size):
         yield tuple(seeds[begin : begin + size])
 
@@ -198,11 +198,11 @@ def _in_lots(seeds: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
 def _authors_rows(request: Request, code: str) -> Iterator[Row]:
     """Yield the makespans that come with the authors' worlds, as rows of their heuristic."""
     for setting, path in request.worlds.items():
-        lot = Lot(request.suite.name, setting, AUTHORS, (), 0.0, code, worlds=path)
+        job = Job(request.suite.name, setting, AUTHORS, (), 0.0, code, worlds=path)
         seeds = set(request.seeds(setting))
         for world in read_worlds(path):
             if world.seed in seeds:
-                yield known_row(lot, world.seed, world.scenario, world.heuristic)
+                yield known_row(job, world.seed, world.scenario, world.heuristic)
 
 
 def _order(suite: Suite) -> Callable[[Row], tuple[int, int, str, int]]:

@@ -21,7 +21,7 @@ LARGEST_ROWS = 2_000_000_000  # bytes
 
 
 @dataclass(frozen=True)
-class About:
+class BenchmarkDescription:
     """What all rows of a folder have in common; trials and policies may be added later."""
 
     suite: str
@@ -38,7 +38,9 @@ class Store:
     Lines that are no rows are set aside into `broken-rows.txt`, and `say` is told.
     """
 
-    def __init__(self, folder: Path, about: About, say: Callable[[str], None]) -> None:
+    def __init__(
+        self, folder: Path, about: BenchmarkDescription, say: Callable[[str], None]
+    ) -> None:
         self.folder = folder
         self.rows: dict[Key, Row] = {}
         self._about, self._say = about, say
@@ -142,10 +144,10 @@ class Store:
         self._open()
 
 
-def read_folder(folder: Path) -> tuple[About, list[Row]]:
+def read_folder(folder: Path) -> tuple[BenchmarkDescription, list[Row]]:
     """Return what a finished benchmark's folder holds."""
     try:
-        about = About(**json.loads(read_text(folder / ABOUT, 1_000_000)))
+        about = BenchmarkDescription(**json.loads(read_text(folder / ABOUT, 1_000_000)))
     except (ValueError, TypeError):
         raise TeamformerError(f"{folder / ABOUT}: cannot be understood") from None
     lines = read_text(folder / ROWS, LARGEST_ROWS).splitlines()

@@ -38,7 +38,7 @@ from teamformer.scenarios.authors import read_worlds
 
 
 @dataclass(frozen=True)
-class Options:
+class BenchOptions:
     """What the command line says; None leaves it to the suite."""
 
     trials: int | None = None
@@ -57,7 +57,7 @@ class Options:
     beside: tuple[Path, ...] = ()
 
 
-def bench(suite_name: str, options: Options, as_json: bool) -> int:
+def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
     """Measure and show; return the exit status."""
     if suite_name == "speed":
         return _measure_speed(as_json)
@@ -84,7 +84,7 @@ def bench(suite_name: str, options: Options, as_json: bool) -> int:
     return 0
 
 
-def _measure(request: Request, options: Options) -> list[Row]:
+def _measure(request: Request, options: BenchOptions) -> list[Row]:
     """Run what is missing, write tables and figures, and return all rows."""
     place = TemporaryDirectory() if options.folder is None else nullcontext(options.folder)
     with place as folder, Store(Path(folder), request.about, say) as store:
@@ -105,7 +105,7 @@ def _to_compile(request: Request) -> tuple[set[str], bool]:
     return policies.difference(request.without), is_planned
 
 
-def _changed_rules(options: Options) -> dict[str, str]:
+def _changed_rules(options: BenchOptions) -> dict[str, str]:
     """Return the rules that the command line puts in place of the suite's."""
     rules: dict[str, str] = {}
     for name, known in (("order", ORDERS), ("allocation", ALLOCATIONS)):
@@ -117,7 +117,7 @@ def _changed_rules(options: Options) -> dict[str, str]:
     return rules
 
 
-def _prepare_results(options: Options) -> None:
+def _prepare_results(options: BenchOptions) -> None:
     """Refuse what could not be written in the end before any work is done."""
     if options.folder is None:
         raise TeamformerError("--report needs a folder for the rows", "add --out FOLDER")
@@ -131,7 +131,7 @@ def _command_line() -> str:
     return shlex.join(["teamformer", *sys.argv[1:]])
 
 
-def _request(suite: Suite, options: Options) -> Request:
+def _request(suite: Suite, options: BenchOptions) -> Request:
     worlds = {path: read_worlds(path)[0].setting for path in _files(options.worlds)}
     settings = options.settings or tuple(worlds.values())
     if suite.name == "authors" and not worlds:
@@ -184,7 +184,7 @@ def _table(summaries: list[Summary]) -> Table:
     return table
 
 
-def _fly_missions(options: Options, as_json: bool) -> int:
+def _fly_missions(options: BenchOptions, as_json: bool) -> int:
     from teamformer.commands.robotarium import fly_missions
 
     policy = options.policies[0] if options.policies else "teamformer"

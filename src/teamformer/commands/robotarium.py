@@ -30,7 +30,7 @@ NOISE = (0.002, np.deg2rad(1.0))  # metres and radians
 
 
 @dataclass(frozen=True)
-class Options:
+class RobotariumOptions:
     """What the command line says."""
 
     policy: str = "teamformer"
@@ -46,7 +46,7 @@ class Options:
         return Weather(self.delay, blur, turn_blur)
 
 
-def robotarium(path: Path, options: Options, as_json: bool) -> int:
+def robotarium(path: Path, options: RobotariumOptions, as_json: bool) -> int:
     """Fly a mission, write its pictures and show what came of it; return the exit status."""
     scenario = read_scenario(path, find_problems)
     if options.simulator not in ("plant", "rps"):
@@ -90,7 +90,9 @@ def _decentralised(name: str) -> Policy:
     return policy
 
 
-def deploy(path: Path, options: Options, verifies: bool, python: str, as_json: bool) -> int:
+def deploy(
+    path: Path, options: RobotariumOptions, verifies: bool, python: str, as_json: bool
+) -> int:
     """Write the folder to upload, and run it if asked; return the exit status."""
     from teamformer.robotarium.deployment.folder import deploy as write
     from teamformer.robotarium.deployment.folder import verify

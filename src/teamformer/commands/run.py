@@ -19,7 +19,7 @@ from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies import POLICIES
 from teamformer.policies.central.planner import CentralPlan
-from teamformer.policies.protocol import Policy
+from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay import Replay, replay_to_tree, write_replay
 from teamformer.trials.registry import load_policy
@@ -72,7 +72,7 @@ def run(
 def ready_policy(name: str, time_limit: float) -> Policy:
     """Return a policy by name; a planner is given its time."""
     policy = load_policy(name, POLICIES)
-    if hasattr(policy, "time_limit"):
+    if isinstance(policy, Planner):
         policy.time_limit = time_limit
     return policy
 

@@ -25,7 +25,7 @@ OURS = {"last", "best", "tensorboard"}
 
 
 @dataclass(frozen=True)
-class Options:
+class TrainOptions:
     """What the command line says; with `resume`, that folder says what it says nothing of."""
 
     network: str = "any"
@@ -49,7 +49,7 @@ class Options:
         return self.resume or self.folder or Path("runs", name)
 
 
-def train(options: Options, as_json: bool) -> int:
+def train(options: TrainOptions, as_json: bool) -> int:
     """Train, printing a row for each iteration; return the exit status."""
     _refuse_without_torch()
     from teamformer.train.session import run_session
@@ -105,7 +105,7 @@ def _how_to_go_on(folder: Path) -> str:
     )
 
 
-def _as_it_was(options: Options) -> Options:
+def _as_it_was(options: TrainOptions) -> TrainOptions:
     """Return the options that the training to be resumed began with; the limits are new."""
     from teamformer.train.checkpoint import read_about
 
@@ -136,7 +136,7 @@ def _refuse_without_torch() -> None:
         raise TeamformerError(f"training needs {error.name}, which is missing", hint) from None
 
 
-def _settings(options: Options) -> TrainSettings:
+def _settings(options: TrainOptions) -> TrainSettings:
     from teamformer.train.learning.reward_streams import MissionReward, TeamReward
     from teamformer.train.training_settings import TrainSettings
 
@@ -179,7 +179,7 @@ class _Table:
 
 
 def _header(report: Report) -> str:
-    columns = "".join(f"  {name:>9}" for name in report.lesson.figures)
+    columns = "".join(f"  {name:>9}" for name in report.iteration.figures)
     held_out = "held out: steps in each setting (and of join-all's), failures"
     return f" iter      steps  steps/s{columns}  | {held_out}"
 
@@ -194,7 +194,7 @@ def _bars(score: Score) -> str:
 def _row(report: Report) -> str:
     progress, score = report.progress, report.score
     columns = "".join(
-        f"  {value:>{max(9, len(name))}.5g}" for name, value in report.lesson.figures.items()
+        f"  {value:>{max(9, len(name))}.5g}" for name, value in report.iteration.figures.items()
     )
     row = f"{progress.iteration:5d} {progress.steps:10,d} {report.steps_per_second:8,.0f}{columns}"
     if score is None:

@@ -15,7 +15,7 @@ from torch import Tensor, nn
 from teamformer.nets.actor import REFUSED, OneChoice
 
 
-class Tokens(NamedTuple):
+class RelationTokens(NamedTuple):
     """What the network sees of each deciding team; padding is False in `is_team` and `is_task`."""
 
     own: Tensor  # (teams, own features)
@@ -62,8 +62,8 @@ class RelationalPolicy(OneChoice):
             self.own_score.bias.copy_(torch.tensor(settings.first_scores))
 
     def forward(self, *parts: Tensor) -> Tensor:
-        """Return all choices' scores from `Tokens`: the team's own, then joins, then splits."""
-        tokens = Tokens(*parts)
+        """Return all choices' scores from `RelationTokens`: the team's own, then joins, then splits."""
+        tokens = RelationTokens(*parts)
         own = self.own_in(tokens.own)  # (teams, d)
         teams = self.team_in(tokens.teams)  # (teams, seen, d)
         tasks = self.task_in(tokens.tasks)  # (teams, tasks, d)

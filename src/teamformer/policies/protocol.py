@@ -1,15 +1,18 @@
-"""The seam between the environment and whatever decides."""
+"""The seams between the environment and whatever decides."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
+
+if TYPE_CHECKING:
+    from teamformer.policies.central.planner import CentralPlan
 
 
 class Policy(Protocol):
@@ -26,3 +29,27 @@ class Policy(Protocol):
 
     def decide(self, view: View) -> Decision:
         """Return what each team of the view wants."""
+
+
+@runtime_checkable
+class Planner(Policy, Protocol):
+    """A policy that plans every scenario of a batch in `begin`, for as long as it is given.
+
+    `time_limit` is in seconds for each scenario, `workers` the threads that it may use; `plans`
+    holds what it found, a plan for each scenario.
+    """
+
+    time_limit: float
+    workers: int
+    plans: list[CentralPlan]
+
+
+@runtime_checkable
+class Guarded(Policy, Protocol):
+    """A policy with a deadlock guard, which can be switched off.
+
+    `overdue` counts the decisions that the guard has taken since `begin`.
+    """
+
+    is_guarded: bool
+    overdue: int

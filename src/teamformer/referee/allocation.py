@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 
 from teamformer.capabilities import covers, total
 from teamformer.referee.completion import Tasks
-from teamformer.referee.teams import Fleet, Team
+from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay import Crew, Replay
 
 
-class Lists:
+class CrewLists:
     """Whose list each task is on, and in which order, as the record has it step by step."""
 
     def __init__(self, replay: Replay) -> None:
@@ -55,7 +55,7 @@ class Lists:
         for team in fleet.teams.values():
             team.due = unions.get(frozenset(team.robots), team.due)
 
-    def _next_tasks(self, team: Team, tasks: Tasks, steps_made: int) -> Iterator[int]:
+    def _next_tasks(self, team: RecordedTeam, tasks: Tasks, steps_made: int) -> Iterator[int]:
         for crew in self._now:
             open_ones = [task for task in crew.tasks if tasks.is_open(task, steps_made)]
             for robot in team.robots & set(crew.robots):

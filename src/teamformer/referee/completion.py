@@ -6,7 +6,7 @@ from collections import defaultdict
 
 from teamformer.capabilities import describe, missing
 from teamformer.model import Grid, Place, Scenario
-from teamformer.referee.teams import Fleet, Team, are_together
+from teamformer.referee.teams import Fleet, RecordedTeam, are_together
 from teamformer.referee.verdict import Notes
 
 SMALLEST_SQUARE = 1e-3  # metres
@@ -68,7 +68,9 @@ class Tasks:
             for team in fleet.teams.values():
                 team.services.pop(task, None)
 
-    def _serve(self, fleet: Fleet, slot: int, team: Team, task: int, found: dict[int, int]) -> None:
+    def _serve(
+        self, fleet: Fleet, slot: int, team: RecordedTeam, task: int, found: dict[int, int]
+    ) -> None:
         team.services[task] -= 1
         if not fleet.covers(team, task):
             del team.services[task]
@@ -76,7 +78,7 @@ class Tasks:
             del team.services[task]
             found[task] = slot
 
-    def _begin(self, slot: int, team: Team, task: int, found: dict[int, int]) -> None:
+    def _begin(self, slot: int, team: RecordedTeam, task: int, found: dict[int, int]) -> None:
         duration = self.scenario.tasks[task].duration
         if duration:
             team.services[task] = duration

@@ -6,7 +6,7 @@ import math
 
 from teamformer.capabilities import covers, total
 from teamformer.plane import Plane
-from teamformer.referee.teams import Fleet, Team
+from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay import Step
 
@@ -29,7 +29,7 @@ def split_teams(fleet: Fleet, step: Step, notes: Notes) -> None:
         if not _are_first_that_fit(fleet, stay, leave):
             notes.note(f"{_list(fleet, stay)} are not the first of {fleet.name(team)} that fit")
         for robots in (stay, leave):
-            fleet.put(Team(set(robots), team.at, team.task, has_formed=True))
+            fleet.put(RecordedTeam(set(robots), team.at, team.task, has_formed=True))
 
 
 def _are_first_that_fit(fleet: Fleet, stay: tuple[int, ...], leave: tuple[int, ...]) -> bool:
@@ -63,7 +63,7 @@ def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -
         task = min(one, other, key=lambda team: min(team.robots)).task
         robots = one.robots | other.robots
         at, met_at = (one.at, other.at) if joiner < partner else (other.at, one.at)
-        fleet.put(Team(robots, at, task, has_formed=True, met_at=met_at))
+        fleet.put(RecordedTeam(robots, at, task, has_formed=True, met_at=met_at))
 
 
 def check_reach(fleet: Fleet, pairs: tuple[tuple[int, int], ...], notes: Notes) -> None:

@@ -6,7 +6,7 @@ once.
 
 from __future__ import annotations
 
-from teamformer.referee.allocation import Lists, check_assignments, judge_crews
+from teamformer.referee.allocation import CrewLists, check_assignments, judge_crews
 from teamformer.referee.completion import Tasks
 from teamformer.referee.formation import (
     check_reach,
@@ -25,7 +25,7 @@ from teamformer.sim.replay import Replay, Step
 def judge(replay: Replay) -> Verdict:
     """Return everything in a record that breaks the rules."""
     notes = Notes()
-    fleet, tasks, lists = start_fleet(replay, notes), Tasks(replay.scenario), Lists(replay)
+    fleet, tasks, lists = start_fleet(replay, notes), Tasks(replay.scenario), CrewLists(replay)
     over = ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
@@ -44,7 +44,13 @@ def judge(replay: Replay) -> Verdict:
 
 
 def _judge_step(
-    fleet: Fleet, tasks: Tasks, lists: Lists, step: Step, number: int, due: set[int], notes: Notes
+    fleet: Fleet,
+    tasks: Tasks,
+    lists: CrewLists,
+    step: Step,
+    number: int,
+    due: set[int],
+    notes: Notes,
 ) -> None:
     slots = set(fleet.teams)
     for team in fleet.teams.values():

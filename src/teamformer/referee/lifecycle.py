@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.capabilities import covers, total
 from teamformer.referee.completion import Tasks
-from teamformer.referee.teams import Fleet, Team
+from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay import Replay
 
@@ -16,7 +16,7 @@ def start_fleet(replay: Replay, notes: Notes) -> Fleet:
     expected = set()
     for robots in scenario.starting_teams:
         at = scenario.robots[robots[0]].at
-        fleet.put(Team(set(robots), at))
+        fleet.put(RecordedTeam(set(robots), at))
         expected.add((robots[0], robots, *at))
     if set(replay.start) != expected or len(replay.start) != len(expected):
         notes.note("the starting teams are not those of the scenario")

@@ -6,7 +6,7 @@ import math
 
 from teamformer.model import Grid, Place
 from teamformer.plane import Plane
-from teamformer.referee.teams import Fleet, Team
+from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
 
 Fault = tuple[str, str] | None
@@ -19,7 +19,9 @@ MOST_SAVED = 1 - 2 * ROUNDING
 """Whoever has credit for a whole cell crosses it, or has nowhere to go and loses the credit."""
 
 
-def move_team(fleet: Fleet, team: Team, to: Place, notes: Notes, meets: bool = False) -> None:
+def move_team(
+    fleet: Fleet, team: RecordedTeam, to: Place, notes: Notes, meets: bool = False
+) -> None:
     """Judge where the record has a team after its motion, and put it there.
 
     `meets` says whether it has joined another at the end of its way.
@@ -45,7 +47,7 @@ def move_team(fleet: Fleet, team: Team, to: Place, notes: Notes, meets: bool = F
     team.at = to
 
 
-def _walk_cells(grid: Grid, team: Team, to: Place, waits: bool) -> Fault:
+def _walk_cells(grid: Grid, team: RecordedTeam, to: Place, waits: bool) -> Fault:
     """Let a team spend its speed on a way through cells; say what is wrong with it."""
     team.credit = 0.0 if waits else min(team.credit, MOST_SAVED) + team.speed
     allowed = int(team.credit + ROUNDING)
@@ -57,7 +59,7 @@ def _walk_cells(grid: Grid, team: Team, to: Place, waits: bool) -> Fault:
     return None
 
 
-def _walk_metres(plane: Plane, team: Team, to: Place, waits: bool, meets: bool) -> Fault:
+def _walk_metres(plane: Plane, team: RecordedTeam, to: Place, waits: bool, meets: bool) -> Fault:
     """Say what is wrong with a straight way; a union walks from where either of the two stood."""
     allowed = 0.0 if waits else team.speed
     starts = [team.at] if team.met_at is None else [team.at, team.met_at]

@@ -10,7 +10,7 @@ from teamformer.model import Grid, Place, Scenario, World
 
 
 @dataclass
-class Team:
+class RecordedTeam:
     """A team: who is in it, where it is, and what it may still do in this step.
 
     `counts` (what it can do together) and `speed` (that of its slowest, in cells or metres a step)
@@ -41,25 +41,25 @@ def are_together(world: World, one: Place, other: Place) -> bool:
 class Fleet:
     """All teams by slot, the lowest robot number in each."""
 
-    def __init__(self, scenario: Scenario, teams: dict[int, Team]) -> None:
+    def __init__(self, scenario: Scenario, teams: dict[int, RecordedTeam]) -> None:
         self.scenario = scenario
         self.teams = teams
 
-    def covers(self, team: Team, task: int) -> bool:
+    def covers(self, team: RecordedTeam, task: int) -> bool:
         """Say whether a team has everything that a task needs."""
         return covers(team.counts, self.scenario.tasks[task].needs)
 
-    def name(self, team: Team) -> str:
+    def name(self, team: RecordedTeam) -> str:
         """Name a team by its robots."""
         names = [self.scenario.robots[robot].name for robot in sorted(team.robots)]
         shown = names if len(names) <= 6 else [*names[:5], f"and {len(names) - 5} more"]
         return f"team [{', '.join(shown)}]"
 
-    def is_at(self, team: Team, place: Place) -> bool:
+    def is_at(self, team: RecordedTeam, place: Place) -> bool:
         """Say whether a team is in a place: in its cell, or near enough on a plane."""
         return are_together(self.scenario.world, team.at, place)
 
-    def put(self, team: Team) -> None:
+    def put(self, team: RecordedTeam) -> None:
         """Enter a team at its slot."""
         robots = [self.scenario.robots[robot] for robot in team.robots]
         team.counts = total(robot.can for robot in robots)

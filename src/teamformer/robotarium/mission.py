@@ -21,7 +21,7 @@ from teamformer.robotarium.control.goals import Goals, Work, choose_goals
 from teamformer.robotarium.places import team_places
 from teamformer.robotarium.robots.arena import LONGEST, MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Robots
-from teamformer.robotarium.teams import Team, teams_of
+from teamformer.robotarium.teams import RobotTeam, teams_of
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Tally, TeamFormation
 
@@ -32,13 +32,13 @@ class Moment:
 
     tick: int
     poses: Array  # (robots, 3) in the arena's coordinates
-    teams: tuple[Team, ...]
+    teams: tuple[RobotTeam, ...]
     is_open: Array  # (tasks,) known and not done
     is_done: Array  # (tasks,)
 
 
 @dataclass(frozen=True)
-class Timing:
+class TickTimes:
     """What the clock of the processor said, in seconds: means, and the longest decision."""
 
     decision: float  # of all teams, with their views
@@ -53,7 +53,7 @@ class Outcome:
     tally: Tally
     ticks: int
     done_at: tuple[int | None, ...]
-    timing: Timing
+    timing: TickTimes
 
     @property
     def is_completed(self) -> bool:
@@ -134,7 +134,7 @@ class _Mission:
         watch(self._moment(poses, teams_of(self._env)))
         return self._outcome()
 
-    def _moment(self, poses: Array, teams: list[Team]) -> Moment:
+    def _moment(self, poses: Array, teams: list[RobotTeam]) -> Moment:
         is_done = self._env.worlds.tasks["done_at"][0] != NOBODY
         return Moment(self._ticks, poses, tuple(teams), self._is_open(), is_done)
 
@@ -146,7 +146,7 @@ class _Mission:
         self._seconds["decision"].append(time.process_time() - begun)
         self._env.start_step(decision)
 
-    def _choose_goals(self, teams: list[Team], at: Array) -> Goals:
+    def _choose_goals(self, teams: list[RobotTeam], at: Array) -> Goals:
         goals = choose_goals(teams, at, self._work, self._is_open(), self._under_way)
         self._under_way = np.where(goals.keeps_clear, self._under_way + 1, 0)
         return goals
@@ -168,7 +168,7 @@ class _Mission:
             tally=self._env.tally(),
             ticks=self._ticks,
             done_at=tuple(s * self._ticks_per_step if s > 0 else None for s in steps),
-            timing=Timing(
+            timing=TickTimes(
                 decision=float(np.mean(deciding[1:] or deciding)),
                 longest_decision=max(deciding[1:], default=0.0),
                 tick=float(np.mean(ticking)),

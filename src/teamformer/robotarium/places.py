@@ -14,7 +14,7 @@ import numpy as np
 
 from teamformer.robotarium.control.goals import Goals
 from teamformer.robotarium.robots.arena import MIDDLE
-from teamformer.robotarium.teams import Team, distance
+from teamformer.robotarium.teams import RobotTeam, distance
 from teamformer.sim.arrays import Array
 
 IN_SLOT = 0.05  # metres: so near to its slot a robot is in it
@@ -26,7 +26,7 @@ team that is: both are in the same place then, and only one is at the task."""
 
 
 def team_places(
-    teams: Sequence[Team], robots: Array, goals: Goals, tasks: Array, radius: float
+    teams: Sequence[RobotTeam], robots: Array, goals: Goals, tasks: Array, radius: float
 ) -> Array:
     """Return where each team counts as being, as (robots, 2) by slot, in a scenario's coordinates.
 
@@ -48,14 +48,14 @@ def team_places(
     return places
 
 
-def is_at_task(team: Team, robots: Array, goals: Goals) -> bool:
+def is_at_task(team: RobotTeam, robots: Array, goals: Goals) -> bool:
     """Say whether all robots of a team that have slots are in them, and there are any."""
     members = [robot for robot in team.robots if goals.has_slot[robot]]
     away = np.linalg.norm(robots[members] - goals.places[members], axis=1)
     return bool(members) and bool((away <= IN_SLOT).all())
 
 
-def _centre(team: Team, robots: Array, goals: Goals) -> Array:
+def _centre(team: RobotTeam, robots: Array, goals: Goals) -> Array:
     """Return the middle of a team's robots with slots, or of all if none has one."""
     members = [robot for robot in team.robots if goals.has_slot[robot]] or list(team.robots)
     middle: Array = robots[members].mean(axis=0)
@@ -63,10 +63,10 @@ def _centre(team: Team, robots: Array, goals: Goals) -> Array:
 
 
 def _gather(
-    teams: Sequence[Team], robots: Array, is_there: dict[int, bool]
-) -> list[tuple[Team, list[Team]]]:
+    teams: Sequence[RobotTeam], robots: Array, is_there: dict[int, bool]
+) -> list[tuple[RobotTeam, list[RobotTeam]]]:
     """Put teams with one that they are in contact with: those at tasks lead, then by slot."""
-    gathered: list[tuple[Team, list[Team]]] = []
+    gathered: list[tuple[RobotTeam, list[RobotTeam]]] = []
     waiting = sorted(teams, key=lambda team: (not is_there[team.slot], team.slot))
     while waiting:
         leader, *others = waiting

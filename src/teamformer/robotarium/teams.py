@@ -12,7 +12,7 @@ from teamformer.sim.formation import JOIN
 
 
 @dataclass(frozen=True)
-class Team:
+class RobotTeam:
     """A team: its robots, and where it is to go."""
 
     slot: int
@@ -21,7 +21,7 @@ class Team:
     partner: int | None  # slot of the team it is on its way to join
 
 
-def teams_of(env: TeamFormation) -> list[Team]:
+def teams_of(env: TeamFormation) -> list[RobotTeam]:
     """Return the teams of the first world, by slot."""
     slots, records = env.worlds.robots["team"][0], env.worlds.teams[0]
     found = []
@@ -29,7 +29,7 @@ def teams_of(env: TeamFormation) -> list[Team]:
         task, partner = int(records["task"][slot]), int(records["partner"][slot])
         is_joining = records["intent"][slot] == JOIN and not records["has_formed"][slot]
         found.append(
-            Team(
+            RobotTeam(
                 slot=slot,
                 robots=tuple(np.flatnonzero(slots == slot).tolist()),
                 task=None if task == NOBODY else task,
@@ -39,7 +39,7 @@ def teams_of(env: TeamFormation) -> list[Team]:
     return found
 
 
-def distance(team: Team, other: Team, robots: Array) -> float:
+def distance(team: RobotTeam, other: RobotTeam, robots: Array) -> float:
     """Return how far apart the nearest robots (robots, 2) of two teams are, in metres."""
     between = robots[list(team.robots)][:, None] - robots[list(other.robots)][None]
     return float(np.linalg.norm(between, axis=2).min())

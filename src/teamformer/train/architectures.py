@@ -35,7 +35,7 @@ from teamformer.train.training_worlds import (
 
 
 @dataclass(frozen=True)
-class Family:
+class Architecture:
     """A kind of network; `capabilities` is None for one that serves any number."""
 
     make: Callable[[int | None], nn.Module]
@@ -59,7 +59,7 @@ def _make_any(capabilities: int | None) -> nn.Module:
     )
 
 
-def _spells(how: str, maintain_bias: float) -> Family:
+def _spells(how: str, maintain_bias: float) -> Architecture:
     """Return the paper's network, with one of its two spellings."""
 
     def make(capabilities: int | None) -> nn.Module:
@@ -73,7 +73,7 @@ def _spells(how: str, maintain_bias: float) -> Family:
             )
         )
 
-    return Family(
+    return Architecture(
         make=make,
         codec=lambda capabilities: SpellingCodec(_given(capabilities)),
         export=export_teamformer,
@@ -83,11 +83,11 @@ def _spells(how: str, maintain_bias: float) -> Family:
 
 
 def _given(capabilities: int | None) -> int:
-    assert capabilities is not None  # find_family has seen to it
+    assert capabilities is not None  # find_architecture has seen to it
     return capabilities
 
 
-def _combines(network: type[DeepSet] | type[GraphNetwork], width: int) -> Family:
+def _combines(network: type[DeepSet] | type[GraphNetwork], width: int) -> Architecture:
     """Return a network over the paper's original action space."""
 
     def make(capabilities: int | None) -> nn.Module:
@@ -98,7 +98,7 @@ def _combines(network: type[DeepSet] | type[GraphNetwork], width: int) -> Family
             )
         )
 
-    return Family(
+    return Architecture(
         make=make,
         codec=lambda capabilities: CombinationCodec(_given(capabilities)),
         export=export_combinations,
@@ -119,8 +119,8 @@ ANY_PPO = PpoSettings(
 )
 """Few decisions deviate from the script at first, so that more is made of each."""
 
-FAMILIES = {
-    "any": Family(
+ARCHITECTURES = {
+    "any": Architecture(
         make=_make_any,
         codec=lambda capabilities: AnyFleetCodec(),
         export=export_any_fleet,
@@ -128,7 +128,7 @@ FAMILIES = {
         selection=lambda capabilities: ANY_SELECTION,
         is_for_any_number=True,
         allocations=("paper", "crews"),
-        methods=("trying", "ppo"),
+        methods=("rollouts", "ppo"),
         ppo=ANY_PPO,
     ),
     "teamformer": _spells(EDIT, maintain_bias=2.0),
@@ -138,16 +138,21 @@ FAMILIES = {
 }
 
 
-def find_family(network: str, capabilities: int | None) -> Family:
-    """Return a family; raises `TeamformerError` if it is unknown or the number does not fit."""
-    family = FAMILIES.get(network)
-    if family is None:
-        raise TeamformerError(f"there is no network '{network}'", f"use {' or '.join(FAMILIES)}")
-    if family.is_for_any_number and capabilities is not None:
+def find_architecture(network: str, capabilities: int | None) -> Architecture:
+    """Return an architecture.
+
+    Raises `TeamformerError` if it is unknown or the number of capabilities does not fit.
+    """
+    architecture = ARCHITECTURES.get(network)
+    if architecture is None:
+        raise TeamformerError(
+            f"there is no network '{network}'", f"use {' or '.join(ARCHITECTURES)}"
+        )
+    if architecture.is_for_any_number and capabilities is not None:
         hint = "leave --capabilities out, or choose another --network"
         raise TeamformerError(f"network '{network}' serves any number of capabilities", hint)
-    if not family.is_for_any_number and capabilities is None:
+    if not architecture.is_for_any_number and capabilities is None:
         hint = "add --capabilities N"
         raise TeamformerError(f"network '{network}' is made for a number of capabilities", hint)
-    family.codec(capabilities)  # refuses numbers that its actions do not allow
-    return family
+    architecture.codec(capabilities)  # refuses numbers that its actions do not allow
+    return architecture

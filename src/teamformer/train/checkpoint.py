@@ -21,7 +21,7 @@ WEIGHTS, ABOUT = "weights.safetensors", "training.json"
 
 
 @dataclass(frozen=True)
-class Progress:
+class TrainingProgress:
     """Where a training stands."""
 
     iteration: int = 0  # how many are done
@@ -31,7 +31,9 @@ class Progress:
     best_cost: float = 1e9
 
 
-def save(folder: Path, learner: Learner, settings: dict[str, Any], progress: Progress) -> None:
+def save(
+    folder: Path, learner: Learner, settings: dict[str, Any], progress: TrainingProgress
+) -> None:
     """Write a checkpoint; an older one in the folder stays whole until the new one is."""
     folder.mkdir(parents=True, exist_ok=True)
     about = {"format": FORMAT, "settings": settings, "progress": vars(progress)}
@@ -59,7 +61,7 @@ def read_about(folder: Path) -> dict[str, Any]:
     return about
 
 
-def load(folder: Path, learner: Learner, settings: dict[str, Any]) -> Progress:
+def load(folder: Path, learner: Learner, settings: dict[str, Any]) -> TrainingProgress:
     """Put a checkpoint into a learner made with the same settings."""
     about = read_about(folder)
     if about["settings"] != settings:
@@ -70,7 +72,7 @@ def load(folder: Path, learner: Learner, settings: dict[str, Any]) -> Progress:
     _load_weights(learner, tensors)
     for name in ("policy_optimizer", "critic_optimizer"):
         _restore(getattr(learner, name), _under(tensors, name))
-    return Progress(**about["progress"])
+    return TrainingProgress(**about["progress"])
 
 
 def load_weights(folder: Path, learner: Learner) -> None:

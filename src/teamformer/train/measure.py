@@ -16,7 +16,7 @@ from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.trained_folder import load_trained
-from teamformer.policies.protocol import Policy
+from teamformer.policies.protocol import Guarded, Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.scenarios.generate import generate
@@ -112,10 +112,10 @@ def _parser() -> argparse.ArgumentParser:
 def _line(name: str, worlds: Sequence[Scenario], folder: Path) -> str:
     policy = load_trained(folder)
     played, bar = measure(policy, worlds), measure(JoinUseful(), worlds)
-    overdue = getattr(policy, "overdue", 0)
+    overdue = policy.overdue if isinstance(policy, Guarded) else 0
     heuristic = measure(Heuristic(), worlds)
     codec, network = load_network(folder)
-    bare = measure(Learned(codec, torch_brain(network), with_liveness=False), worlds)
+    bare = measure(Learned(codec, torch_brain(network), is_guarded=False), worlds)
     generator = torch.Generator().manual_seed(0)
     sampled = measure(Learned(codec, torch_brain(network, generator=generator)), worlds)
     less, less_error = mean_and_error(played.steps - bar.steps)
@@ -140,7 +140,7 @@ def load_network(folder: Path) -> tuple[Codec, Actor]:
     settings = TrainSettings(network=about["network"], capabilities=about["capabilities"])
     learner = make_learner(settings)
     load_policy_weights(folder, learner)
-    return settings.family.codec(settings.capabilities), learner.policy  # type: ignore[return-value]
+    return settings.architecture.codec(settings.capabilities), learner.policy  # type: ignore[return-value]
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import torch
 
 from teamformer.errors import TeamformerError
 from teamformer.train import distributed
-from teamformer.train.tensorboard import Board
+from teamformer.train.tensorboard import Curves
 from teamformer.train.trainer import Report, train
 from teamformer.train.training_settings import TrainSettings
 from teamformer.train.training_worlds import selection_worlds
@@ -25,13 +25,15 @@ def run_session(
     if settings.device == "cuda" and not torch.cuda.is_available():
         raise TeamformerError("torch finds no CUDA device", "use --device cpu")
     torch.set_num_threads(1)
-    family = settings.family
-    worlds = selection_worlds(held_out, family.selection(settings.capabilities), family.allocations)
+    architecture = settings.architecture
+    worlds = selection_worlds(
+        held_out, architecture.selection(settings.capabilities), architecture.allocations
+    )
     with distributed.joined(settings.device):
         if distributed.rank() > 0:
             train(settings, folder, worlds)
             return False
-        with Board(folder / "tensorboard") as board:
+        with Curves(folder / "tensorboard") as board:
 
             def report_twice(report: Report) -> None:
                 board.write(report)

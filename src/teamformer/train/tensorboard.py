@@ -8,7 +8,7 @@ from types import TracebackType
 from teamformer.train.trainer import Report
 
 
-class Board:
+class Curves:
     """Writes every report's figures to a folder that TensorBoard shows."""
 
     def __init__(self, folder: Path) -> None:
@@ -21,7 +21,7 @@ class Board:
         for name, value in figures(report).items():
             self._writer.add_scalar(name, value, report.progress.steps)
 
-    def __enter__(self) -> Board:
+    def __enter__(self) -> Curves:
         return self
 
     def __exit__(
@@ -35,7 +35,7 @@ class Board:
 
 def figures(report: Report) -> dict[str, float]:
     """Return what there is to plot of an iteration."""
-    found = {f"lesson/{name}": value for name, value in report.lesson.figures.items()}
+    found = {f"iteration/{name}": value for name, value in report.iteration.figures.items()}
     found["speed/steps per second"] = report.steps_per_second
     if report.score is not None:
         found["held out/ratio to join-all"] = report.score.ratio

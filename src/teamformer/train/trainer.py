@@ -1,4 +1,4 @@
-"""Training from nothing, or on from a checkpoint: lessons on fresh worlds, selection on others."""
+"""Training from nothing, or on from a checkpoint: iterations on fresh worlds, selection on others."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ import torch
 
 from teamformer.model import Scenario
 from teamformer.nets.critic import Critic, CriticSettings
-from teamformer.policies.learned.trained_folder import About, describe_policy
+from teamformer.policies.learned.trained_folder import PolicyDescription, describe_policy
 from teamformer.train import distributed
-from teamformer.train.checkpoint import ABOUT, Progress, load, load_weights, save
+from teamformer.train.checkpoint import ABOUT, TrainingProgress, load, load_weights, save
 from teamformer.train.evaluation import Exam, Score, examine, prepare_exam
 from teamformer.train.learning import global_state
-from teamformer.train.learning.iteration import LESSONS, Lesson
+from teamformer.train.learning.iteration import METHODS, Iteration
 from teamformer.train.learning.optimiser import Learner
 from teamformer.train.training_settings import TrainSettings
 
@@ -27,9 +27,9 @@ from teamformer.train.training_settings import TrainSettings
 class Report:
     """What there is to say after an iteration."""
 
-    progress: Progress
+    progress: TrainingProgress
     steps_per_second: float  # of worlds, playing and learning
-    lesson: Lesson
+    iteration: Iteration
     score: Score | None  # None where it was not evaluated
 
 
@@ -37,7 +37,7 @@ def make_learner(settings: TrainSettings) -> Learner:
     """Return fresh networks and optimisers, the same for the same seed."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(settings.seed)
-        policy = settings.family.make(settings.capabilities)
+        policy = settings.architecture.make(settings.capabilities)
         critic = Critic(
             CriticSettings(
                 global_state.TEAM_FEATURES,
@@ -93,17 +93,17 @@ def train(
 
 
 def _examine(learner: Learner, settings: TrainSettings, exam: Exam) -> Score:
-    codec = settings.family.codec(settings.capabilities)
+    codec = settings.architecture.codec(settings.capabilities)
     return examine(learner.policy, codec, exam, settings.device)  # type: ignore[arg-type]
 
 
-def _begin(settings: TrainSettings, folder: Path) -> tuple[Learner, Progress]:
+def _begin(settings: TrainSettings, folder: Path) -> tuple[Learner, TrainingProgress]:
     learner = make_learner(settings)
     if (folder / "last" / ABOUT).exists():
         return learner, load(folder / "last", learner, _described(settings))
     if settings.begin_from:
         load_weights(Path(settings.begin_from), learner)
-    return learner, Progress()
+    return learner, TrainingProgress()
 
 
 def _described(settings: TrainSettings) -> dict[str, object]:
@@ -113,18 +113,20 @@ def _described(settings: TrainSettings) -> dict[str, object]:
     return described
 
 
-def _is_over(settings: TrainSettings, progress: Progress, until: int | None) -> bool:
+def _is_over(settings: TrainSettings, progress: TrainingProgress, until: int | None) -> bool:
     last = min(until or settings.last_iteration, settings.last_iteration)
     out_of_time = settings.minutes is not None and progress.seconds >= 60 * settings.minutes
     return progress.iteration >= last or out_of_time
 
 
-def _is_better(score: Score, progress: Progress) -> bool:
+def _is_better(score: Score, progress: TrainingProgress) -> bool:
     """Say whether a score has fewer failures than the best, or as many and costs less."""
     return (score.failures, score.cost) < (progress.best_failures, progress.best_cost)
 
 
-def _keep(folder: Path, learner: Learner, settings: TrainSettings, progress: Progress) -> None:
+def _keep(
+    folder: Path, learner: Learner, settings: TrainSettings, progress: TrainingProgress
+) -> None:
     """Write a checkpoint; the first process does."""
     if distributed.rank() == 0:
         save(folder, learner, _described(settings), progress)
@@ -135,22 +137,22 @@ def _export(folder: Path, learner: Learner, settings: TrainSettings) -> None:
     if distributed.rank() > 0:
         return
     with TemporaryDirectory(dir=folder) as name:
-        settings.family.export(learner.policy, settings.capabilities, Path(name))
-        describe_policy(About(settings.network, settings.capabilities), Path(name))
+        settings.architecture.export(learner.policy, settings.capabilities, Path(name))
+        describe_policy(PolicyDescription(settings.network, settings.capabilities), Path(name))
         for file in Path(name).iterdir():
             file.replace(folder / file.name)
     learner.policy.to(settings.device)
 
 
-def _iterate(learner: Learner, settings: TrainSettings, progress: Progress) -> Report:
+def _iterate(learner: Learner, settings: TrainSettings, progress: TrainingProgress) -> Report:
     begun = time.perf_counter()
     done = settings.share_done(progress.iteration, progress.seconds)
-    lesson = LESSONS[settings.learns_by](learner, settings, progress.iteration, done)
+    iteration = METHODS[settings.learns_by](learner, settings, progress.iteration, done)
     [seconds] = distributed.agreed([time.perf_counter() - begun], settings.device)
     progress = replace(
         progress,
         iteration=progress.iteration + 1,
-        steps=progress.steps + lesson.steps,
+        steps=progress.steps + iteration.steps,
         seconds=progress.seconds + seconds,
     )
-    return Report(progress, lesson.steps / seconds, lesson, score=None)
+    return Report(progress, iteration.steps / seconds, iteration, score=None)

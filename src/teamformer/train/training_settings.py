@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from teamformer.errors import TeamformerError
-from teamformer.train.architectures import Family, find_family
+from teamformer.train.architectures import Architecture, find_architecture
 from teamformer.train.learning.ppo import PpoSettings
 from teamformer.train.learning.reward_streams import MissionReward, TeamReward
-from teamformer.train.learning.rollout_improvement import TryingSettings
+from teamformer.train.learning.rollout_improvement import RolloutImprovementSettings
 from teamformer.train.training_worlds import Mixture
 
 ITERATIONS, NO_LIMIT = 60, 10**9
@@ -29,26 +29,26 @@ class TrainSettings:
     mission_reward: MissionReward | None = field(default_factory=MissionReward)
     team_reward: TeamReward | None = None  # instead, if mission_reward is None
     ppo: PpoSettings | None = None  # None: the network's own
-    trying: TryingSettings = field(default_factory=TryingSettings)
+    rollouts: RolloutImprovementSettings = field(default_factory=RolloutImprovementSettings)
     evaluate_every: int = 10
     begin_from: str = ""  # folder of a checkpoint to take the first weights from
     device: str = "cpu"
 
     def __post_init__(self) -> None:
-        family = find_family(self.network, self.capabilities)
-        if self.method is not None and self.method not in family.methods:
-            known = " or ".join(family.methods)
+        architecture = find_architecture(self.network, self.capabilities)
+        if self.method is not None and self.method not in architecture.methods:
+            known = " or ".join(architecture.methods)
             raise TeamformerError(
                 f"'{self.network}' does not learn by {self.method}", f"use {known}"
             )
-        if self.learns_by == "trying" and self.mission_reward is None:
+        if self.learns_by == "rollouts" and self.mission_reward is None:
             hint = "leave the reward out, or use ppo"
-            raise TeamformerError("learning by trying knows no reward", hint)
+            raise TeamformerError("learning by rollouts knows no reward", hint)
 
     @property
     def learns_by(self) -> str:
-        """Return the method: `ppo`, from rewards, or `trying`."""
-        return self.method or self.family.methods[0]
+        """Return the method: `ppo`, from rewards, or `rollouts`."""
+        return self.method or self.architecture.methods[0]
 
     @property
     def last_iteration(self) -> int:
@@ -58,19 +58,19 @@ class TrainSettings:
         return ITERATIONS if self.minutes is None else NO_LIMIT
 
     @property
-    def family(self) -> Family:
+    def architecture(self) -> Architecture:
         """Return the network's kind."""
-        return find_family(self.network, self.capabilities)
+        return find_architecture(self.network, self.capabilities)
 
     @property
     def worlds_from(self) -> Mixture:
         """Return where training worlds are drawn from."""
-        return self.mixture or self.family.mixture(self.capabilities)
+        return self.mixture or self.architecture.mixture(self.capabilities)
 
     @property
     def update(self) -> PpoSettings:
         """Return how rollouts change the weights."""
-        return self.ppo or self.family.ppo
+        return self.ppo or self.architecture.ppo
 
     @property
     def reward(self) -> MissionReward | TeamReward:

@@ -13,16 +13,16 @@ from typing import Any
 from teamformer.errors import TeamformerError
 from teamformer.policies.listing import Listing
 from teamformer.policies.own import OwnPolicy, telling_where
-from teamformer.policies.protocol import Policy
+from teamformer.policies.protocol import Guarded, Policy
 
 BARE = "-bare"
-"""After the name of a learned policy: without its liveness rule."""
+"""After the name of a learned policy: without its deadlock guard."""
 
 
 def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
     """Return a policy by its listed name, as `module:Class`, or from the folder of a training.
 
-    With `-bare` after it a learned policy goes without its liveness rule. Raises `TeamformerError`
+    With `-bare` after it a learned policy goes without its deadlock guard. Raises `TeamformerError`
     for a name that is unknown and for a class that is no policy.
     """
     for listing in listings:
@@ -49,10 +49,10 @@ def _bare(name: str, listings: Sequence[Listing]) -> Policy:
         policy = load_policy(name.removesuffix(BARE), listings)
     except TeamformerError as error:
         raise TeamformerError(f"there is no policy '{name}': {error}", error.hint) from None
-    if not hasattr(policy, "with_liveness"):
+    if not isinstance(policy, Guarded):
         hint = f"{BARE} is for learned policies, which have one"
-        raise TeamformerError(f"there is no policy '{name}': it has no liveness rule", hint)
-    policy.with_liveness = False
+        raise TeamformerError(f"there is no policy '{name}': it has no deadlock guard", hint)
+    policy.is_guarded = False
     return policy
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.policies.central.planner import CentralPlan
-from teamformer.policies.protocol import Policy
+from teamformer.policies.protocol import Planner, Policy
 from teamformer.sim.env import Tally, TeamFormation
 from teamformer.sim.replay import Replay
 from teamformer.trials.recorder import Recorder
@@ -61,7 +61,7 @@ def run_trial(
                 on_step(env.tally())
     except KeyboardInterrupt:
         is_interrupted = True
-    plan = next(iter(getattr(policy, "plans", ())), None)
+    plan = next(iter(policy.plans), None) if isinstance(policy, Planner) else None
     replay = recorder.finish(name, seed, _best_bound(lower_bound, plan))
     return Trial(replay, deciding, time.perf_counter() - begun, is_interrupted, plan)
 

@@ -107,7 +107,7 @@ def no_failure(setting: str, of: str | None = None) -> Judge:
 
 
 def some_failures(setting: str, of: str) -> Judge:
-    """Judge whether a family's trials fail at all, without the liveness rule if that was run."""
+    """Judge whether a family's trials fail at all, without the deadlock guard if that was run."""
 
     def judge(evidence: Evidence, family: str) -> Judgement:
         policy = policy_for(of, setting)
@@ -116,7 +116,7 @@ def some_failures(setting: str, of: str) -> Judge:
         if summary is None:
             return UNKNOWN
         told = _failed(summary.failures, summary.trials)
-        told += " without the liveness rule" if bare else ""
+        told += " without the deadlock guard" if bare else ""
         return Judgement(told, summary.failures > 0)
 
     return judge

@@ -18,7 +18,7 @@ def write_report(
     """Write tables and figures; yield each file. Without matplotlib the figures are left out.
 
     Tables are over all trials, figures over the worlds that all policies of a setting have run.
-    Policies without their liveness rule are in tables only.
+    Policies without their deadlock guard are in tables only.
     """
     summaries = summarise(rows)
     report = folder / "report.md"

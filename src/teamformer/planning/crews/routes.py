@@ -35,7 +35,7 @@ class Shared(NamedTuple):
     company: Array  # (robots,) robots with the same number are known to be together
 
 
-class Lists(NamedTuple):
+class CrewRoutes(NamedTuple):
     """Each crew's list of tasks."""
 
     tasks: Array  # (crews, tasks)
@@ -70,7 +70,7 @@ def bits_of(counts):  # type: ignore[no-untyped-def]
 @entry
 def empty_lists(crews, tasks):  # type: ignore[no-untyped-def]
     """Return lists with nothing on them."""
-    return Lists(
+    return CrewRoutes(
         np.full((crews, tasks), NOBODY, dtype=np.int32),
         np.zeros(crews, dtype=np.int32),
         np.full(tasks, NOBODY, dtype=np.int32),

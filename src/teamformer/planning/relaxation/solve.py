@@ -73,7 +73,7 @@ def solve(
     the first plan. Compiling, once for each installation, takes seconds that do not count.
     """
     _compile()
-    progress = Progress(relax(scenario), time_limit)
+    progress = SolverProgress(relax(scenario), time_limit)
     if (earliest_starts(progress.problem) >= FAR).any():
         progress.is_infeasible = True
         return progress.report()
@@ -88,7 +88,7 @@ def solve(
     return progress.report()
 
 
-class Progress:
+class SolverProgress:
     """What all threads together know so far about one problem."""
 
     def __init__(self, problem: Relaxed, time_limit: float) -> None:
@@ -146,7 +146,7 @@ class Progress:
         return "optimal" if self.best.makespan <= self.bound else "feasible"
 
 
-def _anneal(progress: Progress, search: Search, rounds: float, seconds: float) -> None:
+def _anneal(progress: SolverProgress, search: Search, rounds: float, seconds: float) -> None:
     """Anneal once, over so many rounds or seconds, whichever are over first."""
     begin, made = progress.seconds, 0
     at_once = max(1, MOST_AT_ONCE // len(progress.problem.appears))
@@ -161,7 +161,7 @@ def _anneal(progress: Progress, search: Search, rounds: float, seconds: float) -
             progress.offer(search.best)
 
 
-def _search_on(progress: Progress, seed: int) -> None:
+def _search_on(progress: SolverProgress, seed: int) -> None:
     """Search until time is up."""
     search = Search(progress.problem, seed, progress.best)
     _anneal(progress, search, math.inf, EARLY * progress.seconds_left)
@@ -170,7 +170,7 @@ def _search_on(progress: Progress, seed: int) -> None:
     _anneal(progress, search, math.inf, progress.seconds_left)
 
 
-def _search_and_prove(progress: Progress, seed: int, workers: int) -> None:
+def _search_and_prove(progress: SolverProgress, seed: int, workers: int) -> None:
     """Let the solver work on one thread, if it can get anywhere, and search on all others.
 
     The main thread only waits, so that Ctrl-C reaches it.
@@ -190,7 +190,7 @@ def _search_and_prove(progress: Progress, seed: int, workers: int) -> None:
             progress.stop()
 
 
-def _prove(progress: Progress, seed: int) -> None:
+def _prove(progress: SolverProgress, seed: int) -> None:
     """Look for a faster schedule with the solver, or show that there is none."""
     problem, best = progress.problem, progress.best
     solver = make_solver(seed)

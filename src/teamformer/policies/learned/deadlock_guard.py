@@ -1,4 +1,4 @@
-"""The liveness rule: who has seen no progress for too long does what cannot block.
+"""The deadlock guard: who has seen no progress for too long does what cannot block.
 
 Every robot remembers for itself since when the open tasks that its team sees are the same.
 """
@@ -16,7 +16,7 @@ WAYS_ACROSS = 3
 """A team waits for 30 steps, and for as many as three walks across what it sees take it."""
 
 
-class Liveness:
+class DeadlockGuard:
     """Counts, robot by robot, the steps since the shared list of open tasks last changed."""
 
     def __init__(self) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.policies.learned.codec import Codec
-from teamformer.policies.learned.deadlock_guard import Liveness
+from teamformer.policies.learned.deadlock_guard import DeadlockGuard
 from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision
@@ -23,22 +23,22 @@ class Learned:
 
     The brain is asked where the codec finds a choice. Elsewhere a team does as join-crew does
     where tasks are shared out among crews, else as join-all. So does one that the
-    liveness rule finds overdue, until a task is done; `overdue` counts such decisions.
+    deadlock guard finds overdue, until a task is done; `overdue` counts such decisions.
     """
 
     needs_everything = False
 
-    def __init__(self, codec: Codec, brain: Brain, with_liveness: bool = True) -> None:
+    def __init__(self, codec: Codec, brain: Brain, is_guarded: bool = True) -> None:
         self.codec = codec
         self.brain = brain
-        self.with_liveness = with_liveness
+        self.is_guarded = is_guarded
         self.overdue = 0
-        self._liveness = Liveness()
+        self._guard = DeadlockGuard()
         self._fallback = JoinUseful()
 
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
         """Forget earlier trials."""
-        self._liveness.begin()
+        self._guard.begin()
         self.overdue = 0
 
     def decide(self, view: View) -> Decision:
@@ -46,8 +46,8 @@ class Learned:
         wanted = self._fallback.decide(view).wanted
         tokens = self.codec.encode(view)
         is_asked = self.codec.has_choice(view, tokens)
-        if self.with_liveness:
-            is_overdue = self._liveness.is_overdue(view)
+        if self.is_guarded:
+            is_overdue = self._guard.is_overdue(view)
             self.overdue += int(is_overdue.sum())
             is_asked &= ~is_overdue
         rows = np.flatnonzero(is_asked)

@@ -19,7 +19,7 @@ FORMAT = 1
 
 
 @dataclass(frozen=True)
-class About:
+class PolicyDescription:
     """What a folder says of its policy."""
 
     network: str  # the kind: any, teamformer, deepset, gnn
@@ -43,7 +43,7 @@ def load_trained(folder: Path) -> Policy:
     return make(found, about)
 
 
-def describe_policy(about: About, folder: Path) -> None:
+def describe_policy(about: PolicyDescription, folder: Path) -> None:
     """Write what the folder's policy is."""
     (folder / ABOUT).write_text(json.dumps(asdict(about), indent=2) + "\n")
 
@@ -52,11 +52,11 @@ def _has_policy(folder: Path) -> bool:
     return (folder / ABOUT).is_file()
 
 
-def _read(file: Path) -> About:
+def _read(file: Path) -> PolicyDescription:
     try:
         tree = json.loads(file.read_text())
         found = int(tree["format"])
-        about = About(**tree) if found <= FORMAT else None  # a newer one may say more
+        about = PolicyDescription(**tree) if found <= FORMAT else None  # a newer one may say more
     except (OSError, ValueError, TypeError, KeyError):
         about, found = None, 0
     if found > FORMAT:
@@ -67,7 +67,7 @@ def _read(file: Path) -> About:
     return about
 
 
-def _is_sound(about: About) -> bool:
+def _is_sound(about: PolicyDescription) -> bool:
     """Say whether a file holds what it should, and no other kinds of values."""
     capabilities = about.capabilities
     if not isinstance(about.network, str) or isinstance(capabilities, bool):
@@ -75,22 +75,22 @@ def _is_sound(about: About) -> bool:
     return capabilities is None or (isinstance(capabilities, int) and capabilities > 0)
 
 
-def _any(folder: Path, about: About) -> Policy:
+def _any(folder: Path, about: PolicyDescription) -> Policy:
     return any_fleet(read_network(folder / NETWORK), str(folder / NETWORK))
 
 
-def _spelled(folder: Path, about: About) -> Policy:
+def _spelled(folder: Path, about: PolicyDescription) -> Policy:
     return spelled_in(folder)
 
 
-def _combined(folder: Path, about: About) -> Policy:
+def _combined(folder: Path, about: PolicyDescription) -> Policy:
     if about.capabilities is None:
         raise TeamformerError(f"{folder / ABOUT} does not say for how many capabilities")
     content = read_network(folder / NETWORK)
     return combining(content, str(folder / NETWORK), about.capabilities)
 
 
-RUNTIMES: dict[str, Callable[[Path, About], Policy]] = {
+RUNTIMES: dict[str, Callable[[Path, PolicyDescription], Policy]] = {
     "any": _any,
     "teamformer": _spelled,
     "teamformer-full": _spelled,

@@ -11,7 +11,7 @@ from teamformer.robotarium.control.assignment import match
 from teamformer.robotarium.control.detours import way_point
 from teamformer.robotarium.control.ring_slots import SPACING, fits, ring_radius, slots_around
 from teamformer.robotarium.robots.arena import HEIGHT, WIDTH
-from teamformer.robotarium.teams import Team
+from teamformer.robotarium.teams import RobotTeam
 from teamformer.sim.arrays import Array
 
 CLEARANCE = 0.30  # metres outside a ring where robots that it does not need keep
@@ -47,7 +47,7 @@ class Goals:
 
 
 def choose_goals(
-    teams: Sequence[Team], robots: Array, work: Work, is_open: Array, under_way: Array
+    teams: Sequence[RobotTeam], robots: Array, work: Work, is_open: Array, under_way: Array
 ) -> Goals:
     """Return the goals of robots (robots, 2).
 
@@ -89,7 +89,7 @@ def _lead_around_rings(
         goals.way_points[robot] = way_point(at, goal, work.places[rings], radii)
 
 
-def choose_needed(teams: Sequence[Team], robots: Array, work: Work, task: int) -> list[int]:
+def choose_needed(teams: Sequence[RobotTeam], robots: Array, work: Work, task: int) -> list[int]:
     """Return the robots of teams heading for a task that it needs, no more than these.
 
     First those of the team that covers most of it, the nearest of equals; then of the other
@@ -98,7 +98,7 @@ def choose_needed(teams: Sequence[Team], robots: Array, work: Work, task: int) -
     away = np.linalg.norm(robots - work.places[task], axis=1)  # (robots,)
     needs = work.needs[task].astype(np.int64)
 
-    def by_cover(team: Team) -> tuple[float, float]:
+    def by_cover(team: RobotTeam) -> tuple[float, float]:
         has = work.brings[list(team.robots)].sum(axis=0)
         return -float(np.minimum(has, needs).sum()), float(away[list(team.robots)].min())
 

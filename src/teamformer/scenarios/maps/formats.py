@@ -85,7 +85,7 @@ def read_ros_map(path: Path, cell: float | None = None) -> Grid:
 
 
 @dataclass(frozen=True)
-class About:
+class MapDescription:
     """What a map_server file says about its image."""
 
     image: str
@@ -102,14 +102,14 @@ class About:
         return np.asarray(is_free[image.shades])
 
 
-def _read_about(path: Path) -> About:
+def _read_about(path: Path) -> MapDescription:
     tree = parse(read_text(path, LARGEST_DESCRIPTION, HINT))
     reader = Reader(tree)
     known = tree.value
     if isinstance(tree.value, dict):  # what else it says, such as the origin, does not matter here
         known = {key: part for key, part in tree.value.items() if key in ABOUT_KEYS}
     keys = {} if tree.problems else reader.mapping((), known, ABOUT_KEYS)
-    about = About(
+    about = MapDescription(
         image=reader.text(("image",), keys.get("image", "?")),
         resolution=reader.number(("resolution",), keys.get("resolution", 1)),
         is_negated=_read_negate(reader, keys.get("negate", 0)),

@@ -1,4 +1,4 @@
-"""Lessons: what an iteration of a training plays and learns, by either method.
+"""Iterations: what one of a training plays and learns, by either method.
 
 All randomness comes from the seed, the process's rank and the iteration's number.
 """
@@ -24,7 +24,7 @@ from teamformer.train.training_worlds import training_worlds
 
 
 @dataclass(frozen=True)
-class Lesson:
+class Iteration:
     """What there is to say of an iteration."""
 
     steps: int  # of worlds, in all processes
@@ -33,11 +33,11 @@ class Lesson:
 
 def learn_from_rewards(
     learner: Learner, settings: TrainSettings, number: int, progress: float
-) -> Lesson:
+) -> Iteration:
     """Play fresh worlds, and improve policy and critic by PPO on the rewards that came."""
     worlds, seed = _worlds(settings, number)
     env = TeamFormation(worlds, settings.reward.of_environment)
-    codec = settings.family.codec(settings.capabilities)
+    codec = settings.architecture.codec(settings.capabilities)
     generator = torch.Generator(settings.device).manual_seed(seed)
     choose = sampler(learner.policy, generator, settings.device)  # type: ignore[arg-type]
     rollout = play(env, codec, choose, settings.reward, settings.worlds_from.steps)
@@ -51,19 +51,19 @@ def learn_from_rewards(
         "policy loss": seen.policy_loss,
         "value loss": seen.value_loss,
     }
-    return Lesson(int(rollout.is_running.sum()) * distributed.count(), figures)
+    return Iteration(int(rollout.is_running.sum()) * distributed.count(), figures)
 
 
-def learn_by_trying(
+def learn_by_rollouts(
     learner: Learner, settings: TrainSettings, number: int, progress: float
-) -> Lesson:
+) -> Iteration:
     """Play fresh worlds by the script, try other choices, and learn what they gain."""
     worlds, seed = _worlds(settings, number)
-    codec = settings.family.codec(settings.capabilities)
+    codec = settings.architecture.codec(settings.capabilities)
     rng = np.random.default_rng(seed)
-    tried, steps = try_others(codec, worlds, rng, settings.trying.share)
+    tried, steps = try_others(codec, worlds, rng, settings.rollouts.share)
     generator = torch.Generator().manual_seed(seed)
-    error = fit(learner, tried, settings.trying, progress, generator)
+    error = fit(learner, tried, settings.rollouts, progress, generator)
     count = max(1, len(tried.gain))
     variance = float((tried.gain - tried.gain.sum() / count).square().sum()) / count
     figures = {
@@ -71,12 +71,12 @@ def learn_by_trying(
         "gained": float((tried.gain > 0).sum()) / count,
         "explained": 1.0 - error / variance if variance > 0 else 0.0,  # share of the variance
     }
-    return Lesson(steps * distributed.count(), figures)
+    return Iteration(steps * distributed.count(), figures)
 
 
-LESSONS: Mapping[str, Callable[[Learner, TrainSettings, int, float], Lesson]] = {
+METHODS: Mapping[str, Callable[[Learner, TrainSettings, int, float], Iteration]] = {
     "ppo": learn_from_rewards,
-    "trying": learn_by_trying,
+    "rollouts": learn_by_rollouts,
 }
 
 

@@ -1,4 +1,4 @@
-"""Learning by trying: scores that say how many steps a choice gains on the script's.
+"""Learning by rollouts: scores that say how many steps a choice gains on the script's.
 
 One step of policy iteration with rollouts (Lagoudakis and Parr 2003), from the script on.
 """
@@ -16,7 +16,7 @@ from teamformer.train.learning.optimiser import Learner, descend, minibatches, s
 
 
 @dataclass(frozen=True)
-class TryingSettings:
+class RolloutImprovementSettings:
     """What is tried in each iteration and how it changes the weights."""
 
     share: float = 0.5  # of the steps in which something else is tried
@@ -31,7 +31,7 @@ class TryingSettings:
 def fit(
     learner: Learner,
     tried: Trials,
-    settings: TryingSettings,
+    settings: RolloutImprovementSettings,
     progress: float,
     generator: torch.Generator,
 ) -> float:

@@ -62,7 +62,7 @@ class RelationalPolicy(OneChoice):
             self.own_score.bias.copy_(torch.tensor(settings.first_scores))
 
     def forward(self, *parts: Tensor) -> Tensor:
-        """Return all choices' scores from `RelationTokens`: the team's own, then joins, then splits."""
+        """Return the scores of all choices: the own team's, then joins, then splits."""
         tokens = RelationTokens(*parts)
         own = self.own_in(tokens.own)  # (teams, d)
         teams = self.team_in(tokens.teams)  # (teams, seen, d)

@@ -1,4 +1,4 @@
-"""Training from nothing, or on from a checkpoint: iterations on fresh worlds, selection on others."""
+"""Training, new or resumed: iterations on fresh worlds, selection on others."""
 
 from __future__ import annotations
 

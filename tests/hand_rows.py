@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from teamformer.bench.jobs import Lot, known_row
+from teamformer.bench.jobs import Job, known_row
 from teamformer.bench.rows import Row
 from teamformer.scenarios.named_settings import world_of
 
@@ -14,9 +14,9 @@ def rows_of(
     setting: str, policy: str, makespans: Sequence[int | None], limit: int = 100
 ) -> list[Row]:
     """Trials on worlds 0, 1, ...; None is a failure at the step limit."""
-    lot = Lot("hand", setting, policy, (), 1.0, "abc")
+    job = Job("hand", setting, policy, (), 1.0, "abc")
     scenario = world_of("4N4T-C4", 0)
     return [
-        replace(known_row(lot, seed, scenario, makespan), steps=makespan or limit)
+        replace(known_row(job, seed, scenario, makespan), steps=makespan or limit)
         for seed, makespan in enumerate(makespans)
     ]

@@ -15,13 +15,14 @@ import teamformer
 ROOT = Path(teamformer.__file__).parent
 
 CORE = {"errors", "model", "capabilities", "plane", "regions", "jit", "kernel_cache"}
-BELOW_POLICIES = {*CORE, "scenarios", "planning", "sim"}
+BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim"}
 BELOW_COMMANDS = {*BELOW_POLICIES, "policies", "trials", "referee", "viewer", "bench"}
 SEES = {
     "core": CORE,
+    "rules": CORE,
     "scenarios": CORE,
-    "planning": CORE,
-    "sim": {*CORE, "scenarios", "planning"},
+    "planning": {*CORE, "rules"},
+    "sim": {*CORE, "rules", "scenarios", "planning"},
     "policies": BELOW_POLICIES,
     "trials": {*BELOW_POLICIES, "policies"},
     "referee": {*CORE, "scenarios", "sim.replay"},

@@ -13,7 +13,7 @@ from teamformer.jit import entry, kernel
 LARGEST_EXACT = 10
 """Up to this many tasks the tour is optimal (Held and Karp 1962); beyond, a local optimum."""
 
-FAR = 2**60
+UNLINKED = 2**60
 
 
 def shortest_tour(
@@ -47,13 +47,13 @@ def _exact_tour(between, from_start):  # type: ignore[no-untyped-def]
     tour = np.empty(count, dtype=np.int64)
     if count == 0:
         return tour
-    cost = np.full((1 << count, count), FAR, dtype=np.int64)
+    cost = np.full((1 << count, count), UNLINKED, dtype=np.int64)
     before = np.full((1 << count, count), -1, dtype=np.int64)
     for last in range(count):
         cost[1 << last, last] = from_start[last]
     for visited in range(1, 1 << count):
         for last in range(count):
-            if cost[visited, last] == FAR:
+            if cost[visited, last] == UNLINKED:
                 continue
             for task in range(count):
                 grown = visited | (1 << task)

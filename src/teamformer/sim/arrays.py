@@ -18,12 +18,11 @@ import numpy.typing as npt
 from teamformer.model import ALLOCATIONS, Grid, Place, Scenario
 from teamformer.plane import DECIMALS, Plane
 from teamformer.planning.distances import UNREACHABLE, blocked_cells, distance_fields
+from teamformer.rules.constants import NOBODY as NOBODY
 
 Array = npt.NDArray[Any]
 
 NEVER = 2**30
-NOBODY = -1
-"""No team, no task, no robot."""
 MIXED = -2
 """The crew of a team whose robots are of several."""
 

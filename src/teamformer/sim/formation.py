@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.rules.splitting import fits
 from teamformer.sim.allocation.crewmates import are_mates, name_crews
 from teamformer.sim.arrays import NEVER, NOBODY
 from teamformer.sim.spatial_index import distance_squared, distance_squared_to, find_near
@@ -72,11 +73,8 @@ def choose_stayers(world, team, wanted):  # type: ignore[no-untyped-def]
     for robot in range(team, world.rules.robots):
         if world.robots[robot].team != team:
             continue
-        fits = True
-        for cap in range(len(wanted)):
-            fits &= world.brings[robot, cap] <= world.room[cap]
-        world.robots[robot].stays = fits
-        if fits:
+        world.robots[robot].stays = fits(world.brings[robot], world.room)
+        if world.robots[robot].stays:
             stayers += 1
             for cap in range(len(wanted)):
                 world.room[cap] -= world.brings[robot, cap]

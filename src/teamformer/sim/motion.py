@@ -9,15 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.plane import DECIMALS
 from teamformer.planning.distances import UNREACHABLE, fill_field
+from teamformer.rules.constants import MICROMETRES, ROUNDING
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
-
-MICROMETRE = 10.0**DECIMALS  # in a metre: places on a plane are kept to it
-
-ROUNDING = 1e-9
-"""Speeds are binary fractions: ten steps at 0.1 must make one cell."""
 
 
 @entry
@@ -95,8 +90,8 @@ def straight_on(x, y, goal_x, goal_y, length):  # type: ignore[no-untyped-def]
     to_go = np.sqrt((goal_x - x) * (goal_x - x) + (goal_y - y) * (goal_y - y))
     if to_go <= length + ROUNDING:
         return goal_x, goal_y
-    x = np.rint((x + (goal_x - x) * length / to_go) * MICROMETRE) / MICROMETRE
-    y = np.rint((y + (goal_y - y) * length / to_go) * MICROMETRE) / MICROMETRE
+    x = np.rint((x + (goal_x - x) * length / to_go) * MICROMETRES) / MICROMETRES
+    y = np.rint((y + (goal_y - y) * length / to_go) * MICROMETRES) / MICROMETRES
     return x, y
 
 
@@ -134,7 +129,7 @@ def travel(world, x, y, task):  # type: ignore[no-untyped-def]
     """Return the way from a place to a task as a whole number: cells, on a plane micrometres."""
     if world.rules.is_plane:
         away_x, away_y = world.tasks[task].x - x, world.tasks[task].y - y
-        return np.int64(np.rint(np.sqrt(away_x * away_x + away_y * away_y) * MICROMETRE))
+        return np.int64(np.rint(np.sqrt(away_x * away_x + away_y * away_y) * MICROMETRES))
     if world.rules.has_walls:
         return np.int64(world.fields[task, int(y), int(x)])
     away_x = abs(world.tasks[task].x - x)

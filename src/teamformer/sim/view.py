@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.rules.coverage import fills_gap
 from teamformer.sim.allocation.crewmates import are_mates, name_crews
 from teamformer.sim.arrays import CREWS, NOBODY, RUNNING, Array, world_at
 from teamformer.sim.formation import is_in_same_place
@@ -211,10 +212,7 @@ def _helps(world, team, other):  # type: ignore[no-untyped-def]
     task = world.teams[team].task
     if task == NOBODY:
         return False
-    for cap in range(world.has.shape[1]):
-        if world.has[other, cap] > 0 and world.needs[task, cap] > world.has[team, cap]:
-            return True
-    return False
+    return fills_gap(world.has[team], world.needs[task], world.has[other])
 
 
 @kernel

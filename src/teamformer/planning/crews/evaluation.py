@@ -12,9 +12,8 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.relaxation.plan import Array
-
-ROUNDING = 1e-9
-"""Speeds are binary fractions: ten steps at 0.1 must make one cell."""
+from teamformer.rules.constants import ROUNDING
+from teamformer.rules.pairing import pair_off
 
 
 class Room(NamedTuple):
@@ -106,7 +105,7 @@ def _meet_at(shared, room, count, task):  # type: ignore[no-untyped-def]
         if helpers > 1 and steps == 0:
             steps += 1
         _insert(room.arrival, index, max(room.ready[party] + steps, shared.now + 1))
-    end = _pair_off(room.arrival, helpers) + shared.duration[task]
+    end = pair_off(room.arrival, helpers) + shared.duration[task]
     one = room.helper[0]
     room.place[one], room.ready[one] = task, end
     for index in range(helpers - 1, 0, -1):
@@ -131,22 +130,6 @@ def _insert(arrival, count, step):  # type: ignore[no-untyped-def]
         arrival[place] = arrival[place - 1]
         place -= 1
     arrival[place] = step
-
-
-@kernel
-def _pair_off(arrival, count):  # type: ignore[no-untyped-def]
-    """Return when those that arrive, sorted, are one: those there become half as many in a step."""
-    here, step = 1, arrival[0]
-    for index in range(1, count):
-        while here > 1 and step < arrival[index]:
-            here = (here + 1) // 2
-            step += 1
-        here += 1
-        step = max(step, arrival[index])
-    while here > 1:
-        here = (here + 1) // 2
-        step += 1
-    return step
 
 
 @kernel

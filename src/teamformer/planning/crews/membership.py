@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.relaxation.problem import NOBODY
+from teamformer.rules.constants import NOBODY
+from teamformer.rules.coverage import covers
 
 
 @entry
@@ -87,15 +88,6 @@ def _who_can(shared, crew):  # type: ignore[no-untyped-def]
             is_near = region[number] == shared.task_region[task]
             is_able[number, task] = is_near and covers(has[number], shared.needs[task])
     return is_able
-
-
-@kernel
-def covers(have, need):  # type: ignore[no-untyped-def]
-    """Say whether counts are enough."""
-    for cap in range(len(need)):
-        if have[cap] < need[cap]:
-            return False
-    return True
 
 
 @entry

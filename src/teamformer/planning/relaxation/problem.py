@@ -22,22 +22,15 @@ import numpy.typing as npt
 from teamformer.model import Grid, Scenario
 from teamformer.plane import Plane
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
+from teamformer.rules.constants import FAR as FAR
+from teamformer.rules.constants import MICROMETRES, ROUNDING
+from teamformer.rules.constants import NOBODY as NOBODY
 
 Whole = npt.NDArray[np.int32]
-
-FAR = 2**28
-"""More steps than anything takes: the time to a place that cannot be reached, or never."""
-
-NOBODY = -1
-"""No robot, or no task."""
-
-ROUNDING = 1e-9
-"""Speeds are binary fractions: ten steps at 0.1 must make one cell."""
 
 SHORTEST_CELL = 1e-4  # metres
 MOST_CELLS = 200_000
 """Of a plane: how long a cell is, and how many the longest way has at most."""
-MICROMETRE = 1e-6  # metres; places on a plane are rounded to it, in every step
 
 
 class Relaxed(NamedTuple):
@@ -94,7 +87,7 @@ def _ways(scenario: Scenario) -> tuple[Whole, npt.NDArray[np.float64]]:
         return travel_matrix(scenario.world, places, tasks).T, speed
     pace = _most_walked(scenario.world, speed, scenario.forming_steps)
     touching = np.where(np.arange(len(places)) < len(tasks), 2, 1) * scenario.world.arrival_radius
-    metres = straight_ways(tasks, places) * (1 - MICROMETRE / pace.min()) - touching
+    metres = straight_ways(tasks, places) * (1 - 1 / (MICROMETRES * pace.min())) - touching
     cell = max(SHORTEST_CELL, float(metres.max()) / MOST_CELLS)
     cells = np.floor(np.maximum(metres, 0.0) / cell).astype(np.int32)
     return cells, np.ceil(pace / cell - ROUNDING)

@@ -16,6 +16,7 @@ from teamformer.jit import entry, kernel
 from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork, shipped
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.token_features import TASK_FEATURES, TEAM_FEATURES, SpellingCodec
+from teamformer.rules.splitting import anybody_fits
 from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
 
@@ -104,6 +105,7 @@ def _set_of(counts):  # type: ignore[no-untyped-def]
 @entry
 def _mark_legal(view, is_legal):  # type: ignore[no-untyped-def]
     sets = is_legal.shape[1] // 2
+    left = np.empty(view.counts.shape[1], dtype=np.int64)
     for row in range(len(is_legal)):
         is_legal[row, 0] = True
         if view.is_serving[row]:
@@ -115,21 +117,17 @@ def _mark_legal(view, is_legal):  # type: ignore[no-untyped-def]
             mine = _set_of(view.counts[row])
             off = mine
             while off > 0:  # every subset of what the team has
-                is_legal[row, sets + off] = _somebody_stays(view, row, off)
+                is_legal[row, sets + off] = _somebody_stays(view, row, off, left)
                 off = (off - 1) & mine
 
 
 @kernel
-def _somebody_stays(view, row, off):  # type: ignore[no-untyped-def]
+def _somebody_stays(view, row, off, left):  # type: ignore[no-untyped-def]
     """Say whether some member fits into what is left when one of each of a set goes."""
-    for member in range(view.first_member[row], view.first_member[row + 1]):
-        fits = True
-        for cap in range(view.counts.shape[1]):
-            left = view.counts[row, cap] - ((off >> cap) & 1)
-            fits &= view.member_counts[member, cap] <= left
-        if fits:
-            return True
-    return False
+    for cap in range(len(left)):
+        left[cap] = view.counts[row, cap] - ((off >> cap) & 1)
+    members = view.first_member[row], view.first_member[row + 1]
+    return anybody_fits(view.member_counts, members[0], members[1], left)
 
 
 @entry

@@ -12,6 +12,7 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.policies.scripted.join_fitting import Script
+from teamformer.rules.splitting import anybody_fits
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.view import View
 
@@ -128,10 +129,5 @@ def _parts(view, row, kept):  # type: ignore[no-untyped-def]
         anybody_goes |= kept[cap] < view.counts[row, cap]
     if not anybody_goes:
         return False
-    for member in range(view.first_member[row], view.first_member[row + 1]):
-        fits = True
-        for cap in range(len(kept)):
-            fits &= view.member_counts[member, cap] <= kept[cap]
-        if fits:
-            return True
-    return False
+    members = view.first_member[row], view.first_member[row + 1]
+    return anybody_fits(view.member_counts, members[0], members[1], kept)

@@ -30,7 +30,7 @@ from teamformer.sim.view import View
 
 OWN_FEATURES, TEAM_FEATURES, TASK_FEATURES = 22, 25, 24
 
-FAR, NEAR = 20.0, 4.0  # cells; distances are clipped here, coarse and fine
+FARTHEST, NEAR = 20.0, 4.0  # cells; distances are clipped here, coarse and fine
 
 
 class Relations(NamedTuple):
@@ -82,7 +82,7 @@ def _cells_between(view, row, here, there):  # type: ignore[no-untyped-def]
 
 @kernel
 def _distance(view, row, here, there):  # type: ignore[no-untyped-def]
-    return min(_cells_between(view, row, here, there), FAR) / FAR
+    return min(_cells_between(view, row, here, there), FARTHEST) / FARTHEST
 
 
 @kernel
@@ -223,11 +223,11 @@ def _relate_ways(view, out, row, column, kept):  # type: ignore[no-untyped-def]
         if helps:
             around = _cells_between(view, row, here, task) + _cells_between(view, row, task, there)
             straight = _cells_between(view, row, here, there)
-            out[19] = max(-1.0, min(around - straight, FAR) / FAR)
+            out[19] = max(-1.0, min(around - straight, FARTHEST) / FARTHEST)
             out[20] = min(around - straight, NEAR) / NEAR
             out[21] = alone
             out[22] = all_helps
-            out[23] = min(straight, FAR) / FAR
+            out[23] = min(straight, FARTHEST) / FARTHEST
             return
 
 

@@ -18,7 +18,7 @@ from teamformer.sim.view import View
 
 TEAM_FEATURES, TASK_FEATURES = 20, 19
 REACH = 10.0  # cells; offsets are in these units
-FAR = 2.0  # of them; clipped here
+FARTHEST = 2.0  # of them; clipped here
 NEVER_FITS = 1e6  # the counts of a profile that is only padding
 
 
@@ -134,14 +134,14 @@ def _write_place(view, row, place, box, out):  # type: ignore[no-untyped-def]
     if (away_x * away_x + away_y * away_y) * view.unit[row] ** 2 <= view.arrival_radius[row] ** 2:
         away = 0.0
     half = max(box[2], 1e-9)
-    out[0] = min(max(away_x / REACH, -FAR), FAR)
-    out[1] = min(max(away_y / REACH, -FAR), FAR)
-    out[2] = min(away / REACH, FAR)
+    out[0] = min(max(away_x / REACH, -FARTHEST), FARTHEST)
+    out[1] = min(max(away_y / REACH, -FARTHEST), FARTHEST)
+    out[2] = min(away / REACH, FARTHEST)
     out[3] = away == 0.0
     out[4] = 0.0 < away < 1.5
     out[5] = 1.5 <= away < 2.5
-    out[6] = min(max((place[0] - box[0]) / half, -FAR), FAR)
-    out[7] = min(max((place[1] - box[1]) / half, -FAR), FAR)
+    out[6] = min(max((place[0] - box[0]) / half, -FARTHEST), FARTHEST)
+    out[7] = min(max((place[1] - box[1]) / half, -FARTHEST), FARTHEST)
 
 
 @kernel

@@ -10,6 +10,7 @@ from teamformer.jit import entry, kernel
 from teamformer.model import Scenario
 from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.policies.scripted.pairing import is_partner, pair_by_slot
+from teamformer.rules.coverage import fills_gap
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
@@ -121,9 +122,7 @@ def _missing_here(view, row):  # type: ignore[no-untyped-def]
     for other in range(view.seen_slot.shape[1]):
         if not is_partner(view, row, other, True, False):
             continue
-        for cap in range(view.counts.shape[1]):
-            # the own assignment is the first task of the view
-            is_missing = view.task_needs[row, 0, cap] > view.counts[row, cap]
-            if is_missing and view.seen_counts[row, other, cap] > 0:
-                return other
+        at_hand = view.task_needs[row, 0]  # the own assignment is the first task of the view
+        if fills_gap(view.counts[row], at_hand, view.seen_counts[row, other]):
+            return other
     return NOBODY

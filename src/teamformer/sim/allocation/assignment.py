@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.rules.coverage import covers, helps
 from teamformer.sim.arrays import CREWS, NEAREST_ALONE, NOBODY
 from teamformer.sim.motion import travel, travel_between
 from teamformer.sim.spatial_index import find_near
@@ -85,19 +86,13 @@ def contributes(world, team, task):  # type: ignore[no-untyped-def]
     """Say whether a team has something that a task needs, and a way to it."""
     if world.robots[team].region != world.tasks[task].region:
         return False
-    for cap in range(world.has.shape[1]):
-        if world.has[team, cap] > 0 and world.needs[task, cap] > 0:
-            return True
-    return False
+    return helps(world.has[team], world.needs[task])
 
 
 @kernel
 def can_do_alone(world, team, task):  # type: ignore[no-untyped-def]
     """Say whether a team has everything that a task needs."""
-    for cap in range(world.has.shape[1]):
-        if world.has[team, cap] < world.needs[task, cap]:
-            return False
-    return True
+    return covers(world.has[team], world.needs[task])
 
 
 @kernel

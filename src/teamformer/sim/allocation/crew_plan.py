@@ -11,9 +11,10 @@ import numpy as np
 from teamformer.jit import entry, kernel
 from teamformer.planning.crews.plan import plan_crews
 from teamformer.planning.crews.routes import Shared, bits_of
+from teamformer.rules.constants import MICROMETRES
 from teamformer.sim.allocation.known_positions import bring_up_to_date, is_needed, note_doers
 from teamformer.sim.arrays import CREWS, NEAREST, NOBODY
-from teamformer.sim.motion import MICROMETRE, travel
+from teamformer.sim.motion import travel
 
 ROUNDS = 1500
 """How many changes are tried for each open task in a plan."""
@@ -146,7 +147,7 @@ def _gather_shared(world, robots, tasks):  # type: ignore[no-untyped-def]
     for index in range(len(robots)):
         robot = world.robots[robots[index]]
         counts[index] = world.brings[robots[index]]
-        slowness[index] = 1 / (robot.pace * (MICROMETRE if world.rules.is_plane else 1.0))
+        slowness[index] = 1 / (robot.pace * (MICROMETRES if world.rules.is_plane else 1.0))
         robot_region[index], ready[index] = robot.region, robot.left_at
         other = same = 0
         while world.robots[robots[other]].company != robot.company:

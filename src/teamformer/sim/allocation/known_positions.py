@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.rules.coverage import helps
 from teamformer.sim.arrays import NEVER, NOBODY
 from teamformer.sim.motion import advance, straight_on, travel
 
@@ -18,10 +19,7 @@ def is_needed(world, robot, task):  # type: ignore[no-untyped-def]
     """Say whether a task needs something that a robot brings, and it can get there."""
     if world.robots[robot].region != world.tasks[task].region:
         return False
-    for cap in range(world.needs.shape[1]):
-        if world.needs[task, cap] > 0 and world.brings[robot, cap] > 0:
-            return True
-    return False
+    return helps(world.brings[robot], world.needs[task])
 
 
 @kernel

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.tour import FAR, plan_tour
+from teamformer.planning.tour import UNLINKED, plan_tour
 from teamformer.sim.allocation.crew_plan import update_plan
 from teamformer.sim.arrays import CREWS, NEAREST, NOBODY, RUNNING, Worlds, world_at
 from teamformer.sim.motion import travel, travel_between
@@ -93,7 +93,7 @@ def _insert_after_nearest(world):  # type: ignore[no-untyped-def]
     count = world.count.open
     for arrived in range(count - world.count.arrived, count):
         task = world.order[arrived]
-        nearest, nearest_away = NOBODY, FAR
+        nearest, nearest_away = NOBODY, UNLINKED
         for position in range(arrived):
             away = travel_between(world, task, world.order[position])
             if away < nearest_away:

@@ -17,7 +17,7 @@ OPEN_TASKS = 16
 """How many of the open tasks the critic sees, first ones first."""
 
 TEAM_FEATURES, TASK_FEATURES, WORLD_FEATURES = 10, 9, 10
-FAR = 20.0  # cells
+FARTHEST = 20.0  # cells
 
 
 class GlobalState(NamedTuple):
@@ -63,7 +63,7 @@ def _fill(worlds, teams, is_team, tasks, is_task, about):  # type: ignore[no-unt
 @kernel
 def _away(world, team, task):  # type: ignore[no-untyped-def]
     away = abs(world.teams[team].x - world.tasks[task].x)
-    return min(away + abs(world.teams[team].y - world.tasks[task].y), FAR) / FAR
+    return min(away + abs(world.teams[team].y - world.tasks[task].y), FARTHEST) / FARTHEST
 
 
 @kernel
@@ -133,7 +133,7 @@ def _write_task(world, out, position):  # type: ignore[no-untyped-def]
 @kernel
 def _between(world, task, other):  # type: ignore[no-untyped-def]
     away = abs(world.tasks[task].x - world.tasks[other].x)
-    return min(away + abs(world.tasks[task].y - world.tasks[other].y), FAR) / FAR
+    return min(away + abs(world.tasks[task].y - world.tasks[other].y), FARTHEST) / FARTHEST
 
 
 @kernel

@@ -1,0 +1,1 @@
+"""Rules that simulator, planning and policies share; the referee has its own."""

@@ -1,0 +1,32 @@
+"""Who has what: counts of capabilities, (caps,) each, as kernels compare them."""
+
+from __future__ import annotations
+
+from teamformer.jit import kernel
+
+
+@kernel
+def covers(have, need):  # type: ignore[no-untyped-def]
+    """Say whether counts are enough."""
+    for cap in range(len(need)):
+        if have[cap] < need[cap]:
+            return False
+    return True
+
+
+@kernel
+def helps(have, need):  # type: ignore[no-untyped-def]
+    """Say whether counts hold anything that is needed."""
+    for cap in range(len(need)):
+        if have[cap] > 0 and need[cap] > 0:
+            return True
+    return False
+
+
+@kernel
+def fills_gap(have, need, brought):  # type: ignore[no-untyped-def]
+    """Say whether others bring something of which those who have some need more."""
+    for cap in range(len(need)):
+        if brought[cap] > 0 and need[cap] > have[cap]:
+            return True
+    return False

@@ -1,0 +1,23 @@
+"""Who stays in a split: robots in order, while they fit into the counts wanted."""
+
+from __future__ import annotations
+
+from teamformer.jit import kernel
+
+
+@kernel
+def fits(counts, room):  # type: ignore[no-untyped-def]
+    """Say whether a robot with these counts (caps,) stays where there is room for so many."""
+    for cap in range(len(room)):
+        if counts[cap] > room[cap]:
+            return False
+    return True
+
+
+@kernel
+def anybody_fits(member_counts, first, end, room):  # type: ignore[no-untyped-def]
+    """Say whether any of the members (members, caps) from `first` to `end` stays."""
+    for member in range(first, end):
+        if fits(member_counts[member], room):
+            return True
+    return False

@@ -16,7 +16,10 @@ ROOT = Path(teamformer.__file__).parent
 
 CORE = {"errors", "model", "capabilities", "plane", "regions", "jit", "kernel_cache"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim"}
-BELOW_COMMANDS = {*BELOW_POLICIES, "policies", "trials", "referee", "viewer", "bench"}
+BELOW_COMMANDS = {
+    *BELOW_POLICIES,
+    *("policies", "trials", "referee", "viewer", "export", "live", "bench"),
+}
 SEES = {
     "core": CORE,
     "rules": CORE,
@@ -27,6 +30,7 @@ SEES = {
     "trials": {*BELOW_POLICIES, "policies"},
     "referee": {*CORE, "scenarios", "sim.replay"},
     "viewer": {"errors"},
+    "export": {*CORE, "sim.replay"},
     "nets": set(),
     "train": {*BELOW_POLICIES, "policies", "trials", "nets"},
     "bench": {*BELOW_POLICIES, "policies", "trials", "referee"},
@@ -58,6 +62,7 @@ HOMES = {
     "rps": ("robotarium/robots/rps_robots.py",),
     "scipy": ("robotarium/control/assignment.py",),
     "onnx": ("train/export/",),
+    "foxglove": ("export/mcap_file.py",),
     "PIL": ("robotarium/draw.py",),
 }
 NOWHERE = ("pandas", "networkx")

@@ -133,6 +133,24 @@ def view(
 
 
 @app.command()
+def export(
+    replay: ReplayPath,
+    mcap: Annotated[Path | None, typer.Option(help="an MCAP file, for Foxglove")] = None,
+    tables: Annotated[
+        Path | None, typer.Option("--csv", help="a folder for tables: robots, tasks, events, Gantt")
+    ] = None,
+    scenario: Annotated[
+        Path | None, typer.Option(help="the scenario, with all that happened to it")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write a recorded trial for other tools."""
+    from teamformer.commands.export import export as command
+
+    raise typer.Exit(command(replay, mcap, tables, scenario, as_json))
+
+
+@app.command()
 def policies(as_json: AsJson = False) -> None:
     """List what can be named with --policy."""
     from teamformer.commands.policies import policies as command

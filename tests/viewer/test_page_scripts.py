@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 import random
 from collections.abc import Iterator
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_states
+
+from teamformer.export.moments import moments
+from teamformer.sim.replay import read_replay
 
 PURE = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
@@ -160,3 +165,24 @@ def test_every_step_of_a_robot_has_its_phase(scripts: Any) -> None:
 
 
 PHASES = ["walks", "waits", "forms", "serves", "idle", "lost"]
+
+
+@pytest.mark.parametrize(
+    "scenario",
+    [small_scenario(), random_scenario(30, 10, 6, 14, 4)],
+    ids=["walls, lost, late", "30 robots"],
+)
+def test_phases_are_those_of_the_exported_tables(
+    scripts: Any, scenario: Tree, tmp_path: Path
+) -> None:
+    tree = toy_replay(scenario)
+    path = tmp_path / "replay.json"
+    text = json.dumps(tree).replace('["lift", "lift"]', '{"lift": 2}')  # as files say it
+    path.write_text(text, encoding="utf-8")
+    ask = """(tree) => { const history = frames(tree);
+      return tree.steps.map((_, before) => [...phasesIn(history, before + 1)]); }"""
+    shown = [[PHASE_NAMES[phase] for phase in row] for row in scripts.evaluate(ask, tree)]
+    assert shown == [list(moment.phase) for moment in moments(read_replay(path))][1:]
+
+
+PHASE_NAMES = ["walking", "waiting", "forming", "serving", "idle", "lost"]

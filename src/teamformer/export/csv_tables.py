@@ -1,0 +1,96 @@
+"""A record as tables for spreadsheets: robots, tasks, events and the bars of a Gantt chart."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from teamformer.capabilities import describe
+from teamformer.export.events import events
+from teamformer.export.moments import NOBODY, PHASES, Moment, moments, seconds_a_step
+from teamformer.sim.replay import Replay
+
+Row = Sequence[object]
+
+
+def write_tables(replay: Replay, folder: Path) -> tuple[Path, ...]:
+    """Write `robots.csv`, `tasks.csv`, `events.csv` and `gantt.csv` into a folder."""
+    seen = list(moments(replay))
+    tables = {
+        "robots": _robots(replay, seen),
+        "tasks": _tasks(replay),
+        "events": _events(replay),
+        "gantt": _bars(replay, seen),
+    }
+    return tuple(_write(folder / f"{name}.csv", rows) for name, rows in tables.items())
+
+
+def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
+    """Yield each robot with the steps it spent in each phase."""
+    yield ("robot", "capabilities", "speed", "x", "y", "lost_in_step", *PHASES)
+    lost = {robot: n for n, step in enumerate(replay.steps, start=1) for robot in step.lost}
+    for number, robot in enumerate(replay.scenario.robots):
+        steps = Counter(moment.phase[number] for moment in seen[1:])
+        spent = [steps[phase] for phase in PHASES]
+        can = describe(robot.can)
+        yield (robot.name, can, robot.speed, *robot.at, lost.get(number, ""), *spent)
+
+
+def _tasks(replay: Replay) -> Iterable[Row]:
+    yield ("task", "needs", "x", "y", "duration", "appears", "done_in_step", "done_by")
+    done = {event.task: event for event in events(replay) if event.kind == "done"}
+    for number, task in enumerate(replay.scenario.tasks):
+        event = done.get(number)
+        who = "" if event is None else ", ".join(_name(replay, robot) for robot in event.robots)
+        when = "" if event is None else event.step
+        needs = describe(task.needs)
+        yield (task.name, needs, *task.at, task.duration, task.appears, when, who)
+
+
+def _events(replay: Replay) -> Iterable[Row]:
+    yield ("step", "seconds", "kind", "robots", "task", "text")
+    length = seconds_a_step(replay.scenario)
+    for event in events(replay):
+        names = ", ".join(_name(replay, robot) for robot in event.robots)
+        task = "" if event.task is None else replay.scenario.tasks[event.task].name
+        seconds = round(event.step * length, 6)
+        yield (event.step, seconds, event.kind, names, task, event.text(replay.scenario))
+
+
+def _bars(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
+    """Yield each robot's runs of one phase and task, between the ends of two steps."""
+    yield ("robot", "phase", "task", "from_step", "to_step")
+    for robot in range(len(replay.scenario.robots)):
+        begun, doing = 0, None
+        for moment in seen[1:]:
+            task = moment.task[robot]
+            before = seen[moment.step - 1].task[robot]  # of a step that ends a task
+            pursued = before if task == NOBODY else task
+            now = (moment.phase[robot], _task_name(replay, pursued))
+            if doing is not None and now != doing:
+                yield (_name(replay, robot), *doing, begun, moment.step - 1)
+                begun = moment.step - 1
+            doing = now
+        if doing is not None:
+            yield (_name(replay, robot), *doing, begun, seen[-1].step)
+
+
+def _name(replay: Replay, robot: int) -> str:
+    return replay.scenario.robots[robot].name
+
+
+def _task_name(replay: Replay, task: int) -> str:
+    return "" if task == NOBODY else replay.scenario.tasks[task].name
+
+
+def _write(path: Path, rows: Iterable[Row]) -> Path:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([_harmless(value) for value in row] for row in rows)
+    return path
+
+
+def _harmless(value: object) -> object:
+    """Keep spreadsheets from taking a name for a formula: an apostrophe before what begins one."""
+    return f"'{value}" if isinstance(value, str) and value[:1] in ("=", "+", "-", "@") else value

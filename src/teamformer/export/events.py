@@ -1,0 +1,63 @@
+"""What happened in a record, in order: the events of its tables and logs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from teamformer.model import Scenario
+from teamformer.sim.replay import Replay
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened in a step: who did it, and to which task if to one."""
+
+    step: int
+    kind: str  # appears, splits, joins, lost, done, or how the trial ended
+    robots: tuple[int, ...] = ()
+    task: int | None = None
+
+    def text(self, scenario: Scenario) -> str:
+        """Return the event as a sentence."""
+        names = _names(scenario, self.robots)
+        task = "" if self.task is None else scenario.tasks[self.task].name
+        if self.kind == "appears":
+            return f"{task} appears"
+        if self.kind == "done":
+            return f"{task} done by {names}"
+        if self.kind == "lost":
+            return f"{names} lost"
+        if self.kind in ("splits", "joins"):
+            return f"{names} {'part' if self.kind == 'splits' else 'are one team'}"
+        return self.kind
+
+
+def events(replay: Replay) -> Iterator[Event]:
+    """Yield the events of a record."""
+    members = {slot: tuple(robots) for slot, robots, _, _ in replay.start}
+    for number, step in enumerate(replay.steps, start=1):
+        for stay, leave in step.splits:
+            members.pop(min(*stay, *leave))
+            members[min(stay)], members[min(leave)] = tuple(stay), tuple(leave)
+            yield Event(number, "splits", tuple(sorted((*stay, *leave))))
+        for pair in step.joins:
+            robots = tuple(sorted((*members.pop(pair[0]), *members.pop(pair[1]))))
+            members[min(pair)] = robots
+            yield Event(number, "joins", robots)
+        for robot in step.lost:
+            slot = next(slot for slot, robots in members.items() if robot in robots)
+            rest = tuple(mate for mate in members.pop(slot) if mate != robot)
+            if rest:
+                members[min(rest)] = rest
+            yield Event(number, "lost", (robot,))
+        for task, slot in step.done:
+            yield Event(number, "done", members[slot], task)
+        for late, wanted in enumerate(replay.scenario.tasks):
+            if wanted.appears == number:
+                yield Event(number, "appears", task=late)
+    yield Event(len(replay.steps), replay.end.status)
+
+
+def _names(scenario: Scenario, robots: Sequence[int]) -> str:
+    return ", ".join(scenario.robots[robot].name for robot in robots)

@@ -1,0 +1,233 @@
+"""A record as an MCAP file that Foxglove opens: frames, a scene, the map and a log.
+
+A cell of a grid is a metre and a step a second; planes keep their own metres and seconds.
+"""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import foxglove
+from foxglove.channels import (
+    FrameTransformsChannel,
+    GridChannel,
+    LogChannel,
+    SceneUpdateChannel,
+)
+from foxglove.messages import (
+    Color,
+    CubePrimitive,
+    CylinderPrimitive,
+    FrameTransform,
+    FrameTransforms,
+    Grid,
+    LinePrimitive,
+    LinePrimitiveLineType,
+    Log,
+    LogLevel,
+    PackedElementField,
+    PackedElementFieldNumericType,
+    Point3,
+    Pose,
+    Quaternion,
+    SceneEntity,
+    SceneUpdate,
+    TextPrimitive,
+    Timestamp,
+    Vector2,
+    Vector3,
+)
+
+from teamformer.export.events import events
+from teamformer.export.moments import NOBODY, Moment, moments, seconds_a_step
+from teamformer.model import Grid as GridWorld
+from teamformer.model import Place, Scenario
+from teamformer.sim.replay import Replay
+
+FRAME = "map"
+UPRIGHT = Quaternion(x=0.0, y=0.0, z=0.0, w=1.0)
+NANOSECONDS = 1_000_000_000
+GOLDEN_ANGLE = 0.381966  # of a turn
+BLOCKED = 255
+
+
+def write_mcap(replay: Replay, path: Path) -> int:
+    """Write a record as MCAP, over what is there; return how many messages it has."""
+    context = foxglove.Context()
+    channels = _Channels(context)
+    length = seconds_a_step(replay.scenario)
+    log = {step: [e for e in events(replay) if e.step == step] for step in _event_steps(replay)}
+    done = {event.task: event.step for event in events(replay) if event.kind == "done"}
+    with foxglove.open_mcap(path, allow_overwrite=True, context=context):
+        channels.map(replay.scenario)
+        for moment in moments(replay):
+            time = round(moment.step * length * NANOSECONDS)
+            channels.frames(replay.scenario, moment, time)
+            channels.scene(replay.scenario, moment, done, time)
+            for event in log.get(moment.step, ()):
+                channels.log(event.text(replay.scenario), event.kind == "lost", time)
+    return channels.count
+
+
+def _event_steps(replay: Replay) -> set[int]:
+    return {event.step for event in events(replay)}
+
+
+class _Channels:
+    """The four topics of the file, and how many messages they got."""
+
+    def __init__(self, context: foxglove.Context) -> None:
+        self.count = 0
+        self._frames = FrameTransformsChannel("/tf", context=context)
+        self._scene = SceneUpdateChannel("/mission", context=context)
+        self._map = GridChannel("/map", context=context)
+        self._log = LogChannel("/log", context=context)
+
+    def map(self, scenario: Scenario) -> None:
+        """Log the map once, at the start: 255 is blocked, 0 free."""
+        world = scenario.world
+        if not isinstance(world, GridWorld) or not world.rows:
+            return
+        cells = bytes(
+            0 if world.is_free((x, y)) else BLOCKED
+            for y in range(world.height)
+            for x in range(world.width)
+        )
+        kind = PackedElementFieldNumericType.Uint8
+        grid = Grid(
+            timestamp=_timestamp(0),
+            frame_id=FRAME,
+            pose=_pose((-0.5, -0.5)),  # places are the middles of cells
+            column_count=world.width,
+            cell_size=Vector2(x=1.0, y=1.0),
+            row_stride=world.width,
+            cell_stride=1,
+            fields=[PackedElementField(name="blocked", offset=0, type=kind)],
+            data=cells,
+        )
+        self._map.log(grid, log_time=0)
+        self.count += 1
+
+    def frames(self, scenario: Scenario, moment: Moment, time: int) -> None:
+        """Log where each robot is that is not lost."""
+        transforms = [
+            FrameTransform(
+                timestamp=_timestamp(time),
+                parent_frame_id=FRAME,
+                child_frame_id=f"robot/{scenario.robots[robot].name}",
+                translation=Vector3(x=float(x), y=float(y), z=0.0),
+                rotation=UPRIGHT,
+            )
+            for robot, (x, y) in enumerate(moment.place)
+            if moment.team[robot] != NOBODY
+        ]
+        self._frames.log(FrameTransforms(transforms=transforms), log_time=time)
+        self.count += 1
+
+    def scene(
+        self, scenario: Scenario, moment: Moment, done: dict[int | None, int], time: int
+    ) -> None:
+        """Log tasks and robots as things to see."""
+        entities = [*_tasks(scenario, moment, done, time), *_robots(scenario, moment, time)]
+        self._scene.log(SceneUpdate(entities=entities), log_time=time)
+        self.count += 1
+
+    def log(self, text: str, is_bad: bool, time: int) -> None:
+        """Log what happened."""
+        level = LogLevel.Warning if is_bad else LogLevel.Info
+        entry = Log(timestamp=_timestamp(time), level=level, message=text, name="teamformer")
+        self._log.log(entry, log_time=time)
+        self.count += 1
+
+
+def _tasks(
+    scenario: Scenario, moment: Moment, done: dict[int | None, int], time: int
+) -> Iterator[SceneEntity]:
+    size = _unit(scenario)
+    for number, task in enumerate(scenario.tasks):
+        if task.appears > moment.step:
+            continue
+        is_done = done.get(number, moment.step + 1) <= moment.step
+        box = CubePrimitive(
+            pose=_pose(task.at),
+            size=Vector3(x=0.8 * size, y=0.8 * size, z=0.05 * size),
+            color=_colour(number, 0.25 if is_done else 0.9),
+        )
+        yield _entity(
+            f"task/{task.name}", time, cubes=[box], texts=[_text(task.name, task.at, size)]
+        )
+
+
+def _robots(scenario: Scenario, moment: Moment, time: int) -> Iterator[SceneEntity]:
+    """Yield each robot in its team's colour, with a line to the task that it heads for."""
+    size = _unit(scenario)
+    for robot, place in enumerate(moment.place):
+        slot, task = moment.team[robot], moment.task[robot]
+        colour = Color(r=0.5, g=0.5, b=0.5, a=0.6) if slot == NOBODY else _colour(slot, 1.0)
+        disc = CylinderPrimitive(
+            pose=_pose(place, 0.15 * size),
+            size=Vector3(x=0.5 * size, y=0.5 * size, z=0.3 * size),
+            bottom_scale=1.0,
+            top_scale=1.0,
+            color=colour,
+        )
+        name = scenario.robots[robot].name
+        lines = [] if task == NOBODY else [_line(place, scenario.tasks[task].at, size, colour)]
+        texts = [_text(name if slot != NOBODY else f"{name}, lost", place, size)]
+        yield _entity(f"robot/{name}", time, cylinders=[disc], lines=lines, texts=texts)
+
+
+def _entity(
+    name: str,
+    time: int,
+    cubes: Sequence[CubePrimitive] = (),
+    cylinders: Sequence[CylinderPrimitive] = (),
+    lines: Sequence[LinePrimitive] = (),
+    texts: Sequence[TextPrimitive] = (),
+) -> SceneEntity:
+    return SceneEntity(
+        timestamp=_timestamp(time),
+        frame_id=FRAME,
+        id=name,
+        cubes=list(cubes),
+        cylinders=list(cylinders),
+        lines=list(lines),
+        texts=list(texts),
+    )
+
+
+def _line(one: Place, other: Place, size: float, colour: Color) -> LinePrimitive:
+    return LinePrimitive(
+        type=LinePrimitiveLineType.LineStrip,
+        pose=_pose((0.0, 0.0)),
+        thickness=0.04 * size,
+        points=[Point3(x=float(x), y=float(y), z=0.1 * size) for x, y in (one, other)],
+        color=colour,
+    )
+
+
+def _text(text: str, place: Place, size: float) -> TextPrimitive:
+    dark = Color(r=0.1, g=0.1, b=0.1, a=1.0)
+    pose = _pose(place, 0.5 * size)
+    return TextPrimitive(pose=pose, billboard=True, font_size=0.3 * size, color=dark, text=text)
+
+
+def _unit(scenario: Scenario) -> float:
+    """Return the length that a robot is drawn in: a cell, or a plane's unit."""
+    return 1.0 if isinstance(scenario.world, GridWorld) else scenario.world.unit
+
+
+def _pose(place: Place, up: float = 0.0) -> Pose:
+    position = Vector3(x=float(place[0]), y=float(place[1]), z=up)
+    return Pose(position=position, orientation=UPRIGHT)
+
+
+def _colour(number: int, alpha: float) -> Color:
+    r, g, b = colorsys.hls_to_rgb(number * GOLDEN_ANGLE % 1.0, 0.5, 0.7)
+    return Color(r=r, g=g, b=b, a=alpha)
+
+
+def _timestamp(nanoseconds: int) -> Timestamp:
+    return Timestamp(*divmod(nanoseconds, NANOSECONDS))

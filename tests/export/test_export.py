@@ -1,0 +1,146 @@
+"""Records written for other tools, read back by those tools' own libraries."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from teamformer.commands.export import export
+from teamformer.errors import TeamformerError
+from teamformer.export.csv_tables import write_tables
+from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.sim.replay import Ending, Replay, Step, TeamAt, write_replay
+
+
+def two_lifters() -> Replay:
+    """Two walk a cell to a beam and wait, join, lift for two steps; then one is lost.
+
+    a..B..b   steps: walk, walk, join, serve, serve, lost
+    """
+    scenario = Scenario(
+        name="beam",
+        world=Grid(5, 2, rows=(".....", "@@@@@")),
+        capabilities=("lift",),
+        robots=(Robot("a", (0, 0), {"lift": 1}), Robot("=b", (3, 0), {"lift": 1}, lost=6)),
+        tasks=(
+            Task("beam", (2, 0), {"lift": 2}, duration=2),
+            Task("box", (4, 0), {"lift": 1}, appears=6),
+        ),
+    )
+    steps = (
+        Step(teams=(TeamAt(0, 1, 0, 0), TeamAt(1, 2, 0, 0))),
+        Step(teams=(TeamAt(0, 2, 0, 0),)),
+        Step(joins=((1, 0),)),
+        Step(),
+        Step(done=((0, 0),), teams=(TeamAt(0, 2, 0, None),)),
+        Step(lost=(1,)),
+    )
+    end = Ending("interrupted", None, 6, 1, 1, 0, 0)
+    start = ((0, (0,), 0, 0), (1, (1,), 3, 0))
+    return Replay(scenario, "by hand", 0, ((0, (0,)),), start, steps, end)
+
+
+def test_every_step_of_every_robot_has_its_phase() -> None:
+    phases = list(zip(*(moment.phase for moment in moments(two_lifters())), strict=True))
+    assert phases == [
+        (IDLE, WALKING, WALKING, FORMING, SERVING, SERVING, IDLE),
+        (IDLE, WALKING, WAITING, FORMING, SERVING, SERVING, LOST),
+    ]
+
+
+def test_places_and_teams_are_those_of_the_record() -> None:
+    seen = list(moments(two_lifters()))
+    assert [moment.place[0] for moment in seen] == [(0, 0), (1, 0), *[(2, 0)] * 5]
+    assert [moment.team for moment in seen[2:]] == [(0, 1), (0, 0), (0, 0), (0, 0), (0, -1)]
+    assert [moment.task[0] for moment in seen] == [-1, 0, 0, 0, 0, -1, -1]
+
+
+def rows_of(path: Path) -> list[list[str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.reader(file))
+
+
+def test_tables_hold_what_was_recorded(tmp_path: Path) -> None:
+    write_tables(two_lifters(), tmp_path)
+    assert rows_of(tmp_path / "robots.csv")[1:] == [
+        ["a", "lift", "1.0", "0", "0", "", "2", "0", "1", "2", "1", "0"],
+        ["'=b", "lift", "1.0", "3", "0", "6", "1", "1", "1", "2", "0", "1"],
+    ]
+    assert rows_of(tmp_path / "tasks.csv")[1:] == [
+        ["beam", "2 x lift", "2", "0", "2", "0", "5", "a, =b"],
+        ["box", "lift", "4", "0", "0", "6", "", ""],
+    ]
+    assert [(row[0], row[2], row[5]) for row in rows_of(tmp_path / "events.csv")[1:]] == [
+        ("3", "joins", "a, =b are one team"),
+        ("5", "done", "beam done by a, =b"),
+        ("6", "lost", "'=b lost"),
+        ("6", "appears", "box appears"),
+        ("6", "interrupted", "interrupted"),
+    ]
+    bars = [row for row in rows_of(tmp_path / "gantt.csv")[1:] if row[0] == "a"]
+    assert [(row[1], row[3], row[4]) for row in bars] == [
+        ("walking", "0", "2"), ("forming", "2", "3"), ("serving", "3", "5"), ("idle", "5", "6"),
+    ]  # fmt: skip
+
+
+def mcap_messages(path: Path) -> list[tuple[str, int, Any, str]]:
+    """Return (topic, log time, data, schema) of every message, by the mcap library alone."""
+    reader = pytest.importorskip("mcap.reader")
+    with path.open("rb") as file:
+        return [
+            (channel.topic, message.log_time, message.data, schema.name)
+            for schema, channel, message in reader.make_reader(file).iter_messages()
+        ]
+
+
+def test_the_mcap_file_holds_frames_scene_map_and_log(tmp_path: Path) -> None:
+    pytest.importorskip("foxglove")
+    from teamformer.export.mcap_file import write_mcap
+
+    path = tmp_path / "beam.mcap"
+    count = write_mcap(two_lifters(), path)
+    found = mcap_messages(path)
+    assert len(found) == count == 1 + 7 + 7 + 5
+    assert {(topic, schema) for topic, _, _, schema in found} == {
+        ("/tf", "foxglove.FrameTransforms"),
+        ("/mission", "foxglove.SceneUpdate"),
+        ("/map", "foxglove.Grid"),
+        ("/log", "foxglove.Log"),
+    }
+    times = [time for topic, time, _, _ in found if topic == "/tf"]
+    assert times == [step * 1_000_000_000 for step in range(7)]
+    last = next(data for topic, time, data, _ in found if topic == "/tf" and time == times[-1])
+    assert b"robot/a" in last
+    assert b"robot/=b" not in last  # lost
+    assert any(b"=b lost" in data for topic, _, data, _ in found if topic == "/log")
+
+
+def test_the_record_becomes_a_scenario_again(tmp_path: Path) -> None:
+    from teamformer.scenarios.files import read_scenario
+
+    record = tmp_path / "replay.json"
+    write_replay(two_lifters(), record)
+    assert export(record, None, None, tmp_path / "again.yaml", as_json=False) == 0
+    assert read_scenario(tmp_path / "again.yaml") == two_lifters().scenario
+
+
+def test_export_says_what_it_wrote(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = tmp_path / "replay.json"
+    write_replay(replace(two_lifters(), seed=3), record)
+    assert export(record, None, tmp_path / "tables", None, as_json=True) == 0
+    files = json.loads(capsys.readouterr().out)["files"]
+    assert [Path(file).name for file in files] == [
+        "robots.csv", "tasks.csv", "events.csv", "gantt.csv",
+    ]  # fmt: skip
+    assert all(Path(file).is_file() for file in files)
+
+
+def test_export_of_nothing_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(TeamformerError, match="nothing to write is named"):
+        export(tmp_path / "replay.json", None, None, None, as_json=False)

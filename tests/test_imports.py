@@ -31,6 +31,7 @@ SEES = {
     "referee": {*CORE, "scenarios", "sim.replay"},
     "viewer": {"errors"},
     "export": {*CORE, "sim.replay"},
+    "live": {*BELOW_POLICIES, "policies", "trials"},
     "nets": set(),
     "train": {*BELOW_POLICIES, "policies", "trials", "nets"},
     "bench": {*BELOW_POLICIES, "policies", "trials", "referee"},
@@ -62,6 +63,8 @@ HOMES = {
     "rps": ("robotarium/robots/rps_robots.py",),
     "scipy": ("robotarium/control/assignment.py",),
     "onnx": ("train/export/",),
+    "starlette": ("live/server.py",),
+    "uvicorn": ("live/server.py",),
     "foxglove": ("export/mcap_file.py",),
     "PIL": ("robotarium/draw.py",),
 }

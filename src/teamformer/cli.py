@@ -133,6 +133,31 @@ def view(
 
 
 @app.command()
+def live(
+    scenario: ScenarioPath,
+    policy: Annotated[str, typer.Option(help="who decides; see `policies`")] = "teamformer",
+    seed: Seed = 0,
+    port: Annotated[int, typer.Option(min=1, max=65535)] = 8765,
+    host: Annotated[
+        str, typer.Option(help="address to serve on; other than loopback, a token is needed")
+    ] = "127.0.0.1",
+    speed: Annotated[float, typer.Option(min=0.1, max=1000, help="steps a second")] = 4.0,
+    time_limit: TimeLimit = 10.0,
+    out: Annotated[Path, typer.Option(help="folder that the record is saved in")] = Path(
+        "out/live"
+    ),
+) -> None:
+    """Run a mission in the browser: watch it, add tasks, lose robots.
+
+    Needs pip install 'teamformer[live]'.
+    """
+    from teamformer.commands.live import Options
+    from teamformer.commands.live import live as command
+
+    raise typer.Exit(command(scenario, Options(policy, seed, port, host, speed, time_limit, out)))
+
+
+@app.command()
 def export(
     replay: ReplayPath,
     mcap: Annotated[Path | None, typer.Option(help="an MCAP file, for Foxglove")] = None,

@@ -7,7 +7,7 @@ import hashlib
 import html
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -19,9 +19,12 @@ SCRIPTS = (
     *("draw/teams", "draw/groups", "draw/extras", "draw/names", "draw/map"),
     *("panel/dom", "panel/chips", "panel/waiting", "panel/inspector", "panel/rows", "panel/lists"),
     *("panel/header", "panel/playback", "panel/timeline", "panel/gantt", "panel/files"),
-    *("panel/controls", "player", "companion", "app", "main"),
+    *("panel/controls", "player", "companion", "app", "look"),
 )
-"""The scripts of the page in the order in which they are put together."""
+"""The scripts of every page in the order in which they are put together."""
+
+LIVE_SCRIPTS = ("live/link", "live/player", "live/panel", "live/app", "live/main")
+"""What the page of a live mission has besides; they open it, as `main` opens that of a record."""
 
 
 def replay_page(tree: Mapping[str, object]) -> str:
@@ -29,11 +32,20 @@ def replay_page(tree: Mapping[str, object]) -> str:
 
     The page needs nothing else: it loads nothing, and its own policy forbids it to.
     """
+    return _page(_title(tree), (*SCRIPTS, "main"), tree, "")
+
+
+def live_page(name: str) -> str:
+    """Return the page of a live mission, which asks the server that it came from for the rest."""
+    return _page(f"{name}, live", (*SCRIPTS, *LIVE_SCRIPTS), None, "connect-src 'self'; ")
+
+
+def _page(title: str, scripts: Sequence[str], tree: object, allowed: str) -> str:
     style = _read("page.css")
-    script = "\n".join(_read(f"{name}.js") for name in SCRIPTS)
+    script = "\n".join(_read(f"{name}.js") for name in scripts)
     return Template(_read("page.html")).substitute(
-        title=html.escape(_title(tree)),
-        policy=_content_policy(style, script),
+        title=html.escape(title),
+        policy=allowed + _content_policy(style, script),
         style=style,
         script=script,
         replay=_json_for_html(tree),

@@ -4,8 +4,9 @@ const LINES_UP_TO = 30; // teams; with more, the lines to assignments are off at
 const ADDRESS_EVERY = 300; // milliseconds, while it plays
 
 class App {
-  constructor(record) {
-    this.player = new Player(0, (isNewStep) => this.show(isNewStep));
+  constructor(record, player = new Player(0)) {
+    this.player = player;
+    player.changed = (isNewStep) => this.show(isNewStep);
     this.options = { lines: true, trails: false, order: false, names: true, rings: "team" };
     this.view = "map";
     this.map = new TrialMap(this, byId("map"));
@@ -39,6 +40,13 @@ class App {
     addEventListener("hashchange", () => this.readAddress());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.show(true));
     this.showAll();
+  }
+
+  // What the button over the map says before anything has been played; nothing, no button.
+  startText() {
+    const { player, history } = this;
+    if (player.time > 0 || player.isPlaying || player.last === 0) return "";
+    return `Play the mission ${describeSpan(history.scenario.world, player.last)}`;
   }
 
   // Everything that depends on the record and not on the moment, too.
@@ -83,6 +91,11 @@ class App {
   toggle(option) {
     this.options[option] = !this.options[option];
     this.show(true);
+  }
+
+  // What was clicked on the map; where that is nothing, the place is for those who can add there.
+  pick(thing) {
+    this.select(thing);
   }
 
   // "map" or "gantt".

@@ -4,9 +4,9 @@ const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32, 64]; // steps a second
 const SECONDS_AT_START = 25; // about how long a replay takes at the speed it opens with
 
 class Player {
-  // `changed(isNewStep)` is called whenever another moment is to be shown.
-  constructor(last, changed) {
-    this.changed = changed;
+  // `changed(isNewStep)`, set from outside, is called whenever another moment is to be shown.
+  constructor(last) {
+    this.changed = () => {};
     this.isPlaying = false;
     this.isStill = matchMedia("(prefers-reduced-motion: reduce)");
     this.reset(last);

@@ -95,6 +95,7 @@ function drawSelection(view) {
   ctx.lineWidth = 2;
   if (selection.task !== undefined) outlineTask(view, selection.task);
   if (selection.cap !== undefined) outlineCapability(view, selection.cap);
+  if (selection.place) outlinePlace(view, selection.place);
   if (!selectedTeam) return;
   const { x, y, r } = teamSpot(view, selectedTeam);
   outlineDisc(ctx, x, y, r + 4);
@@ -105,6 +106,14 @@ function outlineTask(view, task) {
   const { x, y, half } = taskBox(view, task);
   tracedSquare(view.ctx, x, y, half + 5);
   view.ctx.stroke();
+}
+
+// A place where something may be added.
+function outlinePlace({ ctx, camera }, [x, y]) {
+  const half = Math.max(6, 0.44 * camera.cell);
+  ctx.setLineDash([4, 3]);
+  ctx.strokeRect(camera.x(x) - half, camera.y(y) - half, 2 * half, 2 * half);
+  ctx.setLineDash([]);
 }
 
 function outlineDisc(ctx, x, y, r) {

@@ -76,6 +76,7 @@ class TrialMap {
     drawSelection(view);
     drawNames(view);
     this.shown = view;
+    this.frames = (this.frames ?? 0) + 1;
   }
 
   // All that the drawing functions need to know of this moment.

@@ -12,7 +12,7 @@ function connectControls(app) {
   click("zoom-out", () => map.zoom(1 / 1.4));
   click("zoom-fit", () => map.fit());
   click("help", () => byId("help-text").showModal());
-  click("start", () => player.play());
+  click("start", () => player.toggle());
   for (const name of SWITCHES) click(name, () => app.toggle(name));
   for (const view of VIEWS) click(`view-${view}`, () => app.look(view));
   byId("rings").append(
@@ -112,7 +112,7 @@ function connectPointer(app, canvas) {
 function clickMap(app, { offsetX, offsetY }) {
   const thing = app.map.thingAt(offsetX, offsetY);
   if (thing.group) app.map.zoom(2.2, thing.group.x, thing.group.y);
-  else app.select(thing);
+  else app.pick(thing, app.map.shown.camera.placeAt(offsetX, offsetY));
 }
 
 function connectWheel(map) {

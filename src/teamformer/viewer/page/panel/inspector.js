@@ -47,6 +47,7 @@ function teamDetails(app, team, robot) {
   return [
     heading(app, teamMark(app, team), titleOfTeam(scenario, team)),
     lead(capitalised(describeDoing(scenario, team, app.player.step))),
+    ...(app.actionsFor?.(robot) ?? []),
     waitingFor(app, team.goal, team.missing, team),
     crewText(app, robot),
     sharesText(app, robot),

@@ -18,10 +18,10 @@ function showPlayback(app) {
 }
 
 // Before anything has been played: how to start.
-function showStart({ player, history }) {
-  const box = byId("start");
-  box.hidden = player.time > 0 || player.isPlaying || player.last === 0;
-  byId("start-length").textContent = describeSpan(history.scenario.world, player.last);
+function showStart(app) {
+  const text = app.startText();
+  byId("start").hidden = !text;
+  byId("start-text").textContent = text;
 }
 
 function showSwitches(app) {

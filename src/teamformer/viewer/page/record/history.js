@@ -24,9 +24,23 @@ function frames(recorded) {
     lostPlace: new Map(),
     headings: scenario.robots.map(() => NOBODY), // by slot, the task last headed for
   };
-  recordEverything(history);
   history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
+  const take = stepTaker(history);
+  replay.steps.forEach((change, index) => take(change, index + 1));
+  if (history.end.status !== "running") history.events.push({ step: history.last, kind: "end" });
+  history.grow = (change, end) => grow(history, take, change, end);
   return history;
+}
+
+// One step more of a mission that runs; `end` says how it ended, if it did.
+function grow(history, take, change, end) {
+  const step = stepInSquares(history.scenario.world, change);
+  history.replay.steps.push(step);
+  history.last++;
+  take(step, history.last);
+  if (!end) return;
+  history.end = history.replay.end = end;
+  history.events.push({ step: history.last, kind: "end" });
 }
 
 // A state holds, by robot, the slot of its team, and by slot the team's place and task.
@@ -135,15 +149,14 @@ function rememberLast(kept, make) {
   };
 }
 
-// The one forward pass: keyframes, events, services, completions and losses.
-function recordEverything(history) {
+// Returns what to call with each step in turn: keyframes, events, services, completions, losses.
+function stepTaker(history) {
   const { replay, scenario } = history;
   const keepServices = serviceKeeper(history);
   const arrivals = arrivalsByStep(scenario);
   const state = startState(replay, scenario);
   history.keyframes.push(copyState(state));
-  replay.steps.forEach((change, index) => {
-    const step = index + 1;
+  return (change, step) => {
     recordStep(history, state, change, step);
     keepServices(state, change, step);
     recordCompletions(history, state, change, step);
@@ -151,8 +164,7 @@ function recordEverything(history) {
       history.events.push({ step, kind: "appears", task });
     }
     if (step % KEYFRAME_EVERY === 0) history.keyframes.push(copyState(state));
-  });
-  history.events.push({ step: history.last, kind: "end" });
+  };
 }
 
 function arrivalsByStep(scenario) {

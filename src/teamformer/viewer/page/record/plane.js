@@ -7,13 +7,18 @@ function inSquares(replay) {
   const { world } = replay.scenario;
   if (!world.plane) return replay;
   const square = squareOf(world);
-  const team = ([slot, x, y, task]) => [slot, x / square, y / square, task];
   return {
     ...replay,
     scenario: scenarioInSquares(replay.scenario, square),
     start: replay.start.map(([slot, robots, x, y]) => [slot, robots, x / square, y / square]),
-    steps: replay.steps.map((step) => (step.teams ? { ...step, teams: step.teams.map(team) } : step)),
+    steps: replay.steps.map((step) => stepInSquares({ square }, step)),
   };
+}
+
+function stepInSquares({ square }, step) {
+  if (!square || !step.teams) return step;
+  const team = ([slot, x, y, task]) => [slot, x / square, y / square, task];
+  return { ...step, teams: step.teams.map(team) };
 }
 
 function scenarioInSquares(scenario, square) {

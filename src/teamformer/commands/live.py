@@ -1,0 +1,103 @@
+"""`teamformer live`: a mission in the browser while it runs."""
+
+from __future__ import annotations
+
+import contextlib
+import secrets
+import socket
+from dataclasses import dataclass
+from pathlib import Path
+
+from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.console import prepare_folder, say
+from teamformer.commands.run import ready_policy
+from teamformer.errors import TeamformerError
+from teamformer.scenarios.files import read_scenario
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line says of a live mission."""
+
+    policy: str
+    seed: int
+    port: int
+    host: str
+    speed: float
+    time_limit: float
+    folder: Path
+
+
+def live(path: Path, options: Options) -> int:
+    """Serve a mission until Ctrl-C, then save what was done; return the exit status."""
+    try:
+        from teamformer.live.server import Doors, make_app, serve
+    except ImportError as error:
+        raise TeamformerError(
+            f"live needs starlette, uvicorn and websockets ({error})",
+            "pip install 'teamformer[live]'",
+        ) from None
+    from teamformer.live.mission import Mission
+    from teamformer.live.session import Session
+    from teamformer.viewer.html import live_page
+
+    scenario = read_scenario(path)
+    ready_policy(options.policy, options.time_limit)  # refused before anything is served
+    prepare_folder(options.folder)
+    _check_port(options.host, options.port)
+    announce_compiling([options.policy], scenario.is_planned)
+    mission = Mission(
+        scenario,
+        lambda: ready_policy(options.policy, options.time_limit),
+        options.policy,
+        options.seed,
+    )
+    session = Session(mission, options.folder, options.speed)
+    token = None if options.host in LOOPBACK else secrets.token_urlsafe(16)
+    doors = Doors(_names(options.host, options.port), token)
+    address = f"http://{_bracketed(options.host)}:{options.port}/"
+    if token is not None:
+        address += f"?token={token}"
+
+    def tell() -> None:
+        say(f"live: {address}")
+        say("Ctrl-C ends it and saves what was done")
+
+    def save() -> None:
+        for saved in session.save():
+            say(f"saved: {saved}")
+
+    app = make_app(session, lambda: live_page(scenario.name), doors, save)
+    with contextlib.suppress(KeyboardInterrupt):
+        serve(app, options.host, options.port, tell)
+    return 0
+
+
+def _names(host: str, port: int) -> frozenset[str]:
+    hosts = LOOPBACK if host in LOOPBACK else (host,)
+    return frozenset(f"{_bracketed(name)}:{port}".lower() for name in hosts)
+
+
+def _bracketed(host: str) -> str:
+    return f"[{host}]" if ":" in host else host
+
+
+def _check_port(host: str, port: int) -> None:
+    """Make sure that the port is free; suggest one that is."""
+    with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise TeamformerError(
+                f"{host}:{port} cannot be used: {reason}", f"try --port {_free_port(host)}"
+            ) from None
+
+
+def _free_port(host: str) -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

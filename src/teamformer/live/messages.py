@@ -1,0 +1,54 @@
+"""What pages say to a live mission: one JSON object a message, checked before anything is done."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.live.incidents import Incident, LostRobot, NewTask
+from teamformer.model import Scenario
+from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
+
+LARGEST = 4_000_000  # bytes of a message
+COMMANDS = ("play", "pause", "step", "speed", "happen", "what_if", "save", "check", "open")
+SLOWEST, FASTEST = 0.1, 1000.0  # steps a second
+
+Message = Mapping[str, Any]
+
+
+def read_message(text: str) -> Message:
+    """Return a message; TeamformerError says what is wrong with it."""
+    if len(text) > LARGEST:
+        raise TeamformerError(f"the message is larger than {LARGEST // 1_000_000} MB")
+    try:
+        message = json.loads(text)
+    except (ValueError, RecursionError):
+        raise TeamformerError("the message is no JSON") from None
+    if not isinstance(message, dict) or message.get("do") not in COMMANDS:
+        raise TeamformerError(f"the message has no 'do' that is one of {', '.join(COMMANDS)}")
+    return message
+
+
+def read_speed(message: Message) -> float:
+    """Return the steps a second that a message asks for."""
+    speed = message.get("speed")
+    is_number = isinstance(speed, int | float) and not isinstance(speed, bool)
+    if not is_number or not SLOWEST <= speed <= FASTEST:  # type: ignore[operator]
+        raise TeamformerError(f"speed must be a number from {SLOWEST:g} to {FASTEST:g}")
+    return float(speed)  # type: ignore[arg-type]
+
+
+def read_incident(message: Message, scenario: Scenario) -> Incident:
+    """Return the incident of a message: `{"robot": NAME}` or `{"task": TREE}`, as in a file."""
+    if isinstance(message.get("robot"), str):
+        return LostRobot(message["robot"])
+    if not isinstance(message.get("task"), dict):
+        raise TeamformerError("an incident needs 'robot': a name, or 'task': a mapping")
+    tree = scenario_to_tree(scenario) | {"tasks": [message["task"]]}
+    try:
+        task = scenario_from_tree(tree).tasks[0]
+    except ScenarioError as error:
+        raise TeamformerError("; ".join(problem.message for problem in error.problems)) from None
+    return NewTask(task.at, task.needs, message["task"].get("name", ""), task.duration)

@@ -1,0 +1,119 @@
+"""A mission step by step, whose past stays as it was when incidents happen.
+
+An incident changes the scenario: a task that appears now, a robot lost in the next step. The
+changed scenario is then played again up to now with the decisions that were made, so that the
+record is at every moment what `run` makes of the mission's scenario. Of what was recorded, only
+the assignments after the latest step may change: whoever learns of a task thinks anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from teamformer.errors import TeamformerError
+from teamformer.live.incidents import Incident
+from teamformer.model import Scenario
+from teamformer.policies.protocol import Policy
+from teamformer.sim.env import Decision, Tally, TeamFormation
+from teamformer.sim.replay import Replay, Step
+from teamformer.trials.recorder import Recorder
+
+MakePolicy = Callable[[], Policy]
+
+
+class Mission:
+    """One scenario that runs under one policy; `incidents` are what happened so far, with steps."""
+
+    def __init__(self, scenario: Scenario, make_policy: MakePolicy, name: str, seed: int) -> None:
+        self.scenario = scenario
+        self.policy_name, self.seed = name, seed
+        self.incidents: list[tuple[int, Incident]] = []
+        self._make_policy = make_policy
+        self._policy = self._begin()
+        self._decisions: list[Decision] = []
+        self._env = TeamFormation([scenario])
+        self._recorder = Recorder(self._env)
+
+    @property
+    def steps(self) -> int:
+        """Return how many steps have been made."""
+        return self.tally().steps
+
+    @property
+    def is_running(self) -> bool:
+        """Say whether there is a next step."""
+        return bool(self._env.is_running[0])
+
+    def tally(self) -> Tally:
+        """Return how the mission stands."""
+        return self._env.tally()
+
+    def step(self) -> Step:
+        """Make one step and return what it changed."""
+        decision = _copied(self._policy.decide(self._env.view()))
+        self._env.step(decision)
+        self._decisions.append(decision)
+        self._recorder.step()
+        return self.record().steps[-1]
+
+    def happen(self, incident: Incident) -> None:
+        """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""
+        env, recorder, scenario = self._changed(incident)
+        self.incidents.append((self.steps, incident))
+        self._env, self._recorder, self.scenario = env, recorder, scenario
+
+    def record(self) -> Replay:
+        """Return the record so far; that of a mission that still runs is of an interrupted one."""
+        return self._recorder.finish(self.policy_name, self.seed, None)
+
+    def forecast(self, incident: Incident | None = None) -> Tally:
+        """Return how the mission ends if nothing more happens; or if this does, now."""
+        env = self._env.fork() if incident is None else self._changed(incident)[0]
+        policy = self._begin()
+        while env.is_running[0]:
+            env.step(policy.decide(env.view()))
+        return env.tally()
+
+    def _begin(self) -> Policy:
+        policy = self._make_policy()
+        everything = [self.scenario] if policy.needs_everything else None
+        policy.begin(everything, np.random.default_rng(self.seed))
+        return policy
+
+    def _changed(self, incident: Incident) -> tuple[TeamFormation, Recorder, Scenario]:
+        """Return the mission as it would stand if the incident happened now."""
+        if self._policy.needs_everything:
+            raise TeamformerError(
+                f"'{self.policy_name}' plans with all that the scenario says, so that nothing can "
+                "happen to its mission; run it under another policy"
+            )
+        scenario = incident.apply(self.scenario, self.steps)
+        env = TeamFormation([scenario])
+        recorder = Recorder(env)
+        for decision in self._decisions:
+            env.view()
+            env.step(decision)
+            recorder.step()
+        if not _is_same_past(recorder.finish(self.policy_name, self.seed, None), self.record()):
+            raise TeamformerError("this would change what has been; it has not happened")
+        return env, recorder, scenario
+
+
+def _is_same_past(one: Replay, other: Replay) -> bool:
+    """Say whether the same was done; a task that appears takes assignments back in that step."""
+    if one.steps[:-1] != other.steps[:-1]:
+        return False
+    return [_deeds(step) for step in one.steps[-1:]] == [_deeds(step) for step in other.steps[-1:]]
+
+
+def _deeds(step: Step) -> tuple[object, ...]:
+    """Return what a step did, without what teams then headed for."""
+    return step.joins, step.splits, step.lost, step.done
+
+
+def _copied(decision: Decision) -> Decision:
+    """Return a decision of its own: policies may reuse their arrays."""
+    task = None if decision.task is None else decision.task.copy()
+    return Decision(decision.wanted.copy(), task)

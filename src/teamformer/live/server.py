@@ -1,0 +1,121 @@
+"""The local server of a live mission: its page, and the socket that tells and hears.
+
+Bound to loopback it needs no password; another address needs the token that is printed. Pages of
+other sites are refused by their Host and Origin, so that no web page steers a mission.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hmac
+import socket
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import HTMLResponse, PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from teamformer.live.messages import LARGEST
+from teamformer.live.session import Session, Watcher
+
+POLICY_VIOLATION = 1008  # a close code of WebSockets
+
+
+@dataclass(frozen=True)
+class Doors:
+    """Who is let in: the hosts that the page may be asked for under, the token if needed."""
+
+    hosts: frozenset[str]
+    token: str | None = None
+
+    def refusal(self, connection: HTTPConnection) -> str | None:
+        """Return why a request is refused, or None."""
+        host, origin = connection.headers.get("host", ""), connection.headers.get("origin")
+        if host.lower() not in self.hosts:
+            return f"this server is not asked for as '{host}'"
+        if origin is not None and origin.lower() not in {f"http://{name}" for name in self.hosts}:
+            return f"pages of {origin} may not steer this mission"
+        given = connection.query_params.get("token", "")
+        if self.token is not None and not hmac.compare_digest(given, self.token):
+            return "the token is missing or wrong; use the address that was printed"
+        return None
+
+
+def make_app(
+    session: Session, page: Callable[[], str], doors: Doors, on_end: Callable[[], None]
+) -> Starlette:
+    """Return the server's application.
+
+    `page` makes the HTML that browsers get; `on_end` is called when the server ends, with nothing
+    happening to the mission any more.
+    """
+
+    async def home(request: Request) -> Response:
+        refusal = doors.refusal(request)
+        if refusal is not None:
+            return PlainTextResponse(f"{refusal}\n", status_code=403)
+        return HTMLResponse(page(), headers={"Cache-Control": "no-store"})
+
+    async def talk(connection: WebSocket) -> None:
+        if doors.refusal(connection) is not None:
+            await connection.close(POLICY_VIOLATION)
+            return
+        await connection.accept()
+        watcher = session.join()
+        sending = asyncio.create_task(_send(connection, watcher))
+        try:
+            async for text in connection.iter_text():
+                await session.act(watcher, text)
+        except (WebSocketDisconnect, KeyError):  # KeyError: bytes where text belongs
+            pass
+        finally:
+            session.leave(watcher)
+            sending.cancel()
+
+    @contextlib.asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        clock = asyncio.create_task(session.run())
+        yield
+        clock.cancel()
+        async with session.lock:
+            on_end()
+
+    routes = [Route("/", home), WebSocketRoute("/socket", talk)]
+    return Starlette(routes=routes, lifespan=lifespan)
+
+
+def configure(app: Starlette, host: str, port: int) -> uvicorn.Config:
+    """Return how the application is served: quietly, with messages of bounded size."""
+    return uvicorn.Config(
+        app,
+        host=host,
+        port=port,
+        log_level="critical",
+        ws="websockets-sansio",
+        ws_max_size=LARGEST + 1000,
+        timeout_graceful_shutdown=1,
+    )
+
+
+def serve(app: Starlette, host: str, port: int, on_start: Callable[[], None]) -> None:
+    """Serve until Ctrl-C or SIGTERM; `on_start` is called once browsers may come."""
+
+    class Server(uvicorn.Server):
+        async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+            await super().startup(sockets)
+            on_start()
+
+    Server(configure(app, host, port)).run()
+
+
+async def _send(connection: WebSocket, watcher: Watcher) -> None:
+    """Send a page what it is told; one that is too far behind is let go, and may come again."""
+    with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+        while (text := await watcher.outbox.get()) is not None:
+            await connection.send_text(text)
+        await connection.close()

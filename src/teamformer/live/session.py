@@ -1,0 +1,216 @@
+"""A live mission and all who watch it: one clock, one truth, any number of pages.
+
+The simulator works in a thread, so that pages are heard while it does; a lock has one thing at a
+time happen to the mission.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from teamformer.errors import TeamformerError
+from teamformer.live.incidents import Incident
+from teamformer.live.messages import Message, read_incident, read_message, read_speed
+from teamformer.live.mission import Mission
+from teamformer.scenarios.files import scenario_to_tree, write_scenario
+from teamformer.sim.replay import replay_to_tree, write_replay
+
+MOST_WAITING = 500  # messages that a page may be behind before it is let go
+
+Tree = dict[str, Any]
+
+
+class Watcher:
+    """A page: what it has not been sent yet; closed when it is too far behind."""
+
+    def __init__(self) -> None:
+        self.outbox: asyncio.Queue[str | None] = asyncio.Queue()
+
+    def tell(self, text: str) -> None:
+        """Queue a message."""
+        if self.outbox.qsize() < MOST_WAITING:
+            self.outbox.put_nowait(text)
+        elif self.outbox.qsize() == MOST_WAITING:
+            self.outbox.put_nowait(None)
+
+
+class Session:
+    """Steps a mission at its speed and tells everybody; `act` is what a page asks for."""
+
+    def __init__(self, mission: Mission, folder: Path, speed: float) -> None:
+        self.mission, self.folder = mission, folder
+        self.speed, self.is_playing = speed, False
+        self.watchers: set[Watcher] = set()
+        self.lock = asyncio.Lock()
+        self._wake = asyncio.Event()
+        self._forecast: asyncio.Task[None] | None = None
+
+    async def run(self) -> None:
+        """Make steps while the mission plays, until cancelled."""
+        due = time.monotonic()
+        while True:
+            if not self.is_playing:
+                self._wake.clear()
+                await self._wake.wait()
+                due = time.monotonic()
+            await self.step()
+            due = max(due + 1 / self.speed, time.monotonic() - 1 / self.speed)
+            with contextlib.suppress(TimeoutError):  # a page that acts need not wait for the step
+                self._wake.clear()
+                await asyncio.wait_for(self._wake.wait(), max(0.0, due - time.monotonic()))
+
+    def join(self) -> Watcher:
+        """Let a page watch: it is sent the mission so far, then what happens."""
+        watcher = Watcher()
+        self.watchers.add(watcher)
+        watcher.tell(json.dumps({"kind": "mission", "record": self._record()} | self._state()))
+        self._tell_all("state", self._state())
+        self._predict()
+        return watcher
+
+    def leave(self, watcher: Watcher) -> None:
+        """Let a page go."""
+        self.watchers.discard(watcher)
+        self._tell_all("state", self._state())
+
+    async def act(self, watcher: Watcher, text: str) -> None:
+        """Do what a page asks for, or tell it why not."""
+        try:
+            message = read_message(text)
+            await self._do(watcher, message)
+        except TeamformerError as error:
+            watcher.tell(json.dumps({"kind": "refused", "text": str(error)}))
+
+    async def step(self) -> None:
+        """Make one step, if there is one, and tell everybody."""
+        async with self.lock:
+            if not self.mission.is_running:
+                self._pause()
+                return
+            await asyncio.to_thread(self.mission.step)
+            self._tell_all("step", self._news())
+        if not self.mission.is_running:
+            self._pause()
+
+    async def happen(self, incident: Incident) -> None:
+        """Let an incident happen and tell everybody; TeamformerError says why it cannot."""
+        async with self.lock:
+            await asyncio.to_thread(self.mission.happen, incident)
+            text = f"step {self.mission.steps}: {incident.text()}"
+            record = self._record()
+            record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
+            self._tell_all("incident", {"text": text, "record": record} | self._state())
+        self._predict()
+
+    def save(self) -> tuple[Path, Path]:
+        """Write the record and the scenario with all incidents; return their paths."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        record, scenario = self.folder / "replay.json", self.folder / "scenario.yaml"
+        write_replay(self.mission.record(), record)
+        write_scenario(self.mission.scenario, scenario)
+        return record, scenario
+
+    async def _do(self, watcher: Watcher, message: Message) -> None:
+        actions: dict[str, Callable[[], None]] = {"play": self._play, "pause": self._pause}
+        command = message["do"]
+        if command in actions:
+            actions[command]()
+        elif command == "step":
+            self._pause()
+            await self.step()
+        elif command == "speed":
+            self.speed = read_speed(message)
+            self._wake.set()
+            self._tell_all("state", self._state())
+        elif command == "happen":
+            await self.happen(read_incident(message, self.mission.scenario))
+        elif command == "what_if":
+            incident = read_incident(message, self.mission.scenario)
+            watcher.tell(json.dumps(await self._what_if(incident)))
+        elif command == "save":
+            async with self.lock:
+                paths = await asyncio.to_thread(self.save)
+            names = [str(path) for path in paths]
+            watcher.tell(json.dumps({"kind": "saved", "paths": names}))
+        else:
+            raise TeamformerError(f"a mission under way cannot '{command}'")
+
+    def _play(self) -> None:
+        if not self.mission.is_running:
+            raise TeamformerError("the mission is over; add a task to go on")
+        self.is_playing = True
+        self._wake.set()
+        self._tell_all("state", self._state())
+
+    def _pause(self) -> None:
+        self.is_playing = False
+        self._tell_all("state", self._state())
+
+    async def _what_if(self, incident: Incident) -> Tree:
+        async with self.lock:
+            without = await asyncio.to_thread(self.mission.forecast)
+            tally = await asyncio.to_thread(self.mission.forecast, incident)
+        ends = {"status": tally.status, "steps": tally.steps}
+        return {"kind": "what_if", **ends, "without": without.steps, "text": incident.text()}
+
+    def _predict(self) -> None:
+        """Work out the mission's end in the background; only incidents change it."""
+        if self._forecast is not None and not self._forecast.done():
+            self._forecast.cancel()
+        self._forecast = asyncio.create_task(self._tell_forecast())
+
+    async def _tell_forecast(self) -> None:
+        async with self.lock:
+            tally = await asyncio.to_thread(self.mission.forecast)
+        self._tell_all("forecast", {"status": tally.status, "steps": tally.steps})
+
+    def _record(self) -> Tree:
+        """Return the record so far as a page reads it: no infinity, which JSON cannot say."""
+        tree = replay_to_tree(self.mission.record())
+        if self.mission.is_running:
+            tree["end"]["status"] = "running"
+        tree["scenario"] = _finite(scenario_to_tree(self.mission.scenario))
+        return tree
+
+    def _news(self) -> Tree:
+        """Return what the latest step changed."""
+        record = self.mission.record()
+        made = len(record.steps)
+        latest = replace(
+            record,
+            steps=record.steps[-1:],
+            orders=tuple(order for order in record.orders if order[0] == made),
+            crews=tuple(crews for crews in record.crews if crews[0] == made),
+        )
+        tree = replay_to_tree(latest)
+        news = {"at": made, "step": tree["steps"][0]}
+        news |= {key: tree[key] for key in ("orders", "crews") if tree.get(key)}
+        if not self.mission.is_running:
+            news["end"] = tree["end"]
+        return news
+
+    def _state(self) -> Tree:
+        return {
+            "is_playing": self.is_playing,
+            "speed": self.speed,
+            "watchers": len(self.watchers),
+            "incidents": [[step, incident.text()] for step, incident in self.mission.incidents],
+        }
+
+    def _tell_all(self, kind: str, news: Tree) -> None:
+        text = json.dumps({"kind": kind} | news, separators=(",", ":"))
+        for watcher in self.watchers:
+            watcher.tell(text)
+
+
+def _finite(tree: Tree) -> Tree:
+    """Replace infinite radii, which JSON cannot say, by null; the page knows what it means."""
+    return {key: None if value == math.inf else value for key, value in tree.items()}

@@ -1,0 +1,131 @@
+// The panel of a live mission: how it stands, what it will come to, what happened, a new task.
+
+class MissionPanel {
+  constructor(app, box) {
+    this.app = app;
+    this.head = element("h2", {});
+    this.outlook = element("p", { role: "status", id: "outlook" });
+    this.answer = element("p", { role: "status", id: "answer" });
+    this.incidents = element("ul", { id: "incidents", "aria-label": "Incidents" });
+    this.form = element("form", { id: "new-task", hidden: "" });
+    this.form.addEventListener("submit", (event) => this.submit(event));
+    const acts = element(
+      "div",
+      { class: "acts" },
+      act("New task …", () => this.askForTask(null)),
+      act("Save", () => app.ask({ do: "save" })),
+    );
+    box.replaceChildren(this.head, this.outlook, acts, this.form, this.answer, this.incidents);
+    box.hidden = false;
+  }
+
+  show() {
+    const { state, player, history } = this.app;
+    const isOn = player.isPlaying;
+    const status = history.end.status === "running" ? (isOn ? "Live" : "Live, paused") : "Live, over";
+    const pages = state.watchers > 1 ? `, ${state.watchers} pages` : "";
+    this.head.replaceChildren(
+      element("span", { class: `pulse ${isOn ? "on" : ""}` }),
+      `${status}${this.app.isCutOff ? ", connection lost" : pages}`,
+    );
+    const items = state.incidents.map(([step, text]) =>
+      element("li", {}, `${shortMoment(history.scenario.world, step)}: ${text}`),
+    );
+    this.incidents.replaceChildren(...items);
+  }
+
+  // What the server worked out: the mission's end, or what an incident would make of it.
+  tell(message) {
+    const { world } = this.app.history.scenario;
+    const end = describeOutcome(world, message);
+    if (message.kind === "forecast") {
+      this.outlook.textContent = `If nothing more happens: ${end}.`;
+      return;
+    }
+    const more = message.steps - message.without;
+    const change = more === 0 ? "no later" : `${describeSpan(world, Math.abs(more))} ${more > 0 ? "later" : "earlier"}`;
+    this.answer.textContent = `With ${message.text}: ${end}, ${change}.`;
+  }
+
+  weigh(incident) {
+    this.answer.textContent = "Playing it ahead …";
+    this.app.ask({ do: "what_if", ...incident });
+  }
+
+  // The form of a new task, at a place that was clicked or at one to be typed.
+  askForTask(at) {
+    const { scenario } = this.app.history;
+    if (this.form.hidden || !this.form.elements.length) this.fill(scenario);
+    this.form.hidden = false;
+    const { x, y } = this.form.elements;
+    if (at) [x.value, y.value] = at;
+    this.mark();
+    (at ? this.form.querySelector(".needs") : x).focus();
+  }
+
+  fill({ capabilities, world }) {
+    const number = (name, properties) =>
+      element("input", { type: "number", name, step: world.isPlane ? "any" : "1", ...properties });
+    const row = (text, input) => element("label", {}, text, input);
+    const needs = capabilities.map((name, cap) =>
+      row(name, element("input", { type: "number", class: "needs", name: `cap ${cap}`, min: 0, step: 1, value: 0 })),
+    );
+    this.form.replaceChildren(
+      element("fieldset", {}, element("legend", {}, "Place"), row("x", number("x", { required: "" })), row("y", number("y", { required: "" }))),
+      element("fieldset", {}, element("legend", {}, "Needs"), ...needs),
+      row("Name", element("input", { type: "text", name: "title", maxlength: 200, placeholder: "chosen for you" })),
+      row("Duration, steps", element("input", { type: "number", name: "duration", min: 0, step: 1, value: 0 })),
+      element(
+        "div",
+        { class: "acts" },
+        element("button", { type: "submit", class: "switch", "aria-pressed": "true" }, "Add task"),
+        act("What would that cost?", () => this.weigh({ task: this.task() })),
+        act("Cancel", () => this.close()),
+      ),
+    );
+    for (const name of ["x", "y"]) {
+      this.form.elements[name].addEventListener("input", () => this.mark());
+    }
+  }
+
+  // The place of the form on the map.
+  mark() {
+    const { x, y } = this.form.elements;
+    const { square = 1 } = this.app.history.scenario.world;
+    const place = [Number(x.value) / square, Number(y.value) / square];
+    this.app.select(x.value === "" || y.value === "" ? {} : { place });
+  }
+
+  task() {
+    const { elements } = this.form;
+    const { capabilities } = this.app.history.scenario;
+    const counts = capabilities.map((name, cap) => [name, Number(elements[`cap ${cap}`].value)]);
+    const task = {
+      at: [Number(elements.x.value), Number(elements.y.value)],
+      needs: Object.fromEntries(counts.filter(([, count]) => count)),
+      duration: Number(elements.duration.value),
+    };
+    if (elements.title.value.trim()) task.name = elements.title.value.trim();
+    return task;
+  }
+
+  submit(event) {
+    event.preventDefault();
+    this.app.ask({ do: "happen", task: this.task() });
+    this.close();
+  }
+
+  close() {
+    this.form.hidden = true;
+    this.form.replaceChildren();
+    this.answer.textContent = "";
+    this.app.select({});
+    this.app.map.canvas.focus({ preventScroll: true });
+  }
+}
+
+function describeOutcome(world, { status, steps }) {
+  if (status === "completed") return `all done ${describeAt(world, steps)}`;
+  if (status === "infeasible") return `given up ${describeAt(world, steps)}, for something can never be done`;
+  return `not done within ${describeSpan(world, steps)}`;
+}

@@ -1,0 +1,71 @@
+// The clock of a live mission: it follows the latest step unless one looks back.
+
+class LivePlayer extends Player {
+  constructor(say) {
+    super(0);
+    this.say = say; // what the server is to do
+    this.isFollowing = true;
+  }
+
+  reset(last) {
+    const { isPlaying, speed } = this;
+    super.reset(last);
+    Object.assign(this, { isPlaying, time: last, isFollowing: true });
+    this.speed = speed ?? this.speed;
+  }
+
+  // Another length of the same mission, or another moment of the server's clock.
+  grow(last) {
+    this.last = last;
+    if (this.isFollowing) this.chase();
+    else this.changed(true);
+  }
+
+  // Walk on to the latest step, faster the farther behind.
+  chase() {
+    if (this.isChasing) return;
+    this.isChasing = true;
+    let before = performance.now();
+    const tick = (now) => {
+      this.isChasing = this.isFollowing;
+      if (!this.isChasing) return;
+      const behind = this.last - this.time;
+      const pace = this.speed * Math.max(1, behind);
+      const was = this.step;
+      const walked = (Math.max(0, now - before) / 1000) * pace; // a frame may be dated before us
+      this.time = Math.min(this.last, this.time + walked);
+      before = now;
+      this.changed(this.step !== was);
+      this.isChasing = this.isFollowing && this.time < this.last;
+      if (this.isChasing) requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  // Looking back leaves the mission alone.
+  pause() {}
+
+  go(time) {
+    super.go(time);
+    this.isFollowing = this.time >= this.last;
+  }
+
+  play() {
+    this.say({ do: "play" });
+  }
+
+  toggle() {
+    this.say({ do: this.isPlaying ? "pause" : "play" });
+  }
+
+  stepBy(steps) {
+    if (steps > 0 && this.isFollowing) this.say({ do: "step" });
+    else this.go(this.step + steps);
+  }
+
+  faster(by) {
+    const nearest = SPEEDS.findLastIndex((speed) => speed <= this.speed);
+    const speed = SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, nearest + by))];
+    this.say({ do: "speed", speed });
+  }
+}

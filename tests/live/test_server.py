@@ -1,0 +1,202 @@
+"""The server of a live mission, spoken to as a page does, and as one that means harm."""
+
+from __future__ import annotations
+
+import http.client
+import json
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from live_server import Served, serving, small_mission
+from teamformer.referee import judge
+from teamformer.sim.replay import read_replay
+
+pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
+client = pytest.importorskip("websockets.sync.client")
+closed = pytest.importorskip("websockets.exceptions")
+
+
+@pytest.fixture
+def served(tmp_path: Path) -> Iterator[Served]:
+    with serving(small_mission(), tmp_path / "out") as server:
+        yield server
+
+
+class Page:
+    """What a browser's page does, without the browser."""
+
+    def __init__(self, server: Served, origin: str | None = None, query: str = "") -> None:
+        uri = f"ws://{server.address}/socket{query}"
+        self._opening = client.connect(uri, origin=origin or f"http://{server.address}")
+
+    def __enter__(self) -> Page:
+        self.socket = self._opening.__enter__()
+        return self
+
+    def __exit__(self, *problem: Any) -> None:
+        self._opening.__exit__(*problem)
+
+    def ask(self, **message: Any) -> None:
+        self.socket.send(json.dumps(message))
+
+    def hear(self, kind: str) -> dict[str, Any]:
+        """Return the next message of a kind; others are passed over."""
+        while True:
+            message = json.loads(self.socket.recv(timeout=20))
+            if message["kind"] == kind:
+                return dict(message)
+
+
+def get(server: Served, host: str, path: str = "/") -> tuple[int, str]:
+    connection = http.client.HTTPConnection("127.0.0.1", server.port)
+    connection.request("GET", path, headers={"Host": host})
+    with closing(connection), connection.getresponse() as answer:
+        return answer.status, answer.read().decode()
+
+
+def test_the_page_comes_to_its_own_host_only(served: Served) -> None:
+    status, page = get(served, served.address)
+    assert status == 200
+    assert "connect-src 'self'" in page
+    assert get(served, "evil.example") == (
+        403, "this server is not asked for as 'evil.example'\n",
+    )  # fmt: skip
+
+
+def test_pages_of_other_sites_cannot_speak_to_it(served: Served) -> None:
+    with pytest.raises(closed.InvalidStatus), Page(served, origin="http://evil.example"):
+        pass
+
+
+def test_a_server_with_a_token_wants_it(tmp_path: Path) -> None:
+    with serving(small_mission(), tmp_path, token="secret") as server:
+        assert get(server, server.address)[0] == 403
+        assert get(server, server.address, "/?token=secret")[0] == 200
+        with pytest.raises(closed.InvalidStatus), Page(server, query="?token=guess"):
+            pass
+        with Page(server, query="?token=secret") as page:
+            assert page.hear("mission")["record"]["steps"] == []
+
+
+def test_a_mission_is_played_and_everybody_is_told(served: Served) -> None:
+    with Page(served) as page, Page(served) as other:
+        page.hear("mission")
+        other.hear("mission")
+        page.ask(do="play")
+        seen = [[watcher.hear("step") for _ in range(13)] for watcher in (page, other)]
+        assert seen[0] == seen[1]
+        assert [step["at"] for step in seen[0]] == list(range(1, 14))
+        assert seen[0][-1]["end"]["status"] == "completed"
+        page.ask(do="speed", speed=3)
+        assert other.hear("state")["speed"] in (3, 20)
+    assert served.session.mission.steps == 13
+
+
+def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        assert page.hear("forecast") == {"kind": "forecast", "status": "completed", "steps": 13}
+        for _ in range(4):
+            page.ask(do="step")
+            page.hear("step")
+        page.ask(do="what_if", robot="r2")
+        guess = page.hear("what_if")
+        assert (guess["without"], guess["text"]) == (13, "robot r2 lost")
+        page.ask(do="happen", robot="r2")
+        assert page.hear("incident")["record"]["scenario"]["robots"][1]["lost"] == 5
+        page.ask(do="happen", task={"at": [3, 1], "needs": ["lift"], "name": "extra"})
+        page.hear("incident")
+        page.ask(do="play")
+        while "end" not in page.hear("step"):
+            pass
+        page.ask(do="save")
+        record = read_replay(Path(page.hear("saved")["paths"][0]))
+    assert judge(record).findings == ()
+    assert record.end.status == "completed"
+    assert guess["steps"] <= record.end.steps
+    assert [task.name for task in record.scenario.tasks] == ["a", "b", "c", "extra"]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("{", "the message is no JSON"),
+        ("[" * 100_000, "the message is no JSON"),
+        ("[]", "the message has no 'do'"),
+        ('{"do": "explode"}', "the message has no 'do'"),
+        ('{"do": "speed", "speed": "fast"}', "speed must be a number from 0.1 to 1000"),
+        ('{"do": "speed", "speed": NaN}', "speed must be a number from 0.1 to 1000"),
+        ('{"do": "happen"}', "an incident needs 'robot'"),
+        ('{"do": "happen", "robot": "r9"}', "there is no robot 'r9'"),
+        ('{"do": "happen", "task": {"at": [5, 1], "needs": ["lift"]}}', "inside an obstacle"),
+        ('{"do": "happen", "task": {"at": [1, 1], "needs": ["fly"]}}', "not under capabilities"),
+        ('{"do": "happen", "task": {"at": [1.5, 1], "needs": ["lift"]}}', "write a whole number"),
+        ('{"do": "happen", "task": {"at": [1, 1], "needs": {"lift": 9}}}', "together lack"),
+        ('{"do": "happen", "task": {"at": [1, 1], "needs": []}}', "nothing"),
+        ('{"do": "happen", "task": {"at": [1, 1], "needs": ["lift"], "name": "a"}}', "used twice"),
+        ('{"do": "open"}', "cannot 'open'"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_and_changes_nothing(
+    served: Served, text: str, told: str
+) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        page.socket.send(text)
+        assert told in page.hear("refused")["text"]
+        page.ask(do="step")
+        assert page.hear("step")["at"] == 1
+    assert served.session.mission.incidents == []
+
+
+def test_a_message_that_is_too_large_ends_only_that_line(served: Served) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        page.socket.send("x" * 5_000_000)
+        with pytest.raises(closed.ConnectionClosed):
+            page.hear("refused")
+    with Page(served) as page:
+        assert page.hear("mission")["record"]["steps"] == []
+
+
+def test_bytes_and_vanished_pages_do_no_harm(served: Served) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        page.socket.send(b"\x00\xff")
+    with Page(served) as gone:
+        gone.hear("mission")
+        gone.socket.socket.close()  # without a word
+    with Page(served) as other:
+        other.ask(do="play")
+        assert other.hear("step")["at"] == 1
+
+
+def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
+    with serving(small_mission(), tmp_path / "out") as server, Page(server) as page:
+        page.ask(do="step")
+        page.hear("step")
+    record = read_replay(tmp_path / "out" / "replay.json")
+    assert (record.end.status, len(record.steps)) == ("interrupted", 1)
+
+
+def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
+    import socket
+
+    from teamformer.commands.live import Options, live
+    from teamformer.errors import TeamformerError
+    from teamformer.scenarios.files import write_scenario
+
+    path = tmp_path / "small.yaml"
+    write_scenario(small_mission(), path)
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        options = Options("join-fitting", 0, port, "127.0.0.1", 4.0, 1.0, tmp_path / "out")
+        with pytest.raises(TeamformerError, match=f"127.0.0.1:{port} cannot be used") as error:
+            live(path, options)
+    assert "--port" in (error.value.hint or "")

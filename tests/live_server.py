@@ -1,0 +1,82 @@
+"""A live mission on a free port, served from a thread: for the tests of server and page."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from teamformer.live.mission import Mission
+from teamformer.live.session import Session
+from teamformer.model import Scenario
+from teamformer.policies import POLICIES
+from teamformer.scenarios.files import scenario_from_tree
+from teamformer.trials.registry import load_policy
+from teamformer.viewer.html import live_page
+
+
+@dataclass
+class Served:
+    """A server that runs, and its mission."""
+
+    port: int
+    session: Session
+
+    @property
+    def address(self) -> str:
+        return f"127.0.0.1:{self.port}"
+
+
+def small_mission() -> Scenario:
+    """Three robots at the left, three tasks at the right, a wall between; 13 steps."""
+    return scenario_from_tree(
+        {
+            "teamformer": 1,
+            "name": "small",
+            "world": {"rows": ["............", ".....@@.....", ".....@@.....", "............"]},
+            "capabilities": ["lift", "scan"],
+            "robots": [
+                {"name": "r1", "at": [0, 0], "can": ["lift"]},
+                {"name": "r2", "at": [0, 3], "can": ["scan"]},
+                {"name": "r3", "at": [1, 3], "can": ["lift", "scan"]},
+            ],
+            "tasks": [
+                {"name": "a", "at": [10, 0], "needs": ["lift", "scan"]},
+                {"name": "b", "at": [10, 3], "needs": ["scan"], "duration": 3},
+                {"name": "c", "at": [7, 2], "needs": ["lift"]},
+            ],
+        }
+    )
+
+
+@contextmanager
+def serving(
+    scenario: Scenario, folder: Path, speed: float = 20.0, token: str | None = None
+) -> Iterator[Served]:
+    """Serve a mission under the rule `join-fitting` while the block runs."""
+    import uvicorn
+
+    from teamformer.live.server import Doors, configure, make_app
+
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = int(probe.getsockname()[1])
+    policy = "join-fitting"
+    mission = Mission(scenario, lambda: load_policy(policy, POLICIES), policy, 0)
+    session = Session(mission, folder, speed)
+    doors = Doors(frozenset({f"127.0.0.1:{port}"}), token)
+    app = make_app(session, lambda: live_page(scenario.name), doors, session.save)
+    server = uvicorn.Server(configure(app, "127.0.0.1", port))
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        while not server.started:
+            time.sleep(0.01)
+        yield Served(port, session)
+    finally:
+        server.should_exit = True
+        thread.join()

@@ -9,6 +9,9 @@ import pytest
 
 from random_worlds import random_world
 from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.policies.learned.feature_layout import OwnRelation as Own
+from teamformer.policies.learned.feature_layout import TaskRelation as Ahead
+from teamformer.policies.learned.feature_layout import TeamRelation as Team
 from teamformer.policies.learned.macro_actions import (
     CHOICES,
     FOLLOW,
@@ -76,17 +79,21 @@ def test_choices_of_a_team_by_hand() -> None:
 def test_relations_of_a_team_by_hand() -> None:
     relations = relate(TeamFormation([team_and_robot()]).view())
     team, robot = relations.tasks[0], relations.tasks[1]
-    assert team[0, 4] == 1.0
-    assert team[1, 4] == 1.0
-    assert team[0, 7] == pytest.approx(3 / 4)  # of four counts, t0 has no use for three
-    assert robot[1, 4] == 0.5
-    assert robot[1, 5] == 0.0
-    assert team[0, 2] == pytest.approx(2 / 20)
-    assert team[0, 18] == 0.5
-    assert relations.teams[1, 0, 13] == 0.0 or relations.teams[1, 0, 12] == 0.0
-    assert relations.own[0, 1] == 4 / 16
-    assert relations.own[1, 0] == 1.0
-    assert relations.own[0, 16] == 1.0  # who would go on halving could do both tasks
+    assert team[0, Ahead.COVERED] == 1.0
+    assert team[1, Ahead.COVERED] == 1.0
+    assert team[0, Ahead.SURPLUS] == pytest.approx(3 / 4)  # of four counts, t0 has no use for three
+    assert robot[1, Ahead.COVERED] == 0.5
+    assert robot[1, Ahead.IS_COVERED] == 0.0
+    assert team[0, Ahead.DISTANCE] == pytest.approx(2 / 20)
+    assert team[0, Ahead.NEARNESS] == 0.5
+    assert relations.teams[1, 0, Team.DOES_ITS_OWN] == 0.0 or (
+        relations.teams[1, 0, Team.IS_COMPLETED_BY_ME] == 0.0
+    )
+    assert relations.own[0, Own.SIZE] == 4 / 16
+    assert relations.own[1, Own.IS_ALONE] == 1.0
+    assert (
+        relations.own[0, Own.REST_AFTER_HALVING] == 1.0
+    )  # who would go on halving could do both tasks
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -15,7 +15,6 @@ from teamformer.model import ALLOCATIONS, Scenario
 from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.policy import Learned
-from teamformer.policies.learned.trained_folder import load_trained
 from teamformer.policies.protocol import Guarded, Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinUseful
@@ -28,6 +27,7 @@ from teamformer.train.evaluation import torch_brain
 from teamformer.train.trainer import make_learner
 from teamformer.train.training_settings import TrainSettings
 from teamformer.train.training_worlds import FINAL
+from teamformer.trials.trained_folder import load_trained
 from teamformer.trials.trial import run_trials
 
 SETTINGS = {

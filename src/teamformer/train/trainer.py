@@ -13,7 +13,6 @@ import torch
 
 from teamformer.model import Scenario
 from teamformer.nets.critic import Critic, CriticSettings
-from teamformer.policies.learned.trained_folder import PolicyDescription, describe_policy
 from teamformer.train import distributed
 from teamformer.train.checkpoint import ABOUT, TrainingProgress, load, load_weights, save
 from teamformer.train.evaluation import Exam, Score, examine, prepare_exam
@@ -21,6 +20,7 @@ from teamformer.train.learning import global_state
 from teamformer.train.learning.iteration import METHODS, Iteration
 from teamformer.train.learning.optimiser import Learner
 from teamformer.train.training_settings import TrainSettings
+from teamformer.trials.trained_folder import PolicyDescription, describe_policy
 
 
 @dataclass(frozen=True)

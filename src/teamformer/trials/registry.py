@@ -30,7 +30,7 @@ def load_policy(name: str, listings: Sequence[Listing]) -> Policy:
             return _instance(listing.where)
     if name and Path(name).is_dir():
         # brings all that networks need
-        from teamformer.policies.learned.trained_folder import load_trained
+        from teamformer.trials.trained_folder import load_trained
 
         return load_trained(Path(name))
     if name.endswith(BARE):

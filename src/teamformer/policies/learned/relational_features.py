@@ -12,6 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.policies.learned.feature_layout import OwnRelation as Own
+from teamformer.policies.learned.feature_layout import TaskRelation as Task
+from teamformer.policies.learned.feature_layout import TeamRelation as Team
 from teamformer.policies.learned.macro_actions import (
     HALVE,
     JOIN,
@@ -28,7 +31,8 @@ from teamformer.policies.scripted.pairing import pair_by_slot
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.view import View
 
-OWN_FEATURES, TEAM_FEATURES, TASK_FEATURES = 22, 25, 24
+OWN_FEATURES, TEAM_FEATURES = len(Own), len(Team)
+TASK_FEATURES = len(Task)
 
 FARTHEST, NEAR = 20.0, 4.0  # cells; distances are clipped here, coarse and fine
 
@@ -148,21 +152,23 @@ def _relate_tasks(view, relations, row, kept):  # type: ignore[no-untyped-def]
             covered += min(have[cap], needs[cap])
             kept[cap] = min(have[cap], needs[cap])
         mine = covered / max(total, 1)
-        out[0] = task == view.task[row]
-        out[1] = min(view.task_rank[row, column], 8) / 8
-        out[2] = _distance(view, row, view.place[row], view.task_place[row, column])
-        out[3] = out[2] == 0.0
-        out[4] = mine
-        out[5] = mine == 1.0
-        out[6] = covered > 0
-        out[7] = _surplus(have, needs)
-        out[8] = _distance(view, row, view.task_place[row, 0], view.task_place[row, column])
-        out[9] = min(total, 10) / 10
+        out[Task.IS_MINE] = task == view.task[row]
+        out[Task.RANK] = min(view.task_rank[row, column], 8) / 8
+        out[Task.DISTANCE] = _distance(view, row, view.place[row], view.task_place[row, column])
+        out[Task.IS_HERE] = out[Task.DISTANCE] == 0.0
+        out[Task.COVERED] = mine
+        out[Task.IS_COVERED] = mine == 1.0
+        out[Task.HELPS] = covered > 0
+        out[Task.SURPLUS] = _surplus(have, needs)
+        out[Task.FROM_FIRST] = _distance(
+            view, row, view.task_place[row, 0], view.task_place[row, column]
+        )
+        out[Task.NEEDS] = min(total, 10) / 10
         _relate_helpers(view, out, row, task, needs)
         _relate_rest(view, out, row, column, kept)
         _relate_ways(view, out, row, column, kept)
-        out[17] = relations.is_legal[row, SPLIT + column]
-        out[18] = _nearness(view, row, view.place[row], view.task_place[row, column])
+        out[Task.CAN_SPLIT_FOR] = relations.is_legal[row, SPLIT + column]
+        out[Task.NEARNESS] = _nearness(view, row, view.place[row], view.task_place[row, column])
 
 
 @kernel
@@ -181,11 +187,11 @@ def _relate_helpers(view, out, row, task, needs):  # type: ignore[no-untyped-def
         total += needs[cap]
         covered += min(together, needs[cap])
         with_me += min(together + view.counts[row, cap], needs[cap])
-    out[10] = min(helpers, 4) / 4
-    out[11] = min(here, 4) / 4
-    out[12] = covered / max(total, 1)
-    out[13] = with_me / max(total, 1)
-    out[14] = with_me == total
+    out[Task.HELPERS] = min(helpers, 4) / 4
+    out[Task.HELPERS_HERE] = min(here, 4) / 4
+    out[Task.COVERED_BY_HELPERS] = covered / max(total, 1)
+    out[Task.COVERED_WITH_ME] = with_me / max(total, 1)
+    out[Task.IS_COVERED_WITH_ME] = with_me == total
 
 
 @kernel
@@ -202,8 +208,8 @@ def _relate_rest(view, out, row, column, kept):  # type: ignore[no-untyped-def]
             helps |= rest > 0 and view.task_needs[row, other, cap] > 0
         alone += can_do
         useful += helps
-    out[15] = min(alone, 8) / 8
-    out[16] = min(useful, 8) / 8
+    out[Task.REST_DOES_ALONE] = min(alone, 8) / 8
+    out[Task.REST_HELPS] = min(useful, 8) / 8
 
 
 @kernel
@@ -223,11 +229,11 @@ def _relate_ways(view, out, row, column, kept):  # type: ignore[no-untyped-def]
         if helps:
             around = _cells_between(view, row, here, task) + _cells_between(view, row, task, there)
             straight = _cells_between(view, row, here, there)
-            out[19] = max(-1.0, min(around - straight, FARTHEST) / FARTHEST)
-            out[20] = min(around - straight, NEAR) / NEAR
-            out[21] = alone
-            out[22] = all_helps
-            out[23] = min(straight, FARTHEST) / FARTHEST
+            out[Task.WAY_SAVED] = max(-1.0, min(around - straight, FARTHEST) / FARTHEST)
+            out[Task.WAY_SAVED_NEAR] = min(around - straight, NEAR) / NEAR
+            out[Task.NEXT_IS_DONE_BY_REST] = alone
+            out[Task.NEXT_NEEDS_STAYERS] = all_helps
+            out[Task.NEXT_DISTANCE] = min(straight, FARTHEST) / FARTHEST
             return
 
 
@@ -235,20 +241,20 @@ def _relate_ways(view, out, row, column, kept):  # type: ignore[no-untyped-def]
 def _relate_script(view, scripted, relations, row):  # type: ignore[no-untyped-def]
     """Say whom the script would join, whose crew others are in, and what kind of fleet this is."""
     own = relations.own[row]
-    own[18] = view.has_crews[row]
-    own[19] = min(view.pace[row] / view.unit[row], 2.0) / 2
-    own[20] = relations.is_legal[row, MAINTAIN]  # the script would join
+    own[Own.HAS_CREWS] = view.has_crews[row]
+    own[Own.PACE] = min(view.pace[row] / view.unit[row], 2.0) / 2
+    own[Own.SCRIPT_FORMS] = relations.is_legal[row, MAINTAIN]  # the script would join
     for other in range(min(TEAMS, view.seen_slot.shape[1])):
         if view.seen_slot[row, other] == NOBODY:
             continue
         out = relations.teams[row, other]
-        out[20] = view.is_mate[row, other]
-        out[21] = relations.is_legal[row, MAINTAIN]
+        out[Team.IS_MATE] = view.is_mate[row, other]
+        out[Team.SCRIPT_JOINS] = relations.is_legal[row, MAINTAIN]
         for cap in range(view.counts.shape[1]):
             union = view.counts[row, cap] + view.seen_counts[row, other, cap]
             if union != scripted[row, cap]:
-                out[21] = 0.0
-        own[21] = max(own[21], out[21])
+                out[Team.SCRIPT_JOINS] = 0.0
+        own[Own.SCRIPT_JOINS] = max(own[Own.SCRIPT_JOINS], out[Team.SCRIPT_JOINS])
 
 
 @kernel
@@ -262,36 +268,38 @@ def _relate_teams(view, relations, row):  # type: ignore[no-untyped-def]
         relations.is_team[row, other] = True
         theirs = view.seen_counts[row, other]
         out = relations.teams[row, other]
-        out[0] = _distance(view, row, view.place[row], view.seen_place[row, other])
-        out[1] = view.is_here[row, other]
-        out[2] = relations.is_legal[row, JOIN + other]
-        out[3] = view.seen_slot[row, other] < view.slot[row]
-        out[4] = view.seen_task[row, other] == NOBODY
-        out[5] = own != NOBODY and view.seen_task[row, other] == view.task[row]
-        out[6] = _overlap(have, theirs)
-        out[7] = _overlap(theirs, have)
+        out[Team.DISTANCE] = _distance(view, row, view.place[row], view.seen_place[row, other])
+        out[Team.IS_HERE] = view.is_here[row, other]
+        out[Team.CAN_JOIN] = relations.is_legal[row, JOIN + other]
+        out[Team.HAS_LOWER_SLOT] = view.seen_slot[row, other] < view.slot[row]
+        out[Team.HAS_NO_TASK] = view.seen_task[row, other] == NOBODY
+        out[Team.SHARES_TASK] = own != NOBODY and view.seen_task[row, other] == view.task[row]
+        out[Team.HAS_OF_MINE] = _overlap(have, theirs)
+        out[Team.HAVE_OF_THEIRS] = _overlap(theirs, have)
         if own != NOBODY:
             needs = view.task_needs[row, own]
             alone, together = _share_alone(have, needs), _share(have, theirs, needs)
-            out[8] = together - alone
-            out[9] = together == 1.0 and alone < 1.0
-            out[10] = _share_alone(theirs, needs)
+            out[Team.ADDS_TO_MINE] = together - alone
+            out[Team.COMPLETES_MINE] = together == 1.0 and alone < 1.0
+            out[Team.COVERS_MINE] = _share_alone(theirs, needs)
         column = _column_of_task(view, row, view.seen_task[row, other])
         if column != NOBODY:
             needs = view.task_needs[row, column]
             alone, together = _share_alone(theirs, needs), _share(have, theirs, needs)
-            out[11] = together - alone
-            out[12] = together == 1.0 and alone < 1.0
-            out[13] = alone == 1.0
+            out[Team.GAINS_FROM_ME] = together - alone
+            out[Team.IS_COMPLETED_BY_ME] = together == 1.0 and alone < 1.0
+            out[Team.DOES_ITS_OWN] = alone == 1.0
             if own != NOBODY:
-                out[14] = view.task_rank[row, column] < view.task_rank[row, own]
+                out[Team.HAS_EARLIER_TASK] = view.task_rank[row, column] < view.task_rank[row, own]
             there = view.task_place[row, column]
-            out[22] = _distance(view, row, view.seen_place[row, other], there)
-            out[23] = _nearness(view, row, view.seen_place[row, other], there)
+            out[Team.WAY_TO_ITS_TASK] = _distance(view, row, view.seen_place[row, other], there)
+            out[Team.NEARNESS_OF_ITS_TASK] = _nearness(
+                view, row, view.seen_place[row, other], there
+            )
             if own != NOBODY:
-                out[24] = _distance(view, row, view.task_place[row, own], there)
-        out[18] = other == pair
-        out[19] = _nearness(view, row, view.place[row], view.seen_place[row, other])
+                out[Team.WAY_BETWEEN_TASKS] = _distance(view, row, view.task_place[row, own], there)
+        out[Team.IS_PAIRED] = other == pair
+        out[Team.NEARNESS] = _nearness(view, row, view.place[row], view.seen_place[row, other])
         _relate_union(view, out, row, have, theirs)
 
 
@@ -321,9 +329,9 @@ def _relate_union(view, out, row, have, theirs):  # type: ignore[no-untyped-def]
             adds |= need > have[cap] and theirs[cap] > 0
         gained += both and not mine and not other
         shared += mine and other
-    out[15] = min(gained, 8) / 8
-    out[16] = min(shared, 8) / 8
-    out[17] = adds
+    out[Team.TASKS_GAINED] = min(gained, 8) / 8
+    out[Team.TASKS_SHARED] = min(shared, 8) / 8
+    out[Team.ADDS_ANYTHING] = adds
 
 
 @kernel
@@ -344,32 +352,32 @@ def _relate_self(view, relations, row):  # type: ignore[no-untyped-def]
     counts = 0
     for cap in range(view.counts.shape[1]):
         counts += view.counts[row, cap]
-    out[0] = view.size[row] == 1
-    out[1] = min(view.size[row], 16) / 16
-    out[2] = min(counts, 16) / 16
-    out[3] = view.task[row] == NOBODY
-    out[4] = view.is_at_task[row]
-    out[5] = min(seen, 9) / 9
-    out[6] = min(here, 9) / 9
-    out[7] = min(joinable, 9) / 9
-    out[8] = lower % 2
-    out[9] = min(lower, 8) / 8
-    out[10] = min(open_tasks, 16) / 16
-    out[11] = alone / max(open_tasks, 1)
-    out[12] = relations.tasks[row, 0, 4]
-    out[13] = relations.tasks[row, 0, 2]
+    out[Own.IS_ALONE] = view.size[row] == 1
+    out[Own.SIZE] = min(view.size[row], 16) / 16
+    out[Own.COUNTS] = min(counts, 16) / 16
+    out[Own.HAS_NO_TASK] = view.task[row] == NOBODY
+    out[Own.IS_AT_TASK] = view.is_at_task[row]
+    out[Own.SEEN] = min(seen, 9) / 9
+    out[Own.HERE] = min(here, 9) / 9
+    out[Own.JOINABLE] = min(joinable, 9) / 9
+    out[Own.HAS_ODD_RANK_HERE] = lower % 2
+    out[Own.RANK_HERE] = min(lower, 8) / 8
+    out[Own.OPEN_TASKS] = min(open_tasks, 16) / 16
+    out[Own.TASKS_ALONE] = alone / max(open_tasks, 1)
+    out[Own.FIRST_COVERED] = relations.tasks[row, 0, Task.COVERED]
+    out[Own.FIRST_DISTANCE] = relations.tasks[row, 0, Task.DISTANCE]
 
 
 @kernel
 def _relate_parts(view, relations, row, kept):  # type: ignore[no-untyped-def]
     """Say which share of the tasks in view each part could do alone after the wholesale splits."""
     out = relations.own[row]
-    out[14] = relations.is_legal[row, HALVE]
-    out[15] = relations.is_legal[row, SHED]
+    out[Own.CAN_HALVE] = relations.is_legal[row, HALVE]
+    out[Own.CAN_SHED] = relations.is_legal[row, SHED]
     keep_for(view, row, HALVE, kept)
-    out[16] = _share_done_by_rest(view, row, kept)
+    out[Own.REST_AFTER_HALVING] = _share_done_by_rest(view, row, kept)
     keep_for(view, row, SHED, kept)
-    out[17] = _share_done_by_rest(view, row, kept)
+    out[Own.REST_AFTER_SHEDDING] = _share_done_by_rest(view, row, kept)
 
 
 @kernel

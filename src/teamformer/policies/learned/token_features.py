@@ -12,11 +12,17 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.jit import entry, kernel
+from teamformer.policies.learned.feature_layout import (
+    OwnToken,
+    PlaceToken,
+    SeenToken,
+    TaskToken,
+)
 from teamformer.policies.scripted.pairing import pair_by_slot
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.view import View
 
-TEAM_FEATURES, TASK_FEATURES = 20, 19
+TEAM_FEATURES, TASK_FEATURES = max(SeenToken) + 1, max(TaskToken) + 1
 REACH = 10.0  # cells; offsets are in these units
 FARTHEST = 2.0  # of them; clipped here
 NEVER_FITS = 1e6  # the counts of a profile that is only padding
@@ -102,7 +108,7 @@ def _fill(view, tokens):  # type: ignore[no-untyped-def]
         for other in range(view.seen_slot.shape[1]):
             if view.seen_slot[row, other] != NOBODY:
                 _write_team(view, tokens, row, other, box)
-                tokens.teams[row, other + 1, 19] = other == paired
+                tokens.teams[row, other + 1, SeenToken.IS_PAIRED] = other == paired
         for column in range(view.task_number.shape[1]):
             if view.task_number[row, column] != NOBODY:
                 _write_task(view, tokens, row, column, box)
@@ -134,14 +140,14 @@ def _write_place(view, row, place, box, out):  # type: ignore[no-untyped-def]
     if (away_x * away_x + away_y * away_y) * view.unit[row] ** 2 <= view.arrival_radius[row] ** 2:
         away = 0.0
     half = max(box[2], 1e-9)
-    out[0] = min(max(away_x / REACH, -FARTHEST), FARTHEST)
-    out[1] = min(max(away_y / REACH, -FARTHEST), FARTHEST)
-    out[2] = min(away / REACH, FARTHEST)
-    out[3] = away == 0.0
-    out[4] = 0.0 < away < 1.5
-    out[5] = 1.5 <= away < 2.5
-    out[6] = min(max((place[0] - box[0]) / half, -FARTHEST), FARTHEST)
-    out[7] = min(max((place[1] - box[1]) / half, -FARTHEST), FARTHEST)
+    out[PlaceToken.AWAY_X] = min(max(away_x / REACH, -FARTHEST), FARTHEST)
+    out[PlaceToken.AWAY_Y] = min(max(away_y / REACH, -FARTHEST), FARTHEST)
+    out[PlaceToken.AWAY] = min(away / REACH, FARTHEST)
+    out[PlaceToken.IS_HERE] = away == 0.0
+    out[PlaceToken.IS_ONE_AWAY] = 0.0 < away < 1.5
+    out[PlaceToken.IS_TWO_AWAY] = 1.5 <= away < 2.5
+    out[PlaceToken.IN_BOX_X] = min(max((place[0] - box[0]) / half, -FARTHEST), FARTHEST)
+    out[PlaceToken.IN_BOX_Y] = min(max((place[1] - box[1]) / half, -FARTHEST), FARTHEST)
 
 
 @kernel
@@ -157,14 +163,14 @@ def _write_own(view, tokens, row, box):  # type: ignore[no-untyped-def]
     for cap in range(view.counts.shape[1]):
         tokens.team_counts[row, 0, cap] = view.counts[row, cap]
         total += view.counts[row, cap]
-    out[8] = 1.0  # itself
-    out[9] = view.task[row] == NOBODY
-    out[10] = view.is_at_task[row]
-    out[11] = min(here, 8) / 8
-    out[12] = lower % 2
-    out[13] = min(lower, 8) / 8
-    out[14] = min(total, 16) / 16
-    out[15] = view.size[row] == 1
+    out[OwnToken.IS_SELF] = 1.0  # itself
+    out[OwnToken.HAS_NO_TASK] = view.task[row] == NOBODY
+    out[OwnToken.IS_AT_TASK] = view.is_at_task[row]
+    out[OwnToken.HERE] = min(here, 8) / 8
+    out[OwnToken.HAS_ODD_RANK_HERE] = lower % 2
+    out[OwnToken.RANK_HERE] = min(lower, 8) / 8
+    out[OwnToken.COUNTS] = min(total, 16) / 16
+    out[OwnToken.IS_ALONE] = view.size[row] == 1
     tokens.is_team[row, 0] = True
 
 
@@ -178,12 +184,12 @@ def _write_team(view, tokens, row, other, box):  # type: ignore[no-untyped-def]
         tokens.team_counts[row, column, cap] = view.seen_counts[row, other, cap]
         total += view.seen_counts[row, other, cap]
     task = view.seen_task[row, other]
-    out[3] = view.is_here[row, other]
-    out[9] = task == NOBODY
-    out[10] = task != NOBODY and task == view.task[row]
-    out[11] = view.can_join[row, other]
-    out[12] = view.seen_slot[row, other] < view.slot[row]
-    out[14] = min(total, 16) / 16
+    out[PlaceToken.IS_HERE] = view.is_here[row, other]
+    out[SeenToken.HAS_NO_TASK] = task == NOBODY
+    out[SeenToken.SHARES_TASK] = task != NOBODY and task == view.task[row]
+    out[SeenToken.CAN_JOIN] = view.can_join[row, other]
+    out[SeenToken.HAS_LOWER_SLOT] = view.seen_slot[row, other] < view.slot[row]
+    out[SeenToken.COUNTS] = min(total, 16) / 16
     _compare_union(view, row, other, out)
     tokens.is_team[row, column] = True
     tokens.can_join[row, column] = view.can_join[row, other]
@@ -191,7 +197,7 @@ def _write_team(view, tokens, row, other, box):  # type: ignore[no-untyped-def]
 
 @kernel
 def _compare_union(view, row, other, out):  # type: ignore[no-untyped-def]
-    """Say for what a seen team is of use: features 15 to 18."""
+    """Say for what a seen team is of use."""
     useful = completed = 0
     for column in range(view.task_number.shape[1]):
         if view.task_number[row, column] == NOBODY:
@@ -206,10 +212,10 @@ def _compare_union(view, row, other, out):  # type: ignore[no-untyped-def]
         useful += adds
         completed += both and not alone
         if column == 0:
-            out[15] = adds
-            out[16] = both and not alone
-    out[17] = min(useful, 8) / 8
-    out[18] = min(completed, 8) / 8
+            out[SeenToken.ADDS_TO_FIRST] = adds
+            out[SeenToken.COMPLETES_FIRST] = both and not alone
+    out[SeenToken.TASKS_HELPED] = min(useful, 8) / 8
+    out[SeenToken.TASKS_COMPLETED] = min(completed, 8) / 8
 
 
 @kernel
@@ -225,20 +231,20 @@ def _write_task(view, tokens, row, column, box):  # type: ignore[no-untyped-def]
         covered += min(have, need)
         beyond += max(have - need, 0)
     rank = view.task_rank[row, column]
-    out[8] = task == view.task[row]
-    out[9] = min(rank, 16) / 16
-    out[10] = rank == 0
-    out[11] = column == 0
-    out[12] = covered / max(total, 1)
-    out[13] = covered == total
-    out[14] = covered > 0
-    out[15] = beyond > 0
+    out[TaskToken.IS_MINE] = task == view.task[row]
+    out[TaskToken.RANK] = min(rank, 16) / 16
+    out[TaskToken.IS_FIRST_IN_ORDER] = rank == 0
+    out[TaskToken.IS_FIRST_IN_VIEW] = column == 0
+    out[TaskToken.COVERED] = covered / max(total, 1)
+    out[TaskToken.IS_COVERED] = covered == total
+    out[TaskToken.HELPS] = covered > 0
+    out[TaskToken.HAS_SURPLUS] = beyond > 0
     helpers = 0
     for other in range(view.seen_slot.shape[1]):
         helpers += view.seen_slot[row, other] != NOBODY and view.seen_task[row, other] == task
-    out[16] = min(helpers, 4) / 4
-    out[17] = _share_together(view, row, column, task)
-    out[18] = min(total, 8) / 8
+    out[TaskToken.HELPERS] = min(helpers, 4) / 4
+    out[TaskToken.COVERED_TOGETHER] = _share_together(view, row, column, task)
+    out[TaskToken.NEEDS] = min(total, 8) / 8
     tokens.is_task[row, column] = True
 
 

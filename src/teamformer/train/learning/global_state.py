@@ -6,6 +6,7 @@ no capability.
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,52 @@ from teamformer.sim.arrays import CREWS, NOBODY, Array, Worlds, world_at
 OPEN_TASKS = 16
 """How many of the open tasks the critic sees, first ones first."""
 
-TEAM_FEATURES, TASK_FEATURES, WORLD_FEATURES = 10, 9, 10
+
+class TeamFeature(IntEnum):
+    """What a team's token says."""
+
+    SIZE = 0
+    COUNTS = 1
+    HAS_TASK = 2
+    DISTANCE = 3
+    IS_AT_TASK = 4
+    COVERED = 5
+    RANK = 6
+    TO_FIRST_TASK = 7
+    TASKS_ALONE = 8
+    HERE = 9
+
+
+class TaskFeature(IntEnum):
+    """What the token of an open task says."""
+
+    POSITION = 0
+    NEEDS = 1
+    NEAREST = 2
+    NEAREST_ABLE = 3
+    COVERED_AT_BEST = 4
+    IS_COVERED = 5
+    COVERED_BY_ASSIGNED = 6
+    ASSIGNED = 7
+    FROM_PREVIOUS = 8
+
+
+class WorldFeature(IntEnum):
+    """What is said of a world."""
+
+    OPEN_TASKS = 0
+    IS_LAST_TASK = 1
+    TEAMS = 2
+    ROBOTS = 3
+    LARGEST_TEAM = 4
+    WAY_AHEAD = 5
+    IS_ONE_TEAM = 6
+    SENSING_RADIUS = 7
+    HAS_CREWS = 8
+    LONGEST_WAY = 9
+
+
+TEAM_FEATURES, TASK_FEATURES, WORLD_FEATURES = map(len, (TeamFeature, TaskFeature, WorldFeature))
 FARTHEST = 20.0  # cells
 
 
@@ -88,18 +134,18 @@ def _write_team(world, out, team, shown):  # type: ignore[no-untyped-def]
                 world.teams[other].x == world.teams[team].x
                 and world.teams[other].y == world.teams[team].y
             )
-    out[0] = min(world.teams[team].size, 16) / 16
-    out[1] = min(counts, 16) / 16
-    out[2] = task != NOBODY
+    out[TeamFeature.SIZE] = min(world.teams[team].size, 16) / 16
+    out[TeamFeature.COUNTS] = min(counts, 16) / 16
+    out[TeamFeature.HAS_TASK] = task != NOBODY
     if task != NOBODY:
-        out[3] = _away(world, team, task)
-        out[4] = out[3] == 0.0
-        out[5] = _share(world, team, task)
-        out[6] = min(world.tasks[task].rank, 8) / 8
+        out[TeamFeature.DISTANCE] = _away(world, team, task)
+        out[TeamFeature.IS_AT_TASK] = out[TeamFeature.DISTANCE] == 0.0
+        out[TeamFeature.COVERED] = _share(world, team, task)
+        out[TeamFeature.RANK] = min(world.tasks[task].rank, 8) / 8
     if shown > 0:
-        out[7] = _away(world, team, world.order[0])
-    out[8] = alone / max(shown, 1)
-    out[9] = min(here, 8) / 8
+        out[TeamFeature.TO_FIRST_TASK] = _away(world, team, world.order[0])
+    out[TeamFeature.TASKS_ALONE] = alone / max(shown, 1)
+    out[TeamFeature.HERE] = min(here, 8) / 8
 
 
 @kernel
@@ -118,16 +164,16 @@ def _write_task(world, out, position):  # type: ignore[no-untyped-def]
         if world.teams[team].task == task:
             assigned += 1
             best_assigned = max(best_assigned, share)
-    out[0] = position / 16
-    out[1] = min(needed, 10) / 10
-    out[2] = nearest
-    out[3] = nearest_able
-    out[4] = best
-    out[5] = best == 1.0
-    out[6] = best_assigned
-    out[7] = min(assigned, 8) / 8
+    out[TaskFeature.POSITION] = position / 16
+    out[TaskFeature.NEEDS] = min(needed, 10) / 10
+    out[TaskFeature.NEAREST] = nearest
+    out[TaskFeature.NEAREST_ABLE] = nearest_able
+    out[TaskFeature.COVERED_AT_BEST] = best
+    out[TaskFeature.IS_COVERED] = best == 1.0
+    out[TaskFeature.COVERED_BY_ASSIGNED] = best_assigned
+    out[TaskFeature.ASSIGNED] = min(assigned, 8) / 8
     if position > 0:
-        out[8] = _between(world, world.order[position - 1], task)
+        out[TaskFeature.FROM_PREVIOUS] = _between(world, world.order[position - 1], task)
 
 
 @kernel
@@ -145,16 +191,16 @@ def _write_world(world, out, shown):  # type: ignore[no-untyped-def]
     way = 0.0
     for position in range(1, shown):
         way += _between(world, world.order[position - 1], world.order[position])
-    out[0] = world.count.open / 10
-    out[1] = shown == 1
-    out[2] = teams / 10
-    out[3] = world.rules.robots / 10
-    out[4] = largest / max(world.rules.robots, 1)
-    out[5] = way / 5
-    out[6] = teams == 1
-    out[7] = min(world.rules.sensing_radius, 10.0) / 10
-    out[8] = world.rules.allocation == CREWS
-    out[9] = _longest_way(world, shown) / 5
+    out[WorldFeature.OPEN_TASKS] = world.count.open / 10
+    out[WorldFeature.IS_LAST_TASK] = shown == 1
+    out[WorldFeature.TEAMS] = teams / 10
+    out[WorldFeature.ROBOTS] = world.rules.robots / 10
+    out[WorldFeature.LARGEST_TEAM] = largest / max(world.rules.robots, 1)
+    out[WorldFeature.WAY_AHEAD] = way / 5
+    out[WorldFeature.IS_ONE_TEAM] = teams == 1
+    out[WorldFeature.SENSING_RADIUS] = min(world.rules.sensing_radius, 10.0) / 10
+    out[WorldFeature.HAS_CREWS] = world.rules.allocation == CREWS
+    out[WorldFeature.LONGEST_WAY] = _longest_way(world, shown) / 5
 
 
 @kernel

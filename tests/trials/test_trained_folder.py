@@ -10,7 +10,7 @@ import pytest
 from teamformer.errors import TeamformerError
 from teamformer.policies.learned.onnx_sessions import shipped
 from teamformer.policies.learned.policy import Learned
-from teamformer.policies.learned.trained_folder import ABOUT, NETWORK, load_trained
+from teamformer.trials.trained_folder import ABOUT, NETWORK, load_trained
 
 GOOD = {"format": 1, "network": "gnn", "capabilities": 4}
 

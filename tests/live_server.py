@@ -9,9 +9,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from teamformer.live.mission import Mission
 from teamformer.live.session import Session
+from teamformer.live.workshop import Workshop
 from teamformer.model import Scenario
 from teamformer.policies import POLICIES
 from teamformer.scenarios.files import scenario_from_tree
@@ -24,7 +26,7 @@ class Served:
     """A server that runs, and its mission."""
 
     port: int
-    session: Session
+    session: Any
 
     @property
     def address(self) -> str:
@@ -58,6 +60,26 @@ def serving(
     scenario: Scenario, folder: Path, speed: float = 20.0, token: str | None = None
 ) -> Iterator[Served]:
     """Serve a mission under the rule `join-fitting` while the block runs."""
+    policy = "join-fitting"
+    mission = Mission(scenario, lambda: load_policy(policy, POLICIES), policy, 0)
+    with _served(Session(mission, folder, speed), token) as served:
+        yield served
+
+
+@contextmanager
+def serving_editor(folder: Path, speed: float = 20.0) -> Iterator[Served]:
+    """Serve the editor, whose missions run under the rule `join-fitting`."""
+    policy = "join-fitting"
+
+    def start(scenario: Scenario) -> Mission:
+        return Mission(scenario, lambda: load_policy(policy, POLICIES), policy, 0)
+
+    with _served(Workshop(start, folder, speed), None) as served:
+        yield served
+
+
+@contextmanager
+def _served(session: Session | Workshop, token: str | None) -> Iterator[Served]:
     import uvicorn
 
     from teamformer.live.server import Doors, configure, make_app
@@ -65,11 +87,8 @@ def serving(
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = int(probe.getsockname()[1])
-    policy = "join-fitting"
-    mission = Mission(scenario, lambda: load_policy(policy, POLICIES), policy, 0)
-    session = Session(mission, folder, speed)
     doors = Doors(frozenset({f"127.0.0.1:{port}"}), token)
-    app = make_app(session, lambda: live_page(scenario.name), doors, session.save)
+    app = make_app(session, lambda: live_page("test"), doors, session.save)
     server = uvicorn.Server(configure(app, "127.0.0.1", port))
     thread = threading.Thread(target=server.run)
     thread.start()

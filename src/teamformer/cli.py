@@ -43,6 +43,9 @@ def run(
     time_limit: TimeLimit = 10.0,
     out: Annotated[Path | None, typer.Option(help="folder for replay.json")] = None,
     html: Annotated[bool, typer.Option("--html", help="write replay.html there too")] = False,
+    explain: Annotated[
+        str | None, typer.Option(metavar="ROBOT", help="say what it did, and why")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Run one trial of a scenario."""
@@ -52,7 +55,8 @@ def run(
     if html and out is None:
         raise TeamformerError("--html needs a folder for the page", "add --out FOLDER")
     changes = Changes(order, allocation, step_limit)
-    raise typer.Exit(command(scenario, policy, seed, changes, time_limit, out, html, as_json))
+    status = command(scenario, policy, seed, changes, time_limit, out, html, as_json, explain)
+    raise typer.Exit(status)
 
 
 @app.command()
@@ -134,7 +138,9 @@ def view(
 
 @app.command()
 def live(
-    scenario: ScenarioPath,
+    scenario: Annotated[
+        Path | None, typer.Argument(metavar="[SCENARIO]", help="none: draw one in the editor")
+    ] = None,
     policy: Annotated[str, typer.Option(help="who decides; see `policies`")] = "teamformer",
     seed: Seed = 0,
     port: Annotated[int, typer.Option(min=1, max=65535)] = 8765,
@@ -147,7 +153,7 @@ def live(
         "out/live"
     ),
 ) -> None:
-    """Run a mission in the browser: watch it, add tasks, lose robots.
+    """Draw a mission in the browser and run it: watch it, add tasks, lose robots.
 
     Needs pip install 'teamformer[live]'.
     """

@@ -14,6 +14,7 @@ from teamformer.commands.export import export
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
+from teamformer.export.reasons import story_lines
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.sim.replay import Ending, Replay, Step, TeamAt, write_replay
 
@@ -59,6 +60,43 @@ def test_places_and_teams_are_those_of_the_record() -> None:
     assert [moment.place[0] for moment in seen] == [(0, 0), (1, 0), *[(2, 0)] * 5]
     assert [moment.team for moment in seen[2:]] == [(0, 1), (0, 0), (0, 0), (0, 0), (0, -1)]
     assert [moment.task[0] for moment in seen] == [-1, 0, 0, 0, 0, -1, -1]
+
+
+def test_a_robot_says_what_it_did_and_why() -> None:
+    replay = replace(two_lifters(), orders=((0, (0,)), (5, ())))
+    assert list(story_lines(replay, 0)) == [
+        ("1-2", "walks to beam", "number 1 in the order that everybody shares"),
+        ("3-3", "forms with =b", ""),
+        ("4-5", "serves beam, with =b", "its team brings all that the task needs"),
+        ("6-6", "idle", "no task is open"),
+    ]
+    assert list(story_lines(replay, 1))[1:2] == [
+        ("2-2", "waits at beam", "lacks lift, which a brings"),
+    ]
+    assert list(story_lines(replay, 1))[-1] == ("6-6", "lost", "")
+
+
+def test_plans_made_anew_say_after_what() -> None:
+    """The box appears after step 1 beside =b, who is the first to be sent there."""
+    before = two_lifters()
+    tasks = (before.scenario.tasks[0], replace(before.scenario.tasks[1], appears=1))
+    steps = (Step(), Step(teams=(TeamAt(1, 4, 0, 1),), done=((1, 1),)))
+    end = Ending("interrupted", None, 2, 1, 0, 0, 0)
+    replay = replace(
+        before,
+        scenario=replace(before.scenario, tasks=tasks),
+        orders=((0, (0,)), (1, (1, 0))),
+        steps=steps,
+        end=end,
+    )
+    assert list(story_lines(replay, 1)) == [
+        ("1-1", "idle", "others are to do beam"),
+        (
+            "2-2",
+            "walks to box",
+            "number 1 in the order that everybody shares; planned anew after step 1: box appears",
+        ),
+    ]
 
 
 def rows_of(path: Path) -> list[list[str]]:

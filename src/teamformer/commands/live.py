@@ -12,6 +12,8 @@ from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.run import ready_policy
 from teamformer.errors import TeamformerError
+from teamformer.model import Scenario
+from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -30,8 +32,11 @@ class Options:
     folder: Path
 
 
-def live(path: Path, options: Options) -> int:
-    """Serve a mission until Ctrl-C, then save what was done; return the exit status."""
+def live(path: Path | None, options: Options) -> int:
+    """Serve a mission, or without one the editor, until Ctrl-C; return the exit status.
+
+    What was done by then is saved.
+    """
     try:
         from teamformer.live.server import Doors, make_app, serve
     except ImportError as error:
@@ -41,20 +46,26 @@ def live(path: Path, options: Options) -> int:
         ) from None
     from teamformer.live.mission import Mission
     from teamformer.live.session import Session
+    from teamformer.live.workshop import Workshop
     from teamformer.viewer.html import live_page
 
-    scenario = read_scenario(path)
+    scenario = None if path is None else read_scenario(path)
     ready_policy(options.policy, options.time_limit)  # refused before anything is served
     prepare_folder(options.folder)
     _check_port(options.host, options.port)
-    announce_compiling([options.policy], scenario.is_planned)
-    mission = Mission(
-        scenario,
-        lambda: ready_policy(options.policy, options.time_limit),
-        options.policy,
-        options.seed,
-    )
-    session = Session(mission, options.folder, options.speed)
+    announce_compiling([options.policy], scenario is None or scenario.is_planned)
+
+    def start(scenario: Scenario) -> Mission:
+        def make() -> Policy:
+            return ready_policy(options.policy, options.time_limit)
+
+        return Mission(scenario, make, options.policy, options.seed)
+
+    session: Session | Workshop
+    if scenario is None:
+        session, name = Workshop(start, options.folder, options.speed), "editor"
+    else:
+        session, name = Session(start(scenario), options.folder, options.speed), scenario.name
     token = None if options.host in LOOPBACK else secrets.token_urlsafe(16)
     doors = Doors(_names(options.host, options.port), token)
     address = f"http://{_bracketed(options.host)}:{options.port}/"
@@ -69,7 +80,7 @@ def live(path: Path, options: Options) -> int:
         for saved in session.save():
             say(f"saved: {saved}")
 
-    app = make_app(session, lambda: live_page(scenario.name), doors, save)
+    app = make_app(session, lambda: live_page(name), doors, save)
     with contextlib.suppress(KeyboardInterrupt):
         serve(app, options.host, options.port, tell)
     return 0

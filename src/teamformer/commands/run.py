@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +15,8 @@ from rich.text import Text
 from teamformer.capabilities import describe
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import StepProgress, out, prepare_folder, print_json, say
+from teamformer.errors import TeamformerError
+from teamformer.export.reasons import story_lines
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
@@ -52,9 +55,14 @@ def run(
     folder: Path | None,
     with_page: bool,
     as_json: bool,
+    explained: str | None = None,
 ) -> int:
-    """Run a trial, write its record and show what came of it; return the exit status."""
+    """Run a trial, write its record and show what came of it; return the exit status.
+
+    `explained` is the name of a robot whose story is told too.
+    """
     scenario = changes.apply(read_scenario(path))
+    robot = None if explained is None else _robot_number(scenario, explained)
     policy = ready_policy(policy_name, time_limit)
     if folder is not None:
         prepare_folder(folder)
@@ -62,11 +70,35 @@ def run(
     trial = watch_trial(scenario, policy, policy_name, seed)
     if folder is not None:
         _write(trial.replay, folder, with_page)
+    story = [] if robot is None else list(story_lines(trial.replay, robot))
     if as_json:
-        print_json(result_row(trial, best_known=best_known([trial])))
+        row = result_row(trial, best_known=best_known([trial]))
+        told = {} if robot is None else {"story": story}
+        print_json(row | told)
     else:
         _show(trial)
+        if robot is not None:
+            out.print(_story_table(story))
     return 0 if trial.replay.end.status == "completed" else 1
+
+
+def _robot_number(scenario: Scenario, name: str) -> int:
+    """Return a robot's number; TeamformerError if there is none of this name."""
+    names = [robot.name for robot in scenario.robots]
+    if name not in names:
+        near = difflib.get_close_matches(name, names, 1)
+        hint = f"did you mean '{near[0]}'?" if near else f"the first is {names[0]}"
+        raise TeamformerError(f"there is no robot '{name}' to explain", hint)
+    return names.index(name)
+
+
+def _story_table(story: Sequence[tuple[str, str, str]]) -> Table:
+    table = Table(box=None, header_style="dim")
+    for header in ("steps", "what it does", "why"):
+        table.add_column(header, overflow="fold")
+    for row in story:
+        table.add_row(*(Text(part) for part in row))
+    return table
 
 
 def ready_policy(name: str, time_limit: float) -> Policy:

@@ -12,7 +12,7 @@ from teamformer.model import Scenario
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 
 LARGEST = 4_000_000  # bytes of a message
-COMMANDS = ("play", "pause", "step", "speed", "happen", "what_if", "save", "check", "open")
+COMMANDS = ("play", "pause", "step", "speed", "happen", "what_if", "save", "check", "open", "run")
 SLOWEST, FASTEST = 0.1, 1000.0  # steps a second
 
 Message = Mapping[str, Any]

@@ -22,6 +22,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from teamformer.live.messages import LARGEST
 from teamformer.live.session import Session, Watcher
+from teamformer.live.workshop import Workshop
 
 POLICY_VIOLATION = 1008  # a close code of WebSockets
 
@@ -47,7 +48,7 @@ class Doors:
 
 
 def make_app(
-    session: Session, page: Callable[[], str], doors: Doors, on_end: Callable[[], None]
+    session: Session | Workshop, page: Callable[[], str], doors: Doors, on_end: Callable[[], None]
 ) -> Starlette:
     """Return the server's application.
 

@@ -110,7 +110,7 @@ class Session:
             self._tell_all("incident", {"text": text, "record": record} | self._state())
         self._predict()
 
-    def save(self) -> tuple[Path, Path]:
+    def save(self) -> tuple[Path, ...]:
         """Write the record and the scenario with all incidents; return their paths."""
         self.folder.mkdir(parents=True, exist_ok=True)
         record, scenario = self.folder / "replay.json", self.folder / "scenario.yaml"

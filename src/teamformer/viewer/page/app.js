@@ -56,6 +56,11 @@ class App {
     this.show(true);
   }
 
+  // A file that was chosen or dropped.
+  openFile(file, isBeside) {
+    return openRecordFile(this, file, isBeside);
+  }
+
   // Open another record in place of this one, or put it beside.
   open(record, isBeside) {
     if (isBeside) this.companion.load(record);
@@ -96,6 +101,17 @@ class App {
   // What was clicked on the map; where that is nothing, the place is for those who can add there.
   pick(thing) {
     this.select(thing);
+  }
+
+  // What holds a thing on the map, drags it and lets it go; here nothing does, and the map moves.
+  hold() {}
+
+  drag() {
+    return false;
+  }
+
+  drop() {
+    return false;
   }
 
   // "map" or "gantt".

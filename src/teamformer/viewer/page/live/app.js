@@ -34,7 +34,7 @@ class LiveApp extends App {
     if (kind === "incident") this.change(message);
     if ("is_playing" in message) this.takeState(message);
     if (kind === "forecast" || kind === "what_if") this.panel.tell(message);
-    if (kind === "saved") notify(`Saved: ${message.paths.join(", ")}`);
+    if (kind === "saved") notify(`Saved: ${message.paths.join(", ")}`, "good");
     if (kind === "refused") notify(`Not done: ${message.text}.`);
   }
 
@@ -64,7 +64,7 @@ class LiveApp extends App {
     Object.assign(this, { selection, options });
     showHeader(this);
     this.follow();
-    notify(`Incident in ${text}.`);
+    notify(`Incident in ${text}.`, "good");
   }
 
   takeState({ is_playing, speed, watchers, incidents }) {

@@ -8,9 +8,11 @@ const server = new Link(hearServer, (isOpen) => {
 });
 
 function hearServer(message) {
+  if (message.kind === "begun") return location.reload(); // the editor's mission runs
   if (app) return app.hear(message);
-  if (message.kind !== "mission") return;
-  app = new LiveApp(message.record, server);
+  if (message.kind === "mission") app = new LiveApp(message.record, server);
+  else if (message.kind === "editor") app = new EditorApp(message.scenario, server);
+  else return;
   app.start();
   app.hear(message);
   window.teamformer = lookInto(app);

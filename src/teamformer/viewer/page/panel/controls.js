@@ -88,19 +88,23 @@ function connectPointer(app, canvas) {
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
-    if (pointers.size === 1) moved = 0;
+    if (pointers.size > 1) return;
+    moved = 0;
+    app.hold(app.map.thingAt(event.offsetX, event.offsetY), placeUnder(app, event));
   });
   canvas.addEventListener("pointermove", (event) => {
     if (!pointers.has(event.pointerId)) return showTip(app, event);
     const before = pointers.get(event.pointerId);
     const after = [event.offsetX, event.offsetY];
     moved += Math.abs(after[0] - before[0]) + Math.abs(after[1] - before[1]);
-    if (moved > 4) dragMap(app.map, pointers, event.pointerId, before, after);
+    if (moved > 4 && !app.drag(placeUnder(app, event)))
+      dragMap(app.map, pointers, event.pointerId, before, after);
     pointers.set(event.pointerId, after);
   });
   canvas.addEventListener("pointerup", (event) => {
     pointers.delete(event.pointerId);
     canvas.classList.remove("dragged");
+    if (app.drop()) return;
     if (moved <= 4) clickMap(app, event);
   });
   canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
@@ -112,7 +116,11 @@ function connectPointer(app, canvas) {
 function clickMap(app, { offsetX, offsetY }) {
   const thing = app.map.thingAt(offsetX, offsetY);
   if (thing.group) app.map.zoom(2.2, thing.group.x, thing.group.y);
-  else app.pick(thing, app.map.shown.camera.placeAt(offsetX, offsetY));
+  else app.pick(thing, placeUnder(app, { offsetX, offsetY }));
+}
+
+function placeUnder(app, { offsetX, offsetY }) {
+  return app.map.shown.camera.placeAt(offsetX, offsetY);
 }
 
 function connectWheel(map) {

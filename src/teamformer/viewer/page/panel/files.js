@@ -20,7 +20,7 @@ function connectFiles(app) {
     event.preventDefault();
     byId("drop").hidden = true;
     const [file] = event.dataTransfer.files;
-    if (file) openFile(app, file, isOverRight(event));
+    if (file) app.openFile(file, isOverRight(event));
   });
 }
 
@@ -31,11 +31,11 @@ function isOverRight({ clientX }) {
 function askForRecord(app, isBeside) {
   byId("menu").open = false;
   const input = element("input", { type: "file", accept: ".json,application/json" });
-  input.addEventListener("change", () => openFile(app, input.files[0], isBeside));
+  input.addEventListener("change", () => app.openFile(input.files[0], isBeside));
   input.click();
 }
 
-async function openFile(app, file, isBeside) {
+async function openRecordFile(app, file, isBeside) {
   try {
     if (file.size > LARGEST_RECORD) throw new Error("it is larger than 512 MB");
     app.open(readRecord(await file.text()), isBeside);
@@ -69,8 +69,10 @@ function readRecord(text) {
 
 const KNOWN_FORMAT = 1;
 
-function notify(text) {
+// What went wrong, or with "good" what went well.
+function notify(text, kind = "") {
   byId("notice").textContent = text;
+  byId("notice").className = `notice ${kind}`;
   byId("notice").hidden = !text;
 }
 

@@ -47,6 +47,7 @@ function teamDetails(app, team, robot) {
   return [
     heading(app, teamMark(app, team), titleOfTeam(scenario, team)),
     lead(capitalised(describeDoing(scenario, team, app.player.step))),
+    whyText(app, team),
     ...(app.actionsFor?.(robot) ?? []),
     waitingFor(app, team.goal, team.missing, team),
     crewText(app, robot),
@@ -65,6 +66,11 @@ function titleOfTeam(scenario, team) {
   const { length } = team.robots;
   if (length === 1) return robotName(scenario, team.slot);
   return `Team ${robotName(scenario, team.slot)} of ${length} robots`;
+}
+
+function whyText({ history, player }, team) {
+  const why = reasonFor(history, team, Math.min(player.step, history.last));
+  return why ? element("p", { class: "muted", id: "why" }, `Why: ${why}.`) : null;
 }
 
 function sharesText({ history, player }, robot) {

@@ -150,12 +150,12 @@ function listedRobots(app, isWanted) {
 
 function robotRow(app, robot) {
   const { history, selection, player } = app;
-  const [cap] = history.scenario.robots[robot].can[0];
+  const [first] = history.scenario.robots[robot].can;
   return {
     class: selection.robot === robot ? "now" : "",
     on: () => app.select({ robot }),
     children: [
-      swatch(app, cap),
+      first ? swatch(app, first[0]) : null,
       twoLines(robotName(history.scenario, robot), describeShares(history, robot, player.step)),
     ],
   };

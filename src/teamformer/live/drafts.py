@@ -1,0 +1,99 @@
+"""Drafts of scenarios: checked with the words of the file reader, opened, written."""
+
+from __future__ import annotations
+
+import json
+import re
+import tempfile
+from collections.abc import Mapping
+from math import inf
+from pathlib import Path
+from typing import Any
+
+from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.model import Grid, Scenario
+from teamformer.scenarios.files import read_scenario, scenario_from_tree
+from teamformer.scenarios.maps.formats import read_map
+from teamformer.scenarios.tree_reader import INFINITE
+from teamformer.scenarios.yaml import reader, writer
+
+Tree = dict[str, Any]
+
+EMPTY: Tree = {
+    "teamformer": 1,
+    "name": "new mission",
+    "world": {"grid": [16, 10]},
+    "capabilities": ["lift", "scan"],
+    "robots": [],
+    "tasks": [],
+}
+FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
+
+
+def problems_of(tree: object) -> list[Tree]:
+    """Return what is wrong with a draft, each with its place in the tree; nothing if it is good."""
+    try:
+        scenario_from_tree(tree)
+    except ScenarioError as error:
+        return [{"where": list(p.where), "message": p.message} for p in error.problems]
+    return []
+
+
+def read_draft(tree: object) -> Scenario:
+    """Return the scenario of a draft; TeamformerError says what is wrong with it."""
+    try:
+        return scenario_from_tree(tree)
+    except ScenarioError as error:
+        raise TeamformerError("; ".join(problem.message for problem in error.problems)) from None
+
+
+def open_draft(name: str, text: str) -> Tree:
+    """Return the draft in the text of a scenario file, or an empty one on a MovingAI map.
+
+    The tree is as the file has it, without what it left out; a map file that it names is not at
+    hand, so a scenario with one is refused.
+    """
+    kind = Path(name).suffix.lower()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"draft{kind}"
+        path.write_text(text, encoding="utf-8")
+        try:
+            if kind == ".map":
+                return EMPTY | {"name": Path(name).stem, "world": _world_of(read_map(path))}
+            read_scenario(path)
+        except TeamformerError as error:
+            raise TeamformerError(str(error).replace(str(path), name), error.hint) from None
+    tree = reader.parse_json(text) if kind == ".json" else reader.parse(text)
+    assert isinstance(tree.value, dict)  # or it would have been refused
+    return _plain({"name": Path(name).stem} | tree.value)
+
+
+def write_draft(tree: Mapping[str, Any], name: object, folder: Path) -> Path:
+    """Write a good draft into a folder, as it is, without defaults that nobody chose."""
+    if not isinstance(name, str) or not FILE_NAME.fullmatch(name):
+        raise TeamformerError(
+            "name a file in the folder, such as mission.yaml: letters, digits, '-', '_' and a dot"
+        )
+    read_draft(tree)
+    path = folder / name
+    is_json = path.suffix == ".json"
+    text = json.dumps(tree, indent=1, ensure_ascii=False) if is_json else writer.to_text(dict(tree))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise TeamformerError(f"{path}: cannot be written: {error.strerror}") from None
+    return path
+
+
+def _plain(tree: Tree) -> Tree:
+    """Return a file's tree in the one form of several that pages and the writer know."""
+    radii = {key: INFINITE for key in ("sensing_radius", "join_radius") if tree.get(key) == inf}
+    world = tree["world"]
+    if isinstance(world.get("rows"), str):
+        world = world | {"rows": world["rows"].split()}
+    return tree | radii | {"world": world}
+
+
+def _world_of(grid: Grid) -> Tree:
+    return {"rows": list(grid.rows), "y_axis": grid.y_axis}

@@ -1,0 +1,205 @@
+// The editor: the map of a draft, tools that change it, and the file reader's own words on it.
+
+const CHECK_AFTER = 250; // milliseconds without a change
+
+class EditorApp extends App {
+  constructor(tree, link) {
+    super(recordOfDraft(tree));
+    this.link = link;
+    this.draft = new Draft(tree);
+    this.tool = "move";
+    this.problems = [];
+    this.panel = new EditorPanel(this, byId("mission"));
+    document.body.classList.add("editing");
+    this.options.lines = false;
+    document.addEventListener("keydown", (event) => this.press(event), true);
+  }
+
+  startText() {
+    return "";
+  }
+
+  hear(message) {
+    if (message.kind === "editor") this.replace(message.scenario);
+    if (message.kind === "checked") this.panel.tell((this.problems = message.problems));
+    if (message.kind === "saved") notify(`Saved: ${message.paths.join(", ")}`, "good");
+    if (message.kind === "starting") notify("The mission is being made ready …", "good");
+    if (message.kind === "refused") notify(`Not done: ${message.text}.`);
+  }
+
+  ask(message) {
+    if (!this.link.send(message)) notify("The server is not there; nothing was done. Trying again …");
+  }
+
+  // Another file from now on.
+  replace(tree) {
+    this.draft = new Draft(tree);
+    this.panel.fill();
+    this.redrawDraft({});
+  }
+
+  // Every change goes through here; `selection` is what is to be selected then.
+  change(tree, selection = this.selection, key = null) {
+    if (tree === this.draft.tree) return;
+    this.draft.change(tree, key);
+    this.redrawDraft(selection);
+  }
+
+  undo() {
+    this.draft.undo();
+    this.panel.fill();
+    this.redrawDraft({});
+  }
+
+  redo() {
+    this.draft.redo();
+    this.panel.fill();
+    this.redrawDraft({});
+  }
+
+  redrawDraft(selection) {
+    const { camera } = this.map;
+    const size = this.shownSize;
+    const { tree } = this.draft;
+    this.load(recordOfDraft(tree));
+    this.shownSize = JSON.stringify(tree.world.plane ?? sizeOfWorld(tree.world));
+    if (size === this.shownSize) Object.assign(this.map.camera, cameraPlace(camera));
+    this.options.lines = false;
+    this.options.names = true;
+    this.select(selection);
+    showHeader(this);
+    clearTimeout(this.checkTimer);
+    this.checkTimer = setTimeout(() => this.link.send({ do: "check", scenario: tree }), CHECK_AFTER);
+  }
+
+  select(selection) {
+    super.select(selection);
+    this.panel?.showThing();
+  }
+
+  useTool(tool) {
+    this.tool = tool;
+    this.panel.showTools();
+  }
+
+  // The place in the draft's own lengths: a cell, or metres to the centimetre.
+  placeOf([x, y]) {
+    const { world } = this.history.scenario;
+    if (world.isPlane) return [x, y].map((along) => Number((along * world.square).toFixed(2)));
+    return [Math.round(x), Math.round(y)];
+  }
+
+  isInside([x, y]) {
+    const { world } = this.history.scenario;
+    const square = world.square ?? 1;
+    const [right, up] = [world.width * square, world.height * square];
+    return x >= 0 && y >= 0 && (world.isPlane ? x <= right && y <= up : x < right && y < up);
+  }
+
+  pick(thing, where) {
+    const at = this.placeOf(where);
+    const isThing = thing.robot !== undefined || thing.task !== undefined;
+    if (this.tool === "erase" && isThing) return this.remove(thing);
+    if (!this.isInside(at)) return this.select({});
+    if (this.tool === "robot" || this.tool === "task") return this.add(`${this.tool}s`, at);
+    if (this.tool === "wall" || this.tool === "erase") return this.paint(at, this.tool === "wall");
+    this.select(isThing ? thing : {});
+  }
+
+  add(kind, at) {
+    const { tree } = this.draft;
+    const counts = writtenCounts(this.panel.kit());
+    const name = freeName(tree, kind);
+    const thing = kind === "robots" ? { name, at, can: counts } : { name, at, needs: counts };
+    const number = tree[kind].length;
+    this.change(withThing(tree, kind, thing), kind === "robots" ? { robot: number } : { task: number });
+  }
+
+  remove(thing) {
+    this.change(withoutThing(this.draft.tree, thing), {});
+  }
+
+  paint(at, isWall) {
+    if (this.draft.tree.world.plane) return notify("A plane has no walls.");
+    this.change(withWall(this.draft.tree, at, isWall), {}, "walls");
+  }
+
+  // Dragging moves a thing or paints walls; elsewhere it moves the map.
+  hold(thing, where) {
+    this.heldAt = this.placeOf(where);
+    const isThing = thing.robot !== undefined || thing.task !== undefined;
+    this.held = this.tool === "move" && isThing ? thing : null;
+    this.hasDragged = false;
+  }
+
+  drag(where) {
+    const at = this.placeOf(where);
+    const isPainting = this.tool === "wall" || this.tool === "erase";
+    if (!this.held && !isPainting) return false;
+    if (!this.isInside(at)) return true;
+    if (isPainting && !this.hasDragged) this.paint(this.heldAt, this.tool === "wall");
+    this.hasDragged = true;
+    if (isPainting) this.paint(at, this.tool === "wall");
+    else this.moveTo(this.held, at);
+    return true;
+  }
+
+  drop() {
+    const hasDragged = this.hasDragged;
+    this.held = null;
+    this.hasDragged = false;
+    this.draft.key = null;
+    return hasDragged;
+  }
+
+  moveTo(thing, at) {
+    const { tree } = this.draft;
+    const was = tree[kindOf(thing)][numberOf(thing)].at;
+    if (was[0] === at[0] && was[1] === at[1]) return;
+    this.change(withChange(tree, thing, { at }), thing, `move ${kindOf(thing)} ${numberOf(thing)}`);
+  }
+
+  // Arrows move what is selected by a cell, Delete removes it, Ctrl-Z and Ctrl-Y go back and on.
+  press(event) {
+    if (event.target.matches("input, select, textarea") || document.querySelector("dialog[open]")) return;
+    const act = this.keyAction(event);
+    if (!act) return;
+    event.preventDefault();
+    event.stopPropagation();
+    act();
+  }
+
+  keyAction({ key, ctrlKey, metaKey, shiftKey }) {
+    const isCommand = ctrlKey || metaKey;
+    if (isCommand && key.toLowerCase() === "z") return () => (shiftKey ? this.redo() : this.undo());
+    if (isCommand && key.toLowerCase() === "y") return () => this.redo();
+    const { robot, task } = this.selection;
+    if (isCommand || (robot === undefined && task === undefined)) return null;
+    if (key === "Delete" || key === "Backspace") return () => this.remove(this.selection);
+    const by = ARROWS[key];
+    return by ? () => this.nudge(by) : null;
+  }
+
+  nudge([right, up]) {
+    const { world } = this.history.scenario;
+    const length = world.isPlane ? 0.1 : 1;
+    const [x, y] = this.draft.tree[kindOf(this.selection)][numberOf(this.selection)].at;
+    const down = world.yIsUp ? up : -up;
+    const at = [x + right * length, y + down * length].map((along) => Number(along.toFixed(2)));
+    if (this.isInside(at)) this.moveTo(this.selection, at);
+  }
+
+  address() {
+    return "";
+  }
+
+  openFile(file) {
+    this.panel.send(file);
+  }
+}
+
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+function cameraPlace({ cell, left, top, isFitted }) {
+  return { cell, left, top, isFitted };
+}

@@ -1,0 +1,170 @@
+// The editor's panel: tools, what a new thing brings, the fields of what is selected, problems.
+
+const TOOLS = { move: "Select, move", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
+const MORE_FIELDS = { robots: { speed: "Speed", lost: "Lost in step" }, tasks: { duration: "Duration, steps", appears: "Appears after step" } };
+
+class EditorPanel {
+  constructor(app, box) {
+    this.app = app;
+    this.kitCounts = {};
+    this.tools = new Map(Object.entries(TOOLS).map(([name, text]) => [name, this.toolButton(name, text)]));
+    this.world = element("form", { class: "world" });
+    this.thing = element("form", { id: "thing", hidden: "" });
+    this.problems = element("ul", { class: "problems", id: "problems", role: "status", "aria-label": "Problems" });
+    this.file = element("input", { type: "text", id: "file-name", value: "mission.yaml", "aria-label": "File name" });
+    box.replaceChildren(
+      element("h2", {}, "Draw a mission"),
+      element("div", { class: "tools-row", role: "group", "aria-label": "Tools" }, ...this.tools.values()),
+      element(
+        "div",
+        { class: "acts" },
+        act("Undo", () => app.undo()),
+        act("Redo", () => app.redo()),
+        act("Open …", () => this.openFile()),
+        this.file,
+        act("Save", () => app.ask({ do: "save", name: this.file.value.trim(), scenario: app.draft.tree })),
+        act("Run", () => app.ask({ do: "run", scenario: app.draft.tree })),
+      ),
+      this.problems,
+      this.world,
+      this.thing,
+    );
+    for (const form of [this.world, this.thing]) {
+      form.addEventListener("submit", (event) => event.preventDefault());
+    }
+    box.hidden = false;
+    this.fill();
+    this.showTools();
+  }
+
+  toolButton(name, text) {
+    const on = () => this.app.useTool(name);
+    return element("button", { type: "button", class: "switch", "data-tool": name, on }, text);
+  }
+
+  showTools() {
+    for (const [name, button] of this.tools) {
+      button.setAttribute("aria-pressed", String(name === this.app.tool));
+    }
+  }
+
+  // The fields of the mission itself, and the counts that new robots and tasks get.
+  fill() {
+    const { tree } = this.app.draft;
+    const change = (make) => (event) => this.app.change(make(event.target), {}, event.target.name);
+    const fields = [
+      labelled("Name", input("text", "name", tree.name ?? "", change(({ value }) => ({ ...this.tree(), name: value }))), "wide"),
+      labelled("Capabilities", input("text", "capabilities", tree.capabilities.join(", "), (event) => this.renameCapabilities(event)), "wide"),
+    ];
+    if (!tree.world.plane) {
+      const [width, height] = sizeOfWorld(tree.world);
+      const resize = () => {
+        const [x, y] = ["width", "height"].map((key) => Number(this.world.elements[key].value));
+        if (x >= 1 && y >= 1 && x * y <= 250_000) this.app.change(withSize(this.tree(), x, y), {}, "size");
+      };
+      fields.push(
+        element("fieldset", {}, element("legend", {}, "Cells"), labelled("across", number("width", width, resize)), labelled("up", number("height", height, resize))),
+      );
+    }
+    this.kitBox = element("fieldset", { id: "kit" });
+    this.world.replaceChildren(...fields, this.kitBox);
+    this.fillKit();
+    this.showThing();
+  }
+
+  fillKit() {
+    const { capabilities } = this.app.draft.tree;
+    const rows = capabilities.map((name, cap) => {
+      this.kitCounts[name] ??= cap === 0 ? 1 : 0;
+      const keep = ({ target }) => (this.kitCounts[name] = Number(target.value));
+      return labelled(name, number(`kit ${name}`, this.kitCounts[name], keep));
+    });
+    this.kitBox.replaceChildren(element("legend", {}, "A new robot brings, a new task needs"), ...rows);
+  }
+
+  kit() {
+    const { capabilities } = this.app.draft.tree;
+    return Object.fromEntries(capabilities.map((name) => [name, this.kitCounts[name] ?? 0]));
+  }
+
+  renameCapabilities({ target }) {
+    const capabilities = target.value.split(",").map((name) => name.trim()).filter(Boolean);
+    this.app.change({ ...this.tree(), capabilities }, {}, "capabilities");
+    this.fillKit();
+  }
+
+  // The fields of what is selected; they stay as they are while one types in them.
+  showThing() {
+    const { selection, draft } = this.app;
+    const isThing = selection.robot !== undefined || selection.task !== undefined;
+    const thing = isThing ? draft.tree[kindOf(selection)][numberOf(selection)] : null;
+    this.thing.hidden = !thing;
+    if (!thing) return this.thing.replaceChildren();
+    if (this.thing.contains(document.activeElement)) return;
+    const kind = kindOf(selection);
+    const set = (make, key) => ({ target }) =>
+      this.app.change(withChange(this.tree(), selection, make(target)), selection, `${key} ${kind} ${numberOf(selection)}`);
+    const place = () => [this.thing.elements.x, this.thing.elements.y].map(({ value }) => Number(value));
+    const key = kind === "robots" ? "can" : "needs";
+    const counts = readWrittenCounts(thing[key] ?? []);
+    const all = () =>
+      writtenCounts(Object.fromEntries(draft.tree.capabilities.map((name) => [name, Number(this.thing.elements[`count ${name}`].value)])));
+    const more = Object.entries(MORE_FIELDS[kind]).map(([name, text]) =>
+      labelled(text, number(name, thing[name] ?? "", set(({ value }) => ({ [name]: value === "" ? undefined : Number(value) }), name), "any")),
+    );
+    this.thing.replaceChildren(
+      labelled(kind === "robots" ? "Robot" : "Task", input("text", "title", thing.name ?? "", set(({ value }) => ({ name: value }), "name")), "wide"),
+      element("fieldset", {}, element("legend", {}, "Place"), labelled("x", number("x", thing.at[0], set(() => ({ at: place() }), "at"), "any")), labelled("y", number("y", thing.at[1], set(() => ({ at: place() }), "at"), "any"))),
+      element(
+        "fieldset",
+        {},
+        element("legend", {}, kind === "robots" ? "Brings" : "Needs"),
+        ...draft.tree.capabilities.map((name) => labelled(name, number(`count ${name}`, counts[name] ?? 0, set(() => ({ [key]: all() }), key)))),
+      ),
+      ...more,
+      element("div", { class: "acts" }, act("Remove", () => this.app.remove(selection))),
+    );
+  }
+
+  // What the file reader says; each leads to what it is about.
+  tell(problems) {
+    const items = problems.map(({ where, message }) => {
+      const [kind, index] = where;
+      const thing = { robots: { robot: index }, tasks: { task: index } }[kind];
+      const isThing = thing && Number.isInteger(index);
+      return element("li", {}, isThing ? link(message, () => this.app.select(thing)) : message);
+    });
+    this.problems.replaceChildren(...items);
+  }
+
+  tree() {
+    return this.app.draft.tree;
+  }
+
+  openFile() {
+    const field = element("input", { type: "file", accept: ".yaml,.yml,.json,.map" });
+    field.addEventListener("change", () => this.send(field.files[0]));
+    field.click();
+  }
+
+  async send(file) {
+    this.file.value = file.name.replace(/\.map$/, ".yaml");
+    this.app.ask({ do: "open", name: file.name, text: await file.text() });
+  }
+}
+
+function labelled(text, field, kind = "") {
+  return element("label", { class: kind }, text, field);
+}
+
+function input(type, name, value, on) {
+  const field = element("input", { type, name, value });
+  field.addEventListener("input", on);
+  return field;
+}
+
+function number(name, value, on, step = 1) {
+  const field = element("input", { type: "number", name, value, min: 0, step });
+  field.addEventListener("input", on);
+  return field;
+}

@@ -1,0 +1,202 @@
+"""From an empty page to a checked record: drawn, saved, run, disturbed, explained, run again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import Opened
+
+from live_server import Served, serving_editor
+from teamformer.policies import POLICIES
+from teamformer.referee import judge
+from teamformer.scenarios.files import read_scenario
+from teamformer.sim.replay import read_replay
+from teamformer.trials.registry import load_policy
+from teamformer.trials.trial import run_trial
+
+pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
+
+ROBOTS = [(1, y) for y in range(1, 7)]
+TASKS = [(5, 2), (8, 7), (12, 3), (14, 8), (10, 5), (6, 8), (13, 1), (9, 1)]
+
+
+@pytest.fixture
+def served(tmp_path: Path) -> Iterator[Served]:
+    with serving_editor(tmp_path / "out", speed=8) as server:
+        yield server
+
+
+@pytest.fixture
+def opened(browser: Any, served: Served) -> Iterator[Opened]:
+    context = browser.new_context(viewport={"width": 1400, "height": 900})
+    found = Opened(context.new_page())
+    found.page.on("pageerror", lambda error: found.errors.append(str(error)))
+    found.page.goto(f"http://{served.address}/")
+    found.wait_until("window.teamformer !== undefined")
+    yield found
+    context.close()
+    assert found.errors == []
+
+
+def click(opened: Opened, x: float, y: float) -> None:
+    opened.details()
+    opened.click_map(opened.page.evaluate(f"window.teamformer.pixelOf({x}, {y})"))
+
+
+def wait_for(opened: Opened, selector: str, text: str) -> None:
+    opened.wait_until(f"document.querySelector('{selector}')?.textContent.includes({text!r})", 60)
+
+
+def draw(opened: Opened) -> None:
+    opened.page.click("[data-tool=robot]")
+    for place in ROBOTS[:3]:
+        click(opened, *place)
+    opened.page.fill("[name='kit lift']", "0")
+    opened.page.fill("[name='kit scan']", "1")
+    for place in ROBOTS[3:]:
+        click(opened, *place)
+    opened.page.click("[data-tool=task]")
+    for place in TASKS[:4]:
+        click(opened, *place)
+    opened.page.fill("[name='kit lift']", "1")
+    for place in TASKS[4:]:
+        click(opened, *place)
+
+
+def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
+    opened: Opened, served: Served, tmp_path: Path
+) -> None:
+    page = opened.page
+    wait_for(opened, "#problems", "")
+    draw(opened)
+    opened.wait_until("!document.querySelector('#problems li')")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "Saved: ")
+    drawn = read_scenario(tmp_path / "out" / "mission.yaml")
+    assert [robot.at for robot in drawn.robots] == ROBOTS
+    assert [task.at for task in drawn.tasks] == TASKS
+    assert [dict(task.needs) for task in drawn.tasks][3:5] == [{"scan": 1}, {"lift": 1, "scan": 1}]
+    with page.expect_event("load", timeout=60_000):
+        page.click("#mission >> text=Run")
+    opened.wait_until("window.teamformer !== undefined", 60)
+    wait_for(opened, "#start-text", "Start the mission")
+    for step in range(1, 11):
+        page.keyboard.press("ArrowRight")
+        opened.wait_until(f"window.teamformer.last === {step}")
+    click(opened, 3, 8)
+    page.fill("[name='cap 0']", "1")
+    page.fill("[name=title]", "late load")
+    page.click("text=Add task")
+    wait_for(opened, "#incidents", "10: task late load at [3, 8] that needs lift")
+    for step in range(11, 16):
+        page.keyboard.press("ArrowRight")
+        opened.wait_until(f"window.teamformer.last === {step}")
+    page.click("#tab-robots")
+    page.click(".row >> text=r1")
+    wait_for(opened, "#details", "Why: ")
+    page.click("text=Lose r1")
+    wait_for(opened, "#incidents", "15: robot r1 lost")
+    page.keyboard.press(" ")
+    wait_for(opened, "#mission h2", "Live, over")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "scenario.yaml")
+    record = read_replay(tmp_path / "out" / "replay.json")
+    assert judge(record).findings == ()
+    scenario = read_scenario(tmp_path / "out" / "scenario.yaml")
+    assert (scenario.tasks[-1].appears, scenario.robots[0].lost) == (10, 16)
+    again = run_trial(scenario, load_policy("join-fitting", POLICIES), "join-fitting")
+    assert again.replay.end.makespan == record.end.makespan
+    assert record.end.status == "completed"
+
+
+def test_what_is_wrong_is_told_in_the_words_of_the_file_reader(opened: Opened) -> None:
+    page = opened.page
+    click(opened, 3, 3)  # selects nothing: the tool is not one that draws
+    page.click("[data-tool=task]")
+    page.fill("[name='kit lift']", "2")
+    click(opened, 3, 3)
+    wait_for(opened, "#problems", "there is no robot; add one")
+    page.click("[data-tool=robot]")
+    click(opened, 5, 5)
+    page.fill("[name='count lift']", "1")
+    wait_for(opened, "#problems", "task 't1' needs 2 x lift but all robots together lack lift")
+    page.click("#problems >> text=all robots together")
+    opened.details()
+    assert page.input_value("#thing [name=title]") == "t1"
+
+
+def test_undo_redo_and_keys(opened: Opened) -> None:
+    page = opened.page
+    page.click("[data-tool=robot]")
+    click(opened, 2, 2)
+    click(opened, 4, 4)
+    teams = "window.teamformer.teams().map((team) => team.place)"
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowUp")
+    assert page.evaluate(teams) == [[2, 2], [5, 5]]
+    page.keyboard.press("Delete")
+    assert page.evaluate(teams) == [[2, 2]]
+    page.keyboard.press("Control+z")
+    assert page.evaluate(teams) == [[2, 2], [5, 5]]
+    for _ in range(4):
+        page.click("#mission >> text=Undo")
+    assert page.evaluate(teams) == []
+    page.click("#mission >> text=Redo")
+    assert page.evaluate(teams) == [[2, 2]]
+
+
+def test_things_are_dragged_and_walls_painted(opened: Opened, tmp_path: Path) -> None:
+    page = opened.page
+    draw(opened)
+    opened.details()
+    corner = page.locator("#map").bounding_box()
+
+    def drag(tool: str, *places: tuple[int, int]) -> None:
+        page.click(f"[data-tool={tool}]")
+        for number, (x, y) in enumerate(places):
+            spot = page.evaluate(f"window.teamformer.pixelOf({x}, {y})")
+            page.mouse.move(corner["x"] + spot["x"], corner["y"] + spot["y"], steps=4)
+            if number == 0:
+                page.mouse.down()
+        page.mouse.up()
+        opened.details()
+
+    drag("move", ROBOTS[0], (2, 9))
+    drag("wall", (7, 3), (7, 5))
+    page.fill("#file-name", "walls.yaml")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "walls.yaml")
+    scenario = read_scenario(tmp_path / "out" / "walls.yaml")
+    assert scenario.robots[0].at == (2, 9)
+    blocked = [(x, y) for y in range(10) for x in range(16) if not scenario.world.is_free((x, y))]
+    assert blocked == [(7, 3), (7, 4), (7, 5)]
+
+
+def test_files_are_opened_and_saved_in_the_folder_only(opened: Opened, tmp_path: Path) -> None:
+    page = opened.page
+    path = tmp_path / "shift.yaml"
+    path.write_text(
+        "teamformer: 1\nname: shift\nworld:\n  rows: |\n    ...\n    .@.\n"
+        "capabilities: [lift]\nrobots:\n  - {at: [0, 0], can: [lift]}\n"
+        "tasks:\n  - {at: [2, 1], needs: [lift]}\nsensing_radius: .inf\n"
+    )
+    with page.expect_file_chooser() as chooser:
+        page.click("#mission >> text=Open …")
+    chooser.value.set_files(path)
+    wait_for(opened, "#name", "shift")
+    page.fill("#file-name", "../shift.yaml")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "Not done: name a file in the folder")
+    page.fill("#file-name", "again.yaml")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "again.yaml")
+    assert read_scenario(tmp_path / "out" / "again.yaml") == read_scenario(path)
+    path.write_text("teamformer: 1\nnmae: shift\n")
+    with page.expect_file_chooser() as chooser:
+        page.click("#mission >> text=Open …")
+    chooser.value.set_files(path)
+    wait_for(opened, "#notice", "shift.yaml:2: the file has no key 'nmae'")
+    assert page.inner_text("#name") == "shift"

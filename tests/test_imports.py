@@ -36,7 +36,8 @@ SEES = {
     "train": {*BELOW_POLICIES, "policies", "trials", "nets"},
     "bench": {*BELOW_POLICIES, "policies", "trials", "referee"},
     "robotarium": {*BELOW_POLICIES, "policies", "trials"},
-    "commands": {*BELOW_COMMANDS, "train", "robotarium"},
+    "fleet": BELOW_POLICIES,
+    "commands": {*BELOW_COMMANDS, "train", "robotarium", "fleet"},
     "cli": {*BELOW_COMMANDS, "commands"},
 }
 """What each part may import besides itself; a name stands for all that is in it."""
@@ -52,6 +53,8 @@ HOMES = {
     "click": ("cli.py", "commands/"),
     "rich": ("cli.py", "commands/", "bench/"),
     "yaml": ("scenarios/",),
+    "msgspec": ("fleet/", "commands/agent.py"),
+    "zenoh": ("fleet/transports/zenoh_mesh.py",),
     "matplotlib": (
         "bench/report/figures.py",
         "robotarium/draw.py",

@@ -349,6 +349,87 @@ def robotarium(
     raise typer.Exit(command(Path(path), options, as_json))
 
 
+@app.command()
+def rehearse(
+    scenario: ScenarioPath,
+    schedules: Annotated[int, typer.Option(min=1, help="schedules of faults")] = 100,
+    seed: Seed = 0,
+    loss: Annotated[float | None, typer.Option(help="of messages, 0 to 1; else by chance")] = None,
+    crashes: Annotated[int | None, typer.Option(min=0, help="robots; else by chance")] = None,
+    schedule: Annotated[int | None, typer.Option(min=0, help="play only this one")] = None,
+    out: Annotated[Path | None, typer.Option(help="folder for its replay.json")] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="processes; one for each core by default")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Try the fleet's own agents under random faults: every robot a mind of its own, no server."""
+    from teamformer.commands.rehearse import Options
+    from teamformer.commands.rehearse import rehearse as command
+
+    options = Options(schedules, seed, loss, crashes, schedule, out, workers)
+    raise typer.Exit(command(scenario, options, as_json))
+
+
+@app.command()
+def fleet(
+    words: Annotated[list[str], typer.Argument(metavar="[add] SCENARIO", help="a scenario file")],
+    pace: Annotated[float, typer.Option(min=0.01, help="how much faster than real time")] = 1.0,
+    drop: Annotated[
+        float, typer.Option(min=0, max=0.95, help="of messages to throw away, for trials")
+    ] = 0.0,
+    facts: Annotated[Path | None, typer.Option(help="folder for the agents' facts files")] = None,
+    time_limit: Annotated[float, typer.Option(min=1, help="seconds until it gives up")] = 3600.0,
+    task: Annotated[str | None, typer.Option(help="add: the new task's name")] = None,
+    at: Annotated[str | None, typer.Option(help="add: its place, X,Y")] = None,
+    needs: Annotated[str | None, typer.Option(help="add: such as lift:2,scan")] = None,
+    duration: Annotated[float, typer.Option(min=0, help="add: steps that it takes")] = 0.0,
+    connect: Annotated[str | None, typer.Option(help="add: the endpoint of an agent")] = None,
+    key: Annotated[Path | None, typer.Option(help="add: file of the fleet's shared key")] = None,
+    patience: Annotated[float, typer.Option(min=0, help="add: seconds until it gives up")] = 20.0,
+    as_json: AsJson = False,
+) -> None:
+    """Run every robot as a process of its own on this machine; `add` adds a task to it."""
+    from teamformer.commands.fleet import Added, Options, add
+    from teamformer.commands.fleet import fleet as command
+
+    *verbs, path = words
+    if verbs not in ([], ["add"]):
+        raise TeamformerError(f"'{' '.join(words)}' is not one scenario", "give one file")
+    if not verbs:
+        options = Options(pace, drop, facts, time_limit)
+        raise typer.Exit(command(Path(path), options, as_json))
+    if task is None or at is None or needs is None:
+        raise TeamformerError("a task to add needs --task NAME, --at X,Y and --needs ...")
+    added = Added(task, at, needs, duration, connect, key, pace, patience)
+    raise typer.Exit(add(Path(path), added, as_json))
+
+
+@app.command()
+def agent(
+    scenario: ScenarioPath,
+    robot: Annotated[str, typer.Option(help="whose mind it is, by name")],
+    body: Annotated[str, typer.Option(help="sim or module:Class")] = "sim",
+    listen: Annotated[str | None, typer.Option(help="own endpoint: tcp/127.0.0.1:7447")] = None,
+    connect: Annotated[
+        list[str] | None, typer.Option(help="endpoint of another; again for more")
+    ] = None,
+    key: Annotated[Path | None, typer.Option(help="file of the fleet's shared key")] = None,
+    facts: Annotated[Path | None, typer.Option(help="file of what must not be forgotten")] = None,
+    plan: Annotated[Path | None, typer.Option(hidden=True)] = None,
+    pace: Annotated[float, typer.Option(min=0.01, help="how much faster than real time")] = 1.0,
+    drop: Annotated[
+        float, typer.Option(min=0, max=0.95, help="of messages to throw away, for trials")
+    ] = 0.0,
+) -> None:
+    """Run the mind of one robot, over Zenoh from peer to peer."""
+    from teamformer.commands.agent import Options
+    from teamformer.commands.agent import agent as command
+
+    options = Options(robot, body, listen, tuple(connect or ()), key, facts, plan, pace, drop)
+    raise typer.Exit(command(scenario, options))
+
+
 def _open_what_is_closed() -> None:
     """Have something to write to where the shell was told to close an output (`>&-`)."""
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115  (until the process ends)

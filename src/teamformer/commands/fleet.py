@@ -1,0 +1,153 @@
+"""`teamformer fleet`: every robot a process of its own on this machine; `fleet add` adds a task."""
+
+from __future__ import annotations
+
+import secrets
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from teamformer.commands.console import out, prepare_folder, print_json, say
+from teamformer.commands.rehearse import require_extra
+from teamformer.errors import TeamformerError
+from teamformer.scenarios.files import read_scenario
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line says of a fleet."""
+
+    pace: float
+    drop: float
+    folder: Path | None
+    time_limit: float
+
+
+@dataclass(frozen=True)
+class Added:
+    """What the command line says of a task to add."""
+
+    name: str
+    at: str
+    needs: str
+    duration: float
+    connect: str | None
+    key: Path | None
+    pace: float
+    patience: float
+
+
+def fleet(path: Path, options: Options, as_json: bool) -> int:
+    """Run a fleet until the mission ends; return 0 if all is done."""
+    require_extra("zenoh")
+    from teamformer.fleet.mission import Mission, seconds_a_step
+    from teamformer.fleet.process.fleet import LocalFleet
+
+    scenario = read_scenario(path)
+    if options.folder is not None:
+        prepare_folder(options.folder)
+    mission = Mission(scenario, seconds_a_step(scenario, options.pace))
+    with TemporaryDirectory(prefix="teamformer-facts-") as temporary:
+        folder = options.folder or Path(temporary)
+        local = LocalFleet(mission, options.pace, options.drop, folder, say)
+        result = local.run(options.time_limit)
+    makespan = max((done.at for done in result.done), default=None)
+    robots = scenario.robots
+    done = [
+        {
+            "task": result.names[each.key],
+            "at": round(each.at, 3),
+            "by": [robots[robot].name for robot in each.robots],
+        }
+        for each in result.done
+    ]
+    row = {
+        "completed": result.completed,
+        "makespan": None if makespan is None or not result.completed else round(makespan, 3),
+        "tasks_done": len(result.done),
+        "tasks": result.tasks,
+        "robots_alive": result.robots_alive,
+        "done": done,
+    }
+    if as_json:
+        print_json(row)
+    else:
+        end = f"all done after {makespan:.2f} s" if result.completed else "not all done"
+        alive = f"{result.robots_alive} of {len(robots)} robots left"
+        out.print(
+            f"{scenario.name}: {end}; {len(done)} of {result.tasks} tasks, {alive}",
+            style="green" if result.completed else "red",
+            markup=False,
+        )
+    return 0 if result.completed else 1
+
+
+def add(path: Path, added: Added, as_json: bool) -> int:
+    """Add a task to a running fleet; return 0 once it is accepted."""
+    require_extra("zenoh")
+    from teamformer.fleet.messages import OPERATOR, Post, TaskFact
+    from teamformer.fleet.mission import Mission, seconds_a_step
+    from teamformer.fleet.operator import AGAIN, Operator
+    from teamformer.fleet.transports.transport import check_endpoints, read_secret
+    from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
+
+    scenario = read_scenario(path)
+    mission = Mission(scenario, seconds_a_step(scenario, added.pace))
+    x, y = _place(added.at)
+    if not scenario.world.is_free((x, y)):
+        raise TeamformerError(f"--at {added.at} is not free on the map", "name another place")
+    needs = _needs(added.needs, scenario.capabilities)
+    key = (1 + secrets.randbits(36)) << 24
+    task = TaskFact(key, added.name, x, y, needs, added.duration * mission.step)
+    if not mission.can_do(range(mission.robots), task):
+        raise TeamformerError(
+            f"all robots together cannot do '{added.name}'", "lower what it needs, or move it"
+        )
+    secret = read_secret(added.key)
+    if added.connect is None:
+        raise TeamformerError("where is the fleet?", "add --connect ENDPOINT of any agent")
+    check_endpoints([added.connect], secret)
+    transport = ZenohTransport(mission.number, OPERATOR, None, [added.connect])
+    post, operator = Post(mission.number, mission.robots, secret), Operator(task, mission.robots)
+    deadline = time.monotonic() + added.patience
+    try:
+        while not operator.is_accepted and time.monotonic() < deadline:
+            notice = operator.offer()
+            transport.send(notice.to, post.seal(OPERATOR, notice))
+            for data in transport.receive(AGAIN):
+                message, _ = post.judge(data)
+                if message is not None:
+                    operator.hear(message)
+    finally:
+        transport.close()
+    holders = [scenario.robots[robot].name for robot in sorted(operator.holders)]
+    if as_json:
+        print_json({"task": task.name, "accepted": operator.is_accepted, "held_by": holders})
+    elif operator.is_accepted:
+        out.print(f"{task.name}: accepted, held by {', '.join(holders)}", markup=False)
+    if not operator.is_accepted:
+        have = f"only {', '.join(holders)} hold it" if holders else "no robot answered"
+        say(f"{task.name}: not accepted, {have}; {operator.needed} must; it may still be done")
+    return 0 if operator.is_accepted else 1
+
+
+def _place(text: str) -> tuple[float, float]:
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise TeamformerError(f"--at {text} is no place", "write it as in 3,4") from None
+    return x, y
+
+
+def _needs(text: str, capabilities: tuple[str, ...]) -> tuple[int, ...]:
+    counts = dict.fromkeys(capabilities, 0)
+    for part in text.split(","):
+        name, _, number = part.strip().partition(":")
+        if name not in counts:
+            known = ", ".join(capabilities)
+            raise TeamformerError(f"--needs: there is no capability '{name}'", f"there are {known}")
+        if number and not (number.isdigit() and 0 < int(number) <= 1000):
+            raise TeamformerError(f"--needs {part}: {number} is no count", "write 1 to 1000")
+        counts[name] += int(number or 1)
+    return tuple(counts.values())

@@ -1,0 +1,1 @@
+"""A fleet of its own: one mind a robot, no server."""

@@ -1,0 +1,281 @@
+"""The mind of one robot: hears, senses, decides, commands its body and speaks.
+
+It asks no clock, network or body; what runs it does, here in a rehearsal and on a robot alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from teamformer.fleet.agent.knowledge import Knowledge, Remembered
+from teamformer.fleet.agent.membership import HEARS_ALL, Membership
+from teamformer.fleet.agent.planning import FleetPlan, PlanKeeper
+from teamformer.fleet.agent.service import Service
+from teamformer.fleet.agent.voice import Voice
+from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.messages import (
+    EVERYBODY,
+    HERE,
+    NOBODY,
+    OPERATOR,
+    SERVE,
+    WALK,
+    Beat,
+    FactsNote,
+    Message,
+    Notice,
+    Offer,
+    PlanNote,
+    Receipt,
+)
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.planner import Planner
+
+LOOK = 1.0
+"""Seconds between two looks at who is lost and whether this robot gets on."""
+
+NAMESAKES = 3
+"""Messages of another process in this robot's name from which on the younger one gives up."""
+
+
+class Agent:
+    """One robot's mind, to be ticked when something is heard or sensed and when it is `due`."""
+
+    def __init__(
+        self,
+        mission: Mission,
+        me: int,
+        planner: Planner,
+        plan: FleetPlan,
+        now: float,
+        remembered: Remembered | None = None,
+        nonce: int = 0,
+    ) -> None:
+        kept = remembered or Remembered()
+        self.mission = mission
+        self.me = me
+        self.knowledge = Knowledge(mission, me, kept)
+        life = kept.life + 1 if remembered else 0
+        self.membership = Membership(self.knowledge, mission.timers, life, now)
+        self.keeper = PlanKeeper(self.knowledge, plan, planner)
+        self.service = Service(self.knowledge, self.membership)
+        self.voice = Voice(self, now, nonce)
+        self.command = Command()
+        self.due = now
+        self.is_refused = False  # an older process has this robot's name
+        self._born = now - kept.age
+        self._look_at = now
+        self._place = (self.knowledge.words[me].x, self.knowledge.words[me].y)
+        self._leaves_when = float("inf")  # the promise that it waits out before it leaves
+        self._namesakes = 0
+        self._mates_changes = 0  # grows when somebody says something new about the task at hand
+        self._report = Report(*self._place)
+        self._decided: tuple[int, ...] = ()
+        self._plan_at = float("inf")
+        others = frozenset(range(mission.robots)) - {me}
+        self.watched = others if mission.robots <= HEARS_ALL else self._neighbours()
+        self._watched_for = (-1, -1)  # the goal and the plan that it listens for
+
+    def tick(
+        self, now: float, report: Report, inbox: Sequence[Message]
+    ) -> tuple[Command, list[Notice]]:
+        """Make a step of the mind; return what the body is to do and what is to be said.
+
+        Where nothing was heard or sensed that matters now, there is nothing to decide.
+        """
+        self.membership.start_tick(now)
+        notices: list[Notice] = []
+        for message in inbox:
+            self._hear(message, now, notices)
+        if report.number < self._report.number:
+            report = self._report  # this one came late
+        if now < self.due and report == self._report and self._state() == self._decided:
+            return self.command, notices
+        self._report = report
+        self._sense(report, now)
+        self.knowledge.let_appear(self.age(now))
+        if now >= self._look_at:
+            self._look(now)
+        self._plan(now, notices)
+        self._serve(now, report)
+        self._listen(now)
+        self._steer(now)
+        self.voice.speak(now, self._place, notices)
+        self.due = min(self._next_time(now), self.voice.next_beat)
+        self._decided = self._state()
+        return self.command, notices
+
+    def _state(self) -> tuple[int, ...]:
+        """Return what changes whenever there may be something to decide."""
+        changes = (self.knowledge.changes, self.membership.changes, self._mates_changes)
+        return *changes, *self.keeper.plan.version
+
+    def age(self, now: float) -> float:
+        """Return how long the mission has been going on, in seconds."""
+        return max(0.0, now - self._born)
+
+    def leave(self, now: float) -> list[Notice]:
+        """Say that this robot leaves the fleet for good, so that nobody waits for it."""
+        self.membership.is_leaving = True
+        notices: list[Notice] = []
+        self.voice.speak(now, self._place, notices, at_once=True)
+        return notices
+
+    def remember(self, now: float) -> Remembered:
+        """Return what has to outlive a restart."""
+        knowledge = self.knowledge
+        done = tuple(sorted(knowledge.done))
+        return Remembered(self.membership.life, done, knowledge.added, self.age(now))
+
+    @property
+    def memory_version(self) -> tuple[int, int]:
+        """Return what changes whenever there is more to remember."""
+        return self.membership.life, self.knowledge.changes
+
+    @property
+    def is_over(self) -> bool:
+        """Say whether every task that this robot knows is done, and none is still to appear."""
+        return len(self.knowledge.done) == len(self.knowledge.tasks)
+
+    def _hear(self, message: Message, now: float, notices: list[Notice]) -> None:
+        body, sender = message.body, message.sender
+        if message.to not in (EVERYBODY, self.me):
+            return
+        if sender == self.me:
+            if type(body) is Beat:
+                self._meet_namesake(body, now)
+        elif type(body) is Beat:
+            self._hear_beat(body, sender, now, notices)
+        elif type(body) is PlanNote:
+            self.keeper.take(body)
+        elif type(body) is FactsNote:
+            self.knowledge.merge(body, now)
+        elif type(body) is Offer and self.knowledge.add_task(body.task):
+            notices.append(Notice(OPERATOR, Receipt(body.task.key)))
+
+    def _hear_beat(self, beat: Beat, sender: int, now: float, notices: list[Notice]) -> None:
+        membership, words = self.membership, self.knowledge.words
+        goal = self.service.goal if self.service.phase != WALK else NOBODY
+        for word in (beat.word, *beat.others):
+            if word.version > words[word.robot].version:
+                old = membership.hear(word, now)
+                if old is None:
+                    continue
+                if goal != NOBODY and goal in (word.goal, old.goal):
+                    self._mates_changes += 1
+        membership.count_missed(beat.word)
+        membership.heard = now
+        if beat.word.version < words[sender].version:
+            self.voice.relay_again(sender)  # it may not know what is said about it
+        for key in beat.news:
+            self.knowledge.mark_done(key, now)
+        self._born = min(self._born, now - beat.age)
+        has_older_plan = beat.plan < self.keeper.plan.version
+        differs = beat.digest != self.knowledge.digest
+        self.voice.tell(sender, has_older_plan, differs, now, notices)
+
+    def _meet_namesake(self, beat: Beat, now: float) -> None:
+        """Give way to another process that speaks for this robot, if that one is older."""
+        if beat.nonce != self.voice.nonce and beat.uptime > self.voice.uptime(now):
+            self._namesakes += 1
+            self.is_refused = self._namesakes >= NAMESAKES
+
+    def _sense(self, report: Report, now: float) -> None:
+        self._place = (report.x, report.y)
+        is_news = report.leg == self.command.leg and report.is_done
+        if is_news and self.knowledge.mark_done(self.command.task, now):
+            self.voice.hurry()
+
+    def _look(self, now: float) -> None:
+        """Look who is lost, and whether this robot gets on."""
+        self._look_at = now + LOOK
+        self.membership.call_lost(now, self.watched)
+        place = self.command.place
+        wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
+        self.membership.judge_myself(now, *self._place, wants_to_move)
+
+    def _plan(self, now: float, notices: list[Notice]) -> None:
+        self._plan_at = self.keeper.plan_at(now, self.membership)
+        if now >= self._plan_at:
+            self.keeper.make(self.membership, self._place)
+            self._plan_at = float("inf")
+            notices.append(Notice(EVERYBODY, self.keeper.plan.note))
+
+    def _serve(self, now: float, report: Report) -> None:
+        service = self.service
+        self._leaves_when = float("inf")
+        goal = self.keeper.next_task(self.me)
+        is_done = service.goal in self.knowledge.done
+        if is_done or (goal != service.goal and service.phase != SERVE):
+            if now < service.promised and not is_done:
+                service.phase, service.waits = HERE, False  # it takes READY back, and stays
+                self._leaves_when = service.promised
+                return
+            service.head_for(goal, now, self._fellows(goal))
+        is_for_it = report.leg == self.command.leg and self.command.task == service.goal
+        is_there = is_for_it and self._is_at(service.goal)
+        service.stand_by(now, is_there, report.is_busy)
+
+    def _fellows(self, goal: int) -> frozenset[int]:
+        """Return the robots that go to the same task as this one next."""
+        if goal == NOBODY:
+            return frozenset()
+        coalition = self.keeper.plan.coalition(goal)
+        return frozenset(r for r in coalition if self.keeper.next_task(r) == goal)
+
+    def _is_at(self, key: int) -> bool:
+        if key == NOBODY:
+            return False
+        task = self.knowledge.tasks[key]
+        return self.mission.is_same_place(task.x, task.y, *self._place)
+
+    def _steer(self, now: float) -> None:
+        """Turn the state of the service into a command; only a new place or task is a new leg."""
+        service, command = self.service, self.command
+        if service.goal != NOBODY:
+            task = self.knowledge.tasks[service.goal]
+            place = None if now < service.formed else (task.x, task.y)
+        elif self.membership.is_stuck:
+            place = command.place  # it goes on trying
+        else:
+            place = self.mission.base if self._misses_somebody(now) else None
+        if place is None and service.goal == command.task != NOBODY:
+            place = command.place  # forming where it stands
+        if (place, service.goal) != (command.place, command.task):
+            command = Command(command.leg + 1, place, service.goal)
+        is_serving = service.phase == SERVE
+        self.command = command._replace(serve=is_serving, team=service.team)
+
+    def _misses_somebody(self, now: float) -> bool:
+        """Say whether somebody is out of hearing: then who has nothing to do goes to the base."""
+        seen, patience = self.membership.seen, 2 * self.mission.timers.near
+        return any(now - seen[robot] > patience for robot in self.watched)
+
+    def _neighbours(self) -> frozenset[int]:
+        """Return whom to listen to in a large fleet: those 1, 2, 4, ... numbers away."""
+        robots, away = self.mission.robots, 1
+        near: set[int] = set()
+        while away < robots:
+            near |= {(self.me + away) % robots, (self.me - away) % robots}
+            away *= 2
+        return frozenset(near - {self.me})
+
+    def _listen(self, now: float) -> None:
+        """In a large fleet, listen to neighbours and to those that this robot is to meet."""
+        if self.mission.robots <= HEARS_ALL:
+            return
+        goal, plan = self.service.goal, self.keeper.plan
+        if (goal, plan.note.epoch) != self._watched_for:
+            self._watched_for = (goal, plan.note.epoch)
+            mates = frozenset(plan.coalition(goal)) - {self.me}
+            watched = self._neighbours() | mates
+            self.membership.watch(watched - self.watched, now)
+            self.watched = watched
+
+    def _next_time(self, now: float) -> float:
+        """Return when something is to be decided, even if nothing is heard until then."""
+        times = [self._look_at, self._plan_at, self._leaves_when]
+        if self.service.formed > now:
+            times.append(self.service.formed)
+        times.append(self._born + self.knowledge.appears_next)
+        return min(times)

@@ -1,0 +1,151 @@
+"""What one robot knows: everybody's newest word, the tasks, and which of them are done.
+
+All of it merges by taking the larger: words by version, facts as sets that only grow.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections import deque
+from collections.abc import Iterable
+
+from msgspec import Struct
+
+from teamformer.fleet.messages import MOST_NEWS, MOST_TASKS, NOBODY, FactsNote, TaskFact, Word
+from teamformer.fleet.mission import Mission
+
+NEWS_LAST = 4.0
+"""Seconds for which a heartbeat tells of a task that it is done."""
+
+MOST_ADDED = 1000
+"""Tasks of operators that are held at most, so that nobody can fill a robot's memory."""
+
+
+class Remembered(Struct, frozen=True, array_like=True):
+    """What outlives a restart of the agent."""
+
+    life: int = 0
+    done: tuple[int, ...] = ()
+    added: tuple[TaskFact, ...] = ()
+    age: float = 0.0  # seconds of the mission
+    seen_at: float = 0.0  # by the clock of the machine, seconds
+
+
+class Knowledge:
+    """The facts and words that a robot has; `me` is its number."""
+
+    def __init__(self, mission: Mission, me: int, remembered: Remembered) -> None:
+        self.mission = mission
+        self.me = me
+        self.words = [
+            Word(robot, 0, float(at.at[0]), float(at.at[1]), robot)
+            for robot, at in enumerate(mission.scenario.robots)
+        ]
+        self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
+        self.done: set[int] = set()
+        self.digest = 0
+        self.changes = 0  # grows with every fact
+        self.refused = 0  # facts that made no sense
+        self._hidden = sorted((t.appears, t.key) for t in mission.tasks if t.appears > 0)[::-1]
+        self._news: deque[tuple[float, int]] = deque(maxlen=MOST_NEWS)
+        self.known = {task.key for task in mission.tasks if task.appears == 0}
+        self.undone = set(self.known)
+        for task in remembered.added:
+            self.add_task(task)
+        for key in remembered.done:
+            self.mark_done(key, 0.0)
+
+    def hear_word(self, word: Word) -> Word | None:
+        """Take a word if it is newer than what is known; return the one that it replaces."""
+        old = self.words[word.robot]
+        if word.version <= old.version or word.robot == self.me:
+            return None
+        self.words[word.robot] = word
+        return old
+
+    def let_appear(self, age: float) -> None:
+        """Let the tasks become known whose time has come."""
+        while self._hidden and self._hidden[-1][0] <= age:
+            self._learn(self._hidden.pop()[1])
+
+    @property
+    def appears_next(self) -> float:
+        """Return the mission's age at which a task will become known, if one will."""
+        return self._hidden[-1][0] if self._hidden else float("inf")
+
+    def add_task(self, task: TaskFact) -> bool:
+        """Take in a task of an operator; say whether it is held now."""
+        if task.key in self.tasks:
+            return True
+        world = self.mission.scenario.world
+        is_sound = len(task.needs) == len(self.mission.scenario.capabilities)
+        is_sound = is_sound and world.is_free((task.x, task.y)) and task.key >= 1 << 24
+        if not is_sound or len(self.tasks) >= len(self.mission.tasks) + MOST_ADDED:
+            self.refused += 1
+            return False
+        self.tasks[task.key] = task
+        self.digest ^= _hash(task.key, False)
+        self._learn(task.key)
+        return True
+
+    def mark_done(self, key: int, now: float) -> bool:
+        """Note that a task is done; a key that nobody knows is refused. Say whether it is news."""
+        if key in self.done:
+            return False
+        if key not in self.tasks:
+            self.refused += 1
+            return False
+        self._learn(key)  # done implies known
+        self.done.add(key)
+        self.undone.discard(key)
+        self.digest ^= _hash(key, True)
+        self._news.append((now, key))
+        self.changes += 1
+        return True
+
+    def news(self, now: float) -> tuple[int, ...]:
+        """Return the tasks that have been done lately."""
+        while self._news and self._news[0][0] < now - NEWS_LAST:
+            self._news.popleft()
+        return tuple(key for _, key in self._news)
+
+    def merge(self, note: FactsNote, now: float) -> bool:
+        """Take in all facts of another robot; say whether any was new."""
+        before = self.changes
+        for task in note.added:
+            self.add_task(task)
+        for key in note.done:
+            self.mark_done(key, now)
+        return self.changes > before
+
+    def note(self) -> FactsNote:
+        """Return all facts, for who knows others."""
+        return FactsNote(tuple(sorted(self.done))[:MOST_TASKS], self.added, self.digest)
+
+    @property
+    def added(self) -> tuple[TaskFact, ...]:
+        """Return the tasks of operators."""
+        own = len(self.mission.tasks)
+        return tuple(self.tasks.values())[own:]
+
+    def open_tasks(self) -> Iterable[TaskFact]:
+        """Return the known tasks that are not done, by key."""
+        return (self.tasks[key] for key in sorted(self.undone))
+
+    def covers(self, robots: Iterable[int], key: int) -> bool:
+        """Say whether robots together have what a task needs."""
+        return self.mission.covers(robots, self.tasks[key].needs)
+
+    def _learn(self, key: int) -> None:
+        if key not in self.known:
+            self.known.add(key)
+            if key not in self.done:
+                self.undone.add(key)
+            self.changes += 1
+
+
+def _hash(key: int, is_done: bool) -> int:
+    """Return 62 bits that sum up, by exclusive or, what is known; NOBODY has none."""
+    assert key != NOBODY
+    text = key.to_bytes(8, "big") + bytes([is_done])
+    return int.from_bytes(hashlib.blake2b(text, digest_size=8).digest(), "big") >> 2

@@ -1,0 +1,139 @@
+"""Who is alive: claims of loss and how they are refuted (as in SWIM, Das et al. 2002), losses on
+the network, and whether this robot itself is fit to be counted on.
+"""
+
+from __future__ import annotations
+
+from msgspec.structs import replace
+
+from teamformer.fleet.agent.knowledge import Knowledge
+from teamformer.fleet.messages import LIFE, LOST, Word
+from teamformer.fleet.mission import Timers
+
+LONG_PAUSE = 2.5
+"""Seconds between two ticks from which on this robot was itself away, not the others."""
+
+HEARS_ALL = 32
+"""Up to so many robots everybody listens to everybody."""
+
+STRETCH = 0.6
+MOST_STRETCH = 5.0
+"""Timers are stretched by `STRETCH / (1 - loss)`, from 1 to MOST_STRETCH."""
+
+LARGEST_GAP = 10
+"""Messages that are missed in a row count as so many: a robot was away, not the network bad."""
+
+PART = 0.12
+"""How much of the estimate of loss each message is worth."""
+
+
+class Membership:
+    """Whom this robot takes for alive, and for how long it waits for word of them."""
+
+    def __init__(self, knowledge: Knowledge, timers: Timers, life: int, now: float) -> None:
+        self.timers = timers
+        self.life = life
+        self.count = 0
+        self.is_leaving = False
+        self.is_fit = True
+        self.stretch = 1.0
+        self.changes = 1  # grows whenever somebody comes, goes or changes fitness
+        self._knowledge = knowledge
+        robots = knowledge.mission.robots
+        self.seen = [now] * robots  # when something new was last heard of each
+        self._direct = [0] * robots  # the newest word that was heard of each directly
+        self._missing = 0.0  # messages missed for each one heard, lately
+        self.heard = now  # when anybody was last heard
+        self._tick = now
+        self.is_stuck = False  # it wants to get on and does not
+        self._is_deaf = False
+        self._moved = (now, 0.0, 0.0)
+
+    @property
+    def version(self) -> int:
+        """Return the version of the own word as it is now."""
+        return self.life * LIFE + (LOST if self.is_leaving else 0) + self.count
+
+    def start_tick(self, now: float) -> None:
+        """Note the time; if this robot was away for long, do not blame the others for it."""
+        away = now - self._tick
+        if away > LONG_PAUSE:
+            self.seen = [seen + away for seen in self.seen]
+            self.heard += away
+            self._moved = (self._moved[0] + away, *self._moved[1:])
+        self._tick = now
+
+    def hear(self, word: Word, now: float) -> Word | None:
+        """Take in a word; return the one that it replaces, if it does.
+
+        Who is called lost, or shown a former life, begins another one.
+        """
+        if word.robot == self._knowledge.me:
+            if word.version > self.version and not self.is_leaving:
+                self.life = word.life + 1
+                self.changes += 1
+            return None
+        old = self._knowledge.hear_word(word)
+        if old is not None:
+            self.seen[word.robot] = now
+            is_other = (old.version ^ word.version) >= LOST or old.is_fit != word.is_fit
+            self.changes += is_other
+        return old
+
+    def count_missed(self, word: Word) -> None:
+        """Note, at a word heard directly, how many of the same robot's were missed before it."""
+        direct, self._direct[word.robot] = self._direct[word.robot], word.version
+        gap = word.version - direct
+        if gap <= 0 or gap >= LOST:  # an old one, or of another life
+            return
+        if gap > LARGEST_GAP:
+            gap = LARGEST_GAP
+        self._missing += PART * (gap - 1 - self._missing)
+        stretch = STRETCH * (1.0 + self._missing)  # 1 / (1 - loss), if `missing` for one heard
+        self.stretch = 1.0 if stretch < 1.0 else min(stretch, MOST_STRETCH)
+
+    def call_lost(self, now: float, watched: frozenset[int]) -> None:
+        """Call those lost of whom nothing new was heard for long."""
+        patience = self.timers.lost * self.stretch
+        for robot in watched:
+            word = self._knowledge.words[robot]
+            if now - self.seen[robot] > patience and not word.is_lost:
+                self._knowledge.words[robot] = replace(word, version=word.version | LOST)
+                self.seen[robot] = now
+                self.changes += 1
+
+    def watch(self, robots: frozenset[int], now: float) -> None:
+        """Begin to listen to robots: they have from now on to be heard."""
+        for robot in robots:
+            self.seen[robot] = max(self.seen[robot], now)
+
+    def judge_myself(self, now: float, x: float, y: float, wants_to_move: bool) -> None:
+        """Say whether this robot is fit: it hears somebody, and gets on where it wants to."""
+        _, was_x, was_y = self._moved
+        if (x, y) != (was_x, was_y):
+            self._moved = (now, x, y)
+            self.is_stuck = False
+        elif not wants_to_move and not self.is_stuck:
+            self._moved = (now, x, y)
+        slowness = 2.0 * self._knowledge.mission.step_time(self._knowledge.me)
+        if now - self._moved[0] > max(self.timers.stuck, slowness):
+            self.is_stuck = True
+        is_alone = self._knowledge.mission.robots == 1
+        self._is_deaf = not is_alone and now - self.heard > self.timers.deaf * self.stretch
+        is_fit = not (self.is_stuck or self._is_deaf)
+        if is_fit != self.is_fit:
+            self.is_fit = is_fit
+            self.changes += 1
+
+    def is_near(self, robot: int, now: float) -> bool:
+        """Say whether there is fresh word of a robot."""
+        return now - self.seen[robot] <= self.timers.near * self.stretch
+
+    def live(self) -> frozenset[int]:
+        """Return the robots to count on: not called lost, and fit by their own word.
+
+        A robot that hears nobody counts on itself all the same; one that is stuck does not.
+        """
+        words, me = self._knowledge.words, self._knowledge.me
+        others = {w.robot for w in words if not w.is_lost and w.is_fit and w.robot != me}
+        return frozenset(others if self.is_stuck or self.is_leaving else others | {me})

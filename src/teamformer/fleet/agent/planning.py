@@ -1,0 +1,154 @@
+"""The plan that a robot follows, when it makes a new one, and what is next on it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from teamformer.fleet.agent.knowledge import Knowledge
+from teamformer.fleet.agent.membership import Membership
+from teamformer.fleet.messages import NOBODY, SERVE, PlanNote
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.planner import Planner, Situation
+
+
+@dataclass(frozen=True)
+class FleetPlan:
+    """Who does which task with whom, in what order; passed on as a value, never worked out twice.
+
+    Any order whose coalitions are able cannot block: the coalition of the first open task is
+    always on its way there.
+    """
+
+    note: PlanNote
+    routes: dict[int, list[int]] = field(init=False)  # the tasks of each robot, in order
+    version: tuple[int, int, int] = field(init=False)
+    live: frozenset[int] = field(init=False)  # the robots that it counts on
+    listed: frozenset[int] = field(init=False)  # the tasks that it thought of
+
+    def __post_init__(self) -> None:
+        note = self.note
+        routes: dict[int, list[int]] = {}
+        for key, coalition in zip(note.order, note.coalitions, strict=True):
+            for robot in coalition:
+                routes.setdefault(robot, []).append(key)
+        text = repr((note.live, note.order, note.coalitions, note.left_out)).encode()
+        digest = int.from_bytes(hashlib.blake2b(text, digest_size=8).digest(), "big") >> 2
+        keep = object.__setattr__
+        keep(self, "routes", routes)
+        keep(self, "version", (note.epoch, note.maker, digest))
+        keep(self, "live", frozenset(note.live))
+        keep(self, "listed", frozenset((*note.order, *note.left_out)))
+
+    def coalition(self, key: int) -> tuple[int, ...]:
+        """Return who does a task together; nobody if the plan has it not."""
+        try:
+            return self.note.coalitions[self.note.order.index(key)]
+        except ValueError:
+            return ()
+
+
+def first_plan(mission: Mission, planner: Planner) -> FleetPlan:
+    """Return plan 0, which every robot makes of the mission by itself before it starts."""
+    tasks = tuple(task for task in mission.tasks if task.appears == 0)
+    places = {robot: at.at for robot, at in enumerate(mission.scenario.robots)}
+    return FleetPlan(make_plan(mission, planner, Situation(places, tasks), 0, 0))
+
+
+def make_plan(
+    mission: Mission, planner: Planner, situation: Situation, epoch: int, maker: int
+) -> PlanNote:
+    """Plan what can be done; tasks that the robots cannot do are left out and said so."""
+    robots = tuple(sorted(situation.places))
+    able = [task for task in situation.tasks if mission.can_do(robots, task)]
+    left_out = tuple(task.key for task in situation.tasks if task not in able)
+    stops: Sequence[tuple[int, tuple[int, ...]]] = ()
+    if able:
+        stops = planner.plan(mission, situation._replace(tasks=tuple(able)))
+    order, coalitions = tuple(key for key, _ in stops), tuple(who for _, who in stops)
+    return PlanNote(epoch, maker, robots, order, coalitions, left_out)
+
+
+class PlanKeeper:
+    """Holds the newest plan, notices when it has to be made anew, and says what is next."""
+
+    def __init__(self, knowledge: Knowledge, plan: FleetPlan, planner: Planner) -> None:
+        self.plan = plan
+        self.made = 0
+        self._knowledge = knowledge
+        self._planner = planner
+        self._reason_since: float | None = None
+        self._looked_at = (-1, -1, -1, -1)
+        self._next = 0
+
+    def take(self, note: PlanNote) -> bool:
+        """Take a plan if it is larger than the own; say whether it was."""
+        if (note.epoch, note.maker) < self.plan.version[:2]:
+            return False
+        plan = FleetPlan(note)
+        if plan.version <= self.plan.version:
+            return False
+        self.plan, self._next = plan, 0
+        return True
+
+    def next_task(self, robot: int) -> int:
+        """Return a robot's first task that is known here and not done, or NOBODY."""
+        done, tasks = self._knowledge.done, self._knowledge.tasks
+        route = self.plan.routes.get(robot, ())
+        if robot == self._knowledge.me:
+            while self._next < len(route) and route[self._next] in done:
+                self._next += 1
+        begin = self._next if robot == self._knowledge.me else 0
+        for place in range(begin, len(route)):
+            if route[place] not in done and route[place] in tasks:
+                return route[place]
+        return NOBODY
+
+    def plan_at(self, now: float, membership: Membership) -> float:
+        """Return when this robot makes a new plan, if nobody else has made one; inf for never.
+
+        Robots with lower numbers go first.
+        """
+        self._look(now, membership)
+        if self._reason_since is None:
+            return float("inf")
+        timers, me = membership.timers, self._knowledge.me
+        ahead = sum(r < me and membership.is_near(r, now) for r in membership.live())
+        return self._reason_since + (timers.settle + timers.turn * ahead) * membership.stretch
+
+    def make(self, membership: Membership, place: tuple[float, float]) -> None:
+        """Make a new plan for those that are live, from where they are."""
+        knowledge, words = self._knowledge, self._knowledge.words
+        live = membership.live()
+        places = {robot: (words[robot].x, words[robot].y) for robot in sorted(live)}
+        if knowledge.me in places:
+            places[knowledge.me] = place
+        serving: dict[int, list[int]] = {}
+        for robot in places:
+            if words[robot].phase == SERVE and words[robot].goal in knowledge.undone:
+                serving.setdefault(words[robot].goal, []).append(robot)
+        tasks = tuple(knowledge.open_tasks())
+        situation = Situation(places, tasks, {k: tuple(r) for k, r in serving.items()})
+        epoch = self.plan.note.epoch + 1
+        note = make_plan(knowledge.mission, self._planner, situation, epoch, knowledge.me)
+        self.plan, self._next = FleetPlan(note), 0
+        self.made += 1
+        self._reason_since = None
+
+    def _look(self, now: float, membership: Membership) -> None:
+        """Look for a reason to plan, where anything has changed since the last look."""
+        knowledge = self._knowledge
+        looked = (knowledge.changes, membership.changes, *self.plan.version[:2])
+        if looked == self._looked_at:
+            return
+        self._looked_at = looked
+        if not self._has_reason(membership.live()):
+            self._reason_since = None
+        elif self._reason_since is None:
+            self._reason_since = now
+
+    def _has_reason(self, live: frozenset[int]) -> bool:
+        """Say whether the plan misses a task, or counts on others than are there."""
+        undone = self._knowledge.undone
+        return bool(undone) and (live != self.plan.live or not undone <= self.plan.listed)

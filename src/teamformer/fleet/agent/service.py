@@ -1,0 +1,141 @@
+"""Doing a task together: WALK, HERE, READY, SERVE.
+
+READY is a promise to stay for a while. Service begins when robots that together have what the task
+needs have proven, by echoing a word of this robot's own, that their promises still hold. So no
+robot begins in vain because of a message that came late.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+
+from teamformer.fleet.agent.knowledge import Knowledge
+from teamformer.fleet.agent.membership import Membership
+from teamformer.fleet.messages import HERE, MOST_RELAYED, NOBODY, READY, SERVE, WALK, Word
+
+SURE = 0.75
+"""The part of a promise that is relied on: clocks drift."""
+
+MOST_SENT = 64
+"""Own words whose time is remembered, to know them again in echoes."""
+
+
+class Service:
+    """Where a robot stands with its task, in which team, and what it has promised."""
+
+    def __init__(self, knowledge: Knowledge, membership: Membership) -> None:
+        self.goal = NOBODY
+        self.phase = WALK
+        self.team = knowledge.me
+        self.promised = float("-inf")  # until when this robot stays where it is
+        self.formed = float("-inf")  # when the last split or join is over
+        self.waits = False  # others are here, and service has not begun for all
+        self._knowledge = knowledge
+        self._membership = membership
+        self._sent: dict[int, float] = {}  # when the own words were said, by version
+        self._order: deque[int] = deque()
+
+    def head_for(self, goal: int, now: float, fellows: frozenset[int]) -> None:
+        """Take another task; `fellows` are those of the team that go there too.
+
+        Who parts from others stands for as long as a split takes.
+        """
+        was_with = [w.robot for w in self._members(now)]
+        stay_with = [robot for robot in was_with if robot in fellows]
+        self.team = min((self._knowledge.me, *stay_with))
+        if len(stay_with) < len(was_with) and goal != NOBODY:
+            self.formed = now + self._knowledge.mission.forming
+        self.goal, self.phase, self.waits = goal, WALK, False
+
+    def _members(self, now: float) -> Iterable[Word]:
+        """Return the words of the others that are in this robot's team at its task."""
+        if self.goal == NOBODY:
+            return
+        for word in self._knowledge.words:
+            if word.team == self.team and word.goal == self.goal and self._is_fellow(word, now):
+                yield word
+
+    def _is_fellow(self, word: Word, now: float) -> bool:
+        me = self._knowledge.me
+        near = self._membership.is_near(word.robot, now)
+        return word.robot != me and near and not word.is_lost
+
+    def stand_by(self, now: float, is_there: bool, is_busy: bool) -> None:
+        """Go on with the task at hand: gather, promise, begin, break off."""
+        if not is_there or self.goal == NOBODY:
+            self.phase, self.waits = WALK, False
+            return
+        going = [w for w in self._knowledge.words if w.goal == self.goal]
+        going = [word for word in going if self._is_fellow(word, now)]
+        here = [word for word in going if word.phase >= HERE]
+        if self.phase != SERVE:
+            self._choose_team(now, going, here)
+        fellows = [word for word in here if word.team == self.team]
+        if now < self.formed and self.phase != SERVE:
+            self.phase = HERE
+        else:
+            self.phase = self._next_phase(now, fellows, is_busy)
+        self.waits = self.phase == READY or any(word.phase == READY for word in fellows)
+
+    def _choose_team(self, now: float, going: list[Word], here: list[Word]) -> None:
+        """Join the team that serves here, or is ready to, or else that of the lowest robot."""
+        me = self._knowledge.me
+        company = {word.robot for word in here} | {me}
+        company |= {word.robot for word in going if word.team == self.team}
+        for phase in (SERVE, READY):
+            teams = [word.team for word in here if word.phase == phase]
+            if self.phase == phase:
+                teams.append(self.team)
+            teams = teams if phase == SERVE else [team for team in teams if team in company]
+            if teams:
+                break
+        team = min(teams) if teams else min(company)
+        if team != self.team:
+            self.team = team
+            self.formed = now + self._knowledge.mission.forming
+
+    def _next_phase(self, now: float, fellows: list[Word], is_busy: bool) -> int:
+        me, covers = self._knowledge.me, self._knowledge.covers
+        if not covers((me, *(word.robot for word in fellows)), self.goal):
+            return HERE
+        if self.phase == SERVE:  # whoever is here without being ready yet soon will be
+            return SERVE
+        bound = [word.robot for word in fellows if word.phase >= READY and self._holds(word, now)]
+        return SERVE if covers((me, *bound), self.goal) and not is_busy else READY
+
+    def _holds(self, word: Word, now: float) -> bool:
+        """Say whether a promise certainly holds still.
+
+        It was made after the word that it echoes was said.
+        """
+        me = self._knowledge.me
+        for place in range(0, len(word.echoes), 2):
+            if word.echoes[place] == me:
+                said = self._sent.get(word.echoes[place + 1])
+                return said is not None and now <= said + SURE * word.hold
+        return False
+
+    def echoes(self, now: float) -> tuple[int, ...]:
+        """Return which words were heard of those that gather for the same task."""
+        if self.phase == WALK:
+            return ()
+        heard: list[int] = []
+        for word in self._knowledge.words:
+            if word.goal == self.goal and word.phase >= HERE and self._is_fellow(word, now):
+                heard += (word.robot, word.version)
+        return tuple(heard[: 8 * MOST_RELAYED])
+
+    def said(self, version: int, now: float) -> None:
+        """Remember when a word was said; being ready in it was a promise."""
+        self._sent[version] = now
+        self._order.append(version)
+        if len(self._order) > MOST_SENT:
+            del self._sent[self._order.popleft()]
+        if self.phase >= READY:
+            self.promised = now + self.hold
+
+    @property
+    def hold(self) -> float:
+        """Return for how many seconds READY is a promise to stay."""
+        return self._membership.timers.hold * self._membership.stretch

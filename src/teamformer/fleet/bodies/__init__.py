@@ -1,0 +1,1 @@
+"""What moves: simulated robots, automated guided vehicles, robots of the user."""

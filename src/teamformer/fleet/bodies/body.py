@@ -1,0 +1,47 @@
+"""The seam between a mind and what moves: what an agent commands, and what a body reports."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+from teamformer.fleet.messages import NOBODY
+from teamformer.model import Place
+
+
+class Command(NamedTuple):
+    """What a body is to do; a new `leg` for each new place or task."""
+
+    leg: int = 0
+    place: Place | None = None  # None: stay
+    task: int = NOBODY  # what it goes there for
+    team: int = NOBODY  # with whom it serves
+    serve: bool = False
+
+
+class Report(NamedTuple):
+    """What a body senses; `leg` is the last command that it has taken up.
+
+    `number` grows from report to report, so that one that comes late or twice is known as such.
+    `is_done` says that the task of that command is done, as far as one sees who stands there, and
+    `is_busy` that another team is at work on it.
+    """
+
+    x: float
+    y: float
+    leg: int = 0
+    is_done: bool = False
+    is_busy: bool = False
+    number: int = 0
+
+
+class Body(Protocol):
+    """A robot's body. It obeys the last command, and reports whenever it is asked."""
+
+    def command(self, command: Command) -> None:
+        """Take up a command; the same one may come again."""
+
+    def report(self) -> Report | None:
+        """Return what it senses now; None while it is out of reach."""
+
+    def close(self) -> None:
+        """Come to a stop."""

@@ -1,0 +1,74 @@
+"""A simulated body that another process holds: commands there, reports back, over the network."""
+
+from __future__ import annotations
+
+import time
+from typing import Protocol
+
+from msgspec import DecodeError, Struct, ValidationError
+from msgspec.msgpack import Decoder, Encoder
+
+from teamformer.fleet.bodies.body import Command, Report
+
+AGAIN = 0.3
+"""Seconds until a command is sent once more: it may have been lost."""
+
+SILENCE = 3.0
+"""Seconds without a command after which a body stops: it has no mind any more."""
+
+
+class Order(Struct, array_like=True):
+    """A command on its way to the body of a robot."""
+
+    robot: int
+    leg: int
+    place: tuple[float, float] | None
+    task: int
+    team: int
+    serve: bool
+
+
+class Line(Protocol):
+    """Carries orders to bodies and reports back."""
+
+    def send_body(self, key: str, data: bytes) -> None:
+        """Send an order or a report."""
+
+
+encode = Encoder().encode
+decode_order = Decoder(Order).decode
+decode_report = Decoder(tuple[float, float, int, bool, bool, int]).decode
+
+
+class RemoteBody:
+    """The mind's end of the line to a simulated body."""
+
+    def __init__(self, line: Line, robot: int) -> None:
+        self._line, self._robot = line, robot
+        self._command = Command()
+        self._sent = float("-inf")
+        self._report: Report | None = None
+
+    def command(self, command: Command) -> None:
+        """Send a command, again and again."""
+        now = time.monotonic()
+        if command != self._command or now - self._sent > AGAIN:
+            self._command, self._sent = command, now
+            self._line.send_body("orders", encode(Order(self._robot, *command)))
+
+    def take(self, data: bytes) -> None:
+        """Take in a report; an older one is left."""
+        try:
+            report = Report(*decode_report(data))
+        except (DecodeError, ValidationError):
+            return
+        if self._report is None or report.number >= self._report.number:
+            self._report = report
+
+    def report(self) -> Report | None:
+        """Return the newest report; None before the first."""
+        return self._report
+
+    def close(self) -> None:
+        """Stop."""
+        self.command(self._command._replace(leg=self._command.leg + 1, place=None, serve=False))

@@ -1,0 +1,134 @@
+"""What every robot knows before it starts: the scenario as numbers, and how patient it is."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from teamformer.fleet.messages import TaskFact
+from teamformer.model import Grid, Place, Scenario
+from teamformer.plane import Plane
+from teamformer.scenarios.files import scenario_to_tree
+
+Counts = tuple[int, ...]
+"""How often each capability is there, in the scenario's order."""
+
+
+@dataclass(frozen=True)
+class Timers:
+    """How long a robot waits for what, in seconds; losses on the network stretch most of them."""
+
+    beat: float = 1.0  # between heartbeats
+    hurry: float = 0.2  # between heartbeats while others at the same task wait for word
+    near: float = 3.0  # a word so old still counts at a task
+    hold: float = 2.6  # for which READY is a promise to stay
+    lost: float = 10.0  # without word of a robot until it is called lost
+    deaf: float = 6.0  # without any word until a robot says that it is unfit
+    stuck: float = 5.0  # without getting on until a robot says that it is unfit
+    settle: float = 0.5  # for which a reason to plan must stand
+    turn: float = 1.0  # more for each live robot with a lower number
+
+
+@dataclass(frozen=True)
+class Mission:
+    """A scenario as agents need it; `step` is how many seconds a step of it takes."""
+
+    scenario: Scenario
+    step: float = 1.0
+    timers: Timers = field(default_factory=Timers)
+
+    def __post_init__(self) -> None:
+        tree = json.dumps([scenario_to_tree(self.scenario), self.step], sort_keys=True)
+        digest = hashlib.blake2b(tree.encode(), digest_size=8).digest()
+        caps, robots = self.scenario.capabilities, self.scenario.robots
+        world = self.scenario.world
+        keep = object.__setattr__
+        keep(self, "number", int.from_bytes(digest, "big") >> 2)
+        keep(self, "counts", tuple(count(robot.can, caps) for robot in robots))
+        keep(self, "_regions", {})
+        keep(self, "regions", tuple(self.region(robot.at) for robot in robots))
+        keep(self, "tasks", tuple(self._facts()))
+        keep(self, "radius", world.arrival_radius if isinstance(world, Plane) else 0.0)
+        keep(self, "forming", self.scenario.forming_steps * self.step)
+        keep(self, "paces", tuple(world.pace(robot.speed) / self.step for robot in robots))
+
+    number: int = field(init=False)  # the same for who has the same mission, 62 bits
+    counts: tuple[Counts, ...] = field(init=False)  # of each robot
+    tasks: tuple[TaskFact, ...] = field(init=False)
+    regions: tuple[int, ...] = field(init=False)  # of each robot
+    _regions: dict[Place, int] = field(init=False, repr=False, compare=False)
+    radius: float = field(init=False)  # within which two places are the same
+    forming: float = field(init=False)  # seconds that a split or join takes
+    paces: tuple[float, ...] = field(init=False)  # of each robot, cells or metres a second
+
+    @property
+    def robots(self) -> int:
+        """Return how many robots there are."""
+        return len(self.counts)
+
+    def step_time(self, robot: int) -> float:
+        """Return for how long a robot on its way stands in one place: in a cell, on a grid."""
+        return 1.0 / self.paces[robot] if isinstance(self.scenario.world, Grid) else 0.0
+
+    @property
+    def base(self) -> Place:
+        """Return where robots look for one another when they have nothing else to do."""
+        return self.scenario.robots[0].at
+
+    def is_same_place(self, x: float, y: float, other_x: float, other_y: float) -> bool:
+        """Say whether two places are one."""
+        if self.radius == 0.0:
+            return x == other_x and y == other_y
+        return (x - other_x) ** 2 + (y - other_y) ** 2 <= self.radius**2
+
+    def covers(self, robots: Iterable[int], needs: Sequence[int]) -> bool:
+        """Say whether robots together have what is needed."""
+        lacking = list(needs)
+        for robot in robots:
+            for cap, count in enumerate(self.counts[robot]):
+                if count:
+                    lacking[cap] -= count
+        return max(lacking, default=0) <= 0
+
+    def reach(self, robot: int, task: TaskFact) -> bool:
+        """Say whether there is a way for a robot to a task."""
+        return self.regions[robot] == self.region((task.x, task.y))
+
+    def region(self, place: Place) -> int:
+        """Return the connected part of the map that a place is in."""
+        found = self._regions.get(place)
+        if found is None:
+            found = self._regions[place] = self.scenario.world.region(place)
+        return found
+
+    def can_do(self, robots: Iterable[int], task: TaskFact) -> bool:
+        """Say whether robots that get there together have what a task needs."""
+        return self.covers([robot for robot in robots if self.reach(robot, task)], task.needs)
+
+    def can_do_at(self, task: TaskFact, where: TaskFact) -> bool:
+        """Say whether all robots could do a task if it were where another one is."""
+        there = TaskFact(task.key, task.name, where.x, where.y, task.needs)
+        return self.can_do(range(self.robots), there)
+
+    def _facts(self) -> Iterable[TaskFact]:
+        for key, task in enumerate(self.scenario.tasks):
+            needs = count(task.needs, self.scenario.capabilities)
+            x, y = task.at
+            duration, appears = task.duration * self.step, task.appears * self.step
+            yield TaskFact(key, task.name, float(x), float(y), needs, duration, appears)
+
+
+def count(part: Mapping[str, int], capabilities: tuple[str, ...]) -> Counts:
+    """Return how often each capability is there."""
+    return tuple(part.get(name, 0) for name in capabilities)
+
+
+def seconds_a_step(scenario: Scenario, pace: float = 1.0) -> float:
+    """Return how long a step takes: on a plane what it says, on a grid a second; `pace` speeds up.
+
+    Raises nothing; `pace` is positive.
+    """
+    world = scenario.world
+    return (world.step if isinstance(world, Plane) else 1.0) / pace

@@ -1,0 +1,146 @@
+"""The loop of one agent's process: wait, hear, sense, think, remember, command, speak."""
+
+from __future__ import annotations
+
+import secrets
+import signal
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import FrameType
+
+from teamformer.fleet.agent.agent import Agent
+from teamformer.fleet.agent.planning import FleetPlan
+from teamformer.fleet.bodies.body import Body, Report
+from teamformer.fleet.messages import Message, Notice, Post
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.planner import TeamPlanner
+from teamformer.fleet.process.facts_file import FactsFile
+from teamformer.fleet.transports.transport import Sluice, Transport
+
+LONGEST_WAIT = 0.1
+"""Seconds between two ticks at most."""
+
+ROUNDS = 3_000
+"""Rounds of search for a plan that is made on the way."""
+
+FIRST_PLANNERS = 3
+"""Robots with the lowest numbers plan first, so they load the planner before they need it."""
+
+FAREWELLS = 3
+"""How often a robot says that it leaves."""
+
+REFUSED = 3
+"""The exit status of an agent whose name another one has."""
+
+
+@dataclass
+class AgentProcess:
+    """One agent with its transport, body and file; `run` returns when it is told to end."""
+
+    mission: Mission
+    robot: int
+    plan: FleetPlan
+    transport: Transport
+    body: Body
+    secret: bytes = b""
+    facts: FactsFile | None = None
+
+    def __post_init__(self) -> None:
+        self.is_ending = False
+        self.post = Post(self.mission.number, self.mission.robots, self.secret)
+        self.sluice = Sluice()
+        self._told: dict[str, float] = {}
+
+    def run(self) -> int:
+        """Run until SIGTERM or SIGINT; return the exit status."""
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._end)
+        report = self._first_report()
+        if report is None:
+            return 0
+        remembered = self.facts.read() if self.facts else None
+        planner = TeamPlanner(ROUNDS)
+        if self.robot < FIRST_PLANNERS:
+            threading.Thread(target=planner.warm_up, daemon=True).start()
+        now = time.monotonic()
+        agent = Agent(
+            self.mission, self.robot, planner, self.plan, now, remembered, secrets.randbits(60)
+        )
+        saved = self._save(agent, (-1, -1))
+        while not self.is_ending:
+            wait = min(LONGEST_WAIT, agent.due - time.monotonic())
+            inbox = self._open(self.transport.receive(wait))
+            report = self.body.report() or report
+            command, notices = agent.tick(time.monotonic(), report, inbox)
+            if agent.is_refused:
+                name = self.mission.scenario.robots[self.robot].name
+                self._say(f"another agent speaks for '{name}', and has done so for longer; ending")
+                self.body.close()
+                return REFUSED
+            saved = self._save(agent, saved)
+            self.body.command(command)
+            self._send(notices)
+        self._leave(agent)
+        return 0
+
+    def _first_report(self) -> Report | None:
+        """Wait for the body; None if told to end before it reports."""
+        begun = time.monotonic()
+        while not self.is_ending:
+            report = self.body.report()
+            if report is not None:
+                return report
+            self.transport.receive(LONGEST_WAIT)
+            if time.monotonic() - begun > 10.0:
+                begun = time.monotonic()
+                self._say("still waiting for the body's first report")
+        return None
+
+    def _open(self, came: Sequence[bytes]) -> list[Message]:
+        """Open what has come; whatever is no message of this mission is counted, and told once."""
+        messages = []
+        for data in came:
+            message, fault = self.post.judge(data)
+            if message is None:
+                self.post.dropped[fault] += 1
+                self._tell_of(fault)
+            elif self.sluice.lets(message.sender, len(data)):
+                messages.append(message)
+        return messages
+
+    def _tell_of(self, fault: str) -> None:
+        now = time.monotonic()
+        if now - self._told.get(fault, float("-inf")) > 60.0:
+            self._told[fault] = now
+            hint = {
+                "another mission": "; do all robots have the same scenario file?",
+                "bad seal": "; do all robots have the same key?",
+            }
+            self._say(f"dropped a message: {fault}{hint.get(fault, '')}")
+
+    def _save(self, agent: Agent, saved: tuple[int, int]) -> tuple[int, int]:
+        """Write what must not be forgotten, before anything is said that relies on it."""
+        if self.facts is not None and agent.memory_version != saved:
+            self.facts.write(agent.remember(time.monotonic()))
+        return agent.memory_version
+
+    def _send(self, notices: list[Notice]) -> None:
+        for notice in notices:
+            self.transport.send(notice.to, self.post.seal(self.robot, notice))
+
+    def _leave(self, agent: Agent) -> None:
+        """Leave in order: say so, and let the body stop."""
+        self.body.close()
+        for _ in range(FAREWELLS):
+            self._send(agent.leave(time.monotonic()))
+            time.sleep(0.05)
+
+    def _end(self, _signal: int, _frame: FrameType | None) -> None:
+        self.is_ending = True
+
+    def _say(self, message: str) -> None:
+        name = self.mission.scenario.robots[self.robot].name
+        print(f"{name}: {message}", file=sys.stderr, flush=True)

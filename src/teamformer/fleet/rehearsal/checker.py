@@ -1,0 +1,218 @@
+"""Judges a rehearsal by its trace alone, from what a fleet promises; it shares no code with agents.
+
+The promises:
+
+- nobody serves in two teams: a robot at work is so for one task, with the team that its last word
+  names, standing at that task;
+- nobody begins to serve unless robots that stand there, itself included, have what the task needs
+  and have said that they will stay;
+- who says that it stays, stays: until the time is over or the task is done;
+- no task is done twice, and none without a team that was at work on it for its whole duration and
+  had what it needs all the while;
+- no task is forgotten that was accepted, or that the mission began with, if it can be done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from teamformer.fleet.messages import HERE, NOBODY, READY, TaskFact
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.rehearsal.trace import (
+    Accepted,
+    Broke,
+    Event,
+    Finished,
+    Said,
+    Walked,
+    Worked,
+)
+from teamformer.model import Grid, Place
+
+DRIFT = 0.06
+"""The part of a promise by which clocks may differ."""
+
+A_TICK = 0.05
+"""Seconds in which things count as happening at once."""
+
+
+@dataclass
+class Robot:
+    """What the trace says of a robot so far."""
+
+    walk: Walked
+    word: Said | None = None
+    stays_at: int = NOBODY  # the task at which it has promised to stay
+    stays_until: float = -1.0
+    hold: float = 0.0  # the seconds of that promise
+    work: tuple[int, int] = (NOBODY, NOBODY)
+    work_since: float = 0.0
+    is_dead: bool = False
+
+
+@dataclass
+class Checker:
+    """Goes through a trace once; `violations` says what was promised and not kept."""
+
+    mission: Mission
+    tasks: dict[int, TaskFact]
+    violations: list[str] = field(default_factory=list)
+    _robots: list[Robot] = field(default_factory=list)
+    _done: dict[int, float] = field(default_factory=dict)
+    _accepted: dict[int, float] = field(default_factory=dict)
+    _able_since: dict[tuple[int, int], float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        starts = [robot.at for robot in self.mission.scenario.robots]
+        self._robots = [
+            Robot(Walked(0.0, number, (at,), 0.0, 1.0)) for number, at in enumerate(starts)
+        ]
+        self._is_grid = isinstance(self.mission.scenario.world, Grid)
+
+    def check(self, events: Sequence[Event], undone: Iterable[int]) -> list[str]:
+        """Return all violations; `undone` are tasks that can be done and were not in the end."""
+        for event in sorted(events, key=lambda event: event.at):
+            if isinstance(event, Walked):
+                self._walk(event)
+            elif isinstance(event, Said):
+                self._say(event)
+            elif isinstance(event, Worked):
+                self._work(event)
+            elif isinstance(event, Finished):
+                self._finish(event)
+            elif isinstance(event, Broke):
+                self._break(event)
+            elif isinstance(event, Accepted):
+                self._accepted[event.task] = event.at
+        for key in undone:
+            accepted = f", accepted at {self._accepted[key]:.2f} s" if key in self._accepted else ""
+            self._blame(f"task '{self._name(key)}' is forgotten{accepted}")
+        return self.violations
+
+    def _blame(self, what: str) -> None:
+        self.violations.append(what)
+
+    def _name(self, key: int) -> str:
+        return self.tasks[key].name
+
+    def _who(self, robot: int) -> str:
+        return f"'{self.mission.scenario.robots[robot].name}'"
+
+    def _walk(self, event: Walked) -> None:
+        robot = self._robots[event.robot]
+        leaves = len(event.points) > 1
+        slack = event.at + A_TICK + DRIFT * robot.hold
+        if leaves and robot.stays_until > slack and robot.stays_at not in self._done:
+            left = robot.stays_until - event.at
+            task = self._name(robot.stays_at)
+            self._blame(
+                f"{event.at:.2f} s: {self._who(event.robot)} leaves task '{task}' {left:.2f} s "
+                "before the time that it said it would stay"
+            )
+        robot.walk = event
+        self._count(event.at)
+
+    def _say(self, event: Said) -> None:
+        robot = self._robots[event.robot]
+        robot.word = event
+        if event.phase >= READY:
+            robot.stays_at, robot.stays_until = event.goal, event.at + event.hold
+            robot.hold = event.hold
+            if not self._stands_at(event.robot, event.goal, event.at):
+                self._blame(
+                    f"{event.at:.2f} s: {self._who(event.robot)} says it is at task "
+                    f"'{self._name(event.goal)}', and is not"
+                )
+
+    def _work(self, event: Worked) -> None:
+        robot = self._robots[event.robot]
+        robot.work, robot.work_since = (event.task, event.team), event.at
+        if event.task != NOBODY:
+            self._begin(event, robot)
+        self._count(event.at)
+
+    def _begin(self, event: Worked, robot: Robot) -> None:
+        """Check that it makes sense for a robot to begin, by what the others there have said."""
+        who, task = self._who(event.robot), self._name(event.task)
+        if not self._stands_at(event.robot, event.task, event.at):
+            self._blame(f"{event.at:.2f} s: {who} serves task '{task}' without being there")
+        if robot.word is not None and robot.word.phase >= HERE:
+            said = (robot.word.goal, robot.word.team)
+            if said[0] != event.task:
+                self._blame(f"{event.at:.2f} s: {who} serves '{task}' but says it does another")
+        bound = [
+            number
+            for number, other in enumerate(self._robots)
+            if number == event.robot
+            or (
+                other.stays_at == event.task
+                and other.stays_until + DRIFT * other.hold + A_TICK >= event.at
+                and self._stands_at(number, event.task, event.at)
+            )
+        ]
+        if not self._covers(bound, event.task):
+            self._blame(
+                f"{event.at:.2f} s: {who} begins to serve task '{task}' although not all that it "
+                "needs is bound to be there"
+            )
+
+    def _count(self, now: float) -> None:
+        """Note since when each team has been able to do its task."""
+        able = set(self._teams_at_work(now))
+        for key in list(self._able_since):
+            if key not in able:
+                del self._able_since[key]
+        for key in able:
+            self._able_since.setdefault(key, now)
+
+    def _teams_at_work(self, now: float) -> Iterator[tuple[int, int]]:
+        """Return each (task, team) that has what the task needs, at work and there."""
+        teams: dict[tuple[int, int], list[int]] = {}
+        for number, robot in enumerate(self._robots):
+            task = robot.work[0]
+            if task != NOBODY and not robot.is_dead and self._stands_at(number, task, now):
+                teams.setdefault(robot.work, []).append(number)
+        return (key for key, robots in teams.items() if self._covers(robots, key[0]))
+
+    def _finish(self, event: Finished) -> None:
+        task = self._name(event.task)
+        if event.task in self._done:
+            self._blame(f"{event.at:.2f} s: task '{task}' is done a second time")
+        self._done[event.task] = event.at
+        since = [at for (key, _), at in self._able_since.items() if key == event.task]
+        worked = event.at - min(since, default=event.at + 1e9)
+        if worked + A_TICK < self.tasks[event.task].duration:
+            self._blame(f"{event.at:.2f} s: task '{task}' is done without its service")
+
+    def _break(self, event: Broke) -> None:
+        robot = self._robots[event.robot]
+        if event.what == "crash":
+            robot.is_dead = True
+        elif event.what == "restart":
+            robot.is_dead = False
+            robot.work, robot.stays_until, robot.word = (NOBODY, NOBODY), -1.0, None
+        self._count(event.at)
+
+    def _stands_at(self, number: int, key: int, now: float) -> bool:
+        task = self.tasks[key]
+        x, y = self._place(self._robots[number].walk, now)
+        return (x - task.x) ** 2 + (y - task.y) ** 2 <= (self.mission.radius + 1e-9) ** 2
+
+    def _place(self, walk: Walked, now: float) -> Place:
+        if len(walk.points) == 1:
+            return walk.points[0]
+        passed = (now - walk.begin) / walk.time + 1e-6
+        at = int(passed)
+        if at >= len(walk.points) - 1:
+            return walk.points[-1]
+        (x, y), (to_x, to_y) = walk.points[at], walk.points[at + 1]
+        if self._is_grid:
+            return x, y
+        return x + (passed - at) * (to_x - x), y + (passed - at) * (to_y - y)
+
+    def _covers(self, robots: Iterable[int], key: int) -> bool:
+        counts = [self.mission.counts[robot] for robot in robots]
+        has = [sum(column) for column in zip(*counts, strict=True)] if counts else []
+        needs = self.tasks[key].needs
+        return bool(has) and all(h >= n for h, n in zip(has, needs, strict=True))

@@ -1,0 +1,236 @@
+"""A schedule of faults: what a rehearsal does to network and robots, drawn from one seed."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from teamformer.fleet.messages import TaskFact
+from teamformer.fleet.mission import Mission
+
+HARD = 0.35
+"""How often each kind of fault is in a schedule."""
+
+
+@dataclass(frozen=True)
+class Cut:
+    """Messages from some robots to some others are lost from `begin` to `end`."""
+
+    senders: frozenset[int]
+    receivers: frozenset[int]
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Crash:
+    """A robot breaks down; `back` is when it starts anew, with its facts file or without."""
+
+    robot: int
+    at: float
+    back: float | None = None
+    keeps_facts: bool = True
+
+
+@dataclass(frozen=True)
+class Spell:
+    """Something is so for a robot from `begin` to `end` (None: for good)."""
+
+    robot: int
+    begin: float
+    end: float | None
+
+
+@dataclass(frozen=True)
+class Order:
+    """An operator adds a task; the word of it reaches the robots over the same bad network."""
+
+    at: float
+    task: TaskFact
+
+
+@dataclass(frozen=True)
+class Faults:
+    """Everything that goes wrong in one rehearsal; `seed` is of the network's chances."""
+
+    seed: int = 0
+    loss: float = 0.0  # of messages
+    twice: float = 0.0  # of messages that come a second time
+    delay: float = 0.0  # seconds that a message is late at most
+    late: float = 0.0  # of messages that are late
+    radio: float | None = None  # how far messages get, in cells or metres
+    junk: float = 0.0  # malformed and foreign messages a second
+    skew: tuple[float, ...] = ()  # of each robot's clock, seconds
+    drift: tuple[float, ...] = ()  # of each robot's clock, of a second
+    lag: tuple[float, ...] = ()  # seconds that each body's reports are late
+    stutter: float = 0.0  # of reports that are an older one again
+    cuts: tuple[Cut, ...] = ()
+    crashes: tuple[Crash, ...] = ()
+    pauses: tuple[Spell, ...] = ()
+    stuck: tuple[Spell, ...] = ()
+    orders: tuple[Order, ...] = ()
+
+    @property
+    def over(self) -> float:
+        """Return when the last fault that ends, or that happens once, is over."""
+        times = [0.0]
+        times += [cut.end for cut in self.cuts]
+        times += [crash.at if crash.back is None else crash.back for crash in self.crashes]
+        for spell in (*self.pauses, *self.stuck):
+            times.append(spell.begin if spell.end is None else spell.end)
+        times += [order.at for order in self.orders]
+        return max(times)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Name what goes wrong."""
+        values = {key: value for key, value in vars(self).items() if key not in ("seed", "late")}
+        return tuple(
+            key
+            for key, value in values.items()
+            if (any(value) if isinstance(value, tuple) else value is not None and value != 0.0)
+        )
+
+    def lines(self, mission: Mission) -> Iterator[str]:
+        """Say for people what goes wrong, a line for each fault."""
+        yield from self._lines_of_network()
+        names = [robot.name for robot in mission.scenario.robots]
+        for cut in self.cuts:
+            ends = (", ".join(names[robot] for robot in sorted(side)) for side in cut_sides(cut))
+            yield f"{cut.begin:.2f} to {cut.end:.2f} s: no word from {' to '.join(ends)}"
+        for crash in self.crashes:
+            back = "for good"
+            if crash.back is not None:
+                facts = "with" if crash.keeps_facts else "without"
+                back = f"until {crash.back:.2f} s, back {facts} its facts"
+            yield f"{crash.at:.2f} s: {names[crash.robot]} breaks down {back}"
+        for what, spells in (("freezes", self.pauses), ("cannot move", self.stuck)):
+            for spell in spells:
+                end = "for good" if spell.end is None else f"until {spell.end:.2f} s"
+                yield f"{spell.begin:.2f} s: {names[spell.robot]} {what} {end}"
+        for robot, lag in enumerate(self.lag):
+            if lag:
+                yield f"the body of {names[robot]} reports {lag:.2f} s late"
+        for order in self.orders:
+            yield f"{order.at:.2f} s: an operator adds task {order.task.name}"
+
+    def _lines_of_network(self) -> Iterator[str]:
+        if self.loss:
+            yield f"{100 * self.loss:.0f}% of messages are lost"
+        if self.twice:
+            yield f"{100 * self.twice:.0f}% of messages come twice"
+        if self.late:
+            yield f"{100 * self.late:.0f}% of messages are up to {self.delay:g} s late"
+        if self.radio is not None:
+            yield f"messages get {self.radio:.1f} far"
+        if self.junk:
+            yield f"{self.junk:g} messages a second are malformed or foreign"
+        if self.stutter:
+            yield f"{100 * self.stutter:.0f}% of bodies' reports are older ones again"
+
+
+def cut_sides(cut: Cut) -> tuple[frozenset[int], frozenset[int]]:
+    """Return who is not heard, and by whom."""
+    return cut.senders, cut.receivers
+
+
+@dataclass(frozen=True)
+class Knobs:
+    """What a user asks for; None leaves it to chance."""
+
+    loss: float | None = None
+    crashes: int | None = None
+
+
+def draw_faults(mission: Mission, seed: int, span: float, knobs: Knobs = Knobs()) -> Faults:
+    """Draw a schedule; `span` is about how long the mission takes undisturbed, in seconds."""
+    rng = random.Random(seed)
+    network = _draw_network(rng, mission, knobs)
+    robots = range(mission.robots)
+    return replace(
+        network,
+        skew=tuple(rng.uniform(-1000, 1000) for _ in robots),
+        drift=tuple(rng.choice((0.0, rng.uniform(-0.02, 0.02))) for _ in robots),
+        lag=tuple(rng.uniform(0, 1.5) if rng.random() < 0.15 else 0.0 for _ in robots),
+        stutter=rng.uniform(0.02, 0.3) if rng.random() < 0.2 else 0.0,
+        cuts=tuple(_draw_cuts(rng, mission.robots, span)) if rng.random() < 0.5 else (),
+        crashes=tuple(_draw_crashes(rng, mission, span, knobs.crashes)),
+        pauses=tuple(_draw_spells(rng, mission.robots, span, (5, 30), 0.0, 0.35)),
+        stuck=tuple(_draw_spells(rng, mission.robots, span, (5, 40), 0.3, 0.25)),
+        orders=tuple(_draw_orders(rng, mission, span)) if rng.random() < 0.3 else (),
+    )
+
+
+def _draw_network(rng: random.Random, mission: Mission, knobs: Knobs) -> Faults:
+    loss = rng.choice((0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)) if rng.random() < 0.6 else 0.0
+    delay = rng.choice((0.1, 0.3, 1.0, 3.0)) if rng.random() < 0.4 else 0.0
+    across = max(mission.scenario.world.width, mission.scenario.world.height)
+    return Faults(
+        seed=rng.getrandbits(32),
+        loss=loss if knobs.loss is None else knobs.loss,
+        twice=rng.choice((0.1, 0.5)) if rng.random() < HARD else 0.0,
+        delay=delay,
+        late=rng.uniform(0.05, 0.6) if delay else 0.0,
+        radio=across * rng.uniform(0.15, 0.5) if rng.random() < 0.2 else None,
+        junk=rng.choice((0.5, 3.0)) if rng.random() < HARD else 0.0,
+    )
+
+
+def _draw_cuts(rng: random.Random, robots: int, span: float) -> Iterator[Cut]:
+    """Draw links that work one way only, and partitions: no word from one side to the other."""
+    everybody = frozenset(range(robots))
+    for _ in range(rng.randint(1, 3)):
+        begin = rng.uniform(0, span)
+        end = begin + rng.uniform(3, 40)
+        if rng.random() < 0.5:
+            one, other = frozenset({rng.randrange(robots)}), everybody
+            if rng.random() < 0.5:
+                other = frozenset({rng.randrange(robots)})
+            yield Cut(*((one, other) if rng.random() < 0.5 else (other, one)), begin, end)
+        else:
+            side = frozenset(robot for robot in everybody if rng.random() < 0.5)
+            yield Cut(side, everybody - side, begin, end)
+            yield Cut(everybody - side, side, begin, end)
+
+
+def _draw_crashes(
+    rng: random.Random, mission: Mission, span: float, number: int | None
+) -> Iterator[Crash]:
+    for robot, at in enumerate(mission.scenario.robots):
+        if at.lost is not None:
+            yield Crash(robot, (at.lost - 1) * mission.step)
+    robots = [r for r, at in enumerate(mission.scenario.robots) if at.lost is None]
+    if number is None:
+        number = rng.randint(1, max(1, mission.robots // 2)) if rng.random() < 0.5 else 0
+    for robot in rng.sample(robots, min(number, len(robots))):
+        begin = rng.uniform(0, span)
+        is_back = rng.random() < 0.6
+        back = begin + rng.choice((rng.uniform(0.5, 9), rng.uniform(5, 40))) if is_back else None
+        yield Crash(robot, begin, back, rng.random() < 0.5)
+
+
+def _draw_spells(
+    rng: random.Random,
+    robots: int,
+    span: float,
+    seconds: tuple[float, float],
+    for_good: float,
+    part: float,
+) -> Iterator[Spell]:
+    if rng.random() >= part:
+        return
+    for robot in rng.sample(range(robots), rng.randint(1, min(2, robots))):
+        begin = rng.uniform(0, span)
+        end = begin + rng.uniform(*seconds)
+        yield Spell(robot, begin, None if rng.random() < for_good else end)
+
+
+def _draw_orders(rng: random.Random, mission: Mission, span: float) -> Iterator[Order]:
+    """Draw tasks that operators add: like one of the mission's, where another one is."""
+    for number in range(rng.randint(1, 3)):
+        like, beside = rng.choice(mission.tasks), rng.choice(mission.tasks)
+        key = (1 + rng.getrandbits(30)) << 24 | number
+        place = (beside.x, beside.y) if mission.can_do_at(like, beside) else (like.x, like.y)
+        task = TaskFact(key, f"order-{number + 1}", *place, like.needs, like.duration)
+        yield Order(rng.uniform(0, span), task)

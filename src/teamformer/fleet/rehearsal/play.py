@@ -1,0 +1,413 @@
+"""Plays a fleet's own agents under a schedule of faults, event by event, as one seed determines.
+
+Time goes on from one event to the next in whole ticks. An agent is ticked when it hears or senses
+something new and when it is due, not otherwise.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections import deque
+from dataclasses import dataclass
+
+from teamformer.fleet.agent.agent import Agent
+from teamformer.fleet.agent.knowledge import Remembered
+from teamformer.fleet.agent.planning import FleetPlan
+from teamformer.fleet.bodies.body import Report
+from teamformer.fleet.bodies.world import FleetWorld
+from teamformer.fleet.messages import NOBODY, OPERATOR, Beat, Message, Notice, Post
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.operator import AGAIN, Operator
+from teamformer.fleet.planner import Planner
+from teamformer.fleet.rehearsal.faults import Faults
+from teamformer.fleet.rehearsal.network import RehearsedNetwork
+from teamformer.fleet.rehearsal.trace import (
+    Accepted,
+    Broke,
+    Finished,
+    Said,
+    Sent,
+    Trace,
+    Walked,
+    Worked,
+)
+
+TICK = 0.02
+"""Seconds; nothing happens between two ticks."""
+
+MOST_WAITING = 500
+"""Messages that wait for a robot that is paused; more are lost, the oldest first."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a rehearsal ended; times in seconds.
+
+    `status` is `ended`; `infeasible` if robots were lost that tasks need, and all others are done;
+    `blocked` if something that can be done was not done until the deadline.
+    """
+
+    status: str
+    makespan: float | None  # when the last task was done that can be
+    end: float
+    tasks_done: int
+    blocked_tasks: tuple[str, ...]
+    messages: int
+    bytes: int
+    received_bytes: int
+    robot_seconds: float
+    plans: int
+    dropped: int  # messages that did not open
+
+
+class Rehearsal:
+    """One fleet under one schedule."""
+
+    def __init__(
+        self,
+        mission: Mission,
+        planner: Planner,
+        plan: FleetPlan,
+        faults: Faults,
+        trace: Trace | None = None,
+    ) -> None:
+        robots = mission.robots
+        self.mission = mission
+        self.faults = faults
+        self.world = FleetWorld(mission)
+        self.trace = trace or Trace()
+        self._planner, self._plan = planner, plan
+        self._post = Post(mission.number, robots)
+        self._network = RehearsedNetwork(self._post, faults, self._deliver)
+        self._skew = faults.skew or (0.0,) * robots
+        self._drift = faults.drift or (0.0,) * robots
+        self._lag = faults.lag or (0.0,) * robots
+        self._tick = 0
+        self._agenda: list[int] = []
+        self._planned: set[int] = set()
+        self._letters: dict[int, list[tuple[int, int, Message]]] = {}
+        self._happenings: dict[int, list[tuple[str, int]]] = {}
+        self._wake = [0] * robots
+        self._wakes: dict[int, list[int]] = {}
+        self._inbox: list[list[Message]] = [[] for _ in range(robots)]
+        self._paused = [0] * robots
+        self._saved: list[Remembered | None] = [None] * robots
+        self._saved_version = [(-1, -1)] * robots
+        self._reports: list[deque[tuple[float, Report]]] = [deque() for _ in range(robots)]
+        self._touched = set(range(robots))  # whose bodies sense something new
+        self._sensed = [self.world.report(robot) for robot in range(robots)]
+        self._said: list[tuple[int, ...]] = [()] * robots
+        self._worked = [(NOBODY, NOBODY)] * robots
+        self._walks = 0
+        self._finished = 0
+        self._is_to_look = True  # something has changed that a mission can end with
+        self._operators = [Operator(order.task, robots) for order in faults.orders]
+        self._plans = 0
+        self._alive_since = [0.0] * robots
+        self._robot_seconds = 0.0
+        self.agents: list[Agent | None] = [self._start(robot, None) for robot in range(robots)]
+        self._plan_happenings()
+
+    @property
+    def now(self) -> float:
+        """Return the true time in seconds."""
+        return self._tick * TICK
+
+    def run(self, deadline: float) -> Outcome:
+        """Play until all is done that can be done and the last fault is over, or the deadline."""
+        last, over = math.ceil(deadline / TICK), self.faults.over
+        self._put(over, "over", 0)
+        status = "blocked"
+        while self._agenda:
+            tick = heapq.heappop(self._agenda)
+            self._planned.discard(tick)
+            if tick > last:
+                break
+            self._tick = tick
+            self._step()
+            if self._is_to_look and self.now >= over and self._is_over():
+                status = "infeasible" if self._impossible() else "ended"
+                break
+        return self._outcome(status)
+
+    def _step(self) -> None:
+        tick = self._tick
+        awake = self._advance()
+        for what, who in self._happenings.pop(tick, ()):
+            awake |= self._happen(what, who)
+        self._touched |= awake
+        for sender, receiver, message in self._letters.pop(tick, ()):
+            if receiver == OPERATOR:
+                self._tell_operators(message)
+            elif self.agents[receiver] is not None:
+                if self.trace.with_messages:
+                    kind = type(message.body).__name__
+                    self.trace.events.append(Sent(self.now, sender, receiver, kind))
+                self._inbox[receiver].append(message)
+                awake.add(receiver)
+        for robot in self._wakes.pop(tick, ()):
+            if self._wake[robot] == tick:
+                awake.add(robot)
+        for robot in sorted(awake):
+            if self.agents[robot] is not None and not self._paused[robot]:
+                self._tick_agent(robot)
+        self._schedule(math.ceil(min(self.world.next_event, 1e9) / TICK - 1e-9))
+
+    def _advance(self) -> set[int]:
+        """Let the world go on to now."""
+        awake = self.world.advance(self.now)
+        for done in list(self.world.done.values())[self._finished :]:
+            self.trace.events.append(Finished(done.at, done.key))
+            self._is_to_look = True
+        self._finished = len(self.world.done)
+        return awake
+
+    def _tick_agent(self, robot: int) -> None:
+        agent = self.agents[robot]
+        assert agent is not None
+        inbox, self._inbox[robot] = self._inbox[robot], []
+        clock = self._clock(robot)
+        if robot in self._touched or clock >= agent.due:
+            self._touched.discard(robot)
+            self._sensed[robot] = self._report(robot)
+        plans = agent.keeper.made
+        command, notices = agent.tick(clock, self._sensed[robot], inbox)
+        self._plans += agent.keeper.made - plans
+        self._save(robot, agent, clock)
+        self._note(robot, agent)
+        touched = self.world.command(robot, command)
+        for other in touched:
+            self._touched.add(other)
+            self._wake_at(other, self._tick + 1)
+        for notice in notices:
+            self._send(robot, notice)
+        due = (agent.due - self._skew[robot]) / (1 + self._drift[robot])
+        self._wake_at(robot, max(self._tick + 1, math.ceil(due / TICK - 1e-9)))
+
+    def _clock(self, robot: int) -> float:
+        return self._skew[robot] + self.now * (1 + self._drift[robot])
+
+    def _report(self, robot: int) -> Report:
+        """Return what the body reports: late, or an older report again, if so it is to be."""
+        report = self.world.report(robot)
+        lag, stutter = self._lag[robot], self.faults.stutter
+        if not lag and not stutter:
+            return report
+        kept = self._reports[robot]
+        if not kept or kept[-1][1][:-1] != report[:-1]:
+            kept.append((self.now, report))
+            self._wake_at(robot, self._tick + max(1, math.ceil(lag / TICK)))
+            self._touched.add(robot)
+        while len(kept) > 2 and kept[1][0] <= self.now - lag:
+            if stutter and self._network.chance(stutter):
+                break
+            kept.popleft()
+        if len(kept) == 2 and kept[1][0] <= self.now - lag:
+            return kept[1][1] if not self._network.chance(stutter) else kept[0][1]
+        return kept[0][1]
+
+    def _save(self, robot: int, agent: Agent, clock: float) -> None:
+        if agent.memory_version != self._saved_version[robot]:
+            self._saved_version[robot] = agent.memory_version
+            self._saved[robot] = agent.remember(clock)
+
+    def _note(self, robot: int, agent: Agent) -> None:
+        """Write down what a robot begins or stops to do."""
+        command, work = agent.command, (NOBODY, NOBODY)
+        if command.serve:
+            work = (command.task, command.team)
+        if work != self._worked[robot]:
+            self._worked[robot] = work
+            self.trace.events.append(Worked(self.now, robot, *work))
+        for at, who, points, begin, time in self.world.walks[self._walks :]:
+            self.trace.events.append(Walked(at, who, points, begin, time))
+        self._walks = len(self.world.walks)
+
+    def _send(self, robot: int, notice: Notice) -> None:
+        body = notice.body
+        if type(body) is Beat:
+            word = body.word
+            said = (word.team, word.goal, word.phase)
+            if said != self._said[robot] or word.phase > 1:
+                self._said[robot] = said
+                self.trace.events.append(Said(self.now, robot, *said, word.hold))
+        places = self.world.place if self.faults.radio is not None else None
+        receivers = self._receivers(robot)
+        self._network.send(self.now, robot, notice, receivers, places)
+
+    def _receivers(self, robot: int) -> list[int]:
+        """Return who listens to a robot."""
+        return [
+            other
+            for other, agent in enumerate(self.agents)
+            if agent is not None and robot in agent.watched
+        ]
+
+    def _deliver(self, at: float, sender: int, receiver: int, message: Message) -> None:
+        tick = max(self._tick + 1, math.ceil(at / TICK))
+        self._letters.setdefault(tick, []).append((sender, receiver, message))
+        self._schedule(tick)
+
+    def _wake_at(self, robot: int, tick: int) -> None:
+        """Tick an agent then; or before, if that is planned already."""
+        if self._wake[robot] > self._tick and self._wake[robot] <= tick:
+            return
+        self._wake[robot] = tick
+        self._wakes.setdefault(tick, []).append(robot)
+        self._schedule(tick)
+
+    def _schedule(self, tick: int) -> None:
+        if tick not in self._planned and tick > self._tick:
+            self._planned.add(tick)
+            heapq.heappush(self._agenda, tick)
+
+    def _start(self, robot: int, remembered: Remembered | None) -> Agent:
+        nonce = robot + 1000 * len(self.trace.events)
+        return Agent(
+            self.mission,
+            robot,
+            self._planner,
+            self._plan,
+            self._clock(robot),
+            remembered,
+            nonce,
+        )
+
+    def _plan_happenings(self) -> None:
+        faults = self.faults
+        for robot in range(self.mission.robots):
+            self._wakes.setdefault(1, []).append(robot)
+            self._wake[robot] = 1
+        self._schedule(1)
+        for number, crash in enumerate(faults.crashes):
+            self._put(crash.at, "crash", number)
+            if crash.back is not None:
+                self._put(crash.back, "restart", number)
+        for what, ending, spells in (
+            ("pause", "resume", faults.pauses),
+            ("stuck", "free", faults.stuck),
+        ):
+            for spell in spells:
+                self._put(spell.begin, what, spell.robot)
+                if spell.end is not None:
+                    self._put(spell.end, ending, spell.robot)
+        for number, order in enumerate(faults.orders):
+            self._put(order.at, "order", number)
+        if faults.junk:
+            self._put(0.0, "junk", 0)
+
+    def _put(self, at: float, what: str, who: int) -> None:
+        tick = max(self._tick + 1, math.ceil(at / TICK))
+        self._happenings.setdefault(tick, []).append((what, who))
+        self._schedule(tick)
+
+    def _happen(self, what: str, who: int) -> set[int]:
+        """Let a fault begin or end; return the robots that sense it."""
+        self._is_to_look = True
+        if what == "over":
+            return set()
+        if what == "order":
+            return self._offer(who)
+        if what == "junk":
+            return self._spoil()
+        robot = self.faults.crashes[who].robot if what in ("crash", "restart") else who
+        self.trace.events.append(Broke(self.now, robot, what))
+        if what == "crash":
+            self.agents[robot] = None
+            self._robot_seconds += self.now - self._alive_since[robot]
+            self._inbox[robot] = []
+            return self.world.kill(robot)
+        if what == "restart":
+            self._restart(robot, self.faults.crashes[who].keeps_facts)
+        elif what == "pause":
+            self._paused[robot] += 1
+        elif what == "resume":
+            self._paused[robot] -= 1
+            del self._inbox[robot][:-MOST_WAITING]
+        elif what == "stuck":
+            return self.world.hold_fast(robot)
+        elif what == "free":
+            self.world.let_go(robot)
+        return {robot}
+
+    def _restart(self, robot: int, keeps_facts: bool) -> None:
+        if self.agents[robot] is not None:
+            return
+        self.world.revive(robot)
+        self._alive_since[robot] = self.now
+        self._saved_version[robot] = (-1, -1)
+        self._reports[robot].clear()
+        self.agents[robot] = self._start(robot, self._saved[robot] if keeps_facts else None)
+
+    def _offer(self, number: int) -> set[int]:
+        operator = self._operators[number]
+        if not operator.is_accepted:
+            self.world.add_task(operator.task)
+            alive = [robot for robot, agent in enumerate(self.agents) if agent is not None]
+            self._network.send(self.now, OPERATOR, operator.offer(), alive)
+            self._put(self.now + AGAIN, "order", number)
+        return set()
+
+    def _tell_operators(self, message: Message) -> None:
+        for operator in self._operators:
+            was = operator.is_accepted
+            operator.hear(message)
+            if operator.is_accepted and not was:
+                holders = tuple(sorted(operator.holders))
+                self.trace.events.append(Accepted(self.now, operator.task.key, holders))
+                self._is_to_look = True
+
+    def _spoil(self) -> set[int]:
+        """Let a message come that nobody should send."""
+        self._post.open(self._network.spoil())
+        self._put(self.now + 1 / self.faults.junk, "junk", 0)
+        return set()
+
+    def _able(self) -> list[int]:
+        """Return the robots that are, or will be, able to work."""
+        robots = self.world.robots
+        gone = {spell.robot for spell in self.faults.stuck if spell.end is None}
+        return [r for r in range(len(robots)) if not robots[r].is_dead and r not in gone]
+
+    def _impossible(self) -> list[str]:
+        """Return the tasks that are not done, and that the robots left cannot do."""
+        able = self._able()
+        return [
+            task.name
+            for key, task in self.world.tasks.items()
+            if key not in self.world.done and not self.mission.can_do(able, task)
+        ]
+
+    def _is_over(self) -> bool:
+        """Say whether all is done that can be done."""
+        self._is_to_look = False
+        able = self._able()
+        taken = {o.task.key for o in self._operators if not o.is_accepted}
+        if any(len(able) >= o.needed for o in self._operators if not o.is_accepted):
+            return False
+        return all(
+            key in self.world.done or key in taken or not self.mission.can_do(able, task)
+            for key, task in self.world.tasks.items()
+        )
+
+    def _outcome(self, status: str) -> Outcome:
+        world, network = self.world, self._network
+        alive = [r for r, agent in enumerate(self.agents) if agent is not None]
+        seconds = self._robot_seconds + sum(self.now - self._alive_since[r] for r in alive)
+        able = self._able()
+        undone = [task for key, task in world.tasks.items() if key not in world.done]
+        blocked = [task.name for task in undone if self.mission.can_do(able, task)]
+        return Outcome(
+            status=status,
+            makespan=max((done.at for done in world.done.values()), default=None),
+            end=self.now,
+            tasks_done=len(world.done),
+            blocked_tasks=tuple(blocked if status == "blocked" else self._impossible()),
+            messages=network.messages,
+            bytes=network.bytes,
+            received_bytes=network.received_bytes,
+            robot_seconds=seconds,
+            plans=self._plans,
+            dropped=sum(self._post.dropped.values()),
+        )

@@ -1,0 +1,185 @@
+"""Turns the trace of a rehearsal into a record that `view` shows: one step of it a step of time.
+
+Robots that say they are in one team, and are in one place, are drawn as a team. Operators' tasks
+are tasks that appear.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from teamformer.fleet.messages import NOBODY
+from teamformer.fleet.rehearsal.faults import Faults
+from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
+from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Walked
+from teamformer.model import Grid, Place, Scenario, Task
+from teamformer.plane import DECIMALS
+from teamformer.sim.replay import Ending, Replay, Step, TeamAt
+
+Teams = dict[int, tuple[int, ...]]
+"""The robots of each team, by its lowest."""
+
+STATUSES = {"ended": "completed", "infeasible": "infeasible", "blocked": "step limit"}
+
+
+def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int) -> Replay:
+    """Return the record of a rehearsal that has been played."""
+    scenario, number = _scenario_of(rehearsal)
+    teller = _Teller(scenario, rehearsal.mission.step, number)
+    steps = math.ceil(outcome.end / rehearsal.mission.step)
+    lost = {robot: at.lost for robot, at in enumerate(scenario.robots) if at.lost is not None}
+    rows = teller.tell(sorted(events, key=lambda event: event.at), steps, lost)
+    is_complete = outcome.status == "ended"
+    return Replay(
+        scenario=scenario,
+        policy="fleet",
+        seed=seed,
+        orders=((0, tuple(k for k, task in enumerate(scenario.tasks) if task.appears == 0)),),
+        start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(scenario.robots)),
+        steps=tuple(rows),
+        end=Ending(
+            status=STATUSES[outcome.status],
+            makespan=steps if is_complete else None,
+            steps=steps,
+            tasks_done=outcome.tasks_done,
+            joins=sum(len(row.joins) for row in rows),
+            splits=sum(len(row.splits) for row in rows),
+            illegal_decisions=0,
+            blocked_tasks=outcome.blocked_tasks,
+        ),
+    )
+
+
+def _scenario_of(rehearsal: Rehearsal) -> tuple[Scenario, dict[int, int]]:
+    """Return the scenario with what happened to it, and the number of each task in it."""
+    mission, faults = rehearsal.mission, rehearsal.faults
+    whole, caps = mission.scenario, mission.scenario.capabilities
+    orders = [order for order in faults.orders if order.task.key in rehearsal.world.tasks]
+    is_grid = isinstance(whole.world, Grid)
+    added = [
+        Task(
+            order.task.name,
+            (int(order.task.x), int(order.task.y)) if is_grid else (order.task.x, order.task.y),
+            {cap: need for cap, need in zip(caps, order.task.needs, strict=True) if need},
+            round(order.task.duration / mission.step),
+            math.ceil(order.at / mission.step),
+        )
+        for order in orders
+    ]
+    number = {task.key: task.key for task in mission.tasks}
+    number |= {order.task.key: len(mission.tasks) + k for k, order in enumerate(orders)}
+    robots = tuple(
+        replace(robot, lost=_lost_at(faults, k, mission.step))
+        for k, robot in enumerate(whole.robots)
+    )
+    scenario = replace(
+        whole, tasks=(*whole.tasks, *added), robots=robots, teams=(), allocation="paper"
+    )
+    return scenario, number
+
+
+def _lost_at(faults: Faults, robot: int, step: float) -> int | None:
+    """Return the step in which a robot breaks down for good."""
+    for crash in faults.crashes:
+        if crash.robot == robot and crash.back is None:
+            return 1 + math.floor(crash.at / step)
+    return None
+
+
+class _Teller:
+    """Goes through a trace step by step."""
+
+    def __init__(self, scenario: Scenario, step: float, number: dict[int, int]) -> None:
+        robots = range(len(scenario.robots))
+        self._step, self._number = step, number
+        self._is_grid = isinstance(scenario.world, Grid)
+        self._walks = [Walked(0.0, r, (scenario.robots[r].at,), 0.0, 1.0) for r in robots]
+        self._says = {robot: (robot, NOBODY) for robot in robots}
+        self._teams: Teams = {robot: (robot,) for robot in robots}
+        self._shown: dict[int, TeamAt] = {}
+
+    def tell(self, events: Sequence[Event], steps: int, lost: dict[int, int]) -> list[Step]:
+        """Return what changed in each step."""
+        rows, position = [], 0
+        for step in range(1, steps + 1):
+            done = []
+            while position < len(events) and events[position].at <= step * self._step + 1e-9:
+                event = events[position]
+                position += 1
+                if isinstance(event, Walked):
+                    self._walks[event.robot] = event
+                elif isinstance(event, Said):
+                    self._says[event.robot] = (event.team, event.goal)
+                elif isinstance(event, Finished):
+                    done.append(event)
+            rows.append(self._row(step, [r for r, at in lost.items() if at == step], done))
+        return rows
+
+    def _row(self, step: int, lost: list[int], done: list[Finished]) -> Step:
+        now = step * self._step
+        for robot in lost:
+            del self._says[robot]
+        places = {robot: self._place(self._walks[robot], now) for robot in self._says}
+        groups: dict[tuple[int, Place], list[int]] = {}
+        for robot, (team, _) in self._says.items():
+            groups.setdefault((team, places[robot]), []).append(robot)
+        teams = {min(robots): tuple(sorted(robots)) for robots in groups.values()}
+        before = _without(self._teams, lost)
+        splits, joins = _changes(before, teams)
+        self._teams = teams
+        shown = {}
+        for slot in sorted(teams):
+            goal = self._number.get(self._says[slot][1])
+            shown[slot] = TeamAt(slot, *places[slot], goal)
+        rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
+        self._shown = shown
+        finished = tuple((self._number[event.task], self._who(event.task)) for event in done)
+        return Step(joins, splits, tuple(lost), rows, finished)
+
+    def _who(self, task: int) -> int:
+        """Return the team to show as the one that did a task."""
+        number = self._number[task]
+        for slot in sorted(self._teams):
+            if self._shown[slot].task == number:
+                return slot
+        return min(self._teams, default=0)
+
+    def _place(self, walk: Walked, now: float) -> Place:
+        if len(walk.points) == 1:
+            return walk.points[0]
+        passed = min((now - walk.begin) / walk.time + 1e-6, len(walk.points) - 1)
+        at = min(int(max(0.0, passed)), len(walk.points) - 2)
+        (x, y), (to_x, to_y) = walk.points[at], walk.points[at + 1]
+        part = passed - at
+        if self._is_grid:
+            return (to_x, to_y) if part >= 1 else (x, y)
+        return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
+
+
+def _without(teams: Teams, lost: Sequence[int]) -> Teams:
+    left = [tuple(r for r in robots if r not in lost) for robots in teams.values()]
+    return {min(robots): robots for robots in left if robots}
+
+
+def _changes(
+    before: Teams, after: Teams
+) -> tuple[
+    tuple[tuple[tuple[int, ...], tuple[int, ...]], ...],
+    tuple[tuple[int, int], ...],
+]:
+    """Return the splits, then the joins, that make one set of teams of another."""
+    splits, pieces = [], []
+    for robots in before.values():
+        parts = [tuple(r for r in robots if r in team) for team in after.values()]
+        parts = sorted(part for part in parts if part)
+        pieces += parts
+        rest = robots
+        for part in parts[:-1]:
+            rest = tuple(robot for robot in rest if robot not in part)
+            splits.append((part, rest))
+    joins = []
+    for slot, team in sorted(after.items()):
+        joins += [(min(piece), slot) for piece in sorted(pieces) if slot < min(piece) in team]
+    return tuple(splits), tuple(joins)

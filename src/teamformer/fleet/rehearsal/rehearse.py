@@ -1,0 +1,112 @@
+"""Many rehearsals of one mission: each from its own seed, judged, and summed up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+
+from teamformer.fleet.agent.planning import FleetPlan, first_plan
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.planner import TeamPlanner
+from teamformer.fleet.rehearsal.checker import Checker
+from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
+from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
+from teamformer.fleet.rehearsal.trace import Trace
+
+FIRST_ROUNDS = 20_000
+LATER_ROUNDS = 2_000
+"""Rounds of search for the plan that ships with a mission, and for one made on the way."""
+
+SLACK = 300.0
+"""Seconds beyond the time that the slowest robot takes alone for every task, one by one."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A mission with all that its rehearsals share."""
+
+    mission: Mission
+    plan: FleetPlan
+    undisturbed: Outcome
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of one schedule."""
+
+    schedule: int
+    outcome: Outcome
+    violations: tuple[str, ...]
+    kinds: tuple[str, ...]
+
+    @property
+    def is_good(self) -> bool:
+        """Say whether it ended, or could not, and every promise was kept."""
+        return not self.violations and self.outcome.status != "blocked"
+
+
+def set_stage(mission: Mission) -> Stage:
+    """Make the plan that ships with a mission, and play it undisturbed."""
+    plan = first_plan(mission, TeamPlanner(FIRST_ROUNDS))
+    _, outcome, _ = play(mission, plan, Faults())
+    return Stage(mission, plan, outcome)
+
+
+def play(
+    mission: Mission, plan: FleetPlan, faults: Faults, trace: Trace | None = None
+) -> tuple[Rehearsal, Outcome, list[str]]:
+    """Play one schedule; return it, how it ended and what was promised and not kept."""
+    trace = trace or Trace()
+    rehearsal = Rehearsal(mission, TeamPlanner(LATER_ROUNDS), plan, faults, trace)
+    outcome = rehearsal.run(deadline(mission, faults))
+    names = set(outcome.blocked_tasks) if outcome.status == "blocked" else set()
+    tasks = rehearsal.world.tasks
+    undone = [key for key, task in tasks.items() if task.name in names]
+    return rehearsal, outcome, Checker(mission, tasks).check(trace.events, undone)
+
+
+def deadline(mission: Mission, faults: Faults) -> float:
+    """Return when a mission must have ended that can end, in seconds; it is generous."""
+    world = mission.scenario.world
+    slowest = min(mission.paces)
+    across = (world.width + world.height) / slowest
+    tasks = [*mission.tasks, *(order.task for order in faults.orders)]
+    walks = sum(across + task.duration + mission.forming * 4 for task in tasks)
+    return faults.over + max(task.appears for task in tasks) + SLACK + 2 * walks
+
+
+def faults_of(stage: Stage, seed: int, schedule: int, knobs: Knobs) -> Faults:
+    """Return the faults of a schedule, by number."""
+    span = stage.undisturbed.makespan or stage.undisturbed.end
+    return draw_faults(stage.mission, seed * 1_000_003 + schedule, span, knobs)
+
+
+def judge(stage: Stage, seed: int, knobs: Knobs, schedule: int) -> Verdict:
+    """Play and judge a schedule by its number."""
+    faults = faults_of(stage, seed, schedule, knobs)
+    _, outcome, violations = play(stage.mission, stage.plan, faults)
+    return Verdict(schedule, outcome, tuple(violations), faults.kinds)
+
+
+def judge_many(
+    stage: Stage, seed: int, knobs: Knobs, schedules: Iterable[int], workers: int
+) -> Iterator[Verdict]:
+    """Judge schedules in several processes, in order."""
+    one = partial(judge, stage, seed, knobs)
+    if workers == 1:
+        yield from map(one, schedules)
+        return
+    with ProcessPoolExecutor(workers) as pool:
+        numbers = iter(schedules)
+        while batch := list(islice(numbers, 64 * workers)):
+            yield from pool.map(one, batch, chunksize=8)
+
+
+def fails(mission: Mission, faults: Faults) -> bool:
+    """Say whether a mission, planned anew, breaks a promise or blocks under a schedule."""
+    plan = first_plan(mission, TeamPlanner(FIRST_ROUNDS))
+    _, outcome, violations = play(mission, plan, faults)
+    return bool(violations) or outcome.status == "blocked"

@@ -1,0 +1,1 @@
+"""How messages get from one robot to another."""

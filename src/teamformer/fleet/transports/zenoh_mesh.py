@@ -1,0 +1,131 @@
+"""Messages over Zenoh, from peer to peer: no router, no broker."""
+
+from __future__ import annotations
+
+import json
+import random
+import threading
+import time
+from collections import deque
+from collections.abc import Sequence
+
+import zenoh
+
+from teamformer.errors import TeamformerError
+from teamformer.fleet.messages import EVERYBODY, LARGEST
+
+MOST_WAITING = 5_000
+"""Messages that wait to be taken; beyond that the oldest are lost."""
+
+DEAF = 15.0
+"""Seconds without any message after which the session is opened anew."""
+
+
+class ZenohTransport:
+    """One session of one robot; `topics` are further keys whose messages are taken too.
+
+    A robot dials others and is dialled, each pair one way only. `drop` is the part of incoming
+    messages that is thrown away, for trials.
+    """
+
+    def __init__(
+        self,
+        mission: int,
+        me: int,
+        listen: str | None,
+        connect: Sequence[str],
+        drop: float = 0.0,
+    ) -> None:
+        self._root = f"teamformer/{mission:x}"
+        self._me = me
+        self._listen, self._connect = listen, tuple(connect)
+        self._drop = drop
+        self._came: deque[bytes] = deque(maxlen=MOST_WAITING)
+        self._body: deque[bytes] = deque(maxlen=MOST_WAITING)
+        self._bell = threading.Event()
+        self._heard = time.monotonic()
+        self._session = self._open()
+
+    def send(self, to: int, data: bytes) -> None:
+        """Send to a robot, or to all."""
+        self._put("all" if to == EVERYBODY else f"to/{to}", data)
+
+    def send_body(self, key: str, data: bytes) -> None:
+        """Send to, or from, a simulated body."""
+        self._put(f"body/{key}", data)
+
+    def receive(self, seconds: float) -> Sequence[bytes]:
+        """Wait so long at most for messages; return all that have come."""
+        self._bell.wait(max(0.0, seconds))
+        self._bell.clear()
+        if time.monotonic() - self._heard > DEAF and (self._connect or self._listen):
+            self._reopen()
+        return _drain(self._came)
+
+    def receive_body(self) -> Sequence[bytes]:
+        """Return what has come to, or from, simulated bodies."""
+        return _drain(self._body)
+
+    def listen_to_body(self, key: str) -> None:
+        """Take what is sent to, or from, simulated bodies."""
+        self._session.declare_subscriber(f"{self._root}/body/{key}", self._take_body)
+
+    def close(self) -> None:
+        """End the session."""
+        self._session.close()  # type: ignore[no-untyped-call]
+
+    def _put(self, key: str, data: bytes) -> None:
+        drop = zenoh.CongestionControl.DROP
+        self._session.put(f"{self._root}/{key}", data, congestion_control=drop)
+
+    def _open(self) -> zenoh.Session:
+        config = zenoh.Config()
+        settings = {
+            "mode": "peer",
+            "scouting/multicast/enabled": False,
+            "listen/endpoints": [self._listen] if self._listen else [],
+            "connect/endpoints": list(self._connect),
+            "connect/timeout_ms": -1,  # in the background, for ever
+            "connect/exit_on_failure": False,
+            "transport/link/tx/lease": 2000,
+        }
+        for key, value in settings.items():
+            config.insert_json5(key, json.dumps(value))
+        try:
+            session = zenoh.open(config)
+        except zenoh.ZError as error:
+            raise TeamformerError(
+                f"{self._listen or self._connect}: no way to the others: {error}",
+                "is another process there? name another endpoint",
+            ) from None
+        session.declare_subscriber(f"{self._root}/all", self._take)
+        session.declare_subscriber(f"{self._root}/to/{self._me}", self._take)
+        return session
+
+    def _reopen(self) -> None:
+        """Sessions that were cut have been seen to stay deaf: begin anew."""
+        self._heard = time.monotonic()
+        try:
+            session = self._open()
+        except TeamformerError:
+            return
+        self._session.close()  # type: ignore[no-untyped-call]
+        self._session = session
+
+    def _take(self, sample: zenoh.Sample) -> None:
+        self._heard = time.monotonic()
+        data = sample.payload.to_bytes()
+        if len(data) <= LARGEST and not (self._drop and random.random() < self._drop):
+            self._came.append(data)
+            self._bell.set()
+
+    def _take_body(self, sample: zenoh.Sample) -> None:
+        self._body.append(sample.payload.to_bytes())
+        self._bell.set()
+
+
+def _drain(waiting: deque[bytes]) -> list[bytes]:
+    taken = []
+    while waiting:
+        taken.append(waiting.popleft())
+    return taken

@@ -1,0 +1,125 @@
+"""What an agent says and does when it is called lost, shown a former life, or is doubled."""
+
+from __future__ import annotations
+
+import pytest
+
+from fleets import agents_of, opened, pair, standing, trio
+from teamformer.fleet.agent.agent import NAMESAKES, Agent
+from teamformer.fleet.messages import (
+    EVERYBODY,
+    LIFE,
+    LOST,
+    OPERATOR,
+    READY,
+    SERVE,
+    Beat,
+    Message,
+    Notice,
+    Offer,
+    Receipt,
+    TaskFact,
+    Word,
+)
+
+
+def beat_from(agent: Agent, sender: int, word: Word, others: tuple[Word, ...] = ()) -> Message:
+    body = Beat(word, others, plan=agent.keeper.plan.version, digest=agent.knowledge.digest)
+    return opened(agent.mission, sender, [Notice(EVERYBODY, body)])[0]
+
+
+def said(notices: list[Notice]) -> Word:
+    [beat] = [notice.body for notice in notices if isinstance(notice.body, Beat)]
+    return beat.word
+
+
+def test_who_is_called_lost_begins_another_life() -> None:
+    agent = agents_of(trio())[0]
+    agent.tick(0.0, standing(agent, 1), [])
+    claim = beat_from(agent, 1, Word(1, 1), (Word(0, LOST + 1),))
+    _, notices = agent.tick(0.1, standing(agent, 2), [claim])
+    assert said(notices).version >= LIFE
+    assert not said(notices).is_lost
+
+
+def test_who_is_shown_a_former_life_begins_a_later_one() -> None:
+    agent = agents_of(trio())[0]
+    former = beat_from(agent, 1, Word(1, 1), (Word(0, 4 * LIFE + 17),))
+    _, notices = agent.tick(0.1, standing(agent, 1), [former])
+    assert said(notices).life == 5
+
+
+def test_a_silent_robot_is_called_lost_and_a_plan_is_made_without_it() -> None:
+    agent = agents_of(trio())[0]
+    for tick in range(1, 130):
+        now = tick / 10
+        inbox = [beat_from(agent, 1, Word(1, tick))]
+        agent.tick(now, standing(agent, tick), inbox)
+    assert agent.knowledge.words[2].is_lost
+    assert agent.membership.live() == {0, 1}
+    plan = agent.keeper.plan
+    assert (plan.version[0], plan.live) == (1, frozenset({0, 1}))
+    assert set(plan.note.order) == {0, 4}  # what a and b can do
+    assert set(plan.note.left_out) == {1, 2, 3}
+
+
+def test_who_was_away_itself_blames_nobody() -> None:
+    agent = agents_of(trio())[0]
+    for tick in range(1, 10):
+        agent.tick(tick / 10, standing(agent, tick), [beat_from(agent, 1, Word(1, tick))])
+    agent.tick(60.0, standing(agent, 10), [])
+    assert agent.membership.live() == {0, 1, 2}
+    assert agent.membership.is_fit
+
+
+def test_the_younger_of_two_with_one_name_gives_way() -> None:
+    older, younger = agents_of(pair(), now=0.0)[0], agents_of(pair(), now=50.0)[0]
+    for tick in range(NAMESAKES + 1):
+        now = 60.0 + tick
+        words = [
+            Beat(Word(0, tick + 1), nonce=9, uptime=50.0),
+            Beat(Word(0, tick + 1), nonce=8, uptime=now - 60.0),
+        ]
+        for agent, word in zip((younger, older), words, strict=True):
+            message = opened(agent.mission, 0, [Notice(EVERYBODY, word)])
+            agent.tick(now, standing(agent, tick + 1), message)
+    assert younger.is_refused
+    assert not older.is_refused
+
+
+def test_an_operators_task_is_held_and_said_so() -> None:
+    agent = agents_of(trio())[0]
+    task = TaskFact(5 << 24, "new", 3.0, 0.0, (1, 0, 0))
+    offer = opened(agent.mission, OPERATOR, [Notice(EVERYBODY, Offer(task))])
+    before = agent.memory_version
+    _, notices = agent.tick(0.1, standing(agent, 1), offer)
+    assert Notice(OPERATOR, Receipt(task.key)) in notices
+    assert agent.memory_version != before  # it is written down before it is said
+    assert agent.remember(1.0).added == (task,)
+
+
+def test_who_leaves_says_so() -> None:
+    agent = agents_of(trio())[2]
+    agent.tick(0.0, standing(agent, 1), [])
+    assert said(agent.leave(0.2)).is_lost
+
+
+@pytest.mark.parametrize(("echoed", "phase"), [(True, SERVE), (False, READY)])
+def test_service_begins_only_on_a_promise_made_after_the_own_word(echoed: bool, phase: int) -> None:
+    agent = agents_of(pair())[0]
+    goal = agent.mission.tasks[0]
+    clock = 0.0
+
+    def stand(inbox: list[Message]) -> Word:
+        nonlocal clock
+        clock += 1.5
+        there = standing(agent, int(clock * 10))._replace(x=int(goal.x))
+        agent.due = clock
+        _, notices = agent.tick(clock, there, inbox)
+        return said(notices)
+
+    stand([])
+    own = stand([beat_from(agent, 1, Word(1, 1, goal.x, 0.0, 0, 0, READY, True, 2.6))])
+    echo = (0, own.version if echoed else own.version - 1_000)
+    ready = Word(1, 2, goal.x, 0.0, 0, 0, READY, True, 2.6, echo)
+    assert stand([beat_from(agent, 1, ready)]).phase == phase

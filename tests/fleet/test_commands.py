@@ -1,0 +1,108 @@
+"""The verbs `rehearse`, `fleet` and `agent`, as a user meets them."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fleets import trio
+from teamformer.scenarios.files import write_scenario
+
+ROOT = Path(__file__).parent.parent.parent
+
+
+def teamformer(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "teamformer.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)
+
+
+@pytest.fixture
+def mission(tmp_path: Path) -> str:
+    write_scenario(trio().scenario, tmp_path / "trio.yaml")
+    return str(tmp_path / "trio.yaml")
+
+
+def test_rehearse_sums_up(mission: str) -> None:
+    done = teamformer("rehearse", mission, "--schedules", "4", "--workers", "1", "--json")
+    assert done.returncode == 0, done.stderr
+    row = json.loads(done.stdout)
+    assert (row["schedules"], row["blocked"], row["violations"]) == (4, 0, [])
+    assert row["ended"] + row["infeasible"] == 4
+    assert row["messages_per_robot_second"] > 0.5
+    assert row["bytes_per_robot_second"] > 50
+    assert row["undisturbed"] > 10
+
+
+def test_one_schedule_becomes_a_page(mission: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = teamformer("rehearse", mission, "--schedule", "2", "--loss", "0.3", "--out", str(out))
+    assert done.returncode == 0, done.stderr
+    assert "30% of messages are lost" in done.stdout
+    assert teamformer("view", str(out / "replay.json")).returncode == 0
+    assert (out / "replay.html").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("rehearse", "MISSION", "--loss", "1"), "--loss is 1"),
+        (("rehearse", "MISSION", "--crashes", "4"), "there are 3 robots"),
+        (("rehearse", "MISSION", "--out", "x"), "say which with --schedule K"),
+        (("agent", "MISSION", "--robot", "nobody", "--listen", "tcp/127.0.0.1:1"), "r0, r1, r2"),
+        (("agent", "MISSION", "--robot", "r0"), "has no way to the others"),
+        (("agent", "MISSION", "--robot", "r0", "--listen", "tcp/10.0.0.1:1"), "--key FILE"),
+        (("fleet", "add", "MISSION"), "needs --task NAME"),
+        (
+            ("fleet", "add", "MISSION", "--task", "t", "--at", "x", "--needs", "a"),
+            "is no place",
+        ),
+        (
+            ("fleet", "add", "MISSION", "--task", "t", "--at", "1,0", "--needs", "q"),
+            "there is no capability 'q'",
+        ),
+        (
+            ("fleet", "add", "MISSION", "--task", "t", "--at", "1,0", "--needs", "a:2"),
+            "all robots together cannot do 't'",
+        ),
+    ],
+    ids=lambda value: value if isinstance(value, str) else " ".join(value[:2]),
+)
+def test_misuse_is_told(arguments: tuple[str, ...], told: str, mission: str) -> None:
+    done = teamformer(*(mission if word == "MISSION" else word for word in arguments))
+    assert done.returncode == 2
+    assert told in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.slow
+def test_a_fleet_of_processes_survives_a_kill(tmp_path: Path) -> None:
+    """Two of each kind, so that the mission can end without the one that is killed."""
+    mission = trio().scenario
+    path = tmp_path / "mission.yaml"
+    robots = [*mission.robots, *mission.robots]
+    from dataclasses import replace
+
+    named = tuple(replace(robot, name=f"r{number}") for number, robot in enumerate(robots))
+    write_scenario(replace(mission, robots=named), path)
+    command = [sys.executable, "-m", "teamformer.cli", "fleet", str(path), "--json"]
+    with subprocess.Popen(
+        [*command, "--time-limit", "240"], stdout=-1, stderr=-1, text=True
+    ) as fleet:
+        assert fleet.stdout is not None
+        assert fleet.stderr is not None
+        for line in fleet.stderr:
+            if line.startswith("agent r4 pid "):
+                pid = int(line.split()[-1])
+            if " done by " in line:
+                os.kill(pid, signal.SIGKILL)
+                break
+        out, _ = fleet.communicate(timeout=280)
+    row = json.loads(out)
+    assert row["completed"]
+    assert (row["tasks_done"], row["robots_alive"]) == (5, 5)

@@ -1,0 +1,184 @@
+"""Rehearsals: by hand undisturbed, the same from the same seed, and kept under every fault."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fleets import PLANNER, pair, plan_of, trio
+from teamformer.fleet.messages import TaskFact
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Knobs, Order, Spell, draw_faults
+from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
+from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.rehearse import faults_of, judge, play, set_stage
+from teamformer.fleet.rehearsal.shrink import shrink
+from teamformer.fleet.rehearsal.trace import Trace, Worked
+from teamformer.scenarios.generate import Spec, generate
+from teamformer.sim.replay import read_replay, write_replay
+
+ALL_KINDS = {
+    *("loss", "twice", "delay", "radio", "junk", "skew", "drift", "lag", "stutter"),
+    *("cuts", "crashes", "pauses", "stuck", "orders"),
+}
+
+
+def outcome_of(mission: Mission, faults: Faults) -> Outcome:
+    _, outcome, violations = play(mission, plan_of(mission), faults)
+    assert violations == []
+    return outcome
+
+
+def test_undisturbed_a_pair_takes_what_it_takes_by_hand() -> None:
+    """Six steps to walk, one to join, two to serve; and word gets round in a few ticks."""
+    outcome = outcome_of(pair(), Faults())
+    assert outcome.status == "ended"
+    assert outcome.makespan is not None
+    assert 9.0 <= outcome.makespan <= 9.0 * 1.05
+
+
+def test_the_same_seed_gives_the_same_trace() -> None:
+    faults = draw_faults(trio(), 5, 30.0, Knobs(loss=0.4))
+    traces = []
+    for _ in range(2):
+        trace = Trace()
+        Rehearsal(trio(), PLANNER, plan_of(trio()), faults, trace).run(300.0)
+        traces.append(trace.events)
+    assert traces[0] == traces[1]
+    assert len(traces[0]) > 20
+
+
+def test_schedules_draw_every_kind_of_fault() -> None:
+    kinds: set[str] = set()
+    for seed in range(60):
+        kinds |= set(draw_faults(trio(), seed, 30.0).kinds)
+    assert kinds == ALL_KINDS
+
+
+@pytest.mark.parametrize(
+    "faults",
+    [
+        Faults(seed=1, loss=0.8),
+        Faults(seed=2, twice=0.5, delay=3.0, late=0.6),
+        Faults(seed=3, radio=3.0),
+        Faults(seed=4, cuts=(Cut(frozenset({0}), frozenset({1, 2}), 0.0, 25.0),)),
+        Faults(seed=5, crashes=(Crash(1, 4.0, 20.0, keeps_facts=False),)),
+        Faults(seed=6, pauses=(Spell(2, 3.0, 23.0),)),
+        Faults(seed=7, stuck=(Spell(0, 1.0, 20.0),)),
+        Faults(seed=8, lag=(1.2, 0.0, 0.7), stutter=0.3, drift=(0.02, -0.02, 0.0)),
+        Faults(seed=9, junk=5.0),
+    ],
+    ids=lambda faults: "-".join(faults.kinds),
+)
+def test_a_mission_ends_under_each_fault(faults: Faults) -> None:
+    outcome = outcome_of(trio(), faults)
+    assert (outcome.status, outcome.tasks_done) == ("ended", 5)
+
+
+def test_junk_is_counted_and_changes_nothing() -> None:
+    calm, noisy = outcome_of(trio(), Faults(seed=1)), outcome_of(trio(), Faults(seed=1, junk=5.0))
+    assert calm.dropped == 0
+    assert noisy.dropped > 50
+    assert noisy.makespan == calm.makespan
+
+
+def test_what_nobody_left_can_do_is_said_and_all_else_is_done() -> None:
+    outcome = outcome_of(trio(), Faults(crashes=(Crash(2, 0.5),)))
+    assert outcome.status == "infeasible"
+    assert outcome.blocked_tasks == ("t1", "t2", "t3")
+    assert outcome.tasks_done == 2
+
+
+def test_an_operators_task_is_accepted_and_done() -> None:
+    task = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 1, 0), 2.0)
+    trace = Trace()
+    faults = Faults(seed=3, loss=0.5, orders=(Order(6.0, task),))
+    rehearsal = Rehearsal(trio(), PLANNER, plan_of(trio()), faults, trace)
+    assert rehearsal.run(300.0).status == "ended"
+    assert task.key in rehearsal.world.done
+    assert [len(e.holders) for e in trace.events if type(e).__name__ == "Accepted"] == [3]
+
+
+def small_missions() -> list[Mission]:
+    rng = np.random.default_rng(11)
+    return [
+        Mission(generate(Spec(robots=robots, tasks=tasks, capabilities=3), rng))
+        for robots, tasks in ((4, 4), (5, 8), (6, 6))
+    ]
+
+
+def test_random_schedules_keep_every_promise() -> None:
+    for number, mission in enumerate(small_missions()):
+        stage = set_stage(mission)
+        for schedule in range(8):
+            verdict = judge(stage, number, Knobs(), schedule)
+            assert verdict.is_good, (number, schedule, verdict)
+
+
+@pytest.mark.slow
+def test_many_random_schedules_keep_every_promise() -> None:
+    for number, mission in enumerate(small_missions()):
+        stage = set_stage(mission)
+        for schedule in range(300):
+            verdict = judge(stage, 100 + number, Knobs(), schedule)
+            assert verdict.is_good, (number, schedule, verdict)
+
+
+def test_a_rehearsal_becomes_a_record(tmp_path: Path) -> None:
+    trace = Trace()
+    task = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
+    faults = Faults(crashes=(Crash(1, 9.0),), orders=(Order(3.0, task),))
+    rehearsal = Rehearsal(trio(), PLANNER, plan_of(trio()), faults, trace)
+    outcome = rehearsal.run(300.0)
+    record = record_of(rehearsal, outcome, trace.events, 7)
+    write_replay(record, tmp_path / "replay.json")
+    assert read_replay(tmp_path / "replay.json") == record
+    assert record.scenario.tasks[5].name == "extra"
+    assert record.scenario.tasks[5].appears == 3
+    assert record.scenario.robots[1].lost == 10
+    assert sum(len(step.done) for step in record.steps) == outcome.tasks_done
+    members = {slot: set(robots) for slot, robots, _, _ in record.start}
+    for step in record.steps:
+        for stay, leave in step.splits:
+            assert members.pop(min(*stay, *leave)) >= {*stay, *leave}
+            members[min(stay)], members[min(leave)] = set(stay), set(leave)
+        for joiner, partner in step.joins:
+            members[partner] |= members.pop(joiner)
+        if step.lost:
+            left = [robots - set(step.lost) for robots in members.values()]
+            members = {min(robots): robots for robots in left if robots}
+        assert {slot for slot, *_ in step.teams} <= set(members)
+        assert all(slot == min(robots) for slot, robots in members.items())
+
+
+def test_shrinking_takes_away_all_that_is_not_needed() -> None:
+    """A made-up failure: a crash of robot 1, with task t4 in the mission."""
+
+    def fails(mission: Mission, faults: Faults) -> bool:
+        has_task = any(task.name == "t4" for task in mission.scenario.tasks)
+        return has_task and any(crash.robot == 1 for crash in faults.crashes)
+
+    faults = replace(
+        draw_faults(trio(), 4, 30.0), crashes=(Crash(0, 1.0), Crash(1, 2.0), Crash(2, 3.0))
+    )
+    mission, smallest = shrink(trio(), faults, fails)
+    assert [task.name for task in mission.scenario.tasks] == ["t4"]
+    assert smallest == Faults(seed=faults.seed, crashes=(Crash(1, 2.0),))
+
+
+def test_a_schedule_is_the_same_whoever_plays_it() -> None:
+    stage = set_stage(pair())
+    assert faults_of(stage, 3, 8, Knobs()) == faults_of(stage, 3, 8, Knobs())
+    assert faults_of(stage, 3, 8, Knobs()) != faults_of(stage, 3, 9, Knobs())
+    assert judge(stage, 3, Knobs(), 8) == judge(stage, 3, Knobs(), 8)
+
+
+def test_a_robot_is_at_work_in_one_team_at_a_time() -> None:
+    trace = Trace()
+    Rehearsal(trio(), PLANNER, plan_of(trio()), Faults(), trace).run(300.0)
+    worked = [event for event in trace.events if isinstance(event, Worked)]
+    tasks = {event.task for event in worked}
+    assert tasks == {-1, 0, 1, 2, 3, 4}

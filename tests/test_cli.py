@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -265,22 +266,25 @@ def start_slow(folder: Path, pause: float, *words: str) -> subprocess.Popen[str]
     )
 
 
-def press_ctrl_c(process: subprocess.Popen[str], steps: int, wait: float) -> tuple[str, str]:
+def press_ctrl_c(
+    process: subprocess.Popen[str], steps: int, wait: float, sent: int = signal.SIGINT
+) -> tuple[str, str]:
     """Wait for the last of so many steps to begin, and a little; return what is shown then."""
     assert process.stdout is not None
     for _ in range(steps):
         assert process.stdout.readline() == "deciding\n"
     time.sleep(wait)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(sent)
     return process.communicate(timeout=60)
 
 
-@pytest.mark.parametrize(("pause", "wait"), [(0.2, 0.05), (0.0, 0.0), (0.0, 0.001), (0.0, 0.003)])
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(("pause", "wait"), [(0.2, 0.05), (0.0, 0.001)])
 def test_ctrl_c_leaves_a_legal_record_of_what_was_done(
-    pause: float, wait: float, tmp_path: Path
+    pause: float, wait: float, sent: int, tmp_path: Path
 ) -> None:
     process = start_slow(tmp_path, pause, "run", FOUR, "--policy", "slow:Slow", "--out", "out")
-    shown, errors = press_ctrl_c(process, 3, wait)
+    shown, errors = press_ctrl_c(process, 3, wait, sent)
     assert "Traceback" not in errors
     replay = read_replay(tmp_path / "out" / "replay.json")
     assert judge(replay).findings == ()
@@ -351,3 +355,55 @@ def test_many_robots_are_not_all_named(tmp_path: Path, capsys: pytest.CaptureFix
     assert teamformer("run", str(file), "--policy", "join-all") == 0
     shown = capsys.readouterr().out
     assert "r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11 and 3 more" in shown
+
+
+def test_on_a_full_disk_the_result_is_shown_and_no_half_record_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def write(path: Path, data: bytes) -> int:
+        path.touch()
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", write)
+    assert teamformer("run", FOUR, "--policy", "join-all", "--json", "--out", str(tmp_path)) == 1
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["completed"] is True
+    assert f"error: {tmp_path / 'replay.json'}: No space left on device" in printed.err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["policies", f"run {FOUR} --policy join-all --out out"])
+def test_a_reader_that_has_seen_enough_is_no_fault(command: str, tmp_path: Path) -> None:
+    pipeline = f"set -o pipefail; {sys.executable} -m teamformer.cli {command} | true"
+    done = subprocess.run(
+        ["bash", "-c", pipeline],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert "Traceback" not in done.stderr
+    assert "Exception" not in done.stderr
+    assert done.returncode == 0
+    if "out" in command:
+        assert read_replay(tmp_path / "out" / "replay.json").end.status == "completed"
+
+
+def test_generate_overwrites_only_by_force(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mission.yaml"
+    path.write_text("by hand")
+    assert teamformer("generate", "-o", str(path)) == 2
+    assert f"error: {path}: there is such a file\nhint: overwrite it with --force" in (
+        capsys.readouterr().err
+    )
+    assert path.read_text() == "by hand"
+    assert teamformer("generate", "-o", str(path), "--force") == 0
+    assert teamformer("generate", "--setting", "4N20T-C4", "-o", str(path)) == 2
+    assert teamformer("generate", "--setting", "4N20T-C4", "-o", str(path), "--force") == 0
+
+
+def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert teamformer("--version") == 0
+    assert capsys.readouterr().out == f"teamformer {version('teamformer')}\n"

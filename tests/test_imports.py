@@ -14,7 +14,8 @@ import teamformer
 
 ROOT = Path(teamformer.__file__).parent
 
-CORE = {"errors", "model", "capabilities", "plane", "regions", "jit", "kernel_cache"}
+CORE = {"errors", "model", "capabilities", "plane", "regions"}
+CORE |= {"jit", "kernel_cache", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim"}
 BELOW_COMMANDS = {
     *BELOW_POLICIES,
@@ -29,7 +30,7 @@ SEES = {
     "policies": BELOW_POLICIES,
     "trials": {*BELOW_POLICIES, "policies"},
     "referee": {*CORE, "scenarios", "sim.replay"},
-    "viewer": {"errors"},
+    "viewer": {"errors", "whole_files"},
     "export": {*CORE, "sim.replay"},
     "live": {*BELOW_POLICIES, "policies", "trials"},
     "nets": set(),

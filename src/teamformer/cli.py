@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from teamformer.errors import TeamformerError
+from teamformer.errors import ReaderGoneError, TeamformerError
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -30,6 +30,23 @@ Allocation = Annotated[
 ]
 StepLimit = Annotated[int | None, typer.Option(min=1, help="give up after so many steps")]
 TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may plan")]
+
+
+def _show_version(is_wanted: bool) -> None:
+    if is_wanted:
+        from importlib.metadata import version
+
+        print(f"teamformer {version('teamformer')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _every_verb(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="show it")
+    ] = False,
+) -> None:
+    """Teams of robots that form, split and share out tasks by themselves."""
 
 
 @app.command()
@@ -98,13 +115,16 @@ def generate(
     map_path: Annotated[Path | None, typer.Option("--map", help="a .map or a ROS map")] = None,
     cell: Annotated[float | None, typer.Option(help="metres a cell, for a ROS map")] = None,
     seed: Seed = 0,
+    force: Annotated[bool, typer.Option("--force", help="overwrite a file that is there")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Write a random scenario, or a world of a benchmark."""
+    if out.exists() and not force:
+        raise TeamformerError(f"{out}: there is such a file", "overwrite it with --force")
     if setting is not None:
         from teamformer.commands.generate import generate_setting
 
-        others = {"out", "setting", "seed", "as_json"}
+        others = {"out", "setting", "seed", "force", "as_json"}
         given = [name for name in context.params if _is_given(context, name)]
         if not set(given) <= others:
             raise TeamformerError("--setting says it all; leave out what else describes the world")
@@ -442,22 +462,35 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # names need not be text that it can hold
             stream.reconfigure(errors="backslashreplace")
+    status = _run_verb()
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:  # Python would flush once more at exit, and complain
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(status)
+
+
+def _run_verb() -> int:
+    """Run what the command line says, and return its exit status."""
     try:
         app()
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else 0
     except TeamformerError as error:
         print(f"error: {error}", file=sys.stderr)
         if error.hint:
             print(f"hint: {error.hint}", file=sys.stderr)
-        sys.exit(2)
+        return 2
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
-        sys.exit(1)
-    except BrokenPipeError:  # the reader of our output has left
-        sys.stderr.close()
-        sys.exit(1)
+        return 1
+    except ReaderGoneError:
+        return 0
     except OSError as error:  # a disk that fills up while we write, say
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(1)
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"error: {where}{error.strerror or error}", file=sys.stderr)
+        return 1
+    return 0
 
 
 if __name__ == "__main__":

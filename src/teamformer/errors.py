@@ -39,3 +39,7 @@ class ScenarioError(TeamformerError):
 
 class ReplayError(TeamformerError):
     """A replay file that cannot be read."""
+
+
+class ReaderGoneError(Exception):
+    """Who read our output has left, as `head` does when it has seen enough; no mistake at all."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import math
 import subprocess
 import sys
 from dataclasses import replace
@@ -171,6 +172,30 @@ def test_what_cannot_be_deployed(tmp_path: Path) -> None:
     (tmp_path / "main.py").write_text("raise ValueError('broken')")
     with pytest.raises(TeamformerError, match="broken"):
         verify(tmp_path)
+
+
+def test_only_what_a_deployment_left_is_replaced(tmp_path: Path) -> None:
+    everybody = replace(four(), sensing_radius=math.inf)
+    first = deploy(everybody, "teamformer", 0, tmp_path)
+    assert first == [tmp_path / "main.py", *sorted(set(tmp_path.iterdir()) - {first[0]})]
+    code = "from tf_scenario import SCENARIO; print(SCENARIO.sensing_radius)"
+    said = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert said.stdout == "inf\n"
+    again = deploy(everybody, "heuristic", 0, tmp_path)  # no network, so fewer files
+    left = {path for path in tmp_path.iterdir() if path.name != "__pycache__"}
+    assert set(again) == left < set(first)
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(TeamformerError, match=r"holds what is no deployment's, notes.txt"):
+        deploy(everybody, "heuristic", 0, tmp_path)
+
+
+def test_a_main_file_of_somebody_else_s_stays(tmp_path: Path) -> None:
+    (tmp_path / "main.py").write_text("mine")
+    with pytest.raises(TeamformerError, match=r"main.py for example"):
+        deploy(four(), "heuristic", 0, tmp_path)
+    assert (tmp_path / "main.py").read_text() == "mine"
 
 
 @needs_rps

@@ -3,20 +3,32 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from teamformer.errors import TeamformerError
+from teamformer.errors import ReaderGoneError, TeamformerError
 
 UNFOLDED = 1000  # columns, where no terminal folds the lines
-out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else UNFOLDED)
-wide = Console(highlight=False, width=200)
+
+
+class _Output(Console):
+    """A console that says when its reader has left, where Rich would end the process as failed."""
+
+    def on_broken_pipe(self) -> None:
+        raise ReaderGoneError
+
+
+out = _Output(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else UNFOLDED)
+wide = _Output(highlight=False, width=200)
 """For tables of many columns: a terminal folds their lines, Rich would cut words."""
 err = Console(stderr=True, highlight=False, soft_wrap=True)
 
@@ -31,7 +43,10 @@ def say(message: str) -> None:
 
 def print_json(row: Mapping[str, Any]) -> None:
     """Print one JSON object on one line."""
-    print(json.dumps(row))
+    try:
+        print(json.dumps(row))
+    except BrokenPipeError:
+        raise ReaderGoneError from None
 
 
 def prepare_folder(folder: Path) -> None:
@@ -53,6 +68,20 @@ def prepare_file(path: Path) -> None:
     if path.is_dir():
         raise TeamformerError(f"{path}: this is a folder", "name a file in it")
     prepare_folder(path.parent)
+
+
+@contextmanager
+def ended_like_ctrl_c() -> Iterator[None]:
+    """Have SIGTERM end what is done within in the same way as Ctrl-C."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 class StepProgress:

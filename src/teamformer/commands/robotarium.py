@@ -25,6 +25,7 @@ from teamformer.robotarium.robots.arena import TICK
 from teamformer.robotarium.robots.plant import Weather
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.registry import load_policy
+from teamformer.whole_files import write_whole
 
 NOISE = (0.002, np.deg2rad(1.0))  # metres and radians
 
@@ -137,7 +138,7 @@ def fly_missions(trials: int, policy: str, seed: int, folder: Path | None, as_js
                 print_json(row)
     if folder is not None:
         lines = (json.dumps(row, ensure_ascii=False) + "\n" for row in rows)
-        (folder / "robotarium.jsonl").write_text("".join(lines))
+        write_whole(folder / "robotarium.jsonl", "".join(lines))
         say(f"written: {folder / 'robotarium.jsonl'}")
     summaries = summarise(rows)
     if not as_json:
@@ -164,7 +165,7 @@ def _show_comparison(found: dict[str, Any], expected: dict[str, Any]) -> None:
 
 def _write(done: Experiment, film: Any, folder: Path) -> None:
     row = folder / "result.json"
-    row.write_text(json.dumps(done.row(), indent=1, ensure_ascii=False) + "\n")
+    write_whole(row, json.dumps(done.row(), indent=1, ensure_ascii=False) + "\n")
     for path in [row, *film.write(done.scenario, folder)]:
         say(f"written: {path}")
 

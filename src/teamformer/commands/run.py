@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections import defaultdict
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,15 @@ from rich.text import Text
 
 from teamformer.capabilities import describe
 from teamformer.commands.compiling import announce_compiling
-from teamformer.commands.console import StepProgress, out, prepare_folder, print_json, say
-from teamformer.errors import TeamformerError
+from teamformer.commands.console import (
+    StepProgress,
+    ended_like_ctrl_c,
+    out,
+    prepare_folder,
+    print_json,
+    say,
+)
+from teamformer.errors import ReaderGoneError, TeamformerError
 from teamformer.export.reasons import story_lines
 from teamformer.model import Scenario
 from teamformer.plane import Plane
@@ -67,18 +75,20 @@ def run(
     if folder is not None:
         prepare_folder(folder)
     announce_compiling([policy_name], scenario.is_planned)
-    trial = watch_trial(scenario, policy, policy_name, seed)
+    with ended_like_ctrl_c():
+        trial = watch_trial(scenario, policy, policy_name, seed)
+    story = [] if robot is None else list(story_lines(trial.replay, robot))
+    with suppress(ReaderGoneError):  # the record is written all the same
+        if as_json:
+            row = result_row(trial, best_known=best_known([trial]))
+            told = {} if robot is None else {"story": story}
+            print_json(row | told)
+        else:
+            _show(trial)
+            if robot is not None:
+                out.print(_story_table(story))
     if folder is not None:
         _write(trial.replay, folder, with_page)
-    story = [] if robot is None else list(story_lines(trial.replay, robot))
-    if as_json:
-        row = result_row(trial, best_known=best_known([trial]))
-        told = {} if robot is None else {"story": story}
-        print_json(row | told)
-    else:
-        _show(trial)
-        if robot is not None:
-            out.print(_story_table(story))
     return 0 if trial.replay.end.status == "completed" else 1
 
 

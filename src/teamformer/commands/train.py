@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING
 
 from teamformer.commands.compiling import announce_compiling
-from teamformer.commands.console import prepare_folder, print_json, say
+from teamformer.commands.console import ended_like_ctrl_c, prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
 
 if TYPE_CHECKING:
@@ -61,7 +57,7 @@ def train(options: TrainOptions, as_json: bool) -> int:
     _prepare(folder)
     announce_compiling()
     try:
-        with _ended_like_ctrl_c():
+        with ended_like_ctrl_c():
             is_first = run_session(settings, options.held_out, folder, _Table(as_json).show)
     except KeyboardInterrupt:
         say(_how_to_go_on(folder))
@@ -78,20 +74,6 @@ def _prepare(folder: Path) -> None:
         what = f"{folder}: holds what is no training's, {sorted(others)[0]} for example"
         raise TeamformerError(what, "name another folder with --out")
     prepare_folder(folder)
-
-
-@contextmanager
-def _ended_like_ctrl_c() -> Iterator[None]:
-    """Have SIGTERM end the training in the same way as Ctrl-C."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _how_to_go_on(folder: Path) -> str:

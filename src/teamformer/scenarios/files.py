@@ -15,6 +15,7 @@ from teamformer.scenarios.tree_reader import Reader
 from teamformer.scenarios.trees import read_tree, scenario_to_tree
 from teamformer.scenarios.yaml import reader, writer
 from teamformer.scenarios.yaml.reader import StopReadingError
+from teamformer.whole_files import write_whole
 
 __all__ = ["read_scenario", "scenario_from_tree", "scenario_to_tree", "write_scenario"]
 
@@ -58,7 +59,7 @@ def write_scenario(scenario: Scenario, path: Path) -> None:
     else:
         text = writer.to_text(tree)
     try:
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text)
     except (OSError, ValueError) as error:  # ValueError: a name with a zero byte
         reason = getattr(error, "strerror", None) or error
         raise TeamformerError(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import reprlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,6 +15,7 @@ from teamformer.model import LARGEST_NUMBER, Scenario
 from teamformer.plane import Plane
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
+from teamformer.whole_files import write_whole
 
 VERSION = 1
 STATUSES = ("completed", "step limit", "infeasible", "interrupted")
@@ -119,16 +119,11 @@ def _lists(value: Any) -> Any:
 
 
 def write_replay(replay: Replay, path: Path) -> None:
-    """Write a replay, one step a line; a file that is there is replaced only when all is written.
+    """Write a replay, one step a line, whole or not at all.
 
     Raises OSError where the folder cannot be written.
     """
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_text("".join(_lines(replay_to_tree(replay))), encoding="utf-8", newline="\n")
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    write_whole(path, "".join(_lines(replay_to_tree(replay))))
 
 
 def _lines(tree: Mapping[str, Any]) -> Iterator[str]:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import torch
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file
+from safetensors.torch import save as to_bytes
 from torch import Tensor
 
 from teamformer.errors import TeamformerError
 from teamformer.train.learning.optimiser import Learner
+from teamformer.whole_files import write_all
 
 FORMAT = 3
 WEIGHTS, ABOUT = "weights.safetensors", "training.json"
@@ -37,10 +38,8 @@ def save(
     """Write a checkpoint; an older one in the folder stays whole until the new one is."""
     folder.mkdir(parents=True, exist_ok=True)
     about = {"format": FORMAT, "settings": settings, "progress": vars(progress)}
-    save_file(_tensors(learner), folder / (WEIGHTS + ".new"))
-    (folder / (ABOUT + ".new")).write_text(json.dumps(about, indent=2))
-    for name in (WEIGHTS, ABOUT):
-        os.replace(folder / (name + ".new"), folder / name)
+    weights, text = to_bytes(_tensors(learner)), json.dumps(about, indent=2)
+    write_all({folder / WEIGHTS: weights, folder / ABOUT: text})
 
 
 def read_about(folder: Path) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from teamformer.policies.learned.autoregressive import spelled_in
 from teamformer.policies.learned.combinations import combining
 from teamformer.policies.learned.onnx_sessions import read_network
 from teamformer.policies.protocol import Policy
+from teamformer.whole_files import write_whole
 
 ABOUT, NETWORK = "policy.json", "network.onnx"
 FORMAT = 1
@@ -45,7 +46,7 @@ def load_trained(folder: Path) -> Policy:
 
 def describe_policy(about: PolicyDescription, folder: Path) -> None:
     """Write what the folder's policy is."""
-    (folder / ABOUT).write_text(json.dumps(asdict(about), indent=2) + "\n")
+    write_whole(folder / ABOUT, json.dumps(asdict(about), indent=2) + "\n")
 
 
 def _has_policy(folder: Path) -> bool:

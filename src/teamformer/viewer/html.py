@@ -12,6 +12,8 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
+from teamformer.whole_files import write_whole
+
 SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
     *(
@@ -64,7 +66,7 @@ def _page(title: str, scripts: Sequence[str], tree: object, allowed: str) -> str
 
 def write_page(tree: Mapping[str, object], path: Path) -> None:
     """Write the page of a replay to a file."""
-    path.write_text(replay_page(tree), encoding="utf-8")
+    write_whole(path, replay_page(tree))
 
 
 def _read(name: str) -> str:

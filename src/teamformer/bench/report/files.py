@@ -10,6 +10,7 @@ from teamformer.bench.rows import Row
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import on_shared_worlds, summarise
 from teamformer.trials.registry import BARE
+from teamformer.whole_files import write_whole
 
 
 def write_report(
@@ -23,10 +24,10 @@ def write_report(
     summaries = summarise(rows)
     report = folder / "report.md"
     heading = f"# {suite.name}: {suite.about}\n\n"
-    report.write_text(f"{heading}{summary_table(summaries)}\n{EXPLANATION}", encoding="utf-8")
+    write_whole(report, f"{heading}{summary_table(summaries)}\n{EXPLANATION}")
     yield report
     table = folder / "summary.csv"
-    table.write_text(summary_csv(summaries), encoding="utf-8")
+    write_whole(table, summary_csv(summaries))
     yield table
     try:
         from teamformer.bench.report.figures import draw_anytime, draw_suite

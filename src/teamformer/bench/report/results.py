@@ -28,6 +28,7 @@ from teamformer.bench.statistics import Mean, wilson
 from teamformer.bench.store import read_folder
 from teamformer.bench.summary import Summary
 from teamformer.trials.registry import BARE
+from teamformer.whole_files import write_whole
 
 FAMILIES = {
     "teamformer": "the paper's network, trained here",
@@ -55,7 +56,7 @@ def write_results(file: Path, command: str, folders: Sequence[Path]) -> None:
         room=_room(evidence),
         everything=_everything(suites),
     )
-    file.write_text(text, encoding="utf-8")
+    write_whole(file, text)
 
 
 def _origin(command: str, evidence: Evidence) -> dict[str, str]:

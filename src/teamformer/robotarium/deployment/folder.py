@@ -7,6 +7,7 @@ safety filter asks cvxopt.
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import subprocess
@@ -22,12 +23,15 @@ from teamformer.policies.learned.onnx_sessions import shipped
 from teamformer.robotarium.deployment.graphs import Graph, read_graph
 from teamformer.robotarium.experiment import start_poses
 from teamformer.robotarium.mission_checks import check_mission
+from teamformer.whole_files import write_all
 
 ROOT = Path(__file__).parents[2]
 SHIMS = Path(__file__).parent / "testbed"
 IMPORT = re.compile(r"from teamformer\.([\w.]+) import (\([^)]*\)|[^\n]*)")
 
-MAIN = "main.py"
+MAIN, WEIGHTS = "main.py", "weights.npy"
+OURS = re.compile(r"tf_\w+\.py")
+"""What all other files that are written match."""
 REPLACED = {"jit": "jit.txt", "policies.learned.onnx_sessions": "sessions.txt"}
 """Modules that are something else on the testbed, and the files that hold that."""
 
@@ -46,7 +50,8 @@ DEPLOYED = ("teamformer", "teamformer-any", "heuristic", "join-all", "join-fitti
 def deploy(scenario: Scenario, policy: str, seed: int, folder: Path) -> list[Path]:
     """Write the folder for a scenario and a policy; return its files, the main one first.
 
-    Raises `TeamformerError` for a policy that has no form for the testbed.
+    What an earlier deployment has left in the folder is replaced. Raises `TeamformerError` for a
+    policy that has no form for the testbed, and for a folder that holds anything else.
     """
     check_mission(scenario)
     if policy not in DEPLOYED:
@@ -57,14 +62,33 @@ def deploy(scenario: Scenario, policy: str, seed: int, folder: Path) -> list[Pat
     texts = {f"{_flat(name)}.py": _text(name) for name in sorted(_needed(module))}
     texts["tf_scenario.py"] = _scenario_text(scenario, start_poses(scenario, seed), seed)
     texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", _flat(module)).replace("MAKER", maker)
+    contents: dict[str, str | bytes] = {**texts}
     if policy in NETWORKS:
         graph = read_graph(shipped(f"{NETWORKS[policy]}.npz"))
-        texts["tf_graph.py"] = _graph_text(graph)
-        np.save(folder / "weights.npy", _weights(graph))
-    for name, text in texts.items():
-        (folder / name).write_text(text)
-    rest = sorted(path for path in folder.glob("*") if path.name in texts or path.suffix == ".npy")
-    return [folder / MAIN, *(path for path in rest if path.name != MAIN)]
+        contents["tf_graph.py"] = _graph_text(graph)
+        contents[WEIGHTS] = _as_npy(_weights(graph))
+    for old in _earlier_files(folder):
+        if old.name not in contents:
+            old.unlink()
+    write_all({folder / name: content for name, content in contents.items()})
+    return [folder / MAIN, *(folder / name for name in sorted(contents) if name != MAIN)]
+
+
+def _earlier_files(folder: Path) -> list[Path]:
+    """Return what a deployment has left; raises `TeamformerError` if something else is there."""
+    found = sorted(path for path in folder.glob("*") if path.name != "__pycache__")
+    is_ours = folder.joinpath("tf_scenario.py").exists()
+    for path in found:
+        if not (is_ours and (path.name in (MAIN, WEIGHTS) or OURS.fullmatch(path.name))):
+            what = f"{folder}: holds what is no deployment's, {path.name} for example"
+            raise TeamformerError(what, "name an empty folder with -o")
+    return found
+
+
+def _as_npy(array: np.ndarray) -> bytes:
+    file = io.BytesIO()
+    np.save(file, array)
+    return file.getvalue()
 
 
 def verify(folder: Path, python: str = sys.executable) -> dict[str, object]:
@@ -126,6 +150,7 @@ def _shim(name: str) -> str:
 def _scenario_text(scenario: Scenario, poses: np.ndarray, seed: int) -> str:
     return (
         '"""The scenario, where its robots start, and the seed."""\n\n'
+        "from math import inf\n\n"  # which a radius may be
         "from tf_model import Grid, Robot, Scenario, Task\nfrom tf_plane import Plane\n\n"
         f"SCENARIO = {scenario!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
     )

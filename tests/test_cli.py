@@ -17,6 +17,7 @@ import pytest
 
 from teamformer import cli
 from teamformer.referee import judge
+from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay import read_replay
 
 ROOT = Path(__file__).parent.parent
@@ -85,6 +86,30 @@ def test_a_lost_capability_ends_the_trial_and_names_the_task(
     assert "given up at step 2: t3, t4 can never be done" in capsys.readouterr().out
     assert read_replay(tmp_path / "replay.json").end.blocked_tasks == ("t3", "t4")
     assert teamformer("check", str(tmp_path / "replay.json")) == 0
+
+
+def test_check_says_what_is_only_claimed_and_compares_the_scenario(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ("--policy", "join-all", "--seed", "3", "--step-limit", "900")
+    assert teamformer("run", FOUR, *words, "--out", str(tmp_path)) == 0
+    record = str(tmp_path / "replay.json")
+    bound = read_replay(tmp_path / "replay.json").lower_bound
+    capsys.readouterr()
+    assert teamformer("check", record) == 0
+    claims = f"policy join-all, seed 3, illegal decisions 0, lower bound {bound}"
+    assert f"only claimed by the record: {claims}\n" in capsys.readouterr().out
+    assert teamformer("check", record, "--scenario", FOUR, "--json") == 1
+    verdict = json.loads(capsys.readouterr().out)
+    limit = read_scenario(Path(FOUR)).step_limit
+    assert [finding["message"] for finding in verdict["findings"]] == [
+        f"the record is of another scenario than {FOUR}: step_limit is 900, there {limit}"
+    ]
+    assert verdict["claimed"]["seed"] == 3
+    text = Path(FOUR).read_text(encoding="utf-8")
+    same = tmp_path / "same.yaml"
+    same.write_text(f"step_limit: 900\n{text.replace('name: four', 'name: more than four')}")
+    assert teamformer("check", record, "--scenario", str(same)) == 0
 
 
 def test_check_finds_a_forged_makespan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

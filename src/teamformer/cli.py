@@ -137,11 +137,17 @@ def generate(
 
 
 @app.command()
-def check(replay: ReplayPath, as_json: AsJson = False) -> None:
+def check(
+    replay: ReplayPath,
+    scenario: Annotated[
+        Path | None, typer.Option(help="the file that the record must be of")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
     """Judge the record of a trial by the rules alone."""
     from teamformer.commands.records import check as command
 
-    raise typer.Exit(command(replay, as_json))
+    raise typer.Exit(command(replay, scenario, as_json))
 
 
 @app.command()

@@ -255,3 +255,45 @@ def test_no_record_is_too_wild_to_judge() -> None:
     for _ in range(150):
         world = random_world(rng)
         assert judge(record(world, *(wild_step(world, rng) for _ in range(12)))).findings
+
+
+SLOW_TO_T = replace(ALONE, robots=(Robot("r", (1, 0), {"a": 1}, speed=0.5),), step_limit=9)
+"""A robot that crosses a cell every other step: `. r t . .`"""
+
+WALLED = replace(ALONE, world=Grid(3, 2, (".@.", "...")), step_limit=9)
+"""`r @ t`, with the way around below."""
+
+
+@pytest.mark.parametrize(
+    ("scenario", "steps", "expected"),
+    [
+        (
+            ALONE,
+            [Step(teams=(at(0, 0, 0),)), Step(teams=(at(0, 1, 0),)), ARRIVES],
+            "step 1: team [r] waits at [0, 0]; it must get 1 cell nearer to task t",
+        ),
+        (
+            ALONE,
+            [Step(teams=(at(0, 1, 0),)), Step(teams=(at(0, 0, 0),))],
+            "step 2: team [r] goes from [1, 0] to [0, 0]; it must get 1 cell nearer to task t",
+        ),
+        (
+            SLOW_TO_T,
+            [Step(teams=(at(0, 1, 0),)), Step(), ARRIVES],
+            "step 2: team [r] waits at [1, 0]; it must get 1 cell nearer to task t",
+        ),
+        (SLOW_TO_T, [Step(teams=(at(0, 1, 0),)), ARRIVES], ""),
+        (
+            WALLED,
+            [Step(teams=(at(0, 0, 0, y=1),)), Step(teams=(at(0, 1, 0, y=1),)), Step()],
+            "step 3: team [r] waits at [1, 1]; it must get 1 cell nearer to task t",
+        ),
+        (replace(ALONE, sensing_radius=2, join_radius=1), [Step(teams=(at(0, 0, 0),))], ""),
+        (ALONE, [Step(), Step(), Step(teams=(at(0, 1, 0),)), ARRIVES], ""),
+    ],
+    ids=["waits", "turns back", "waits too long", "slow", "around a wall", "joins", "free"],
+)
+def test_who_has_somewhere_to_go_gets_on(
+    scenario: Scenario, steps: list[Step], expected: str
+) -> None:
+    assert messages(record(scenario, *steps)) == ([expected] if expected else [])

@@ -155,6 +155,10 @@ def test_a_folder_is_told_with_the_file_in_it(path: Path) -> None:
         (b'{"teamformer_replay": 2}', ": format 2 is newer than 1"),
         (b'{"teamformer_replay": 0}', ": the format version is 0, not a number from 1 on"),
         (b'{"teamformer_replay": true}', ": the format version is True, not a number from 1 on"),
+        (
+            b'{"teamformer_replay": 1, "seed": 1, "end": {"steps": 1, "steps": 2}}',
+            ": the record is damaged: the key 'steps' stands twice in one mapping",
+        ),
         (b'{"teamformer_replay": 1}', ": the record is damaged: the key 'scenario' is missing"),
     ],
 )

@@ -2,31 +2,83 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 from teamformer.commands.console import out, prepare_file, print_json, say
+from teamformer.model import Scenario
 from teamformer.referee import judge
-from teamformer.sim.replay import read_replay, replay_to_tree
+from teamformer.scenarios.files import read_scenario
+from teamformer.sim.replay import Replay, read_replay, replay_to_tree
 from teamformer.viewer.html import write_page
 
+GUARANTEE = "by the rules: every robot's way, every team that formed, every task that was done"
 
-def check(path: Path, as_json: bool) -> int:
-    """Judge a record; return 0 if every step was legal and every task really done."""
+
+def check(path: Path, scenario: Path | None, as_json: bool) -> int:
+    """Judge a record; return 0 if every step was legal and every task really done.
+
+    With a scenario's file, the record must be one of that scenario, too.
+    """
     replay = read_replay(path)
-    verdict = judge(replay)
+    findings = [{"step": f.step, "message": f.message} for f in judge(replay).findings]
+    if scenario is not None:
+        findings += [
+            {"step": 0, "message": f"the record is of another scenario than {scenario}: {how}"}
+            for how in _differences(replay.scenario, read_scenario(scenario))
+        ]
+    claimed = _claims(replay)
     if as_json:
-        findings = [{"step": f.step, "message": f.message} for f in verdict.findings]
-        print_json({"legal": not findings, "status": replay.end.status, "findings": findings})
+        print_json(
+            {
+                "legal": not findings,
+                "status": replay.end.status,
+                "findings": findings,
+                "scenario_compared": scenario is not None,
+                "claimed": claimed,
+            }
+        )
+        return 1 if findings else 0
+    for finding in findings:
+        out.print(finding["message"], markup=False)
+    steps, tasks = len(replay.steps), replay.end.tasks_done
+    if findings:
+        out.print(f"not legal: {len(findings)} findings in {steps} steps", style="red")
     else:
-        for finding in verdict.findings:
-            out.print(finding.message, markup=False)
-        steps, tasks = len(replay.steps), replay.end.tasks_done
-        if not verdict.findings:
-            ending = f"{tasks} tasks done, {replay.end.status}"
-            out.print(f"legal: {steps} steps, {ending}", markup=False, style="green")
-        else:
-            out.print(f"not legal: {len(verdict.findings)} findings in {steps} steps", style="red")
-    return 1 if verdict.findings else 0
+        ending = f"{tasks} tasks done, {replay.end.status}"
+        out.print(f"legal: {steps} steps, {ending}", markup=False, style="green")
+    against = "" if scenario is None else f"; the scenario is that of {scenario}"
+    out.print(f"checked {GUARANTEE}{against}", markup=False, style="dim")
+    words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in claimed.items())
+    out.print(f"only claimed by the record: {words}", markup=False, style="dim")
+    return 1 if findings else 0
+
+
+def _claims(replay: Replay) -> dict[str, Any]:
+    """Return what a record says of itself that its steps cannot show."""
+    return {
+        "policy": replay.policy,
+        "seed": replay.seed,
+        "illegal_decisions": replay.end.illegal_decisions,
+        "lower_bound": replay.lower_bound,
+    }
+
+
+def _differences(recorded: Scenario, given: Scenario) -> list[str]:
+    """Say where two scenarios differ, but for their names, which mean nothing."""
+    names = [field.name for field in fields(Scenario) if field.name != "name"]
+    pairs = {name: (getattr(recorded, name), getattr(given, name)) for name in names}
+    return [_difference(name, *pair) for name, pair in pairs.items() if pair[0] != pair[1]]
+
+
+def _difference(name: str, recorded: Any, given: Any) -> str:
+    if isinstance(recorded, str | int | float):
+        return f"{name} is {recorded}, there {given}"
+    if name in ("robots", "tasks") and len(recorded) == len(given):
+        one = next(a.name for a, b in zip(recorded, given, strict=True) if a != b)
+        return f"{name} differ, {one} for example"
+    return f"{name} differ" if name.endswith("s") else f"the {name} differs"
 
 
 def view(path: Path, page: Path | None, as_json: bool) -> int:

@@ -15,6 +15,7 @@ from teamformer.referee.formation import (
     lose_robots,
     split_teams,
 )
+from teamformer.referee.headway import Ways, check_headway
 from teamformer.referee.lifecycle import judge_ending, judge_orders, start_fleet, why_over
 from teamformer.referee.motion import move_team
 from teamformer.referee.teams import Fleet
@@ -26,7 +27,7 @@ def judge(replay: Replay) -> Verdict:
     """Return everything in a record that breaks the rules."""
     notes = Notes()
     fleet, tasks, lists = start_fleet(replay, notes), Tasks(replay.scenario), CrewLists(replay)
-    over = ""
+    ways, over = Ways(replay.scenario), ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
         if over:
@@ -34,6 +35,7 @@ def judge(replay: Replay) -> Verdict:
             break
         due = due_losses(fleet, number)
         _judge_step(fleet, tasks, lists, step, number, due, notes)
+        check_headway(fleet, ways, notes)
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
     judge_orders(replay, tasks.done, notes)
@@ -54,7 +56,7 @@ def _judge_step(
 ) -> None:
     slots = set(fleet.teams)
     for team in fleet.teams.values():
-        team.has_formed, team.met_at = False, None
+        team.has_formed, team.met_at, team.walked_from = False, None, None
     split_teams(fleet, step, notes)
     met = [pair for pair in step.joins if _are_together(fleet, pair)]
     walked = tuple(pair for pair in step.joins if pair not in met)

@@ -32,6 +32,7 @@ def move_team(
         fault = _walk_cells(world, team, to, waits)
     else:
         fault = _walk_metres(world, team, to, waits, meets)
+    team.walked_from = None if waits or fault else team.at
     if to == team.at:
         return
     name, way = fleet.name(team), f"from {list(team.at)} to {list(to)}"
@@ -73,7 +74,7 @@ def _cells_between(world: Grid, start: Place, goal: Place, most: int) -> int | N
     """Return how many cells a walk crosses, None if it crosses more than allowed."""
     if _apart(start, goal) > most:
         return None
-    if not world.rows or _apart(start, goal) == 1:
+    if not world.rows or _apart(start, goal) <= 1:
         return _apart(start, goal)
     reached, frontier = {start}, {start}
     for cells in range(1, most + 1):

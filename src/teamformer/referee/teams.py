@@ -21,6 +21,8 @@ class RecordedTeam:
     at: Place
     task: int | None = None
     credit: float = 0.0  # the most that it can have saved of its speed
+    least_credit: float = 0.0  # what it has saved at least
+    walked_from: Place | None = None  # in this step; None if it had to wait, or its way was told
     has_formed: bool = False
     due: int | None = None  # the task that crews' lists give it
     was_serving: bool = False  # when tasks were given

@@ -163,7 +163,9 @@ def read_replay(path: Path) -> Replay:
 
 def _parse(text: str, source: str) -> Any:
     try:
-        return json.loads(text)
+        return json.loads(text, object_pairs_hook=_without_doubles)
+    except _DamageError as damage:
+        raise ReplayError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
     except json.JSONDecodeError as error:
         is_cut = _is_unfinished(text[error.pos :].strip()) or error.msg.startswith("Unterminated")
         what = "it breaks off" if is_cut else f"this is not JSON: {error.msg}"
@@ -172,6 +174,16 @@ def _parse(text: str, source: str) -> Any:
         is_deep = isinstance(error, RecursionError)
         what = "lists lie in lists in lists" if is_deep else "a number has thousands of digits"
         raise ReplayError(f"{source}: this is no replay: {what}", RUN_AGAIN) from None
+
+
+def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Build a mapping; of a key that stands twice two readers might read different values."""
+    tree = dict(pairs)
+    if len(tree) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise _DamageError(f"the key {_short(twice)} stands twice in one mapping")
+    return tree
 
 
 def _is_unfinished(rest: str) -> bool:

@@ -1,0 +1,85 @@
+"""Headway: who has somewhere to go gets on, as far as its speed takes it, and never back."""
+
+from __future__ import annotations
+
+import math
+
+from teamformer.model import Grid, Place, Scenario
+from teamformer.plane import Plane
+from teamformer.referee.motion import MICROMETRES, ROUNDING
+from teamformer.referee.teams import Fleet, Team
+from teamformer.referee.verdict import Notes
+
+
+class Ways:
+    """How long the shortest ways to tasks are, worked out only as far as teams are away."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._floods: dict[int, _Flood] = {}
+
+    def length(self, place: Place, task: int) -> float:
+        """Return cells, or metres on a plane."""
+        world, goal = self._scenario.world, self._scenario.tasks[task].at
+        if isinstance(world, Plane):
+            return math.dist(place, goal)
+        if not world.rows:
+            return abs(place[0] - goal[0]) + abs(place[1] - goal[1])
+        if task not in self._floods:
+            self._floods[task] = _Flood(world, goal)
+        return self._floods[task].length_to(place)
+
+
+class _Flood:
+    """The cells around a goal, ring by ring."""
+
+    def __init__(self, grid: Grid, goal: Place) -> None:
+        self._grid = grid
+        self._lengths: dict[Place, int] = {goal: 0}
+        self._ring: list[Place] = [goal]
+
+    def length_to(self, place: Place) -> float:
+        while place not in self._lengths and self._ring:
+            length = self._lengths[self._ring[0]] + 1
+            beside = {near for cell in self._ring for near in self._grid.neighbours(cell)}
+            self._ring = [cell for cell in beside if cell not in self._lengths]
+            self._lengths.update(dict.fromkeys(self._ring, length))
+        return self._lengths.get(place, math.inf)
+
+
+def check_headway(fleet: Fleet, ways: Ways, notes: Notes) -> None:
+    """Check, once assignments are known, that teams have walked towards them as far as they can.
+
+    Left out are worlds with a join radius, where a team may walk to a partner instead, which a
+    record does not say; and unions made on the way, which may have come from either of two places.
+    """
+    world = fleet.scenario.world
+    here = world.arrival_radius if isinstance(world, Plane) else 0.0
+    if fleet.scenario.join_radius > here:
+        return
+    for _, team in sorted(fleet.teams.items()):
+        if team.task is None or team.walked_from is None or team.met_at is not None:
+            team.least_credit = 0.0
+            continue
+        before, after = (ways.length(at, team.task) for at in (team.walked_from, team.at))
+        due = _due(team, before, after, is_plane=isinstance(world, Plane))
+        if before - after < due - MICROMETRES:
+            name, task = fleet.name(team), fleet.scenario.tasks[team.task].name
+            unit = "m" if isinstance(world, Plane) else "cell" if due == 1 else "cells"
+            way = f"from {list(team.walked_from)} to {list(team.at)}"
+            did = f"waits at {list(team.at)}" if team.walked_from == team.at else f"goes {way}"
+            notes.note(f"{name} {did}; it must get {due:g} {unit} nearer to task {task}")
+
+
+def _due(team: Team, before: float, after: float, is_plane: bool) -> float:
+    """Return how much nearer a team must get, and write down what it has surely saved then.
+
+    `before` and `after` are how long its way was and is.
+    """
+    if is_plane:
+        return min(team.speed, before)
+    team.least_credit += team.speed
+    cells = int(team.least_credit + ROUNDING)
+    spent = max(cells, before - after)
+    team.least_credit = max(0.0, team.least_credit - spent) if after else 0.0
+    return min(cells, before)

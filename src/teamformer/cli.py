@@ -321,7 +321,7 @@ def train(
     ):
         if given not in known:
             raise TeamformerError(f"{name} {given} is unknown", f"use {' or '.join(known)}")
-    anew = ("minutes", "held_out", "device", "resume", "as_json")
+    anew = ("minutes", "device", "resume", "as_json")
     given_too = [name for name in context.params if _is_given(context, name) and name not in anew]
     if resume is not None and given_too:
         flag = given_too[0].replace("_", "-")

@@ -6,13 +6,17 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from teamformer.commands.train import TrainOptions, train
+from teamformer.commands.train import TrainOptions, _as_it_was, train
 from teamformer.errors import TeamformerError
-from teamformer.train.checkpoint import ABOUT, WEIGHTS, read_about
+from teamformer.train.checkpoint import ABOUT, WEIGHTS, Progress, load, read_about, save
+from teamformer.train.trainer import _described, make_learner
+from teamformer.train.trainer import train as train_on
+from teamformer.train.training_settings import TrainSettings
 
 SHORT = ("--worlds", "4", "--held-out", "1", "--seed", "5")
 
@@ -52,11 +56,44 @@ def test_a_training_that_was_stopped_ends_as_if_it_had_not_been(
     assert f"teamformer train --resume {parts}" in told
     assert "Traceback" not in told
     assert 1 <= iterations(parts) < 4
-    _, told = start("--resume", str(parts), "--held-out", "1").communicate(timeout=200)
+    _, told = start("--resume", str(parts)).communicate(timeout=200)
     assert f"the policy is in {parts}" in told
     assert iterations(parts) == iterations(whole) == 4
     kept = (parts / "last" / WEIGHTS).read_bytes(), (whole / "last" / WEIGHTS).read_bytes()
     assert kept[0] == kept[1]
+
+
+def test_going_on_for_no_time_changes_nothing(tmp_path: Path) -> None:
+    settings = TrainSettings(worlds=2, held_out=3, iterations=2, evaluate_every=9)
+    learner = make_learner(settings)
+    save(tmp_path / "last", learner, _described(settings), Progress(iteration=1, seconds=5.0))
+    before = {path.name: path.read_bytes() for path in (tmp_path / "last").iterdir()}
+    begun = _as_it_was(TrainOptions(resume=tmp_path, minutes=0.0))
+    assert (begun.held_out, begun.worlds, begun.iterations) == (3, 2, 2)
+    resumed = replace(settings, minutes=0.0)
+    trained = train_on(resumed, tmp_path, held_out=())  # an exam of no worlds would fail
+    assert {path.name: path.read_bytes() for path in (tmp_path / "last").iterdir()} == before
+    assert trained is not learner
+
+
+def test_a_training_of_no_time_keeps_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert train(TrainOptions(folder=tmp_path / "new", held_out=1, minutes=0.0), as_json=False) == 1
+    assert "no iteration was made; nothing is kept" in capsys.readouterr().err
+    assert not (tmp_path / "new" / "last").exists()
+
+
+def test_another_exam_is_another_training(tmp_path: Path) -> None:
+    settings = TrainSettings(held_out=3)
+    learner = make_learner(settings)
+    save(tmp_path, learner, _described(settings), Progress())
+    with pytest.raises(TeamformerError, match="holds another training") as error:
+        load(tmp_path, learner, _described(replace(settings, held_out=4)))
+    assert error.value.hint == "other settings: held_out; use the same or another folder"
+    older = {k: v for k, v in _described(settings).items() if k != "held_out"}
+    save(tmp_path, learner, older, Progress(iteration=4))
+    assert load(tmp_path, learner, _described(settings)).iteration == 4
 
 
 def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
@@ -78,6 +115,7 @@ def test_what_cannot_be_resumed_is_told(tmp_path: Path, capsys: pytest.CaptureFi
     assert f"{missing}: there is no such folder" in refused(capsys, "--resume", missing)
     assert f"it has no {ABOUT}" in refused(capsys, "--resume", empty)
     assert "leave --seed out" in refused(capsys, "--resume", empty, "--seed", "1")
+    assert "leave --held-out out" in refused(capsys, "--resume", empty, "--held-out", "1")
     (tmp_path / "last").mkdir()
     (tmp_path / "last" / ABOUT).write_text('{"format": 2, "settings": {"network": "any"}}')
     assert "its settings cannot be read" in refused(capsys, "--resume", empty)

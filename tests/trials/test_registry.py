@@ -11,6 +11,7 @@ import pytest
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
 from teamformer.policies.learned.policy import Learned
+from teamformer.policies.protocol import Planner
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.smallest import smallest_scenario
@@ -61,10 +62,7 @@ class Narrow(Patient):
 
 
 class Timed(Patient):
-    time_limit = 1.0
-
-    def report(self):
-        return self.time_limit
+    time_limit, workers, plans = 1.0, 1, []
 """
 
 
@@ -106,10 +104,9 @@ def test_names_are_listed_once() -> None:
 
 def test_a_class_of_ones_own(own_module: str) -> None:
     policy: Any = load_policy(f"{own_module}:Timed", POLICIES)
-    assert not policy.needs_everything
-    assert not hasattr(policy, "plans")
-    policy.time_limit = 3.0
-    assert policy.report() == 3.0
+    assert type(policy).__name__ == "Timed"
+    assert isinstance(policy, Planner)
+    assert not isinstance(load_policy(f"{own_module}:Patient", POLICIES), Planner)
 
 
 @pytest.mark.parametrize(

@@ -58,9 +58,12 @@ def train(options: TrainOptions, as_json: bool) -> int:
     announce_compiling()
     try:
         with ended_like_ctrl_c():
-            is_first = run_session(settings, options.held_out, folder, _Table(as_json).show)
+            is_first = run_session(settings, folder, _Table(as_json).show)
     except KeyboardInterrupt:
         say(_how_to_go_on(folder))
+        return 1
+    if is_first and not (folder / "last").exists():
+        say("no iteration was made; nothing is kept")
         return 1
     if is_first:
         say(f"the policy is in {folder}; run it with --policy {folder}")
@@ -102,6 +105,7 @@ def _as_it_was(options: TrainOptions) -> TrainOptions:
             capabilities=begun["capabilities"],
             iterations=begun["iterations"],
             worlds=begun["worlds"],
+            held_out=begun.get("held_out", options.held_out),  # which older ones do not say
             method=begun["method"],
             reward="team" if begun["mission_reward"] is None else "mission",
             seed=begun["seed"],
@@ -129,6 +133,7 @@ def _settings(options: TrainOptions) -> TrainSettings:
         iterations=options.iterations,
         minutes=options.minutes,
         worlds=options.worlds,
+        held_out=options.held_out,
         method=options.method,
         mission_reward=MissionReward() if options.reward == "mission" else None,
         team_reward=TeamReward() if options.reward == "team" else None,

@@ -4,55 +4,54 @@ from __future__ import annotations
 
 import sysconfig
 import traceback
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
+from teamformer.policies.protocol import Policy
 from teamformer.sim.env import Decision, read_decision
 from teamformer.sim.view import View
 
 
-class OwnPolicy:
-    """Asks a policy that a user wrote, and refuses what is no decision.
+def watch_own(policy: Policy, name: str) -> Policy:
+    """Have a policy that a user wrote tell where it fails, and refuse what is no decision.
 
-    Raises `TeamformerError` where the policy raises anything or answers with anything else. What
-    else the policy offers, such as a planner's `time_limit`, is its own.
+    From then on its `begin` and `decide` raise `TeamformerError` where they raised anything else
+    or answered with anything else than a decision for the view. All else of it stays as it is.
     """
+    begin, decide = policy.begin, policy.decide
+    with suppress(AttributeError):  # of a class with slots, which stays as it is
+        object.__setattr__(policy, "begin", partial(_begin, begin, name))
+        object.__setattr__(policy, "decide", partial(_decide, decide, name))
+    return policy
 
-    def __init__(self, policy: Any, name: str) -> None:
-        """Ask a policy that the user calls by a name."""
-        vars(self).update(_policy=policy, _name=name)
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
-        """Get the policy ready for a new batch of trials."""
-        with telling_where(f"policy '{self._name}' failed"):
-            self._policy.begin(everything, rng)
+def _begin(
+    begin: Callable[..., None],
+    name: str,
+    everything: Sequence[Scenario] | None,
+    rng: np.random.Generator,
+) -> None:
+    with telling_where(f"policy '{name}' failed"):
+        begin(everything, rng)
 
-    def decide(self, view: View) -> Decision:
-        """Return what the policy wants, if it is a decision for this view."""
-        with telling_where(f"policy '{self._name}' failed"):
-            decision = self._policy.decide(view)
-        try:
-            wanted, task = read_decision(decision, *view.counts.shape)
-        except AttributeError:
-            what = f"decide() returned {type(decision).__name__}, not a Decision"
-            raise TeamformerError(f"policy '{self._name}': {what}", HINT) from None
-        except ValueError as error:
-            raise TeamformerError(f"policy '{self._name}': decide(): {error}", HINT) from None
-        return Decision(wanted, task)
 
-    def __getattr__(self, name: str) -> Any:
-        if name == "_policy":  # being copied: there is none yet
-            raise AttributeError(name)
-        return getattr(self._policy, name)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        setattr(self._policy, name, value)
+def _decide(decide: Callable[[View], Decision], name: str, view: View) -> Decision:
+    with telling_where(f"policy '{name}' failed"):
+        decision = decide(view)
+    try:
+        wanted, task = read_decision(decision, *view.counts.shape)
+    except AttributeError:
+        what = f"decide() returned {type(decision).__name__}, not a Decision"
+        raise TeamformerError(f"policy '{name}': {what}", HINT) from None
+    except ValueError as error:
+        raise TeamformerError(f"policy '{name}': decide(): {error}", HINT) from None
+    return Decision(wanted, task)
 
 
 HINT = "see docs/policies.md for what a decision is"

@@ -7,7 +7,7 @@ import math
 from teamformer.model import Grid, Place, Scenario
 from teamformer.plane import Plane
 from teamformer.referee.motion import MICROMETRES, ROUNDING
-from teamformer.referee.teams import Fleet, Team
+from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
 
 
@@ -71,7 +71,7 @@ def check_headway(fleet: Fleet, ways: Ways, notes: Notes) -> None:
             notes.note(f"{name} {did}; it must get {due:g} {unit} nearer to task {task}")
 
 
-def _due(team: Team, before: float, after: float, is_plane: bool) -> float:
+def _due(team: RecordedTeam, before: float, after: float, is_plane: bool) -> float:
     """Return how much nearer a team must get, and write down what it has surely saved then.
 
     `before` and `after` are how long its way was and is.

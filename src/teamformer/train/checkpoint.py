@@ -63,8 +63,9 @@ def read_about(folder: Path) -> dict[str, Any]:
 def load(folder: Path, learner: Learner, settings: dict[str, Any]) -> TrainingProgress:
     """Put a checkpoint into a learner made with the same settings."""
     about = read_about(folder)
-    if about["settings"] != settings:
-        changed = [name for name in settings if about["settings"].get(name) != settings[name]]
+    begun = settings | about["settings"]  # an older one lacks what is new
+    if begun != settings:
+        changed = [name for name in settings if begun[name] != settings[name]]
         hint = f"other settings: {', '.join(changed)}; use the same or another folder"
         raise TeamformerError(f"{folder} holds another training", hint)
     tensors = _read_tensors(folder)

@@ -15,10 +15,8 @@ from teamformer.train.training_settings import TrainSettings
 from teamformer.train.training_worlds import selection_worlds
 
 
-def run_session(
-    settings: TrainSettings, held_out: int, folder: Path, on_report: Callable[[Report], None]
-) -> bool:
-    """Train with `held_out` worlds of each setting to select on; return whether we are the first.
+def run_session(settings: TrainSettings, folder: Path, on_report: Callable[[Report], None]) -> bool:
+    """Train, selecting on worlds of the settings' own; return whether we are the first process.
 
     Started by torchrun, all processes train one policy; only the first one reports.
     """
@@ -27,7 +25,7 @@ def run_session(
     torch.set_num_threads(1)
     architecture = settings.architecture
     worlds = selection_worlds(
-        held_out, architecture.selection(settings.capabilities), architecture.allocations
+        settings.held_out, architecture.selection(settings.capabilities), architecture.allocations
     )
     with distributed.joined(settings.device):
         if distributed.rank() > 0:

@@ -31,6 +31,7 @@ class TrainSettings:
     ppo: PpoSettings | None = None  # None: the network's own
     rollouts: RolloutImprovementSettings = field(default_factory=RolloutImprovementSettings)
     evaluate_every: int = 10
+    held_out: int = 48  # worlds of each setting to select on
     begin_from: str = ""  # folder of a checkpoint to take the first weights from
     device: str = "cpu"
 

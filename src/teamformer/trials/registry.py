@@ -12,7 +12,7 @@ from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.policies.listing import Listing
-from teamformer.policies.own import OwnPolicy, telling_where
+from teamformer.policies.own import telling_where, watch_own
 from teamformer.policies.protocol import Guarded, Policy
 
 BARE = "-bare"
@@ -68,7 +68,7 @@ def _instance(where: str) -> Policy:
         if not hasattr(policy, part):
             hint = "see docs/policies.md for what a policy offers"
             raise TeamformerError(f"'{where}' is no policy: it has no '{part}'", hint)
-    return policy if where.startswith("teamformer.") else OwnPolicy(policy, where)
+    return policy if where.startswith("teamformer.") else watch_own(policy, where)
 
 
 def _find(where: str, module_name: str, class_name: str) -> Any:

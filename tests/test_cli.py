@@ -397,6 +397,21 @@ def test_on_a_full_disk_the_result_is_shown_and_no_half_record_stays(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_network_of_the_paper_runs_under_its_own_allocation_and_its_row_says_so(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The file says nothing of allocation, and means the best, which that network does not know."""
+    assert teamformer("compare", FOUR, "--policies", "join-crew,gnn-c4") == 0
+    shown = capsys.readouterr()
+    assert "gnn-c4 was made for allocation paper, not" in shown.err
+    assert " gnn-c4, paper " in shown.out
+    assert " join-crew " in shown.out
+    assert teamformer("run", FOUR, "--policy", "gnn-c4", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["allocation"] == "paper"
+    assert teamformer("run", FOUR, "--policy", "gnn-c4", "--allocation", "crews") == 2
+    assert "hint: leave --allocation out, or use paper" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("command", ["policies", f"run {FOUR} --policy join-all --out out"])
 def test_a_reader_that_has_seen_enough_is_no_fault(command: str, tmp_path: Path) -> None:
     pipeline = f"set -o pipefail; {sys.executable} -m teamformer.cli {command} | true"

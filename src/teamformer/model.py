@@ -166,6 +166,9 @@ NEW_TASKS = ("resolve", "nearest")
 ALLOCATIONS = ("paper", "nearest", "crews")
 
 
+WITHOUT_CREWS = ("paper", "nearest")
+"""Those in which every team follows one order, as the paper's networks were made for."""
+
 BEST_ALLOCATION = "crews"
 """What a scenario file means that says nothing about it."""
 

@@ -12,7 +12,7 @@ import pytest
 from teamformer.bench.executors import Batches, run_here, run_in_processes
 from teamformer.bench.jobs import Job, list_schedule, run_job
 from teamformer.bench.rows import Key, Row
-from teamformer.bench.runner import TIMED, Request, fits, run_benchmark
+from teamformer.bench.runner import TIMED, Request, fits, own_stamp, run_benchmark
 from teamformer.bench.store import Store
 from teamformer.bench.suites import Suite
 from teamformer.errors import TeamformerError
@@ -203,3 +203,51 @@ def test_the_list_schedule_of_two_tasks_in_a_row() -> None:
     assert list_schedule(scenario) == 5
     late = replace(scenario, tasks=(scenario.tasks[0], replace(scenario.tasks[1], appears=3)))
     assert list_schedule(late) is None
+
+
+OWN = """
+from teamformer.policies.scripted.joining import JoinAll
+
+
+class Mine(JoinAll):
+    pace = {pace}
+"""
+
+
+def test_trials_of_a_policy_whose_code_has_changed_are_run_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only its own: rows of the policies that are listed stay."""
+    monkeypatch.syspath_prepend(tmp_path)
+    suite = replace(SMALL, settings=("3N2T-C2",), policies=("join-all", "my_changing:Mine"))
+    told: list[str] = []
+    ran: list[str] = []
+
+    def engine(jobs: Sequence[Job], workers: int) -> Batches:
+        ran.extend(f"{job.policy} {len(job.seeds)}" for job in jobs)
+        return run_here(jobs, workers)
+
+    for pace, expected in (
+        (1, ["join-all 2", "my_changing:Mine 1", "my_changing:Mine 1"]),
+        (1, []),
+        (2, ["my_changing:Mine 1", "my_changing:Mine 1"]),
+    ):
+        (tmp_path / "my_changing.py").write_text(OWN.format(pace=pace))
+        own_stamp.cache_clear()
+        ran.clear()
+        rows = measured(tmp_path, Request(suite, trials=2), engine, told.append)
+        assert sorted(ran) == expected
+        assert len(rows) == 4
+    assert "my_changing:Mine has changed since; its 2 trials are run again" in told
+    stamps = {row.policy: row.code for row in rows.values()}
+    assert stamps["my_changing:Mine"].startswith(f"{stamps['join-all']}+")
+
+
+def test_policies_that_do_not_know_an_allocation_are_left_out(tmp_path: Path) -> None:
+    """The paper's networks would do as a rule does there, and their rows would say otherwise."""
+    told: list[str] = []
+    rules = {"order": "tsp", "allocation": "crews"}
+    suite = replace(SMALL, policies=("join-all", "gnn-c4", "teamformer-any"), rules=rules)
+    rows = measured(tmp_path, Request(suite, trials=1), say=told.append)
+    assert {row.policy for row in rows.values()} == {"join-all", "teamformer-any"}
+    assert "gnn-c4: was not made for allocation crews; skipped" in told

@@ -20,7 +20,8 @@ from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
 from teamformer.scenarios.authors import read_worlds
 from teamformer.scenarios.named_settings import spec_of
-from teamformer.trials.registry import BARE
+from teamformer.trials.registry import BARE, files_of_own
+from teamformer.trials.suiting import knows
 
 TIMED = 50
 """The first so many trials of each policy in each setting run one by one, for their time."""
@@ -90,7 +91,8 @@ def run_benchmark(
     _check_limit(request, wanted, store)
     code = code_stamp()
     store.add(_authors_rows(request, code))
-    if {row.code for row in store.rows.values()} - {code}:
+    _forget_changed(wanted, store, say)
+    if {row.code.split("+")[0] for row in store.rows.values()} - {code}:
         say(f"{store.folder}: holds rows that other versions of the code made; they are kept")
     jobs = list(_jobs(request, wanted, store, code))
     total = sum(len(request.seeds(setting)) for setting, _ in wanted)
@@ -104,6 +106,25 @@ def run_benchmark(
             missing -= len(rows)
             on_rows(total - missing, total)
     store.finish(_order(request.suite))
+
+
+def _forget_changed(
+    wanted: Sequence[tuple[str, str]], store: Store, say: Callable[[str], None]
+) -> None:
+    """Have the trials of a user's own policy run again if its code is not what it was."""
+    for policy in sorted({policy for _, policy in wanted}):
+        own = own_stamp(policy)
+        old = [
+            key for key, row in store.rows.items() if row.policy == policy and own != own_part(row)
+        ]
+        if old:
+            say(f"{policy} has changed since; its {len(old)} trials are run again")
+            store.forget(old)
+
+
+def own_part(row: Row) -> str:
+    """Return the stamp of a user's own policy that a row's code has; empty for one of ours."""
+    return row.code.partition("+")[2]
 
 
 def _check_limit(request: Request, wanted: Sequence[tuple[str, str]], store: Store) -> None:
@@ -135,7 +156,10 @@ def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tupl
         elif not fits(policy, setting):
             why = f"{policy}: does not fit {setting}; skipped"
         elif policy != AUTHORS:
-            ready_policy(policy, request.time_limit)  # an unknown name ends it here
+            player = ready_policy(policy, request.time_limit)  # an unknown name ends it here
+            allocation = str(request.suite.rules.get("allocation", "paper"))
+            if not knows(player, allocation):
+                why = f"{policy}: was not made for allocation {allocation}; skipped"
         if not why:
             yield setting, policy
         elif why not in said:
@@ -161,7 +185,7 @@ def _jobs(
             policy,
             (),
             request.time_limit,
-            code,
+            "+".join(filter(None, (code, own_stamp(policy)))),
             worlds=request.worlds.get(setting),
             rules=request.suite.rules,
         )
@@ -216,6 +240,19 @@ def _order(suite: Suite) -> Callable[[Row], tuple[int, int, str, int]]:
         return setting, policies.get(row.policy, len(policies)), row.policy, row.world_seed
 
     return key
+
+
+@cache
+def own_stamp(policy: str) -> str:
+    """Return a text that changes when the file of a user's own policy does, or a trained folder.
+
+    It is empty for the policies that come with the package.
+    """
+    stamp = hashlib.sha256()
+    files = files_of_own(policy, POLICIES)
+    for path in files:
+        stamp.update(path.name.encode() + path.read_bytes())
+    return stamp.hexdigest()[:12] if files else ""
 
 
 @cache

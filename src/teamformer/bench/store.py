@@ -66,6 +66,12 @@ class Store:
                 self.rows[row.key] = row
                 _write_all(self._file, row.to_line().encode())
 
+    def forget(self, keys: Iterable[Key]) -> None:
+        """Take rows out, so that their trials are run again."""
+        for key in keys:
+            del self.rows[key]
+        self._rewrite()
+
     def finish(self, order: Callable[[Row], Any]) -> None:
         """Put all rows in order, with best makespans and bounds filled in."""
         rows = with_bars(sorted(self.rows.values(), key=order))

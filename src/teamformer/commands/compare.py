@@ -42,15 +42,16 @@ def compare(
         raise TeamformerError(f"policy '{twice[0]}' is named twice", hint)
     scenario = changes.apply(read_scenario(path))
     policies = {name: ready_policy(name, time_limit) for name in policy_names}
-    announce_compiling(policy_names, scenario.is_planned)
-    trials = _share_bound(_run_all(scenario, policies, seeds))
+    worlds = {name: changes.suit(scenario, policy, name) for name, policy in policies.items()}
+    announce_compiling(policy_names, any(world.is_planned for world in worlds.values()))
+    trials = _share_bound(_run_all(worlds, policies, seeds))
     best = best_known(trials)
     if as_json:
         for trial in trials:
             print_json(result_row(trial, best))
     else:
         out.print(Text(scenario.name, style="bold"))
-        wide.print(_table(trials, best))
+        wide.print(_table(trials, best, scenario.allocation))
         bound = trials[0].replay.lower_bound
         out.print(f"best known {best or '-'}, lower bound {bound or '-'}")
         for trial in trials:
@@ -60,13 +61,15 @@ def compare(
     return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
 
 
-def _run_all(scenario: Scenario, policies: Mapping[str, Policy], seeds: int) -> list[Trial]:
-    """Run every policy with every seed; Ctrl-C ends it with what was done so far."""
+def _run_all(
+    worlds: Mapping[str, Scenario], policies: Mapping[str, Policy], seeds: int
+) -> list[Trial]:
+    """Run every policy in its world with every seed; Ctrl-C ends it with what was done so far."""
     trials: list[Trial] = []
     for name, policy in policies.items():
         for seed in range(seeds):
             say(f"{name}, seed {seed} ...")
-            trials.append(watch_trial(scenario, policy, name, seed))
+            trials.append(watch_trial(worlds[name], policy, name, seed))
             if trials[-1].is_interrupted:
                 done = sum(trial.replay.end.status != "interrupted" for trial in trials)
                 say(f"interrupted: {done} of {len(policies) * seeds} trials ran to their end")
@@ -75,13 +78,17 @@ def _run_all(scenario: Scenario, policies: Mapping[str, Policy], seeds: int) -> 
 
 
 def _share_bound(trials: Sequence[Trial]) -> list[Trial]:
-    """Have all trials know the highest bound that any of them does: their scenario is the same."""
+    """Have all trials know the highest bound that any of them does.
+
+    Their scenarios differ at most in the allocation, which no bound depends on.
+    """
     bounds = [trial.replay.lower_bound for trial in trials]
     best = max((bound for bound in bounds if bound is not None), default=None)
     return [replace(trial, replay=replace(trial.replay, lower_bound=best)) for trial in trials]
 
 
-def _table(trials: Sequence[Trial], best: int | None) -> Table:
+def _table(trials: Sequence[Trial], best: int | None, allocation: str) -> Table:
+    """Return a row for each trial; who ran under another allocation is said to."""
     table = Table(box=None, header_style="dim")
     columns = (
         "policy",
@@ -101,8 +108,10 @@ def _table(trials: Sequence[Trial], best: int | None) -> Table:
         makespan = end.status if end.makespan is None else str(end.makespan)
         bars = (best, replay.lower_bound)
         over = [percent_over(end.makespan, bar) for bar in bars]
+        own = replay.scenario.allocation
+        label = replay.policy if own == allocation else f"{replay.policy}, {own}"
         table.add_row(
-            Text(replay.policy),
+            Text(label),
             str(replay.seed),
             makespan,
             *("" if gap is None else f"{gap:+.0f}%" for gap in over),

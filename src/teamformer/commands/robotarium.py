@@ -15,6 +15,7 @@ from rich.text import Text
 from teamformer.capabilities import describe
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
+from teamformer.commands.run import Changes
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
 from teamformer.policies.protocol import Policy
@@ -61,6 +62,7 @@ def robotarium(path: Path, options: RobotariumOptions, as_json: bool) -> int:
 
         prepare_folder(options.folder)
         film = Film()
+    scenario = Changes().suit(scenario, policy, options.policy)
     announce_compiling([options.policy], scenario.is_planned)
     done = run_experiment(
         scenario,

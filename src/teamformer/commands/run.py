@@ -34,6 +34,7 @@ from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay import Replay, replay_to_tree, write_replay
 from teamformer.trials.registry import load_policy
+from teamformer.trials.suiting import refuse_unknown, suited
 from teamformer.trials.trial import Trial, run_trial
 
 LONGEST_TABLE = 40  # tasks
@@ -52,6 +53,18 @@ class Changes:
         """Return the changed scenario."""
         changed = {key: value for key, value in vars(self).items() if value is not None}
         return replace(scenario, **changed)
+
+    def suit(self, scenario: Scenario, policy: Policy, name: str) -> Scenario:
+        """Return a changed scenario under an allocation that a policy was made for, and say so.
+
+        Raises `TeamformerError` if the command line asks for another.
+        """
+        refuse_unknown(policy, name, self.allocation)
+        its_own = suited(scenario, policy)
+        if its_own is not scenario:
+            what = f"allocation {its_own.allocation}, not {scenario.allocation}"
+            say(f"{name} was made for {what}, and runs under that")
+        return its_own
 
 
 def run(
@@ -72,6 +85,7 @@ def run(
     scenario = changes.apply(read_scenario(path))
     robot = None if explained is None else _robot_number(scenario, explained)
     policy = ready_policy(policy_name, time_limit)
+    scenario = changes.suit(scenario, policy, policy_name)
     if folder is not None:
         prepare_folder(folder)
     announce_compiling([policy_name], scenario.is_planned)
@@ -188,6 +202,7 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
         "tasks_done": end.tasks_done,
         "tasks": len(replay.scenario.tasks),
         "robots": len(replay.scenario.robots),
+        "allocation": replay.scenario.allocation,
         "capabilities": len(replay.scenario.capabilities),
         "joins": end.joins,
         "splits": end.splits,
@@ -216,7 +231,10 @@ def _write(replay: Replay, folder: Path, with_page: bool) -> None:
 def _show(trial: Trial) -> None:
     replay, end = trial.replay, trial.replay.end
     scenario = replay.scenario
-    out.print(Text(f"{scenario.name}: {replay.policy}, seed {replay.seed}", style="bold"))
+    title = (
+        f"{scenario.name}: {replay.policy}, seed {replay.seed}, allocation {scenario.allocation}"
+    )
+    out.print(Text(title, style="bold"))
     if len(scenario.tasks) <= LONGEST_TABLE:
         out.print(_task_table(replay))
     out.print(_verdict(replay), style="green" if end.status == "completed" else "red")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-import importlib
+import importlib.util
 import inspect
 import sys
 from collections.abc import Sequence
@@ -56,13 +56,37 @@ def _bare(name: str, listings: Sequence[Listing]) -> Policy:
     return policy
 
 
+def files_of_own(name: str, listings: Sequence[Listing]) -> list[Path]:
+    """Return the files that make a policy of a user's own: of its class, or of a trained folder.
+
+    What the class imports is not among them. A listed policy has none.
+    """
+    folder = Path(name.removesuffix(BARE))
+    if folder.name in {listing.name for listing in listings}:
+        return []
+    if name and folder.is_dir():
+        kept = (".json", ".onnx")
+        return sorted(path for path in folder.rglob("*") if path.suffix in kept)
+    module_name, is_own, _ = name.removesuffix(BARE).partition(":")
+    if not is_own or module_name.startswith("teamformer."):
+        return []
+    _look_here()
+    spec = importlib.util.find_spec(module_name)
+    return [Path(spec.origin)] if spec is not None and spec.origin is not None else []
+
+
+def _look_here() -> None:
+    """Have modules found in the folder that the user works in."""
+    if str(Path.cwd()) not in sys.path:
+        sys.path.append(str(Path.cwd()))
+
+
 def _instance(where: str) -> Policy:
     module_name, _, class_name = where.partition(":")
     if not all(part.isidentifier() for part in (*module_name.split("."), class_name)):
         hint = "write it as module:Class, such as mine:Patient for class Patient in mine.py"
         raise TeamformerError(f"policy '{where}' cannot be imported: it is no name", hint)
-    if str(Path.cwd()) not in sys.path:
-        sys.path.append(str(Path.cwd()))
+    _look_here()
     policy = _make(_find(where, module_name, class_name), where)
     for part in ("needs_everything", "begin", "decide"):
         if not hasattr(policy, part):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from teamformer.model import ALLOCATIONS
 from teamformer.policies.learned.macro_actions import wanted_counts
 from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork, shipped
 from teamformer.policies.learned.policy import Learned
@@ -14,6 +15,8 @@ NAME = "teamformer-any"
 
 class AnyFleetCodec:
     """Reads relations, which belong to no capability; an action is a choice, (teams,)."""
+
+    allocations: tuple[str, ...] = ALLOCATIONS
 
     def encode(self, view: View) -> Relations:
         """Return each team's relations."""

@@ -12,8 +12,10 @@ class Codec(Protocol):
     """Reads views into tokens and writes actions as wanted counts.
 
     A codec is made for nothing in particular: it keeps no state between views. Row i of whatever
-    it returns belongs to row i of the view.
+    it returns belongs to row i of the view. `allocations` are those that its networks know.
     """
+
+    allocations: tuple[str, ...]
 
     def encode(self, view: View) -> tuple[Array, ...]:
         """Return the network's inputs, each (teams, ...): float32, int64 or bool."""
@@ -23,7 +25,7 @@ class Codec(Protocol):
         """Return which teams have more than one legal action, as (teams,) bool.
 
         `Learned` says what the others do. A codec whose network does not know crews leaves teams
-        out where tasks are shared out among crews.
+        out where tasks are shared out among them.
         """
         ...
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.jit import entry, kernel
+from teamformer.model import WITHOUT_CREWS
 from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork, shipped
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.token_features import TASK_FEATURES, TEAM_FEATURES, SpellingCodec
@@ -49,6 +50,8 @@ class CombinationCodec:
 
     Fewer capabilities than the network's are padded; more raise `TeamformerError`.
     """
+
+    allocations: tuple[str, ...] = WITHOUT_CREWS
 
     def __init__(self, capabilities: int) -> None:
         if capabilities > MOST_CAPABILITIES:

@@ -12,6 +12,7 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.jit import entry, kernel
+from teamformer.model import WITHOUT_CREWS
 from teamformer.policies.learned.feature_layout import (
     OwnToken,
     PlaceToken,
@@ -53,6 +54,8 @@ class SpellingCodec:
     Fewer capabilities are padded; more raise `TeamformerError`. A team with more than
     `1 + seen` different kinds of robots with several capabilities splits for the first ones.
     """
+
+    allocations: tuple[str, ...] = WITHOUT_CREWS
 
     def __init__(self, capabilities: int) -> None:
         self.capabilities = capabilities

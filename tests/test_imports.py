@@ -14,7 +14,7 @@ import teamformer
 
 ROOT = Path(teamformer.__file__).parent
 
-CORE = {"errors", "model", "capabilities", "plane", "regions"}
+CORE = {"errors", "model", "capabilities", "plane", "regions", "frame"}
 CORE |= {"jit", "kernel_cache", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim"}
 BELOW_COMMANDS = {
@@ -70,7 +70,7 @@ HOMES = {
     "starlette": ("live/server.py",),
     "uvicorn": ("live/server.py",),
     "foxglove": ("export/mcap_file.py",),
-    "PIL": ("robotarium/draw.py",),
+    "PIL": ("robotarium/draw.py", "scenarios/maps/images.py"),
 }
 NOWHERE = ("pandas", "networkx")
 

@@ -10,6 +10,7 @@ from typing import Literal
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem, ScenarioError
+from teamformer.frame import Frame
 from teamformer.plane import Plane
 from teamformer.regions import Regions, find_regions, flood
 
@@ -46,6 +47,7 @@ class Grid:
     height: int
     rows: tuple[str, ...] = ()
     y_axis: Literal["up", "down"] = "up"
+    frame: Frame | None = None  # where a map that others have made has it
 
     @property
     def corner(self) -> Place:
@@ -215,6 +217,7 @@ def _problems_of_world(world: World) -> Iterator[Problem]:
     if isinstance(world, Plane):
         yield from (Problem(("world",), message) for message in world.problems())
         return
+    yield from (Problem(("world",), m) for m in (world.frame.problems() if world.frame else ()))
     sides, cells = (world.width, world.height), world.width * world.height
     if not all(is_whole(side) and side >= 1 for side in sides):
         size = f"{world.width} x {world.height}"

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import struct
+import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from teamformer.errors import TeamformerError
+from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.frame import Frame
 from teamformer.model import BLOCKED, FREE, Grid
+from teamformer.scenarios.files import (
+    read_scenario,
+    scenario_from_tree,
+    scenario_to_tree,
+    write_scenario,
+)
 from teamformer.scenarios.maps.formats import read_map, read_movingai, read_ros_map
-from teamformer.scenarios.maps.pgm import read_pgm
+from teamformer.scenarios.maps.images import read_image
 
 REAL_MAPS = Path(__file__).parents[2].parent / "shared" / "data" / "maps"
 needs_real_maps = pytest.mark.skipif(not REAL_MAPS.is_dir(), reason="the real maps are not here")
@@ -70,7 +80,7 @@ def test_a_broken_movingai_map(tmp_path: Path, text: str, message: str) -> None:
 
 def test_the_bottom_row_of_a_ros_image_is_y_0(tmp_path: Path) -> None:
     grid = read_ros_map(ros_map(tmp_path, b"P5 3 2 255\n" + bytes([255, 255, 0, 255, 0, 0])))
-    assert grid == Grid(3, 2, (".@@", "..@"), "up")
+    assert grid == Grid(3, 2, (".@@", "..@"), "up", Frame(0.05, -1.0, -2.0, 0.0))
 
 
 def test_the_trinary_rule_at_its_thresholds(tmp_path: Path) -> None:
@@ -101,7 +111,7 @@ def test_a_cell_is_free_only_if_all_its_pixels_are(tmp_path: Path) -> None:
     """
     image = b"P2 5 3 1\n1 1 1 0 1\n1 1 1 1 1\n0 1 1 1 1\n"
     grid = read_ros_map(ros_map(tmp_path, image), cell=0.1)
-    assert grid == Grid(3, 2, ("@..", ".@."), "up")
+    assert grid == Grid(3, 2, ("@..", ".@."), "up", Frame(0.1, -1.0, -2.0, 0.0))
 
 
 def test_downsampling_is_what_a_slow_loop_finds(tmp_path: Path) -> None:
@@ -127,7 +137,7 @@ def test_plain_and_raw_images_say_the_same(tmp_path: Path) -> None:
     ]
     for text in texts:
         path.write_bytes(text)
-        image = read_pgm(path)
+        image = read_image(path)
         assert image.white == 255
         assert image.shades.tolist() == [[0, 1, 2], [253, 254, 255]]
 
@@ -135,15 +145,15 @@ def test_plain_and_raw_images_say_the_same(tmp_path: Path) -> None:
 def test_raw_images_of_two_bytes_a_pixel(tmp_path: Path) -> None:
     path = tmp_path / "image.pgm"
     path.write_bytes(b"P5 2 1 65535\n" + struct.pack(">2H", 1, 65535))
-    assert read_pgm(path).shades.tolist() == [[1, 65535]]
+    assert read_image(path).shades.tolist() == [[1, 65535]]
 
 
 @pytest.mark.parametrize(
     ("image", "message"),
     [
-        (b"", "this is not a PGM image"),
-        (b"\x89PNG\r\n", "this is not a PGM image"),
-        (b"P5 #" + b" " * 100_000, "this is not a PGM image"),
+        (b"", "this is neither a PGM image"),
+        (b"\x89PNG\r\n", "this is neither a PGM image"),
+        (b"P5 #" + b" " * 100_000, "this is neither a PGM image"),
         (b"P5 0 1 255\n", "no image has 0 x 1 pixels"),
         (b"P5 1 1 0\n0", "pixels up to 0"),
         (b"P5 2 2 255\nabc", "4 pixels are announced and 3 are there"),
@@ -224,3 +234,96 @@ def test_a_map_made_by_a_robot() -> None:
         for y in range(0, 384, 5)
         for x in range(0, 384, 5)
     )
+
+
+def test_places_are_told_in_the_map_s_frame() -> None:
+    """A cell of 0.5 m at (1, 2); turned by a quarter, along becomes up."""
+    assert Frame(0.5, 1.0, 2.0).point((3, 0)) == (2.75, 2.25)
+    turned = Frame(0.5, 1.0, 2.0, math.pi / 2).point((3, 0))
+    assert turned == pytest.approx((0.75, 3.75))
+
+
+def test_a_scenario_on_a_ros_map_keeps_where_its_cells_lie(tmp_path: Path) -> None:
+    about = ABOUT.replace("[-1.0, -2.0, 0.0]", "[-1.0, -2.0, 0.5]")
+    ros_map(tmp_path, b"P5 4 2 255\n" + bytes([255] * 8), about)
+    text = """
+teamformer: 1
+world: {map: floor.yaml, cell: 0.1}
+capabilities: [a]
+robots: [{at: [0, 0], can: [a]}]
+tasks: [{at: [1, 0], needs: [a]}]
+"""
+    (tmp_path / "mission.yaml").write_text(text)
+    scenario = read_scenario(tmp_path / "mission.yaml")
+    assert isinstance(scenario.world, Grid)
+    assert scenario.world.frame == Frame(0.1, -1.0, -2.0, 0.5)
+    for name in ("copy.yaml", "copy.json"):
+        write_scenario(scenario, tmp_path / name)
+        assert read_scenario(tmp_path / name).world == scenario.world
+    free = replace(scenario, world=Grid(4, 2, frame=Frame(0.25)))
+    assert scenario_from_tree(scenario_to_tree(free)).world == free.world
+
+
+@pytest.mark.parametrize(
+    ("frame", "message"),
+    [
+        ("{cell: 0}", "a cell of the map is 0 m wide; use more than 0"),
+        ("{cell: 1, origin: 3}", "the origin is 3; write it as [x, y, yaw]"),
+        ("{cell: 1, origin: [a, 0]}", "entry 1 of origin of frame of world is the text 'a'"),
+        ("{origin: [0, 0]}", "frame of world lacks 'cell'; add it"),
+    ],
+)
+def test_a_broken_frame_is_told(tmp_path: Path, frame: str, message: str) -> None:
+    text = f"""
+teamformer: 1
+world: {{grid: [2, 1], frame: {frame}}}
+capabilities: [a]
+robots: [{{at: [0, 0], can: [a]}}]
+tasks: [{{at: [1, 0], needs: [a]}}]
+"""
+    (tmp_path / "mission.yaml").write_text(text)
+    with pytest.raises(ScenarioError) as error:
+        read_scenario(tmp_path / "mission.yaml")
+    assert message in str(error.value)
+    assert "mission.yaml:3: " in str(error.value)
+
+
+def png(folder: Path, pixels: np.ndarray) -> Path:
+    """Write a map whose image is a PNG of these pixels."""
+    pillow = pytest.importorskip("PIL.Image")
+    pillow.fromarray(pixels).save(folder / "floor.png")
+    (folder / "floor.yaml").write_text(ABOUT.replace("floor.pgm", "floor.png"))
+    return folder / "floor.yaml"
+
+
+def test_png_maps_are_what_pgm_maps_are(tmp_path: Path) -> None:
+    """Grey, coloured (206 + 206 + 205 of 765 is 0.193, free), with transparency, and 16 bits."""
+    grey = np.array([[254, 206, 205, 0]], np.uint8)
+    assert read_ros_map(png(tmp_path, grey)).rows == ("..@@",)
+    coloured = np.array(
+        [[[255, 255, 255], [206, 206, 206], [205, 205, 205], [255, 0, 0]]], np.uint8
+    )
+    assert read_ros_map(png(tmp_path, coloured)).rows == ("..@@",)
+    clear = np.concatenate([coloured, np.full((1, 4, 1), 9, np.uint8)], axis=2)
+    assert read_ros_map(png(tmp_path, clear)).rows == ("..@@",)
+    deep = np.array([[65535, 53000, 52600, 0]], np.uint16)  # 52687 is at the threshold
+    assert read_ros_map(png(tmp_path, deep)).rows == ("..@@",)
+
+
+def test_a_broken_png_is_told(tmp_path: Path) -> None:
+    path = png(tmp_path, np.zeros((40, 40), np.uint8))
+    whole = (tmp_path / "floor.png").read_bytes()
+    for length in (8, 30, len(whole) - 25):
+        (tmp_path / "floor.png").write_bytes(whole[:length])
+        with pytest.raises(TeamformerError, match=r"floor.png: this PNG cannot be read"):
+            read_ros_map(path)
+
+
+def test_without_pillow_a_png_is_refused_with_a_remedy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = png(tmp_path, np.zeros((2, 2), np.uint8))
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    with pytest.raises(TeamformerError) as error:
+        read_ros_map(path)
+    assert error.value.hint == "pip install 'teamformer[maps]', or convert it to PGM"

@@ -12,6 +12,7 @@ import pytest
 
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
+from teamformer.frame import Frame
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.scenarios.files import (
     read_scenario,
@@ -125,7 +126,7 @@ def test_a_ros_map_is_read_in_cells_of_the_wanted_size(tmp_path: Path) -> None:
     with pytest.raises(TeamformerError, match=r"task 't1' is at \[1, 0\], inside an obstacle"):
         read(tmp_path, text)
     text = text.replace("at: [1, 0]", "at: [0, 0]")
-    assert read(tmp_path, text).world == Grid(2, 1, (".@",), "up")
+    assert read(tmp_path, text).world == Grid(2, 1, (".@",), "up", Frame(0.1))
 
 
 def test_json_is_the_same_tree(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from teamformer.commands.train import TrainOptions, _as_it_was, train
 from teamformer.errors import TeamformerError
-from teamformer.train.checkpoint import ABOUT, WEIGHTS, Progress, load, read_about, save
+from teamformer.train.checkpoint import ABOUT, WEIGHTS, TrainingProgress, load, read_about, save
 from teamformer.train.trainer import _described, make_learner
 from teamformer.train.trainer import train as train_on
 from teamformer.train.training_settings import TrainSettings
@@ -66,7 +66,9 @@ def test_a_training_that_was_stopped_ends_as_if_it_had_not_been(
 def test_going_on_for_no_time_changes_nothing(tmp_path: Path) -> None:
     settings = TrainSettings(worlds=2, held_out=3, iterations=2, evaluate_every=9)
     learner = make_learner(settings)
-    save(tmp_path / "last", learner, _described(settings), Progress(iteration=1, seconds=5.0))
+    save(
+        tmp_path / "last", learner, _described(settings), TrainingProgress(iteration=1, seconds=5.0)
+    )
     before = {path.name: path.read_bytes() for path in (tmp_path / "last").iterdir()}
     begun = _as_it_was(TrainOptions(resume=tmp_path, minutes=0.0))
     assert (begun.held_out, begun.worlds, begun.iterations) == (3, 2, 2)
@@ -87,12 +89,12 @@ def test_a_training_of_no_time_keeps_nothing(
 def test_another_exam_is_another_training(tmp_path: Path) -> None:
     settings = TrainSettings(held_out=3)
     learner = make_learner(settings)
-    save(tmp_path, learner, _described(settings), Progress())
+    save(tmp_path, learner, _described(settings), TrainingProgress())
     with pytest.raises(TeamformerError, match="holds another training") as error:
         load(tmp_path, learner, _described(replace(settings, held_out=4)))
     assert error.value.hint == "other settings: held_out; use the same or another folder"
     older = {k: v for k, v in _described(settings).items() if k != "held_out"}
-    save(tmp_path, learner, older, Progress(iteration=4))
+    save(tmp_path, learner, older, TrainingProgress(iteration=4))
     assert load(tmp_path, learner, _described(settings)).iteration == 4
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError
+from teamformer.frame import Frame
 from teamformer.model import BEST_ALLOCATION, Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
 from teamformer.scenarios.tree_reader import INFINITE, Reader
@@ -100,10 +101,15 @@ def _world_to_tree(world: World) -> dict[str, Any]:
             "arrival_radius": world.arrival_radius,
             "unit": world.unit,
         }
+    frame = {} if world.frame is None else {"frame": _frame_to_tree(world.frame)}
     if world.rows:
-        return {"rows": list(world.rows), "y_axis": world.y_axis}
+        return {"rows": list(world.rows), "y_axis": world.y_axis, **frame}
     turned = {} if world.y_axis == "up" else {"y_axis": world.y_axis}
-    return {"grid": [world.width, world.height], **turned}
+    return {"grid": [world.width, world.height], **turned, **frame}
+
+
+def _frame_to_tree(frame: Frame) -> dict[str, Any]:
+    return {"cell": frame.cell, "origin": [frame.x, frame.y, frame.yaw]}
 
 
 def _robot_to_tree(robot: Robot) -> dict[str, Any]:

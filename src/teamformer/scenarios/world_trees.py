@@ -6,15 +6,16 @@ from pathlib import Path
 from typing import Any, Literal
 
 from teamformer.errors import TeamformerError
+from teamformer.frame import Frame
 from teamformer.model import BLOCKED, FREE, LARGEST_MAP, Grid, World
 from teamformer.plane import Plane
-from teamformer.scenarios.maps.formats import read_map
+from teamformer.scenarios.maps.formats import read_map, read_origin
 from teamformer.scenarios.tree_reader import Reader
 from teamformer.scenarios.yaml.words import describe
 
 FORMS = {
-    "grid": {"grid", "y_axis"},
-    "rows": {"rows", "y_axis"},
+    "grid": {"grid", "y_axis", "frame"},
+    "rows": {"rows", "y_axis", "frame"},
     "map": {"map", "cell"},
     "plane": {"plane", "step", "arrival_radius", "unit"},
 }
@@ -52,7 +53,9 @@ def _read_grid(reader: Reader, world: dict[str, Any]) -> Grid:
     width, height = (reader.whole((*where, axis), part, 1) for axis, part in enumerate(size))
     if not _is_possible(reader, "grid", width * height):
         return STAND_IN
-    return Grid(width, height, y_axis=_read_y_axis(reader, world, "up"))
+    return Grid(
+        width, height, y_axis=_read_y_axis(reader, world, "up"), frame=_read_frame(reader, world)
+    )
 
 
 def _read_rows(reader: Reader, world: dict[str, Any]) -> Grid:
@@ -74,7 +77,16 @@ def _read_rows(reader: Reader, world: dict[str, Any]) -> Grid:
             reader.refuse((*where, number), f"row {number + 1} has {what}")
     if not _is_possible(reader, "rows", sum(map(len, rows))):
         return STAND_IN
-    return Grid(len(rows[0]), len(rows), rows, y_axis)
+    return Grid(len(rows[0]), len(rows), rows, y_axis, _read_frame(reader, world))
+
+
+def _read_frame(reader: Reader, world: dict[str, Any]) -> Frame | None:
+    if "frame" not in world:
+        return None
+    where = (*WHERE, "frame")
+    said = reader.mapping(where, world["frame"], {"cell": True, "origin": False})
+    cell = reader.number((*where, "cell"), said.get("cell", 1.0))
+    return Frame(cell, *read_origin(reader, (*where, "origin"), said.get("origin", [0, 0, 0])))
 
 
 def _read_map(reader: Reader, world: dict[str, Any], folder: Path | None) -> Grid:

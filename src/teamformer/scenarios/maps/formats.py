@@ -12,11 +12,12 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.errors import TeamformerError
+from teamformer.frame import Frame
 from teamformer.model import BLOCKED, FREE, LARGEST_MAP, Grid
 from teamformer.scenarios.file_access import read_bytes, read_text
-from teamformer.scenarios.maps.pgm import Image, read_pgm
+from teamformer.scenarios.maps.images import Image, read_image
 from teamformer.scenarios.tree_reader import Reader
-from teamformer.scenarios.yaml.reader import parse
+from teamformer.scenarios.yaml.reader import Where, parse
 from teamformer.scenarios.yaml.words import Misread, describe
 
 LARGEST_MOVINGAI = 10_000_000  # bytes
@@ -67,21 +68,22 @@ def _announced(path: Path, head: list[str], key: str) -> int:
 
 
 def read_ros_map(path: Path, cell: float | None = None) -> Grid:
-    """Read a map_server YAML and its PGM image, in cells of `cell` metres (default: one a pixel).
+    """Read a map_server YAML and its image, in cells of `cell` metres (default: one a pixel).
 
     A cell is blocked if any pixel in it is occupied or unknown (trinary mode). The bottom row of
     the image is y = 0. Raises `TeamformerError` where a file is broken.
     """
     about = _read_about(path)
     factor = 1 if cell is None else _pixels_a_cell(path, cell, about.resolution)
-    image = read_pgm(path.parent / about.image)
+    image = read_image(path.parent / about.image)
     height, width = (math.ceil(pixels / factor) for pixels in image.shades.shape)
     _check_size(path, width * height)
     is_blocked = ~about.is_free(image)[::-1]  # (height, width) in pixels, row 0 at the bottom
     for axis, pixels in enumerate(image.shades.shape):
         is_blocked = np.logical_or.reduceat(is_blocked, np.arange(0, pixels, factor), axis=axis)
     cells = np.where(is_blocked, ord(BLOCKED), ord(FREE)).astype(np.uint8)
-    return Grid(width, height, tuple(row.tobytes().decode() for row in cells), "up")
+    frame = Frame(factor * about.resolution, *about.origin)
+    return Grid(width, height, tuple(row.tobytes().decode() for row in cells), "up", frame)
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,7 @@ class MapDescription:
 
     image: str
     resolution: float  # metres a pixel
+    origin: tuple[float, float, float]  # of the lower left pixel's corner: metres, radians
     is_negated: bool  # white is occupied
     occupied_thresh: float
     free_thresh: float
@@ -106,12 +109,13 @@ def _read_about(path: Path) -> MapDescription:
     tree = parse(read_text(path, LARGEST_DESCRIPTION, HINT))
     reader = Reader(tree)
     known = tree.value
-    if isinstance(tree.value, dict):  # what else it says, such as the origin, does not matter here
+    if isinstance(tree.value, dict):  # what else it says does not matter here
         known = {key: part for key, part in tree.value.items() if key in ABOUT_KEYS}
     keys = {} if tree.problems else reader.mapping((), known, ABOUT_KEYS)
     about = MapDescription(
         image=reader.text(("image",), keys.get("image", "?")),
         resolution=reader.number(("resolution",), keys.get("resolution", 1)),
+        origin=read_origin(reader, ("origin",), keys.get("origin", [0, 0, 0])),
         is_negated=_read_negate(reader, keys.get("negate", 0)),
         occupied_thresh=reader.number(("occupied_thresh",), keys.get("occupied_thresh", 0)),
         free_thresh=reader.number(("free_thresh",), keys.get("free_thresh", 0)),
@@ -132,12 +136,22 @@ def _read_about(path: Path) -> MapDescription:
 ABOUT_KEYS = {
     "image": True,  # required
     "resolution": True,
+    "origin": False,
     "negate": False,
     "occupied_thresh": True,
     "free_thresh": True,
     "mode": False,
 }
 FINEST = 1e-6  # metres
+
+
+def read_origin(reader: Reader, where: Where, value: Any) -> tuple[float, float, float]:
+    """Return x and y in metres and a yaw in radians, which may be left out."""
+    if not isinstance(value, list) or len(value) not in (2, 3):
+        reader.refuse(where, f"the origin is {describe(value)}; write it as [x, y, yaw]")
+        return 0.0, 0.0, 0.0
+    x, y, yaw = (reader.number((*where, i), part) for i, part in enumerate([*value, 0.0][:3]))
+    return x, y, yaw
 
 
 def _read_negate(reader: Reader, value: Any) -> bool:

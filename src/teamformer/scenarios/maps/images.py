@@ -1,9 +1,10 @@
-"""PGM images, plain (P2) and raw (P5)."""
+"""Grey images: PGM, plain (P2) and raw (P5), and PNG where Pillow is installed."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ from teamformer.errors import TeamformerError
 from teamformer.scenarios.file_access import read_bytes
 
 LARGEST_FILE = 64_000_000  # bytes
+MOST_PIXELS = 80_000_000
+PNG = b"\x89PNG\r\n\x1a\n"
 
 _GAP = rb"(?:\s|#[^\n]*+\n)++"
 HEAD = re.compile(
@@ -29,12 +32,36 @@ class Image:
     white: int
 
 
-def read_pgm(path: Path) -> Image:
+def read_image(path: Path) -> Image:
     """Read an image; raises `TeamformerError` where the file is broken."""
     data = read_bytes(path, LARGEST_FILE, "write 'image:' as it is seen from the folder of the map")
+    return _read_png(path, data) if data.startswith(PNG) else _read_pgm(path, data)
+
+
+def _read_png(path: Path, data: bytes) -> Image:
+    """Decode a PNG; the shade of a coloured pixel is the sum of its colours."""
+    try:
+        from PIL import Image as Decoder
+    except ModuleNotFoundError:
+        hint = "pip install 'teamformer[maps]', or convert it to PGM"
+        raise TeamformerError(f"{path}: a PNG image needs Pillow", hint) from None
+    try:
+        with Decoder.open(BytesIO(data), formats=("PNG",)) as image:
+            if image.width * image.height > MOST_PIXELS:
+                raise ValueError(f"{image.width} x {image.height} pixels")
+            if image.mode.startswith("I"):  # 16 bits
+                return Image(np.asarray(image, dtype=np.uint16), 65535)
+            colours = np.asarray(image.convert("RGB"), dtype=np.uint16)
+    except (OSError, SyntaxError, ValueError, Decoder.DecompressionBombError) as error:
+        raise TeamformerError(f"{path}: this PNG cannot be read: {error}") from None
+    return Image(colours.sum(axis=2, dtype=np.uint16), 3 * 255)
+
+
+def _read_pgm(path: Path, data: bytes) -> Image:
     head = HEAD.match(data)
     if head is None:
-        raise TeamformerError(f"{path}: this is not a PGM image (P2 or P5)", "convert it to PGM")
+        what = f"{path}: this is neither a PGM image (P2 or P5) nor a PNG"
+        raise TeamformerError(what, "convert it to PGM")
     width, height, white = (int(head.group(i)) for i in (2, 3, 4))
     if not (0 < white < 65536 and width and height):
         raise TeamformerError(f"{path}: no image has {width} x {height} pixels up to {white}")

@@ -123,6 +123,13 @@ def random_world(rng: np.random.Generator, robots: int, tasks: int) -> Scenario:
     )
 
 
+def test_one_alone_does_what_lies_where_it_stands_in_the_next_step() -> None:
+    """Not at once: nothing is done in the step that is over."""
+    here, far = Task("t", (2, 0), {"a": 1}), Task("u", (5, 0), {"a": 1})
+    lone = Scenario("lone", Grid(9, 1), ("a",), (Robot("r", (2, 0), {"a": 1}),), (here, far))
+    assert ends_of(lone, [0], 0, [0, 1]) == plain_ends(lone, [0], [0, 1]) == [1, 4]
+
+
 def test_a_list_takes_what_its_plain_twin_says() -> None:
     rng = np.random.default_rng(1)
     for _ in range(200):

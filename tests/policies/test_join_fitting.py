@@ -41,6 +41,13 @@ def test_who_adds_what_is_needed_is_joined_and_who_would_be_one_too_many_is_not(
     assert wanted(side_by_side([{"a": 1}, {"a": 1}], [(4, {"a": 2})])) == [[2, 0], [2, 0]]
 
 
+def test_one_of_what_no_task_in_view_needs_is_taken_along_and_two_are_not() -> None:
+    """A task out of view may need it."""
+    only_a = (4, {"a": 1})
+    assert wanted(side_by_side([{"a": 1}, {"b": 1}], [only_a])) == [[1, 1], [1, 1]]
+    assert wanted(side_by_side([{"a": 1}, {"b": 2}], [only_a])) == [[1, 0], [1, 2]]
+
+
 def test_at_the_task_what_is_missing_is_joined_even_if_some_is_wasted() -> None:
     """Robots {a, b} and {a, c} fit nobody elsewhere; where both must work they join."""
     scenario = Scenario(

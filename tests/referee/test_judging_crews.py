@@ -12,8 +12,12 @@ from random_worlds import random_decision, random_world
 from small_worlds import make, robot, task
 from teamformer.policies.scripted.joining import JoinAll, JoinCrew
 from teamformer.referee import judge
+from teamformer.referee.allocation import CrewLists
+from teamformer.referee.completion import Tasks
+from teamformer.referee.lifecycle import start_fleet
+from teamformer.referee.verdict import Notes
 from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.replay import Crew, Replay, TeamAt
+from teamformer.sim.replay import Crew, Ending, Replay, TeamAt
 from teamformer.trials.recorder import Recorder
 from teamformer.trials.trial import run_trial
 
@@ -103,3 +107,48 @@ def random_trial(world, rng: np.random.Generator) -> Replay:  # type: ignore[no-
         env.step(Decision(random_decision(view, rng).wanted, named))
         recorder.step()
     return recorder.finish("random", 0, None)
+
+
+def crossed() -> Replay:
+    """
+    T . A . U     two robots that can do both; U comes first in the order and is on r0's list
+    """
+    scenario = make([robot("a", 2), robot("a", 2)], [task("a", 0), task("a", 4)], teams=((0, 1),))
+    scenario = replace(scenario, allocation="crews")
+    crews = (Crew((0,), (1,)), Crew((1,), (0,)))
+    start = ((0, (0, 1), 2, 0),)
+    end = Ending("interrupted", None, 1, 0, 0, 0, 0)
+    orders = ((0, (1, 0)),)
+    return Replay(scenario, "by hand", 0, orders, start, (), end, crews=((0, crews),))
+
+
+def test_a_team_of_two_crews_is_due_at_the_task_that_comes_first_in_the_order() -> None:
+    """Not at the one with the lower number, nor at the one of its lowest robot's crew alone."""
+    for order, due in (((1, 0), 1), ((0, 1), 0)):
+        replay = replace(crossed(), orders=((0, order),))
+        fleet = start_fleet(replay, Notes())
+        CrewLists(replay).give_tasks(fleet, Tasks(replay.scenario), 0)
+        assert fleet.teams[0].due == due
+
+
+def test_a_union_made_on_the_way_is_due_at_the_earlier_task_if_both_have_one() -> None:
+    for order, due in (((1, 0), 1), ((0, 1), 0)):
+        replay = replace(crossed(), orders=((0, order),), start=((0, (0,), 2, 0), (1, (1,), 2, 0)))
+        apart = replace(replay.scenario, teams=())
+        replay = replace(replay, scenario=apart)
+        lists, fleet = CrewLists(replay), start_fleet(replay, Notes())
+        lists.give_tasks(fleet, Tasks(apart), 0)
+        assert [fleet.teams[slot].due for slot in (0, 1)] == [1, 0]
+        assert lists.tasks_of_unions(fleet, [(0, 1)]) == {frozenset({0, 1}): due}
+        fleet.teams[1].due = None
+        assert lists.tasks_of_unions(fleet, [(0, 1)]) == {frozenset({0, 1}): None}
+
+
+def test_a_list_is_in_the_shared_order() -> None:
+    replay = two_crews()
+    [(made, (one, other))] = replay.crews
+    both = (Crew(one.robots, (0, 1)), Crew(other.robots, ()))
+    for order, is_told in (((0, 1), False), ((1, 0), True)):
+        forged = replace(replay, crews=((made, both),), orders=((0, order),))
+        told = [finding.message for finding in judge(forged).findings]
+        assert ("the crews made after 0 steps have a list that is not in order" in told) == is_told

@@ -54,6 +54,36 @@ def test_too_near_already_comes_no_nearer() -> None:
     assert -velocities[2, 0] >= velocities[1, 0] - 1e-6
 
 
+class Asked:
+    """Stands for a solver: finds nothing until it was asked so often, then a given answer."""
+
+    def __init__(self, nothing: int, answer: list[float]) -> None:
+        self.nothing, self.answer = nothing, np.array(answer)
+        self.bounds: list[np.ndarray] = []
+
+    def __call__(self, wanted: np.ndarray, rows: np.ndarray, bounds: np.ndarray) -> object:
+        self.bounds.append(bounds)
+        return None if len(self.bounds) <= self.nothing else self.answer
+
+
+CROWDED = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]])
+"""Two whose points are nearer than they may be, so that their bound is below 0."""
+
+
+def test_where_nothing_is_safe_nobody_comes_nearer_and_where_that_fails_all_stand() -> None:
+    wish = np.array([[0.1, 0.0], [0.0, 0.0]])
+    once, always = Asked(1, [0.01, 0.006, 0.02, 0.0]), Asked(2, [1.0, 1.0, 1.0, 1.0])
+    velocities = Barrier(2, once).filter(CROWDED, wish, np.array([1.0, 4.0]))  # type: ignore[arg-type]
+    np.testing.assert_allclose(velocities, [[0.01, 0.2], [0.01, 0.0]])  # the second counts double
+    strict, lenient = once.bounds
+    assert strict[0] == pytest.approx(Safety().gain * (0.1 - Safety().apart))
+    assert lenient[0] == 0.0
+    np.testing.assert_array_equal(lenient[1:], strict[1:])
+    velocities = Barrier(2, always).filter(CROWDED, wish)  # type: ignore[arg-type]
+    assert velocities.tolist() == [[0.0, 0.0], [0.0, 0.0]]
+    assert len(always.bounds) == 2
+
+
 @pytest.mark.parametrize("weather", [Weather(), ROUGH], ids=["calm", "rough"])
 def test_twenty_cross_without_a_fault(weather: Weather) -> None:
     """Twenty on a circle swap sides through its middle."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -111,6 +113,56 @@ def test_a_trial_cut_off_counts_on_the_critic() -> None:
     found = credit(rollout, critic, 0.5, 1.0)
     assert found.gain.tolist() == [-0.125 + 0.5 * 2.0 - 2.0]
     assert found.target.tolist() == [[-0.125 + 0.5 * 2.0]]
+
+
+def opinionated_critic() -> Critic:
+    """Return a critic that says something else of every state."""
+    torch.manual_seed(3)
+    features = global_state.TEAM_FEATURES, global_state.TASK_FEATURES, global_state.WORLD_FEATURES
+    critic = Critic(CriticSettings(*features, False))
+    for weights in critic.parameters():
+        torch.nn.init.normal_(weights, std=0.3)
+    return critic
+
+
+@pytest.mark.parametrize("steps", [2, 50], ids=["cut off", "to the end"])
+def test_what_the_critic_says_of_each_state_counts_where_it_was_said(steps: int) -> None:
+    """Two worlds, of which one ends earlier: each has a plain sum over its own states.
+
+    Sum from a state on: of (reward + 0.5 * the next state's value - its own), each step farther
+    on counting 0.5 * 0.7 of the one before; after the last step of a trial that has ended there
+    is nothing, and where it was cut off there is what the critic says of its last state.
+    """
+    near = pair_with_a_task_each_side()
+    near = replace(near, tasks=(near.tasks[0], replace(near.tasks[0], name="t1")))
+    env = TeamFormation([near, pair_with_a_task_each_side()], MISSION.of_environment)
+    rollout, critic = play(env, AnyFleetCodec(), _Script(), MISSION, steps), opinionated_critic()
+    assert rollout.is_running.sum(axis=0).tolist() == ([1, 2] if steps == 2 else [1, 4])
+    assert rollout.has_ended.tolist() == [True, steps == 50]
+    found = credit(rollout, critic, 0.5, 0.7)
+    with torch.no_grad():
+        said = critic(*rollout.global_state)[:, 0].tolist()
+        at_last = critic(*rollout.last_global_state)[:, 0].tolist()
+    assert len({round(value, 4) for value in (*said, *at_last)}) > len(said)
+    state_of, number = {}, 0
+    for step, running in enumerate(rollout.is_running):
+        for world in np.flatnonzero(running).tolist():
+            state_of[step, world], number = number, number + 1
+    for (step, world), state in state_of.items():
+        gain, weight = 0.0, 1.0
+        for now in range(step, len(rollout.rewards)):
+            if (now, world) not in state_of:
+                break
+            after = state_of.get((now + 1, world))
+            ahead = said[after] if after is not None else 0.0
+            if after is None and not rollout.has_ended[world]:
+                ahead = at_last[world]
+            value = said[state_of[now, world]]
+            gain += weight * (float(rollout.rewards[now, world, 0]) + 0.5 * ahead - value)
+            weight *= 0.5 * 0.7
+        assert found.target[state, 0].item() == pytest.approx(gain + said[state], abs=1e-5)
+        for row in np.flatnonzero(rollout.state.numpy() == state):
+            assert found.gain[row].item() == pytest.approx(gain, abs=1e-5)
 
 
 def test_a_robots_stream_goes_on_through_a_split_and_a_merge() -> None:

@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test test-all clean
+.PHONY: run test test-all wheel clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --html --out out/
@@ -15,6 +15,18 @@ test: $(VENV)/dev.stamp  ## everything CI runs
 
 test-all: $(VENV)/dev.stamp  ## the long tests too
 	$(BIN)/pytest -q -n 2
+
+wheel: $(VENV)/dev.stamp  ## one that brings compiled kernels, checked: a first run compiles nothing
+	rm -rf build/kernels build/installed build/first-run src/teamformer/compiled dist
+	NUMBA_CACHE_DIR=build/kernels NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= \
+		$(BIN)/python -m teamformer.commands.compiling --everything
+	mkdir src/teamformer/compiled
+	find build/kernels -name '*.nbc' -exec mv {} src/teamformer/compiled/ ';'
+	$(BIN)/pip wheel --quiet --no-deps --wheel-dir dist . ; built=$$?; rm -r src/teamformer/compiled; exit $$built
+	$(BIN)/pip install --quiet --no-deps --target build/installed dist/*.whl
+	PYTHONPATH=build/installed NUMBA_CACHE_DIR=build/first-run \
+		$(BIN)/python -m teamformer.cli run examples/warehouse.yaml
+	test -z "$$(find build/first-run -name '*.nbc')"
 
 $(VENV)/run.stamp: pyproject.toml
 	$(PYTHON) -m venv $(VENV)

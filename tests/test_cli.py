@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from teamformer import cli
+from teamformer.model import ALLOCATIONS
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay import read_replay
@@ -83,7 +84,9 @@ def test_a_lost_capability_ends_the_trial_and_names_the_task(
     text = Path(FOUR).read_text(encoding="utf-8").replace("can: [power]", "can: [power], lost: 2")
     (tmp_path / "lost.yaml").write_text(text, encoding="utf-8")
     assert teamformer("run", str(tmp_path / "lost.yaml"), "--out", str(tmp_path)) == 1
-    assert "given up at step 2: t3, t4 can never be done" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "given up at step 2: t3, t4 can never be done" in shown
+    assert "\nlost: r4 in step 2\n" in shown
     assert read_replay(tmp_path / "replay.json").end.blocked_tasks == ("t3", "t4")
     assert teamformer("check", str(tmp_path / "replay.json")) == 0
 
@@ -213,9 +216,11 @@ def test_your_own_policy_by_module_and_class(
     (tmp_path / "mine.py").write_text(code, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
-    assert teamformer("run", FOUR, "--policy", "mine:Patient", "--step-limit", "50", "--json") == 1
-    row = json.loads(capsys.readouterr().out)
-    assert (row["joins"], row["tasks_done"]) == (0, 1)  # only t2 needs one robot alone
+    for allocation in ALLOCATIONS:
+        words = ("--policy", "mine:Sociable", "--allocation", allocation)
+        assert teamformer("run", FOUR, *words, "--json") == 0
+        row = json.loads(capsys.readouterr().out)
+        assert (row["tasks_done"], row["illegal_decisions"]) == (4, 0)
 
 
 def test_a_mistake_in_your_own_policy_is_told_without_a_traceback(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
@@ -13,7 +15,7 @@ from typing import Any
 import numba as nb
 import pytest
 
-from teamformer import jit
+from teamformer import jit, kernel_cache
 from teamformer.planning.relaxation import ruin_recreate
 from teamformer.planning.teams import annealing
 
@@ -146,3 +148,45 @@ def test_what_cannot_be_kept_runs_all_the_same(
     monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path / "kept"))
     monkeypatch.setattr(Path, "write_bytes", full)
     assert answer_kernel(tmp_path / "oracle.py", 3)() == 3
+
+
+CALL = """
+import sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+from teamformer import jit, kernel_cache
+kernel_cache.PACKAGED = Path(sys.argv[2])
+from oracle import reply
+print(jit.needs_compiling(reply), reply())
+"""
+AS_THE_WHEEL = {"NUMBA_CPU_NAME": kernel_cache.BASELINE, "NUMBA_CPU_FEATURES": ""}
+
+
+def call_anew(folder: Path, kept: str, **environment: str) -> str:
+    """Call the kernel of `oracle.py` in another process; return what it says."""
+    done = subprocess.run(
+        [sys.executable, "-c", CALL, str(folder), str(folder / "compiled")],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={
+            **os.environ,
+            **environment,
+            "NUMBA_CACHE_DIR": str(folder / kept),
+            "PYTHONPATH": os.pathsep.join(sys.path),
+        },
+    )
+    return done.stdout.strip()
+
+
+def test_what_a_wheel_brings_is_not_compiled(tmp_path: Path) -> None:
+    """Compiled for the baseline, then found by a process with an empty cache of its own."""
+    (tmp_path / "oracle.py").write_text(
+        "from teamformer.jit import entry\n\n@entry\ndef reply():\n    return 42\n"
+    )
+    assert call_anew(tmp_path, "built", **AS_THE_WHEEL) == "True 42"
+    [built] = (tmp_path / "built").rglob("*.nbc")
+    (tmp_path / "compiled").mkdir()
+    built.rename(tmp_path / "compiled" / built.name)
+    assert call_anew(tmp_path, "mine") == "False 42"
+    assert list((tmp_path / "mine").rglob("*.nbc")) == []

@@ -4,6 +4,9 @@ numba keeps an index beside its files and checks only the index; a process kille
 writes leaves old machine code under a new index for ever. Here there is no index. The name of a
 file is made from the sources, the versions, the types of the arguments and the processor, so old
 code has another name; a file is renamed into place whole, and a torn one is not read.
+
+A wheel may bring files with it that were compiled for a fixed processor (`make wheel`). They are
+read where there is none for this one, if this one can all that that one can.
 """
 
 from __future__ import annotations
@@ -12,18 +15,24 @@ import contextlib
 import os
 import pickle
 from collections.abc import Iterator
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import llvmlite
 import numba
+from llvmlite.binding import get_host_cpu_features
 from numba.core.serialize import dumps
 
 IS_CHECKED = bool(numba.core.config.BOUNDSCHECK)  # type: ignore[attr-defined]
 VERSIONS = f"{numba.__version__}, {llvmlite.__version__}, bounds checked: {IS_CHECKED}"
 DIGITS = 16
 """Of each of the two hashes in a name."""
+
+PACKAGED = Path(__file__).parent / "compiled"
+BASELINE, ABILITIES = "x86-64-v3", ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
+"""The processor that a wheel's files are made for, and what it can; most since 2015 can."""
 
 
 class KernelFiles:
@@ -36,19 +45,18 @@ class KernelFiles:
 
     def is_empty(self) -> bool:
         """Say whether nothing is kept that was compiled from the sources as they are."""
-        return next(self._folder.glob(f"{self._name}.{self._stamp}.*.nbc"), None) is None
+        folders = [self._folder, PACKAGED] if _is_at_least_baseline() else [self._folder]
+        files = (file for f in folders for file in f.glob(f"{self._name}.{self._stamp}.*.nbc"))
+        return next(files, None) is None
 
     def load(self, key: Any) -> Any:
         """Return the code kept for a key, or None."""
-        try:
-            content = self._path(key).read_bytes()
-        except OSError:
-            return None
-        checksum, packed = content[:32], content[32:]
-        if sha256(packed).digest() != checksum:  # the machine stopped before it was all on disk
-            return None
-        kept_for, code = pickle.loads(packed)
-        return code if kept_for == key else None
+        code = _read(self._path(key), key)
+        if code is None and _is_at_least_baseline():
+            types, (triple, *_), hashes = key
+            same = (types, (triple, BASELINE, ""), hashes)
+            code = _read(PACKAGED / self._path(same).name, same)
+        return code
 
     def save(self, key: Any, code: Any) -> None:
         """Keep code for a key, and remove what older sources and killed processes left.
@@ -73,6 +81,31 @@ class KernelFiles:
 
     def _path(self, key: Any) -> Path:
         return self._folder / f"{self._name}.{self._stamp}.{_digest(_spell(key))}.nbc"
+
+
+def _read(path: Path, key: Any) -> Any:
+    """Return the code in a file if it is whole and for a key, else None."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    checksum, packed = content[:32], content[32:]
+    if sha256(packed).digest() != checksum:  # the machine stopped before it was all on disk
+        return None
+    kept_for, code = pickle.loads(packed)
+    return code if kept_for == key else None
+
+
+@cache
+def _is_at_least_baseline() -> bool:
+    """Say whether this processor runs what was compiled for the baseline."""
+    if not PACKAGED.is_dir():
+        return False
+    try:
+        can = get_host_cpu_features()
+    except RuntimeError:  # LLVM does not know this processor
+        return False
+    return all(can.get(ability, False) for ability in ABILITIES)
 
 
 @contextlib.contextmanager

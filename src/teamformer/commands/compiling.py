@@ -2,6 +2,7 @@
 
 numba compiles on one core. So while this process compiles the planner of crews, which it needs
 first, `python -m teamformer.commands.compiling POLICY` compiles what comes after it into the cache.
+With `--everything` it compiles what any first run needs, for a wheel that brings it along.
 """
 
 from __future__ import annotations
@@ -12,8 +13,12 @@ import subprocess
 import sys
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from teamformer.commands.console import say
+
+if TYPE_CHECKING:
+    from teamformer.model import Scenario
 
 
 def announce_compiling(policy_names: Iterable[str] = (), is_planned: bool = False) -> None:
@@ -54,15 +59,39 @@ def _compile_beside(policy: str) -> None:
 
 
 def main() -> None:
-    """Run a policy in the smallest world, so that all it needs is compiled."""
-    from teamformer.policies import POLICIES
+    """Compile what a policy needs, or everything."""
     from teamformer.scenarios.smallest import smallest_scenario
-    from teamformer.trials.registry import load_policy
-    from teamformer.trials.trial import run_trial
 
-    name = sys.argv[1]
     smallest = replace(smallest_scenario(), allocation="paper")
-    run_trial(smallest, load_policy(name, POLICIES), name)
+    names = sys.argv[1:]
+    if names == ["--everything"]:
+        _compile_everything(smallest)
+    else:
+        _play([smallest], names)
+
+
+def _play(worlds: Iterable[Scenario], names: Iterable[str]) -> None:
+    """Run policies in worlds, as `run` does."""
+    from teamformer.commands.run import ready_policy, watch_trial
+
+    for world in worlds:
+        for name in names:
+            watch_trial(world, ready_policy(name, time_limit=1.0), name, seed=0)
+
+
+def _compile_everything(smallest: Scenario) -> None:
+    """Run policies of each kind under all allocations, on grids with and without walls, a plane."""
+    from teamformer.model import ALLOCATIONS, Grid
+    from teamformer.plane import Plane
+    from teamformer.policies import POLICIES
+
+    walled, plane = Grid(2, 2, ("..", ".@")), Plane(2.0, 1.0)
+    worlds = [replace(smallest, world=world) for world in (smallest.world, walled, plane)]
+    _play(worlds, [listing.name for listing in POLICIES])
+    scripted = ("teamformer", "join-crew", "central")
+    for allocation in ALLOCATIONS:
+        _play((replace(world, allocation=allocation) for world in worlds), scripted)
+    _play([replace(smallest, order="schedule")], ("join-all",))
 
 
 if __name__ == "__main__":

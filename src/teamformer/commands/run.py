@@ -238,6 +238,8 @@ def _show(trial: Trial) -> None:
     if len(scenario.tasks) <= LONGEST_TABLE:
         out.print(_task_table(replay))
     out.print(_verdict(replay), style="green" if end.status == "completed" else "red")
+    if lost := _losses(replay):
+        out.print(f"lost: {lost}", markup=False, style="red")
     if trial.plan is not None:
         out.print(_improvements(trial.plan))
         out.print(plan_line(trial.plan))
@@ -289,6 +291,17 @@ def _task_table(replay: Replay) -> Table:
         needs = describe(scenario.tasks[task].needs)
         table.add_row("-", Text(scenario.tasks[task].name), Text(needs), "")
     return table
+
+
+def _losses(replay: Replay) -> str:
+    """Name the robots that were lost, with their steps; the first ones of many."""
+    lost = [
+        f"{replay.scenario.robots[robot].name} in step {number}"
+        for number, step in enumerate(replay.steps, start=1)
+        for robot in step.lost
+    ]
+    more = [f"{len(lost) - MOST_NAMES} more"] if len(lost) > MOST_NAMES else []
+    return ", ".join(lost[:MOST_NAMES] + more)
 
 
 def _names(scenario: Scenario, robots: Sequence[int]) -> str:

@@ -11,6 +11,7 @@ test: $(VENV)/dev.stamp  ## everything CI runs
 	$(BIN)/ruff check src tests examples
 	$(BIN)/ruff format --check src tests examples
 	$(BIN)/mypy
+	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest -q -n 0 tests/sim/test_planes.py  # every index, as it runs
 	$(BIN)/pytest -q -n 2 -m "not slow"
 
 test-all: $(VENV)/dev.stamp  ## the long tests too

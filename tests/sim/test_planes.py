@@ -5,10 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from random_worlds import random_decision, random_world
 from teamformer.model import Place, Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.sim.arrays import NOBODY
@@ -223,3 +225,22 @@ def test_a_task_in_the_far_corner_is_done_there(side: float) -> None:
     env = TeamFormation([scenario])
     maintain(env)
     assert env.worlds.tasks["done_at"][0, 0] == 1
+
+
+@pytest.mark.parametrize("is_plane", [True, False], ids=["plane", "grid"])
+def test_random_worlds_with_things_on_edges_stay_in_their_arrays(is_plane: bool) -> None:
+    """Compiled code checks no index by itself; `make test` runs this where it does."""
+    rng = np.random.default_rng(8)
+    for allocation in ("paper", "nearest"):
+        worlds = [random_world(rng, is_plane=is_plane) for _ in range(60)]
+        env = TeamFormation([replace(world, allocation=allocation) for world in worlds])
+        for _ in range(30):
+            view = env.view()
+            for teams, world in zip(env.worlds.teams, worlds, strict=True):
+                corner = world.world.corner
+                there = teams[teams["size"] > 0]
+                assert (there["x"] >= 0).all()
+                assert (there["x"] <= corner[0] + 1e-6).all()
+                assert (there["y"] >= 0).all()
+                assert (there["y"] <= corner[1] + 1e-6).all()
+            env.step(random_decision(view, rng))

@@ -14,7 +14,7 @@ import teamformer
 
 ROOT = Path(teamformer.__file__).parent
 
-CORE = {"errors", "model", "capabilities", "plane", "regions", "frame"}
+CORE = {"errors", "mission_rules", "model", "capabilities", "plane", "regions", "frame"}
 CORE |= {"jit", "kernel_cache", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim"}
 BELOW_COMMANDS = {

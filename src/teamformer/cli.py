@@ -136,6 +136,42 @@ def generate(
     raise typer.Exit(command(spec, grid, plane, map_path, cell, seed, out, as_json))
 
 
+@app.command(name="import")
+def import_(
+    form: Annotated[str, typer.Argument(metavar="FORMAT", help="hetero-mrta, dcmrta or sadcher")],
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="their file, or folder")],
+    out: Annotated[Path, typer.Option("-o", "--out", help="the scenario to write")],
+    number: Annotated[
+        int | None, typer.Option(min=0, help="which mission, where a file holds several")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write somebody else's instance as a scenario file."""
+    from teamformer.commands.import_ import import_ as command
+
+    raise typer.Exit(command(form, path, out, number, as_json))
+
+
+@app.command()
+def plan(
+    scenario: ScenarioPath,
+    policy: Annotated[
+        str, typer.Option(help="central; in continuous time also plan or reactive")
+    ] = "central",
+    time_limit: TimeLimit = 10.0,
+    html: Annotated[bool, typer.Option("--html", help="write a Gantt chart, plan.html")] = False,
+    out: Annotated[Path | None, typer.Option(help="folder for plan.html; here by default")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Plan a mission without playing it: who goes where, and when."""
+    from teamformer.commands.plan import plan as command
+
+    if out is not None and not html:
+        raise TeamformerError("--out is for the page", "add --html")
+    page = (out or Path()) / "plan.html" if html else None
+    raise typer.Exit(command(scenario, policy, time_limit, page, as_json))
+
+
 @app.command()
 def check(
     replay: ReplayPath,

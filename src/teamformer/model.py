@@ -11,6 +11,7 @@ from typing import Literal
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem, ScenarioError
 from teamformer.frame import Frame
+from teamformer.mission_rules import find_rule_problems
 from teamformer.plane import Plane
 from teamformer.regions import Regions, find_regions, flood
 
@@ -109,14 +110,18 @@ class Task:
     """A task: where it is and which capabilities one team must bring there together.
 
     `duration` is how many steps the team must stay. `appears` is how many steps have been made
-    when everybody learns of the task; 0 means known from the start.
+    when everybody learns of the task; 0 means known from the start. Tasks named in `after` must
+    have ended before this one begins. `between` is when it may begin and must have ended; one that
+    ends later is late. In continuous time durations may be fractions.
     """
 
     name: str
     at: Place
     needs: Mapping[str, int]
-    duration: int = 0
+    duration: float = 0
     appears: int = 0
+    after: tuple[str, ...] = ()
+    between: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -127,6 +132,10 @@ class Scenario:
     Distances (`sensing_radius`, `join_radius`) are Euclidean, in cells or, on a plane, in metres;
     teams in the same place sense and may join one another, however small they are. Building an
     impossible scenario raises `ScenarioError` with every problem found.
+
+    `time` is `steps` or `continuous`: then tasks start when their last robot is there, and a
+    coalition whose robots do not come together takes `forming` first. A mission `ends` with its
+    last task (None), or when all robots are back where they started (`home`) or at a place.
     """
 
     name: str
@@ -142,6 +151,9 @@ class Scenario:
     order: str = "tsp"
     new_tasks: str = "resolve"
     allocation: str = "paper"
+    time: str = "steps"
+    ends: Place | str | None = None
+    forming: float = 0.0
 
     def __post_init__(self) -> None:
         problems = list(find_problems(self))
@@ -187,7 +199,7 @@ def default_step_limit(scenario: Scenario) -> int:
     latest = max(task.appears for task in scenario.tasks)
     forming = 4 * (len(scenario.tasks) + 1) * len(scenario.robots)
     steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(forming, MOST_FORMING)
-    return steps + min(waits + latest, MOST_WAITING)
+    return steps + min(math.ceil(waits + latest), MOST_WAITING)
 
 
 def _longest_walk(scenario: Scenario) -> float:
@@ -211,6 +223,7 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
     yield from _problems_of_totals(scenario)
     yield from _problems_of_teams(scenario)
     yield from _problems_of_tasks(scenario, places_are_good=not spatial)
+    yield from find_rule_problems(scenario)
 
 
 def _problems_of_world(world: World) -> Iterator[Problem]:
@@ -375,7 +388,7 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
         yield from _problems_of_counts(
             task.needs, scenario.capabilities, (*where, "needs"), f"{what} needs"
         )
-        for key in ("duration", "appears"):
+        for key in ("duration", "appears") if scenario.time == "steps" else ("appears",):
             steps = getattr(task, key)
             said = f"{what} has {key}"
             yield from _problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")

@@ -37,7 +37,25 @@ def problems_of(folder: Path, text: str | bytes, name: str = "case.yaml") -> lis
     return [line.removeprefix(f"{folder}{os.sep}") for line in str(caught.value).splitlines()]
 
 
+NEEDS = "needs: [lift, scan]"
+
 CASES = [
+    # time, end, precedence and windows
+    ("sensing_radius: 1", "time: soon", 10, "time 'soon' is unknown; use steps or continuous"),
+    ("sensing_radius: 1", "ends: [9, 9]", 10, "ends at [9, 9], outside the map; move it"),
+    ("sensing_radius: 1", "ends: there", 10, "ends 'there' is unknown; use home or a place"),
+    ("sensing_radius: 1", "forming: -1", 10, "forming is -1; use 0 to 1e9"),
+    (NEEDS, f"{NEEDS}, after: [y]", 9, "task 'x' is after 'y', which is no task; name one"),
+    (NEEDS, f"{NEEDS}, after: [x]", 9, "'x', which is after 'x'; break this circle"),
+    (NEEDS, f"{NEEDS}, after: x", 9, "after of task 1 is the text 'x'; write a list"),
+    (NEEDS, f"{NEEDS}, between: [9, 2]", 9, "is to be done between 9 and 2; use [begin, end]"),
+    (NEEDS, f"{NEEDS}, between: [-1, 2]", 9, "is to be done between -1 and 2"),
+    (NEEDS, f"{NEEDS}, between: 4", 9, "between of task 1 is 4; write it as [begin, end]"),
+    (NEEDS, f"{NEEDS}, between: [2, 4], duration: 3", 9, "takes 3 but has only 2 between 2 and 4"),
+    (NEEDS, f"{NEEDS}, duration: 2.5", 9, "duration of task 1 is 2.5; write a whole number"),
+    ("can: [lift]}", "can: [lift], count: 0}", 6, "count of robot 1 is 0; write 1 or more"),
+    ("can: [lift]}", "can: [lift], count: 2}\n  - {name: a-1, at: [0, 0], can: [lift]}", 7,
+     "the name 'a-1' is used twice; rename one"),
     # unknown, repeated, missing and misplaced keys
     ("name: good", "nmae: good", 2, "no key 'nmae'; did you mean 'name'?"),
     ("speed: 0.5", "colour: red", 7, "robot 2 has no key 'colour'; known are name, at, can"),

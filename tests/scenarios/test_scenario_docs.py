@@ -25,12 +25,16 @@ def test_the_table_has_every_key_and_says_which_must_be_there() -> None:
 
 
 def test_the_example_is_read(tmp_path: Path) -> None:
-    [text] = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
+    text, other = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
     path = tmp_path / "example.yaml"
     path.write_text(text)
     scenario = read_scenario(path)
     assert scenario.teams == ((1, 2),)
     assert scenario.tasks[1].needs == {"lift": 2, "weld": 1}
+    path.write_text(other)
+    errands = read_scenario(path)
+    assert [robot.name for robot in errands.robots] == ["cart-1", "cart-2", "cart-3", "eye"]
+    assert errands.tasks[2].between == (10, 40)
 
 
 def test_what_is_refused_is_told_in_these_words(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from teamformer.commands.run import (
     watch_trial,
 )
 from teamformer.errors import TeamformerError
+from teamformer.mission_rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario
@@ -40,7 +41,7 @@ def compare(
     if twice:
         hint = "name it once; --seeds runs it more often"
         raise TeamformerError(f"policy '{twice[0]}' is named twice", hint)
-    scenario = changes.apply(read_scenario(path))
+    scenario = changes.apply(read_scenario(path, rules_not_played))
     policies = {name: ready_policy(name, time_limit) for name in policy_names}
     worlds = {name: changes.suit(scenario, policy, name) for name, policy in policies.items()}
     announce_compiling(policy_names, any(world.is_planned for world in worlds.values()))

@@ -25,6 +25,7 @@ from teamformer.commands.console import (
 )
 from teamformer.errors import ReaderGoneError, TeamformerError
 from teamformer.export.reasons import story_lines
+from teamformer.mission_rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
@@ -82,7 +83,7 @@ def run(
 
     `explained` is the name of a robot whose story is told too.
     """
-    scenario = changes.apply(read_scenario(path))
+    scenario = changes.apply(read_scenario(path, rules_not_played))
     robot = None if explained is None else _robot_number(scenario, explained)
     policy = ready_policy(policy_name, time_limit)
     scenario = changes.suit(scenario, policy, policy_name)

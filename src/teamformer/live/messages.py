@@ -51,4 +51,4 @@ def read_incident(message: Message, scenario: Scenario) -> Incident:
         task = scenario_from_tree(tree).tasks[0]
     except ScenarioError as error:
         raise TeamformerError("; ".join(problem.message for problem in error.problems)) from None
-    return NewTask(task.at, task.needs, message["task"].get("name", ""), task.duration)
+    return NewTask(task.at, task.needs, message["task"].get("name", ""), int(task.duration))

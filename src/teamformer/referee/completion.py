@@ -79,7 +79,7 @@ class Tasks:
             found[task] = slot
 
     def _begin(self, slot: int, team: RecordedTeam, task: int, found: dict[int, int]) -> None:
-        duration = self.scenario.tasks[task].duration
+        duration = int(self.scenario.tasks[task].duration)  # whole where there are steps
         if duration:
             team.services[task] = duration
             team.credit = 0.0

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,10 @@ from teamformer.errors import ScenarioError
 from teamformer.frame import Frame
 from teamformer.model import BEST_ALLOCATION, Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
-from teamformer.scenarios.tree_reader import INFINITE, Reader
+from teamformer.scenarios.tree_reader import INFINITE, LARGEST_COUNT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world
-from teamformer.scenarios.yaml.words import shorten
+from teamformer.scenarios.yaml.reader import Where
+from teamformer.scenarios.yaml.words import describe, shorten
 
 VERSION = 1
 
@@ -33,9 +35,27 @@ TOP_KEYS = {
     "order": False,
     "new_tasks": False,
     "allocation": False,
+    "time": False,
+    "ends": False,
+    "forming": False,
 }
-ROBOT_KEYS = {"name": False, "at": True, "can": True, "speed": False, "lost": False}
-TASK_KEYS = {"name": False, "at": True, "needs": True, "duration": False, "appears": False}
+ROBOT_KEYS = {
+    "name": False,
+    "at": True,
+    "can": True,
+    "speed": False,
+    "lost": False,
+    "count": False,
+}
+TASK_KEYS = {
+    "name": False,
+    "at": True,
+    "needs": True,
+    "duration": False,
+    "appears": False,
+    "after": False,
+    "between": False,
+}
 
 
 def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
@@ -58,6 +78,7 @@ def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
         "order": scenario.order,
         "new_tasks": scenario.new_tasks,
         "allocation": scenario.allocation,
+        **_mission_rules_to_tree(scenario),
     }
 
 
@@ -71,7 +92,8 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
         return None
     world = read_world(reader, top.get("world", {"grid": [1, 1]}), folder)
     is_plane = isinstance(world, Plane)
-    robots = _read_robots(reader, top.get("robots", []), is_plane)
+    rules = _read_rules(reader, top, is_plane)
+    robots, entries = _read_robots(reader, top.get("robots", []), is_plane)
     if isinstance(world, Plane) and "arrival_radius" not in top["world"]:
         world = _with_usual_radius(world, robots)
     parts = {
@@ -79,9 +101,9 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
         "world": world,
         "capabilities": tuple(reader.names(("capabilities",), top.get("capabilities", []))),
         "robots": robots,
-        "tasks": _read_tasks(reader, top.get("tasks", []), is_plane),
+        "tasks": _read_tasks(reader, top.get("tasks", []), is_plane, rules.get("time")),
         "teams": _read_teams(reader, top.get("teams", []), [robot.name for robot in robots]),
-        **_read_rules(reader, top),
+        **rules,
     }
     if not reader.is_faithful:  # the model would complain about what stands in for the mistakes
         return None
@@ -89,8 +111,27 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
         return Scenario(**parts)
     except ScenarioError as error:
         for problem in error.problems:
-            reader.refuse(problem.where, problem.message)
+            reader.refuse(_in_file(problem.where, entries), problem.message)
         return None
+
+
+def _in_file(where: Where, entries: Sequence[int]) -> Where:
+    """Return where in the file something of the scenario is: an entry may be many robots."""
+    if len(where) < 2 or where[0] != "robots":
+        return where
+    return ("robots", entries[int(where[1])], *where[2:])
+
+
+def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
+    """Return the rules of time and end that are not as in most missions."""
+    tree: dict[str, Any] = {}
+    if scenario.time != "steps":
+        tree["time"] = scenario.time
+    if scenario.ends is not None:
+        tree["ends"] = scenario.ends if isinstance(scenario.ends, str) else list(scenario.ends)
+    if scenario.forming:
+        tree["forming"] = scenario.forming
+    return tree
 
 
 def _world_to_tree(world: World) -> dict[str, Any]:
@@ -135,6 +176,10 @@ def _task_to_tree(task: Task) -> dict[str, Any]:
         tree["duration"] = task.duration
     if task.appears:
         tree["appears"] = task.appears
+    if task.after:
+        tree["after"] = list(task.after)
+    if task.between is not None:
+        tree["between"] = list(task.between)
     return tree
 
 
@@ -158,21 +203,32 @@ def _knows_version(reader: Reader, top: Mapping[str, Any]) -> bool:
     return version <= VERSION
 
 
-def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[Robot, ...]:
-    robots = []
+def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robot, ...], list[int]]:
+    """Return the robots, and for each the entry of the file that it comes from."""
+    robots: list[Robot] = []
+    entries: list[int] = []
     for number, part in enumerate(reader.sequence(("robots",), value)):
         where = ("robots", number)
         keys = reader.mapping(where, part, ROBOT_KEYS)
-        robots.append(
-            Robot(
-                name=reader.text((*where, "name"), keys.get("name", f"r{number + 1}")),
-                at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
-                can=reader.counts((*where, "can"), keys.get("can", [])),
-                speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
-                lost=reader.whole((*where, "lost"), keys["lost"]) if "lost" in keys else None,
-            )
+        count = 1
+        if "count" in keys:
+            count = reader.whole((*where, "count"), keys["count"], 1, LARGEST_COUNT)
+        robot = Robot(
+            name=reader.text((*where, "name"), keys.get("name", f"r{len(robots) + 1}")),
+            at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
+            can=reader.counts((*where, "can"), keys.get("can", [])),
+            speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
+            lost=reader.whole((*where, "lost"), keys["lost"]) if "lost" in keys else None,
         )
-    return tuple(robots)
+        if "count" not in keys:
+            alike = [robot]
+        elif "name" in keys:
+            alike = [replace(robot, name=f"{robot.name}-{n + 1}") for n in range(count)]
+        else:
+            alike = [replace(robot, name=f"r{len(robots) + n + 1}") for n in range(count)]
+        robots += alike
+        entries += [number] * len(alike)
+    return tuple(robots), entries
 
 
 def _with_usual_radius(plane: Plane, robots: tuple[Robot, ...]) -> Plane:
@@ -183,7 +239,7 @@ def _with_usual_radius(plane: Plane, robots: tuple[Robot, ...]) -> Plane:
     return replace(plane, arrival_radius=round(slowest, DECIMALS))
 
 
-def _read_tasks(reader: Reader, value: Any, is_plane: bool) -> tuple[Task, ...]:
+def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) -> tuple[Task, ...]:
     tasks = []
     for number, part in enumerate(reader.sequence(("tasks",), value)):
         where = ("tasks", number)
@@ -193,11 +249,33 @@ def _read_tasks(reader: Reader, value: Any, is_plane: bool) -> tuple[Task, ...]:
                 name=reader.text((*where, "name"), keys.get("name", f"t{number + 1}")),
                 at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
                 needs=reader.counts((*where, "needs"), keys.get("needs", [])),
-                duration=reader.whole((*where, "duration"), keys.get("duration", 0)),
+                duration=_read_duration(reader, (*where, "duration"), keys, time),
                 appears=reader.whole((*where, "appears"), keys.get("appears", 0)),
+                after=tuple(reader.names((*where, "after"), keys.get("after", []))),
+                between=_read_window(reader, (*where, "between"), keys),
             )
         )
     return tuple(tasks)
+
+
+def _read_duration(
+    reader: Reader, where: Where, keys: Mapping[str, Any], time: str | None
+) -> float:
+    value = keys.get("duration", 0)
+    return reader.number(where, value) if time == "continuous" else reader.whole(where, value)
+
+
+def _read_window(
+    reader: Reader, where: Where, keys: Mapping[str, Any]
+) -> tuple[float, float] | None:
+    if "between" not in keys:
+        return None
+    value = keys["between"]
+    if not isinstance(value, list) or len(value) != 2:
+        reader.refuse(where, f"{name_of(where)} is {describe(value)}; write it as [begin, end]")
+        return None
+    begin, end = (reader.number((*where, part), time) for part, time in enumerate(value))
+    return begin, end
 
 
 def _read_teams(reader: Reader, value: Any, robots: list[str]) -> tuple[tuple[int, ...], ...]:
@@ -215,7 +293,7 @@ def _read_teams(reader: Reader, value: Any, robots: list[str]) -> tuple[tuple[in
     return tuple(teams)
 
 
-def _read_rules(reader: Reader, top: Mapping[str, Any]) -> dict[str, Any]:
+def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[str, Any]:
     """Return the rules that the file sets; the others keep the model's defaults.
 
     But for the allocation: the model's default is the paper's, a file's is the best that there is.
@@ -227,7 +305,13 @@ def _read_rules(reader: Reader, top: Mapping[str, Any]) -> dict[str, Any]:
     for key, least in (("forming_steps", 0), ("step_limit", 1)):
         if key in top:
             rules[key] = reader.whole((key,), top[key], least)
-    for key in ("order", "new_tasks", "allocation"):
+    for key in ("order", "new_tasks", "allocation", "time"):
         if key in top:
             rules[key] = reader.text((key,), top[key])
+    if "forming" in top:
+        rules["forming"] = reader.number(("forming",), top["forming"])
+    if "ends" in top:
+        is_place = isinstance(top["ends"], list)
+        read = partial(reader.place, is_point=is_plane) if is_place else reader.text
+        rules["ends"] = read(("ends",), top["ends"])
     return rules

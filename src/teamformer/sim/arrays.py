@@ -15,6 +15,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.errors import ScenarioError
+from teamformer.mission_rules import rules_not_played
 from teamformer.model import ALLOCATIONS, Grid, Place, Scenario
 from teamformer.plane import DECIMALS, Plane
 from teamformer.planning.distances import UNREACHABLE, blocked_cells, distance_fields
@@ -189,7 +191,13 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
 
 
 def pack_worlds(scenarios: Sequence[Scenario]) -> Worlds:
-    """Lay scenarios out as they stand before the first step, padded to the largest of them."""
+    """Lay scenarios out as they stand before the first step, padded to the largest of them.
+
+    Raises `ScenarioError` for missions whose rules are not those of the steps.
+    """
+    problems = [problem for scenario in scenarios for problem in rules_not_played(scenario)]
+    if problems:
+        raise ScenarioError(problems)
     worlds = _empty_worlds(scenarios)
     for w, scenario in enumerate(scenarios):
         _pack_rules(worlds, w, scenario)

@@ -1,0 +1,135 @@
+"""`teamformer plan`: who goes where when, without playing the mission."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.console import out, prepare_file, print_json, say
+from teamformer.errors import TeamformerError
+from teamformer.mission_rules import rules_not_played
+from teamformer.model import Scenario
+from teamformer.planning.coalitions.mission import pose_mission
+from teamformer.planning.coalitions.routes import MissionPlan, Route
+from teamformer.planning.coalitions.rules import PLANNERS, is_compiled, warm_up
+from teamformer.policies.central.policy import Central
+from teamformer.scenarios.files import read_scenario
+from teamformer.trials.routes import routes_of
+from teamformer.trials.trial import run_trial
+from teamformer.viewer.gantt import write_gantt
+
+LONGEST_TABLE = 40  # robots
+DIGITS = 6
+"""Places after the point that are printed of a time."""
+
+
+def plan(path: Path, policy: str, time_limit: float, page: Path | None, as_json: bool) -> int:
+    """Plan a mission and show the plan; return the exit status."""
+    scenario = read_scenario(path)
+    if policy not in PLANNERS:
+        raise TeamformerError(f"--policy {policy} is unknown", f"use {', '.join(PLANNERS)}")
+    if page is not None:
+        prepare_file(page)
+    if scenario.time == "continuous":
+        made = _plan_continuous(scenario, policy, time_limit)
+    else:
+        made = _plan_steps(path, scenario, policy, time_limit)
+    if made is None:
+        say(f"no plan was found for {scenario.name}; a longer --time-limit may find one")
+        return 1
+    row = plan_row(scenario, made)
+    if page is not None:
+        write_gantt(row, page)
+        say(f"page: {page}")
+    if as_json:
+        print_json(row)
+    else:
+        _show(scenario, made)
+    return 0
+
+
+def plan_row(scenario: Scenario, made: MissionPlan) -> dict[str, Any]:
+    """Return what `--json` prints of a plan; times are in the scenario's unit."""
+    tasks, robots = scenario.tasks, scenario.robots
+    return {
+        "scenario": scenario.name,
+        "makespan": round(made.makespan, DIGITS),
+        "bound": round(made.bound, DIGITS),
+        "proven": made.is_proven,
+        "routes": [
+            {
+                "robot": robots[route.robot].name,
+                "stops": [
+                    {
+                        "task": tasks[stop.task].name,
+                        "arrive": round(stop.arrive, DIGITS),
+                        "start": round(stop.start, DIGITS),
+                        "end": round(stop.end, DIGITS),
+                    }
+                    for stop in route.stops
+                ],
+                "back": round(route.back, DIGITS),
+            }
+            for route in made.routes
+        ],
+        "late": {tasks[task].name: round(by, DIGITS) for task, by in made.late.items()},
+        "curve": [[round(seconds, 3), round(when, DIGITS)] for seconds, when in made.curve],
+    }
+
+
+def _plan_continuous(scenario: Scenario, policy: str, time_limit: float) -> MissionPlan | None:
+    if not is_compiled():
+        say("compiling the planner, on the first run only (half a minute, more if busy) ...")
+    warm_up()
+    mission = pose_mission(scenario)
+    solution = PLANNERS[policy](mission.problem, time_limit)
+    return None if solution is None else mission.tell(solution)
+
+
+def _plan_steps(
+    path: Path, scenario: Scenario, policy: str, time_limit: float
+) -> MissionPlan | None:
+    """Plan a mission in steps by the central planner, and read the routes off its play."""
+    for problem in rules_not_played(scenario):
+        raise TeamformerError(f"{path}: {problem.message}")
+    if policy != "central":
+        raise TeamformerError(
+            f"--policy {policy} plans missions in continuous time", "leave --policy out"
+        )
+    announce_compiling(["central"], scenario.is_planned)
+    trial = run_trial(scenario, Central(time_limit), "central")
+    end, bound = trial.replay.end, trial.replay.lower_bound or 0
+    if end.makespan is None:
+        return None
+    return MissionPlan(
+        makespan=end.makespan,
+        bound=bound,
+        is_proven=end.makespan <= bound,
+        routes=routes_of(trial.replay),
+        late={},
+        curve=() if trial.plan is None else trial.plan.curve,
+    )
+
+
+def _show(scenario: Scenario, made: MissionPlan) -> None:
+    gap = 100 * (made.makespan / made.bound - 1) if made.bound > 0 else 0.0
+    known = "proven" if made.is_proven else f"{gap:.1f}% above what no plan beats"
+    out.print(f"{scenario.name}: over at {made.makespan:g} ({known}: {made.bound:g})")
+    for task, by in made.late.items():
+        out.print(f"late: {scenario.tasks[task].name} by {by:g}", markup=False)
+    table = Table("robot", "tasks: start to end", "back", box=None)
+    for route in made.routes[:LONGEST_TABLE]:
+        table.add_row(scenario.robots[route.robot].name, _stops(scenario, route), f"{route.back:g}")
+    out.print(table)
+    if len(made.routes) > LONGEST_TABLE:
+        say(f"and {len(made.routes) - LONGEST_TABLE} robots more; --json tells all")
+
+
+def _stops(scenario: Scenario, route: Route) -> str:
+    shown = (
+        f"{scenario.tasks[stop.task].name} {stop.start:.6g}-{stop.end:.6g}" for stop in route.stops
+    )
+    return ", ".join(shown) or "-"

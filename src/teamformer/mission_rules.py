@@ -1,0 +1,145 @@
+"""Rules that a mission may have besides the step rules: time, ends, precedence, time windows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from teamformer.errors import Problem
+
+if TYPE_CHECKING:
+    from teamformer.model import Scenario
+
+TIMES = ("steps", "continuous")
+HOME = "home"
+LONGEST_TIME = 1e9
+"""In the unit of time of a mission in continuous time."""
+
+
+def is_time(value: float) -> bool:
+    """Say whether a number can be a time."""
+    return 0 <= value <= LONGEST_TIME
+
+
+def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
+    """Return what is wrong with a scenario's time, end, precedence and time windows."""
+    if scenario.time not in TIMES:
+        choices = " or ".join(TIMES)
+        yield Problem(("time",), f"time '{scenario.time}' is unknown; use {choices}")
+    if not is_time(scenario.forming):
+        yield Problem(("forming",), f"forming is {scenario.forming:g}; use 0 to 1e9")
+    yield from _problems_of_end(scenario)
+    if scenario.time == "continuous":
+        yield from _problems_of_losses(scenario)
+    yield from _problems_of_times(scenario)
+    yield from _problems_of_precedence(scenario)
+
+
+def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
+    """Return why the step simulator cannot play a scenario; nothing if it can."""
+    remedy = "plan it with `teamformer plan`"
+    if scenario.time == "continuous":
+        yield Problem(("time",), f"missions in continuous time are not played in steps; {remedy}")
+        return
+    remedy = f"write time: continuous and {remedy}"
+    if scenario.ends is not None:
+        yield Problem(("ends",), f"in steps missions end with the last task; {remedy}")
+    if scenario.forming:
+        yield Problem(("forming",), f"in steps forming_steps says what forming takes; {remedy}")
+    for number, task in enumerate(scenario.tasks):
+        for key in ("after", "between"):
+            if getattr(task, key):
+                message = f"task '{task.name}' has {key}, which is not played in steps; {remedy}"
+                yield Problem(("tasks", number, key), message)
+
+
+def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
+    ends, world = scenario.ends, scenario.world
+    if ends is None or ends == HOME:
+        return
+    if isinstance(ends, str):
+        yield Problem(("ends",), f"ends '{ends}' is unknown; use home or a place as [x, y]")
+    elif not world.is_inside(ends) or not world.is_free(ends):
+        where = "inside an obstacle" if world.is_inside(ends) else "outside the map"
+        yield Problem(("ends",), f"the mission ends at [{ends[0]}, {ends[1]}], {where}; move it")
+    elif world.rows:
+        for number, robot in enumerate(scenario.robots):
+            is_there = world.is_inside(robot.at) and world.is_free(robot.at)
+            if is_there and world.region(robot.at) != world.region(ends):
+                message = f"robot '{robot.name}' has no way to where the mission ends; move it"
+                yield Problem(("robots", number, "at"), message)
+
+
+def _problems_of_losses(scenario: Scenario) -> Iterator[Problem]:
+    for number, robot in enumerate(scenario.robots):
+        if robot.lost is not None:
+            message = f"robot '{robot.name}' is lost, which only missions in steps know; drop lost"
+            yield Problem(("robots", number, "lost"), message)
+
+
+def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
+    for number, task in enumerate(scenario.tasks):
+        where, what = ("tasks", number), f"task '{task.name}'"
+        if scenario.time == "continuous" and not is_time(task.duration):
+            message = f"{what} has duration {task.duration:g}; use 0 to 1e9"
+            yield Problem((*where, "duration"), message)
+        if task.between is None:
+            continue
+        begin, end = task.between
+        if not (is_time(begin) and is_time(end) and begin < end):
+            message = f"{what} is to be done between {begin:g} and {end:g}; use [begin, end]"
+            yield Problem((*where, "between"), f"{message}, 0 or more and in this order")
+        elif begin + task.duration > end:
+            message = f"{what} takes {task.duration:g} but has only {end - begin:g} between"
+            yield Problem(
+                (*where, "between"), f"{message} {begin:g} and {end:g}; give it more time"
+            )
+
+
+def _problems_of_precedence(scenario: Scenario) -> Iterator[Problem]:
+    names = {task.name for task in scenario.tasks}
+    is_good = True
+    for number, task in enumerate(scenario.tasks):
+        where = ("tasks", number, "after")
+        for entry, name in enumerate(task.after):
+            if name not in names:
+                is_good = False
+                message = f"task '{task.name}' is after '{name}', which is no task; name one"
+                yield Problem((*where, entry), message)
+            elif name in task.after[:entry]:
+                yield Problem((*where, entry), f"'{name}' stands twice in this list; keep one")
+    if is_good:
+        circle = _circle(scenario)
+        if circle:
+            last = next(n for n, task in enumerate(scenario.tasks) if task.name == circle[-1])
+            way = ", which is after ".join(f"'{name}'" for name in (*circle[::-1], circle[-1]))
+            yield Problem(("tasks", last, "after"), f"{way}; break this circle, drop one of these")
+
+
+def _circle(scenario: Scenario) -> list[str]:
+    """Return the names of tasks of which each is before the next and the last before the first."""
+    before = {task.name: task.after for task in scenario.tasks}
+    is_done: set[str] = set()
+    for name in before:
+        path: list[str] = []
+        at, branches = {name: 0}, [iter(before[name])]
+        path.append(name)
+        while branches and name not in is_done:
+            other = next(branches[-1], None)
+            if other is None:
+                is_done.add(path[-1])
+                del at[path.pop()]
+                branches.pop()
+            elif other in at:
+                return path[at[other] :][::-1]
+            elif other not in is_done:
+                at[other] = len(path)
+                path.append(other)
+                branches.append(iter(before[other]))
+    return []
+
+
+def latest_end(between: tuple[float, float] | None) -> float:
+    """Return when a task must have ended not to be late."""
+    return math.inf if between is None else between[1]

@@ -1,0 +1,1 @@
+"""Plans as an order of tasks and a coalition for each, in continuous time."""

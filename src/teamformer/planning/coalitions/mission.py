@@ -1,0 +1,170 @@
+"""A mission in continuous time as a coalition problem, and plans of it in the mission's unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.errors import TeamformerError
+from teamformer.mission_rules import HOME, latest_end
+from teamformer.model import Grid, Place, Scenario
+from teamformer.planning.coalitions.problem import NEVER, CoalitionProblem, pose_problem
+from teamformer.planning.coalitions.routes import MissionPlan, Route, Stop
+from teamformer.planning.coalitions.schedule import CoalitionPlan
+from teamformer.planning.coalitions.solve import Solution
+from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
+
+Times = npt.NDArray[np.float64]
+
+MOST_TICKS = 2 * 10**9
+"""About how many ticks everything takes at most, one task after the other."""
+
+NO_WAY = 1000
+"""Where no way is, it takes this many times longer than everything."""
+
+
+@dataclass(frozen=True)
+class ContinuousMission:
+    """A mission's times as they are, and in ticks, of which there are `scale` in a unit."""
+
+    scenario: Scenario
+    ways: Times  # (paces, places, tasks) from places, which are tasks and starts, to tasks
+    home: Times  # (robots, places)
+    origin: npt.NDArray[np.int64]  # (robots,) the place where each starts
+    pace: npt.NDArray[np.int64]  # (robots,) row of `ways`
+    scale: float
+    problem: CoalitionProblem
+
+    def tell(self, solution: Solution) -> MissionPlan:
+        """Return a solution in the mission's unit; its times are worked out from the true ways.
+
+        In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
+        """
+        timed = self.time(solution.schedule.plan)
+        rounding = len(self.scenario.tasks) + 2  # ways and durations in a chain, half a tick each
+        bound = max(0.0, (solution.bound - rounding) / self.scale)
+        return replace(
+            timed,
+            bound=min(timed.makespan, bound),
+            is_proven=solution.is_proven,
+            curve=tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve),
+        )
+
+    def time(self, plan: CoalitionPlan) -> MissionPlan:
+        """Return a plan with its times by the mission's rules, one task after the other."""
+        scenario = self.scenario
+        number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
+        at, free = self.origin.copy(), np.zeros(len(self.origin))
+        end: dict[int, float] = {}
+        stops: list[list[Stop]] = [[] for _ in scenario.robots]
+        for task in plan.order.tolist():
+            wanted, crew = scenario.tasks[task], plan.crew[task, : plan.size[task]]
+            arrive = free[crew] + self.ways[self.pace[crew], at[crew], task]
+            start = max(release_of(scenario, task), *arrive.tolist())
+            if len(set(at[crew].tolist())) > 1:
+                start = max(start, float(arrive.max()) + scenario.forming)
+            start = max([start, *(end[number_of[name]] for name in wanted.after)])
+            end[task] = start + wanted.duration
+            for robot, when in zip(crew.tolist(), arrive.tolist(), strict=True):
+                stops[robot].append(Stop(task, when, start, end[task]))
+            at[crew], free[crew] = task, end[task]
+        back = free + self.home[np.arange(len(at)), at]
+        late = {t: end[t] - latest_end(scenario.tasks[t].between) for t in sorted(end)}
+        return MissionPlan(
+            makespan=float(back.max()),
+            bound=0.0,
+            is_proven=False,
+            routes=tuple(
+                Route(robot, tuple(stops[robot]), float(back[robot])) for robot in range(len(at))
+            ),
+            late={task: by for task, by in late.items() if by > 0},
+        )
+
+
+def pose_mission(scenario: Scenario) -> ContinuousMission:
+    """Return a mission in continuous time as a problem in ticks."""
+    robots, tasks = scenario.robots, scenario.tasks
+    starts = list(dict.fromkeys(robot.at for robot in robots))
+    places = [*(task.at for task in tasks), *starts]
+    speeds, pace = np.unique([robot.speed for robot in robots], return_inverse=True)
+    between = _distances(scenario, places, places)
+    ways = between[None, :, : len(tasks)] / speeds[:, None, None]
+    home = _ways_home(scenario, places, between, starts)
+    scale = _scale(scenario, ways, home)
+    needs, caps = [task.needs for task in tasks], scenario.capabilities
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
+    problem = pose_problem(
+        ways=_ticks(ways, scale),
+        home=_ticks(home, scale),
+        pace=pace,
+        origin=origin,
+        counts=[[robot.can.get(cap, 0) for cap in caps] for robot in robots],
+        needs=[[need.get(cap, 0) for cap in caps] for need in needs],
+        duration=_ticks([task.duration for task in tasks], scale),
+        release=_ticks([release_of(scenario, task) for task in range(len(tasks))], scale),
+        due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
+        precedence=[
+            (number_of[name], number) for number, task in enumerate(tasks) for name in task.after
+        ],
+        forming=round(scenario.forming * scale),
+    )
+    return ContinuousMission(scenario, ways, home, origin, pace, scale, problem)
+
+
+def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
+    """Refuse a plan that goes where no way leads: robots that are apart have to meet."""
+    if plan.makespan * mission.scale > NO_WAY * MOST_TICKS / 20:
+        raise TeamformerError(
+            f"{mission.scenario.name}: some task needs robots that no way leads together",
+            "open the map, or move robots or tasks",
+        )
+
+
+def release_of(scenario: Scenario, task: int) -> float:
+    """Return when a task may begin, whoever is there."""
+    wanted = scenario.tasks[task]
+    return max(float(wanted.appears), wanted.between[0] if wanted.between else 0.0)
+
+
+def _distances(scenario: Scenario, origins: list[Place], goals: list[Place]) -> Times:
+    """Return the lengths of ways, as (origins, goals); infinite where there is none."""
+    if not isinstance(scenario.world, Grid):
+        return straight_ways(origins, goals)
+    cells = travel_matrix(scenario.world, origins, goals)
+    return np.where(cells < UNREACHABLE, cells.astype(np.float64), np.inf)
+
+
+def _ways_home(
+    scenario: Scenario, places: list[Place], between: Times, starts: list[Place]
+) -> Times:
+    """Return how long each robot takes home from each place, (robots, places)."""
+    robots = scenario.robots
+    speed = np.array([robot.speed for robot in robots])[:, None]
+    if scenario.ends is None:
+        return np.zeros((len(robots), len(places)))
+    if scenario.ends == HOME:
+        tasks = len(scenario.tasks)
+        homes = [tasks + starts.index(robot.at) for robot in robots]
+        return np.asarray(between[:, homes].T / speed)
+    assert not isinstance(scenario.ends, str)
+    return np.asarray(_distances(scenario, [scenario.ends], places) / speed)
+
+
+def _scale(scenario: Scenario, ways: Times, home: Times) -> float:
+    """Return a power of ten: ticks in a unit, so many that everything takes MOST_TICKS or less."""
+    longest = max(part[np.isfinite(part)].max(initial=0.0) for part in (ways, home))
+    total = sum(task.duration + scenario.forming for task in scenario.tasks)
+    total += longest * (len(scenario.tasks) + 1) + 1e-6
+    total += max(release_of(scenario, task) for task in range(len(scenario.tasks)))
+    scale = 1e-6
+    while 10 * scale * total <= MOST_TICKS:
+        scale *= 10
+    return scale
+
+
+def _ticks(times: npt.ArrayLike, scale: float) -> npt.NDArray[np.int64]:
+    known = np.where(np.isfinite(times), times, NO_WAY * MOST_TICKS / scale / 10)
+    return np.rint(known * scale).astype(np.int64)

@@ -1,0 +1,95 @@
+"""The coalition problem: tasks at places, robots on their ways between them, in whole numbers.
+
+A task starts when its release has come, all tasks before it have ended and the last robot of its
+coalition is there (and, where its robots do not come together, it has formed); it stays until the
+task ends. Robots go straight on, and home at the end.
+Times are ticks, whole numbers, so that a plan is the same on every processor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.rules.constants import NOBODY
+
+Ticks = npt.NDArray[np.int64]
+Whole = npt.NDArray[np.int32]
+
+__all__ = ["NEVER", "NOBODY", "CoalitionProblem", "Ticks", "Whole", "pose_problem"]
+
+NEVER = 2**60
+"""A due time that no task has; ticks of real times stay far below."""
+
+
+class CoalitionProblem(NamedTuple):
+    """The problem as plain arrays; places are the tasks, then the robots' starts."""
+
+    ways: Ticks  # (paces, places, tasks) ticks from a place to a task
+    home: Ticks  # (kinds, places) ticks from a place home; 0 where robots may stay
+    pace: Whole  # (robots,) row of `ways`
+    kind: Whole  # (robots,) row of `home`; robots of a kind differ in nothing but their start
+    like: Whole  # (kinds, robots) the robots of each kind, then NOBODY
+    origin: Whole  # (robots,) the place where each starts
+    counts: Whole  # (robots, caps)
+    needs: Whole  # (tasks, caps)
+    able: Whole  # (caps, robots) the robots with each capability, then NOBODY
+    duration: Ticks  # (tasks,)
+    release: Ticks  # (tasks,) no task starts before
+    due: Ticks  # (tasks,) tasks that end later are late; NEVER
+    before: Whole  # (tasks, most) the tasks that must have ended before each, then NOBODY
+    after: Whole  # (tasks, most) the tasks that each must have ended before, then NOBODY
+    forming: Ticks  # (1,) what a coalition takes whose robots do not all come from one place
+
+
+def pose_problem(
+    ways: npt.ArrayLike,
+    home: npt.ArrayLike,
+    pace: npt.ArrayLike,
+    origin: npt.ArrayLike,
+    counts: npt.ArrayLike,
+    needs: npt.ArrayLike,
+    duration: npt.ArrayLike,
+    release: npt.ArrayLike | None = None,
+    due: npt.ArrayLike | None = None,
+    precedence: Sequence[tuple[int, int]] = (),
+    forming: int = 0,
+) -> CoalitionProblem:
+    """Return a problem with its lists worked out; `home` is (robots, places) here.
+
+    `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle.
+    """
+    ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
+    counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
+    pace, tasks = np.asarray(pace, np.int32), len(needs)
+    traits = np.column_stack([counts, pace, home])  # (robots, traits)
+    _, first, kind = np.unique(traits, axis=0, return_index=True, return_inverse=True)
+    kind = np.argsort(np.argsort(first))[kind.ravel()]  # kinds in the order of their first robots
+    return CoalitionProblem(
+        ways=np.ascontiguousarray(ways),
+        home=np.ascontiguousarray(home[np.sort(first)]),
+        pace=pace,
+        kind=kind.astype(np.int32),
+        like=_listed([np.flatnonzero(kind == which) for which in range(len(first))]),
+        origin=np.asarray(origin, np.int32),
+        counts=counts,
+        needs=needs,
+        able=_listed([np.flatnonzero(column) for column in counts.T]),
+        duration=np.asarray(duration, np.int64),
+        release=np.zeros(tasks, np.int64) if release is None else np.asarray(release, np.int64),
+        due=np.full(tasks, NEVER) if due is None else np.asarray(due, np.int64),
+        before=_listed([[i for i, j in precedence if j == task] for task in range(tasks)]),
+        after=_listed([[j for i, j in precedence if i == task] for task in range(tasks)]),
+        forming=np.array([forming]),
+    )
+
+
+def _listed(rows: Sequence[Sequence[int] | npt.NDArray[np.int64]]) -> Whole:
+    """Return lists of different lengths as one array, with NOBODY after each."""
+    table = np.full((len(rows), 1 + max(map(len, rows), default=0)), NOBODY, np.int32)
+    for row, listed in zip(table, rows, strict=True):
+        row[: len(listed)] = listed
+    return table

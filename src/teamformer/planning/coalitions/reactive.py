@@ -1,0 +1,165 @@
+"""The reactive rule: whoever is free first decides what to do next, and calls a coalition for it.
+
+Nothing is searched. A robot that is free looks at each task that it can help with: how would a
+simple rule (what can start first) go on from there, played out a few times with some noise? It
+takes the task of the best future that anybody has seen so far (fortified rollouts, Bertsekas and
+others 1997). It knows what all robots have promised, and binds nobody beyond its own task.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.coalitions.annealing import is_ready, schedule_of
+from teamformer.planning.coalitions.coalition_choice import arrival, cover, give_way
+from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem
+from teamformer.planning.coalitions.schedule import (
+    COST,
+    copy_plan,
+    empty_plan,
+    empty_schedule,
+    sum_up,
+    time_one,
+)
+from teamformer.planning.coalitions.solve import Solution
+from teamformer.planning.coalitions.window import REFUSED, empty_desk
+from teamformer.planning.relaxation.insertion import draw_below
+
+FUTURES = 20
+"""How often the rest is played out for each task that a robot may take."""
+
+MOST_PLAYED = 60
+"""With more tasks open than this, each is played out once."""
+
+
+def react(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
+    """Return what comes of the rule; None if some task cannot be done by all robots together."""
+    schedule, best, desk = empty_schedule(problem), empty_plan(problem), empty_desk(problem, seed)
+    leg = int(problem.duration.mean() + np.median(problem.ways))
+    if not _react(problem, schedule, best, desk, FUTURES, leg // 4):
+        return None
+    return Solution(schedule_of(problem, schedule.plan), 0)
+
+
+@entry
+def _react(problem, schedule, best, desk, futures, noise):  # type: ignore[no-untyped-def]
+    """Decide task after task; say whether every task has found a coalition.
+
+    `best` is the best future seen so far: its beginning is what was decided.
+    """
+    tasks, least = len(schedule.rank), REFUSED
+    for robot in range(len(problem.origin)):
+        schedule.last[0, robot] = problem.origin[robot]
+    _take_back(schedule, 0)
+    for position in range(tasks):
+        robot = _first_free(problem, schedule, position)
+        if robot == NOBODY:
+            return False
+        most = futures if tasks - position <= MOST_PLAYED else 1
+        for task in range(tasks):
+            if not _helps(problem, schedule, robot, task):
+                continue
+            for _ in range(most):
+                if _call(problem, schedule, desk, robot, task, position) == REFUSED:
+                    return False
+                _do(problem, schedule, desk, task, position)
+                cost = _play_out(problem, schedule, desk, position + 1, noise)
+                if cost < least:
+                    least = cost
+                    copy_plan(schedule.plan, best)
+                _take_back(schedule, position)
+        _do_as_in(problem, schedule, best, position)
+    return True
+
+
+@kernel
+def _first_free(problem, schedule, position):  # type: ignore[no-untyped-def]
+    """Return the robot that is free first of those that can help with an open task."""
+    best = NOBODY
+    for robot in range(len(problem.origin)):
+        free = schedule.end[schedule.last[position, robot]]
+        if best == NOBODY or free < schedule.end[schedule.last[position, best]]:
+            for task in range(len(schedule.rank)):
+                if _helps(problem, schedule, robot, task):
+                    best = robot
+                    break
+    return best
+
+
+@kernel
+def _helps(problem, schedule, robot, task):  # type: ignore[no-untyped-def]
+    """Say whether a task is open, all before it are promised, and a robot brings some of it."""
+    if not is_ready(problem, schedule, task):
+        return False
+    for cap in range(problem.needs.shape[1]):
+        if problem.needs[task, cap] > 0 and problem.counts[robot, cap] > 0:
+            return True
+    return False
+
+
+@kernel
+def _call(problem, schedule, desk, robot, task, position):  # type: ignore[no-untyped-def]
+    """Pick a coalition around a robot; return when it is there, REFUSED if there is none."""
+    desk.span[0] = desk.span[1] = position
+    desk.clock[0] += 1
+    desk.pick[0], desk.picks[0] = robot, 1
+    if not cover(problem, schedule, desk, task):
+        return REFUSED
+    give_way(problem, schedule, desk, task, 0)
+    start = 0
+    for seat in range(desk.picks[0]):
+        start = max(start, arrival(problem, schedule, desk, desk.pick[seat], task))
+    return start
+
+
+@kernel
+def _do(problem, schedule, desk, task, position):  # type: ignore[no-untyped-def]
+    """Have the coalition at hand do a task next."""
+    plan = schedule.plan
+    plan.order[position] = task
+    plan.size[task] = desk.picks[0]
+    for seat in range(desk.picks[0]):
+        plan.crew[task, seat] = desk.pick[seat]
+    time_one(problem, schedule, position)
+
+
+@kernel
+def _do_as_in(problem, schedule, best, position):  # type: ignore[no-untyped-def]
+    """Have a task done as in the best future seen."""
+    plan, task = schedule.plan, best.order[position]
+    plan.order[position] = task
+    plan.size[task] = best.size[task]
+    for seat in range(best.size[task]):
+        plan.crew[task, seat] = best.crew[task, seat]
+    time_one(problem, schedule, position)
+
+
+@kernel
+def _play_out(problem, schedule, desk, begin, noise):  # type: ignore[no-untyped-def]
+    """Let robots take what can start first, more or less; return what the plan costs then."""
+    tasks = len(schedule.rank)
+    for position in range(begin, tasks):
+        robot = _first_free(problem, schedule, position)
+        best, least = NOBODY, REFUSED
+        for task in range(tasks):
+            if _helps(problem, schedule, robot, task):
+                start = _call(problem, schedule, desk, robot, task, position)
+                start += draw_below(desk.random, noise + 1)
+                if start < least:
+                    best, least = task, start
+        if best == NOBODY:
+            return REFUSED
+        _call(problem, schedule, desk, robot, best, position)
+        _do(problem, schedule, desk, best, position)
+    sum_up(problem, schedule)
+    return schedule.total[COST]
+
+
+@kernel
+def _take_back(schedule, position):  # type: ignore[no-untyped-def]
+    """Open the tasks again that were done from a position on."""
+    tasks = len(schedule.rank)
+    for task in range(tasks):
+        if schedule.rank[task] >= position:
+            schedule.rank[task] = tasks

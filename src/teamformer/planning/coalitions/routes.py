@@ -1,0 +1,40 @@
+"""What a plan tells people: where each robot goes, and when, in the scenario's own unit of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A task that a robot takes part in: when it is there, when work begins and when it ends."""
+
+    task: int
+    arrive: float
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Route:
+    """Where a robot goes, and when it is back: 0 if it stays, its last end if it need not be."""
+
+    robot: int
+    stops: tuple[Stop, ...]
+    back: float
+
+
+@dataclass(frozen=True)
+class MissionPlan:
+    """A plan of a mission with its times.
+
+    No plan is over before `bound`; `is_proven` says that none is better than this one. `late`
+    holds by how much tasks end too late.
+    """
+
+    makespan: float
+    bound: float
+    is_proven: bool
+    routes: tuple[Route, ...]
+    late: dict[int, float]
+    curve: tuple[tuple[float, float], ...] = ()  # (seconds, makespan) of each improvement

@@ -1,0 +1,197 @@
+"""Where a search stands: a plan, the heads and tails of its tasks, and where robots come and go.
+
+The head of a task is when it starts; its tail is the longest chain of work and ways from that
+start to the end of everything. A change to a window of the order can be judged by them exactly:
+robots enter it at their last places before, and leave it for their next tasks, whose tails hold.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem, Ticks, Whole
+
+SPREAD = 20
+"""The mean time at which robots are home weighs this many times less than the last one."""
+
+LATENESS = 2
+"""A tick that a task ends too late weighs this many ticks of makespan."""
+
+MAKESPAN, COST, BACK_SUM, LATE = range(4)
+
+
+class CoalitionPlan(NamedTuple):
+    """Which tasks are done in what order, by whom."""
+
+    order: Whole  # (tasks,)
+    crew: Whole  # (tasks, robots) the first `size` of them
+    size: Whole  # (tasks,)
+
+
+class Schedule(NamedTuple):
+    """A plan, timed."""
+
+    plan: CoalitionPlan
+    rank: Whole  # (tasks,) positions in the order
+    last: Whole  # (tasks + 1, robots) where each robot is before a position of the order
+    next: Whole  # (tasks + 1, robots) its next task from that position on, or NOBODY
+    start: Ticks  # (tasks,) heads
+    end: Ticks  # (places,) 0 for the places where robots start
+    tail: Ticks  # (tasks,)
+    critical: Whole  # (tasks,) tasks that the makespan hangs on
+    criticals: Whole  # (1,) how many these are
+    total: Ticks  # (4,) makespan, cost, sum of the times at home, lateness
+
+
+def empty_plan(problem: CoalitionProblem) -> CoalitionPlan:
+    """Return a plan in which nobody does anything."""
+    tasks, robots = len(problem.needs), len(problem.counts)
+    return CoalitionPlan(
+        np.arange(tasks, dtype=np.int32),
+        np.full((tasks, robots), NOBODY, np.int32),
+        np.zeros(tasks, np.int32),
+    )
+
+
+def empty_schedule(problem: CoalitionProblem) -> Schedule:
+    """Return room for a plan and its times."""
+    tasks, robots = len(problem.needs), len(problem.counts)
+    return Schedule(
+        plan=empty_plan(problem),
+        rank=np.arange(tasks, dtype=np.int32),
+        last=np.zeros((tasks + 1, robots), np.int32),
+        next=np.full((tasks + 1, robots), NOBODY, np.int32),
+        start=np.zeros(tasks, np.int64),
+        end=np.zeros(problem.ways.shape[1], np.int64),
+        tail=np.zeros(tasks, np.int64),
+        critical=np.zeros(tasks, np.int32),
+        criticals=np.zeros(1, np.int32),
+        total=np.zeros(4, np.int64),
+    )
+
+
+@entry
+def copy_plan(plan, into):  # type: ignore[no-untyped-def]
+    """Overwrite a plan with another."""
+    into.order[:] = plan.order
+    into.crew[:] = plan.crew
+    into.size[:] = plan.size
+
+
+@entry
+def time_plan(problem, schedule):  # type: ignore[no-untyped-def]
+    """Work out all that is known of the plan that stands; return its cost."""
+    for robot in range(len(problem.origin)):
+        schedule.last[0, robot] = problem.origin[robot]
+    time_from(problem, schedule, 0)
+    hang_tails(problem, schedule, len(schedule.rank) - 1)
+    return schedule.total[COST]
+
+
+@kernel
+def time_from(problem, schedule, begin):  # type: ignore[no-untyped-def]
+    """Time the tasks from a position of the order on, and the ways home."""
+    for position in range(begin, len(schedule.rank)):
+        time_one(problem, schedule, position)
+    sum_up(problem, schedule)
+
+
+@kernel
+def time_one(problem, schedule, position):  # type: ignore[no-untyped-def]
+    """Time the task at a position of the order."""
+    task, last, end = schedule.plan.order[position], schedule.last, schedule.end
+    start, there, comes_apart = released(problem, end, task), 0, False
+    copy_row(last, position, position + 1)
+    for seat in range(schedule.plan.size[task]):
+        robot = schedule.plan.crew[task, seat]
+        place = last[position, robot]
+        there = max(there, end[place] + problem.ways[problem.pace[robot], place, task])
+        comes_apart |= place != last[position, schedule.plan.crew[task, 0]]
+        last[position + 1, robot] = task
+    start = max(start, there + problem.forming[0] * comes_apart)
+    schedule.rank[task] = position
+    schedule.start[task] = start
+    end[task] = start + problem.duration[task]
+
+
+@kernel
+def copy_row(table, row, into):  # type: ignore[no-untyped-def]
+    """Copy a row of a table over another; slices of one array would be copied twice."""
+    for column in range(table.shape[1]):
+        table[into, column] = table[row, column]
+
+
+@kernel
+def released(problem, end, task):  # type: ignore[no-untyped-def]
+    """Return when a task may start, whoever is there."""
+    start = problem.release[task]
+    if problem.before[task, 0] != NOBODY:
+        for other in problem.before[task]:
+            if other == NOBODY:
+                break
+            start = max(start, end[other])
+    return start
+
+
+@kernel
+def sum_up(problem, schedule):  # type: ignore[no-untyped-def]
+    """Work out the makespan and the cost of a plan that is timed."""
+    total, tasks, robots = schedule.total, len(schedule.rank), len(problem.origin)
+    total[MAKESPAN] = total[BACK_SUM] = total[LATE] = 0
+    for robot in range(robots):
+        place = schedule.last[tasks, robot]
+        back = schedule.end[place] + problem.home[problem.kind[robot], place]
+        total[BACK_SUM] += back
+        total[MAKESPAN] = max(total[MAKESPAN], back)
+    for task in range(tasks):
+        total[LATE] += max(0, schedule.end[task] - problem.due[task])
+    total[COST] = cost_of(total[MAKESPAN], total[BACK_SUM], total[LATE], robots)
+
+
+@kernel
+def cost_of(makespan, back_sum, late, robots):  # type: ignore[no-untyped-def]
+    """Return what a plan costs, in ticks."""
+    return makespan + back_sum // (SPREAD * robots) + LATENESS * late
+
+
+@kernel
+def hang_tails(problem, schedule, begin):  # type: ignore[no-untyped-def]
+    """Hang tails from a position of the order backwards, and list what the makespan hangs on."""
+    order, crew, size = schedule.plan
+    tail, after = schedule.tail, schedule.next
+    for position in range(begin, -1, -1):
+        task = order[position]
+        longest = 0
+        for seat in range(size[task]):
+            robot = crew[task, seat]
+            longest = max(longest, leave(problem, schedule, robot, task, position + 1))
+        if problem.after[task, 0] != NOBODY:
+            for other in problem.after[task]:
+                if other == NOBODY:
+                    break
+                longest = max(longest, tail[other])
+        tail[task] = problem.duration[task] + longest
+        copy_row(after, position + 1, position)
+        for seat in range(size[task]):
+            after[position, crew[task, seat]] = task
+    count = 0
+    for task in range(len(order)):
+        if schedule.start[task] + tail[task] >= schedule.total[MAKESPAN]:
+            schedule.critical[count] = task
+            count += 1
+    schedule.criticals[0] = count
+
+
+@kernel
+def leave(problem, schedule, robot, place, position):  # type: ignore[no-untyped-def]
+    """Return the longest chain of a robot that leaves a place for its task from a position on.
+
+    Forming there is not counted: who else comes from where may change.
+    """
+    task = schedule.next[position, robot]
+    if task == NOBODY:
+        return problem.home[problem.kind[robot], place]
+    return problem.ways[problem.pace[robot], place, task] + schedule.tail[task]

@@ -1,0 +1,134 @@
+"""The page of a plan: a row for each robot, its ways, waits and tasks along the time."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+ROW, BAR, LABEL, WIDTH, TOP = 26, 16, 110, 1100, 34
+"""Sizes in pixels: of a row, a bar, the robots' names, the time, the axis."""
+
+STYLE = """
+body{font:14px/1.4 system-ui,sans-serif;margin:24px;color:#1d2733;background:#fff}
+h1{font-size:20px;margin:0 0 4px}p{margin:0 0 16px;color:#4a5766}
+svg{max-width:100%;height:auto}text{font:12px system-ui,sans-serif;fill:#1d2733}
+.way{stroke:#9aa7b5;stroke-width:2}.wait{fill:#e3e8ee}.grid{stroke:#e3e8ee}
+.bound{stroke:#b3402a;stroke-dasharray:4 3}.task text{fill:#fff;font-size:11px}
+.late rect{stroke:#b3402a;stroke-width:3}
+@media(prefers-color-scheme:dark){body{background:#12181f;color:#dfe6ee}text{fill:#dfe6ee}
+p{color:#9aa7b5}.wait{fill:#2a3542}.grid{stroke:#2a3542}}
+"""
+
+
+def write_gantt(plan: Mapping[str, Any], path: Path) -> None:
+    """Write the page of a plan, given as `teamformer plan --json` prints it."""
+    path.write_text(gantt_page(plan), encoding="utf-8")
+
+
+def gantt_page(plan: Mapping[str, Any]) -> str:
+    """Return the page; it needs nothing else, has no scripts and loads nothing."""
+    style = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()
+    name = html.escape(str(plan["scenario"]))
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
+        f"style-src 'sha256-{style}'\">"
+        '<meta name="viewport" content="width=device-width">'
+        f"<title>{name}, plan</title><style>{STYLE}</style></head><body>"
+        f"<h1>{name}</h1><p>{html.escape(_summary(plan))}</p>{_drawing(plan)}</body></html>\n"
+    )
+
+
+def _summary(plan: Mapping[str, Any]) -> str:
+    late = "".join(f"; {task} is late by {by:g}" for task, by in plan["late"].items())
+    proof = ", which no plan beats" if plan["proven"] else ""
+    return f"Over at {plan['makespan']:g}{proof}; no plan is over before {plan['bound']:g}{late}."
+
+
+def _drawing(plan: Mapping[str, Any]) -> str:
+    routes: Sequence[Mapping[str, Any]] = plan["routes"]
+    height = TOP + ROW * len(routes) + 8
+    scale = WIDTH / max(plan["makespan"], 1e-9)
+    tasks = sorted({stop["task"] for route in routes for stop in route["stops"]})
+    hue = {task: round(360 * n * 0.618034) % 360 for n, task in enumerate(tasks)}
+    parts = [*_axis(plan, scale, height)]
+    for number, route in enumerate(routes):
+        parts += _row(route, TOP + ROW * number, scale, hue, plan["late"])
+    width = LABEL + WIDTH + 24
+    return (
+        f'<svg role="img" aria-label="Gantt chart of the plan" width="{width}" height="{height}" '
+        f'viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
+    )
+
+
+def _axis(plan: Mapping[str, Any], scale: float, height: int) -> list[str]:
+    step = tick_step(plan["makespan"])
+    parts = []
+    for number in range(int(plan["makespan"] / step) + 1):
+        x = LABEL + number * step * scale
+        parts.append(f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="20" y2="{height}"/>')
+        parts.append(f'<text x="{x:.1f}" y="14" text-anchor="middle">{number * step:g}</text>')
+    x = LABEL + plan["bound"] * scale
+    return [*parts, f'<line class="bound" x1="{x:.1f}" x2="{x:.1f}" y1="20" y2="{height}"/>']
+
+
+def tick_step(length: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, so that up to a dozen fit into a length."""
+    step = 1e-9
+    while length / step > 12:
+        for factor in (2, 2.5, 2):
+            step *= factor
+            if length / step <= 12:
+                break
+    return step
+
+
+def _row(
+    route: Mapping[str, Any],
+    y: int,
+    scale: float,
+    hue: Mapping[str, int],
+    late: Mapping[str, float],
+) -> list[str]:
+    """Return a robot's row: lines for ways, pale bars for waits, bars for tasks."""
+    middle = y + ROW / 2
+    name = html.escape(str(route["robot"]))
+    parts = [f'<text x="{LABEL - 8}" y="{middle + 4}" text-anchor="end">{name}</text>']
+    free = 0.0
+    for stop in route["stops"]:
+        parts.append(_way(free, stop["arrive"], middle, scale))
+        if stop["start"] > stop["arrive"]:
+            parts.append(_bar(stop["arrive"], stop["start"], y, scale, 'class="wait"'))
+        parts.append(_task(stop, y, scale, hue[stop["task"]], stop["task"] in late))
+        free = stop["end"]
+    return [*parts, _way(free, route["back"], middle, scale)]
+
+
+def _way(begin: float, end: float, y: float, scale: float) -> str:
+    if end <= begin:
+        return ""
+    x, to = LABEL + begin * scale, LABEL + end * scale
+    return f'<line class="way" x1="{x:.1f}" x2="{to:.1f}" y1="{y}" y2="{y}"/>'
+
+
+def _bar(begin: float, end: float, y: int, scale: float, looks: str) -> str:
+    x, width = LABEL + begin * scale, max(2.0, (end - begin) * scale)
+    top = y + (ROW - BAR) / 2
+    return f'<rect {looks} x="{x:.1f}" y="{top}" width="{width:.1f}" height="{BAR}" rx="3"/>'
+
+
+def _task(stop: Mapping[str, Any], y: int, scale: float, hue: int, is_late: bool) -> str:
+    name = html.escape(str(stop["task"]))
+    said = f"{name}: there {stop['arrive']:g}, from {stop['start']:g} to {stop['end']:g}"
+    bar = _bar(stop["start"], stop["end"], y, scale, f'fill="hsl({hue},45%,38%)"')
+    width = (stop["end"] - stop["start"]) * scale
+    label = ""
+    if width > 7 * len(str(stop["task"])):
+        x = LABEL + stop["start"] * scale + width / 2
+        label = f'<text x="{x:.1f}" y="{y + ROW / 2 + 4}" text-anchor="middle">{name}</text>'
+    marked = "task late" if is_late else "task"
+    return f'<g class="{marked}"><title>{said}</title>{bar}{label}</g>'

@@ -1,0 +1,185 @@
+"""Other people's files: what is read, and what is told of files that are broken."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from teamformer.errors import TeamformerError
+from teamformer.scenarios.imports import import_missions
+
+HETERO = {
+    "setup": {"robots": 2, "tasks": 1, "num_skills": 2},
+    "tasks": {"0": {"pos": {"x": 0.5, "y": 0.25}, "skillset": {"0": 1, "1": 1}, "duration": 1.5}},
+    "robots": {
+        "0": {"pose": {"x": 0.1, "y": 0.2}, "skillset": {"0": 1, "1": 0}},
+        "1": {"pose": {"x": 0.9, "y": 0.8}, "skillset": {"0": 0, "1": 1}},
+    },
+}
+SADCHER = {
+    "Q": [[1, 0], [0, 1]],
+    "R": [[1, 0], [1, 1]],
+    "T_e": [5, 6],
+    "loc": [[0, 0], [3, 4], [6, 8], [9, 9]],
+    "prec": [[1, 2]],
+}
+
+
+def write(path: Path, tree: Any) -> Path:
+    path.write_text(json.dumps(tree))
+    return path
+
+
+def test_hetero_mrta(tmp_path: Path) -> None:
+    [mission] = import_missions("hetero-mrta", write(tmp_path / "env_7.json", HETERO))
+    assert (mission.name, mission.time, mission.ends) == ("env_7", "continuous", "home")
+    assert [robot.name for robot in mission.robots] == ["r0", "r1"]
+    assert {robot.speed for robot in mission.robots} == {0.2}
+    [task] = mission.tasks
+    assert (task.name, task.at, task.duration) == ("t0", (0.5, 0.25), 1.5)
+    assert task.needs == {"skill-0": 1, "skill-1": 1}
+
+
+def test_sadcher(tmp_path: Path) -> None:
+    one, two = import_missions("sadcher", write(tmp_path / "some.json", [SADCHER, SADCHER]))
+    assert (one.name, two.name, one.ends) == ("some-0", "some-1", (9, 9))
+    assert one.tasks[1].after == ("t1",)
+    assert one.tasks[1].at == (6, 8)
+    assert {robot.at for robot in one.robots} == {(0, 0)}
+
+
+def unchanged(graph: dict[str, Any]) -> None:
+    pass
+
+
+def dcmrta_folder(folder: Path, change: Callable[[dict[str, Any]], None] = unchanged) -> Path:
+    """Write an instance of three tasks around a depot; nodes 3 and 4 are the depot."""
+    places = np.array([[0.1, 0.1], [0.9, 0.2], [0.4, 0.8], [0.5, 0.5], [0.5, 0.5]])
+    pairs = [(i, j) for i in range(4) for j in (0, 1, 2, 4) if i != j and (i, j) != (3, 4)]
+    graph: dict[str, Any] = {}
+    for number, (i, j) in enumerate(pairs):
+        distance = float(np.linalg.norm(places[i] - places[j]))
+        graph[f"edge{number}"] = [i, j, 0, distance, 0, distance / 0.2]
+    graph |= {f"node{n}": 1.0 + n for n in range(3)}
+    change(graph)
+    tasks = {f"task{n}": {"and0": {"or0": {"capId": 0, "capReq": n + 1.0}}} for n in range(3)}
+    for name, tree in (
+        ("graph", {"vehicle0": graph}),
+        ("task_param", tasks),
+        ("vehicle_param", {"vehicle0": {"capVector": [1.0]}}),
+        ("planner_param", {"vehNumPerType": [5]}),
+    ):
+        (folder / f"{name}.yaml").write_text(yaml.safe_dump(tree))
+    return folder
+
+
+def test_dcmrta_places_are_worked_out_from_the_ways(tmp_path: Path) -> None:
+    [mission] = import_missions("dcmrta", dcmrta_folder(tmp_path))
+    assert len(mission.robots) == 5
+    assert [task.needs["robot"] for task in mission.tasks] == [1, 2, 3]
+    assert [task.duration for task in mission.tasks] == [1, 2, 3]
+    spots = np.array([*(task.at for task in mission.tasks), mission.robots[0].at])
+    true = np.array([[0.1, 0.1], [0.9, 0.2], [0.4, 0.8], [0.5, 0.5]])
+    found, wanted = (np.linalg.norm(p[:, None] - p[None], axis=2) for p in (spots, true))
+    assert np.abs(found - wanted).max() < 1e-9
+    assert mission.robots[0].speed == pytest.approx(0.2)
+
+
+def lengthened(graph: dict[str, Any]) -> None:
+    graph["edge0"][3] *= 9
+    graph["edge0"][5] *= 9
+
+
+def bent(graph: dict[str, Any]) -> None:
+    for name, edge in graph.items():
+        if name.startswith("edge") and set(edge[:2]) == {0, 1}:
+            edge[3], edge[5] = edge[3] * 1.1, edge[5] * 1.1
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda graph: graph.pop("edge0"), "graph.yaml: vehicle0 is not square: no edge goes"),
+        (lengthened, "vehicle0 breaks the triangle inequality: from node 0 to node 1"),
+        (bent, "vehicle0 does not hold straight ways in a plane: from node"),
+        (lambda graph: graph["edge1"].__setitem__(5, 99.0), "vehicle0 has speeds from"),
+        (lambda graph: graph["edge1"].__setitem__(0, 77), "goes from 77 to 2, but there are 3"),
+        (lambda graph: graph["edge1"].__setitem__(3, "far"), "edge1[3] is 'far'; here should be"),
+        (lambda graph: graph.pop("node2"), "vehicle0 lacks 'node2'"),
+    ],
+)
+def test_dcmrta_graphs_that_are_broken(
+    change: Callable[[dict[str, Any]], None], told: str, tmp_path: Path
+) -> None:
+    with pytest.raises(TeamformerError) as caught:
+        import_missions("dcmrta", dcmrta_folder(tmp_path, change))
+    assert told in str(caught.value)
+    assert caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "told"),
+    [
+        (("setup", "tasks"), 20, "setup.tasks is 20, but the file holds 1"),
+        (("tasks", "0", "duration"), -1, "tasks.0.duration is -1; here should be a number, 0 or"),
+        (("tasks", "0", "duration"), None, "tasks.0.duration is None; here should be a number"),
+        (("tasks", "0", "skillset", "1"), 2, "needs skill-0, 2 x skill-1 but all robots together"),
+        (("tasks", "0", "skillset"), {"5": 1}, "task 't0' needs 'skill-5' but no robot has it"),
+        (("tasks", "0", "pos"), [1, 2], "tasks.0.pos lacks 'x'"),
+        (("robots", "1", "pose", "x"), float("nan"), "robots.1.pose.x is nan; here should be"),
+        (("robots",), {}, "robots is {}; here should be a list or a mapping with entries"),
+        (("robots", "0", "skillset", "0"), 0.5, "skillset.0 is 0.5; here should be a whole"),
+    ],
+)
+def test_hetero_mrta_files_that_are_broken(
+    place: tuple[str, ...], value: Any, told: str, tmp_path: Path
+) -> None:
+    tree: Any = copy.deepcopy(HETERO)
+    part = tree
+    for key in place[:-1]:
+        part = part[key]
+    part[place[-1]] = value
+    path = write(tmp_path / "env.json", tree)
+    with pytest.raises(TeamformerError) as caught:
+        import_missions("hetero-mrta", path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert told in str(caught.value)
+    assert caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("prec", [[1, 2], [2, 1]], "'t1', which is after 't2', which is after 't1'; break this"),
+        ("prec", [[1, 3]], "prec[0] names task 3; there are 2"),
+        ("T_e", [5], "T_e has 1 entries; with 2 tasks it should be 2"),
+        ("loc", [[0, 0], [1, 1]], "loc has 2 entries; with 2 tasks it should be 4"),
+        ("R", [[1, 0], [1]], "R has rows of different lengths"),
+        ("R", [[1, 0], [0, 0]], "task 't2' needs nothing; name at least one capability"),
+    ],
+)
+def test_sadcher_files_that_are_broken(key: str, value: Any, told: str, tmp_path: Path) -> None:
+    with pytest.raises(TeamformerError) as caught:
+        import_missions("sadcher", write(tmp_path / "one.json", SADCHER | {key: value}))
+    assert told in str(caught.value)
+
+
+def test_files_that_are_cut_off_and_formats_that_are_unknown(tmp_path: Path) -> None:
+    path = tmp_path / "cut.json"
+    path.write_text(json.dumps(HETERO, indent=1)[:200])
+    with pytest.raises(TeamformerError, match=r"cut.json:\d+: this is not whole JSON; was it cut"):
+        import_missions("hetero-mrta", path)
+    with pytest.raises(TeamformerError, match="format 'mrta' is unknown"):
+        import_missions("mrta", path)
+    with pytest.raises(TeamformerError, match="this is no folder"):
+        import_missions("dcmrta", path)
+    (dcmrta_folder(tmp_path) / "graph.yaml").write_text("vehicle0: {edge0: [0, 1")
+    with pytest.raises(TeamformerError, match=r"graph.yaml:\d+: this is not whole YAML"):
+        import_missions("dcmrta", tmp_path)

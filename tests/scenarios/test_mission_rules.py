@@ -1,0 +1,87 @@
+"""Missions in continuous time, with an end, precedence and windows: read, written, refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from teamformer.errors import ScenarioError
+from teamformer.mission_rules import rules_not_played
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.scenarios.files import read_scenario, write_scenario
+from teamformer.sim.env import TeamFormation
+
+ROBOT = Robot("r", (0, 0), {"a": 1})
+MISSION = Scenario(
+    "mission",
+    Grid(9, 9),
+    ("a",),
+    (ROBOT, replace(ROBOT, name="s")),
+    (
+        Task("x", (3, 3), {"a": 1}, duration=2.25),
+        Task("y", (4, 4), {"a": 2}, after=("x",), between=(1.5, 80)),
+    ),
+    time="continuous",
+    ends=(8, 8),
+    forming=0.5,
+)
+
+
+@pytest.mark.parametrize("name", ["mission.yaml", "mission.json"])
+def test_what_is_written_is_read(name: str, tmp_path: Path) -> None:
+    write_scenario(MISSION, tmp_path / name)
+    assert read_scenario(tmp_path / name) == MISSION
+
+
+def test_circles_are_named() -> None:
+    tasks = [Task(name, (1, 1), {"a": 1}, after=(after,)) for name, after in ("xz", "yx", "zy")]
+    with pytest.raises(ScenarioError) as caught:
+        replace(MISSION, tasks=tuple(tasks))
+    assert str(caught.value) == (
+        "'x', which is after 'z', which is after 'y', which is after 'x'; "
+        "break this circle, drop one of these"
+    )
+
+
+def test_a_circle_is_found_behind_others() -> None:
+    ways = {"v": (), "w": ("v",), "x": ("w", "z"), "y": ("x",), "z": ("w", "y")}
+    tasks = tuple(Task(name, (1, 1), {"a": 1}, after=after) for name, after in ways.items())
+    with pytest.raises(ScenarioError, match="'x', which is after 'z', which is after 'y'"):
+        replace(MISSION, tasks=tasks)
+    replace(MISSION, tasks=(*tasks[:2], replace(tasks[2], after=("w",)), *tasks[3:]))
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, "missions in continuous time are not played in steps"),
+        ({"time": "steps"}, "in steps missions end with the last task"),
+        ({"time": "steps", "ends": None}, "in steps forming_steps says what forming takes"),
+        ({"time": "steps", "ends": None, "forming": 0}, "task 'y' has after"),
+    ],
+)
+def test_the_simulator_refuses_what_it_does_not_play(changes: dict[str, object], told: str) -> None:
+    tasks = (replace(MISSION.tasks[0], duration=2), MISSION.tasks[1])
+    mission = replace(MISSION, tasks=tasks, **changes)  # type: ignore[arg-type]
+    with pytest.raises(ScenarioError, match=told):
+        TeamFormation([mission])
+
+
+def test_usual_missions_are_played() -> None:
+    usual = replace(
+        MISSION, tasks=(Task("x", (3, 3), {"a": 1}),), time="steps", ends=None, forming=0
+    )
+    assert list(rules_not_played(usual)) == []
+
+
+def test_losses_and_unreachable_ends_are_refused() -> None:
+    with pytest.raises(ScenarioError, match="robot 'r' is lost, which only missions in steps know"):
+        replace(MISSION, robots=(replace(ROBOT, lost=3), MISSION.robots[1]))
+    island = Grid(3, 1, ("..@",))
+    with pytest.raises(ScenarioError, match="inside an obstacle"):
+        replace(MISSION, world=island, ends=(2, 0), tasks=(Task("x", (1, 0), {"a": 1}),))
+    apart = Grid(3, 1, (".@.",))
+    with pytest.raises(ScenarioError, match="robot 'r' has no way to where the mission ends"):
+        replace(MISSION, world=apart, ends=(2, 0), tasks=(Task("x", (0, 0), {"a": 1}),))

@@ -1,0 +1,157 @@
+"""`teamformer import` and `teamformer plan` as a person meets them."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from others_rules import dcmrta_makespan, hetero_mrta_makespan, sadcher_makespan
+from teamformer.planning.coalitions.rules import warm_up
+from test_cli import FOUR, teamformer
+
+TREE = {
+    "setup": {"robots": 4, "tasks": 3, "num_skills": 2},
+    "tasks": {
+        "0": {"pos": {"x": 0.5, "y": 0.25}, "skillset": {"0": 1, "1": 1}, "duration": 1.5},
+        "1": {"pos": {"x": 0.9, "y": 0.75}, "skillset": {"0": 1, "1": 0}, "duration": 2.25},
+        "2": {"pos": {"x": 0.2, "y": 0.85}, "skillset": {"0": 0, "1": 1}, "duration": 0.5},
+    },
+    "robots": {
+        str(n): {"pose": {"x": 0.1, "y": 0.2}, "skillset": {"0": n % 2, "1": 1 - n % 2}}
+        for n in range(4)
+    },
+}
+
+OTHERS = Path(os.environ.get("TEAMFORMER_OTHERS", "/nowhere"))
+needs_data = pytest.mark.skipif(
+    not OTHERS.is_dir(), reason="TEAMFORMER_OTHERS names no folder with other people's instances"
+)
+
+
+def plan(scenario: Path, capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    warm_up()
+    capsys.readouterr()
+    assert teamformer("plan", str(scenario), "--json", *words) == 0
+    row: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return row
+
+
+def routes(row: dict[str, Any]) -> dict[str, list[str]]:
+    return {route["robot"]: [s["task"] for s in route["stops"]] for route in row["routes"]}
+
+
+@pytest.fixture
+def imported(tmp_path: Path) -> Path:
+    path = tmp_path / "env_0.json"
+    path.write_text(json.dumps(TREE))
+    assert teamformer("import", "hetero-mrta", str(path), "-o", str(tmp_path / "m.yaml")) == 0
+    return tmp_path / "m.yaml"
+
+
+@pytest.mark.parametrize("policy", ["central", "plan", "reactive"])
+def test_plans_keep_the_instance_s_own_rules(
+    policy: str, imported: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    row = plan(imported, capsys, "--policy", policy, "--time-limit", "5")
+    assert row["makespan"] == pytest.approx(hetero_mrta_makespan(TREE, routes(row)), abs=1e-6)
+    assert [route["robot"] for route in row["routes"]] == ["r0", "r1", "r2", "r3"]
+    assert max(route["back"] for route in row["routes"]) == row["makespan"] >= row["bound"]
+    for route in row["routes"]:
+        times = [t for stop in route["stops"] for t in (stop["arrive"], stop["start"], stop["end"])]
+        assert times == sorted(times)
+    if policy == "central":
+        # t1 alone takes its robot there and back: 2 x 0.9708 / 0.2 + 2.25, more than the others
+        assert row["proven"] is True
+        assert row["makespan"] == pytest.approx(11.958243, abs=1e-6)
+
+
+def test_the_page_shows_every_robot_and_task(imported: Path, tmp_path: Path) -> None:
+    words = ("--policy", "plan", "--html", "--out", str(tmp_path / "page"))
+    assert teamformer("plan", str(imported), *words) == 0
+    page = (tmp_path / "page" / "plan.html").read_text(encoding="utf-8")
+    assert all(f">r{n}</text>" in page for n in range(4))
+    assert page.count('<g class="task">') == 4  # t0 by two robots
+    assert "http" not in page.replace("http-equiv", "")
+
+
+def test_run_refuses_what_is_only_planned(
+    imported: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for verb in ("run", "compare", "robotarium"):
+        assert teamformer(verb, str(imported)) == 2
+        said = capsys.readouterr().err
+        assert "missions in continuous time are not played in steps" in said
+        assert f"{imported}:" in said
+
+
+def test_missions_in_steps_are_planned_too(capsys: pytest.CaptureFixture[str]) -> None:
+    row = plan(Path(FOUR), capsys, "--time-limit", "1")
+    stops = [stop for route in row["routes"] for stop in route["stops"]]
+    assert {stop["task"] for stop in stops} == {"crate", "beam", "rack", "valve"} or stops
+    assert max(stop["end"] for stop in stops) == row["makespan"]
+    assert all(stop["arrive"] <= stop["start"] <= stop["end"] for stop in stops)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("plan", FOUR, "--policy", "best"), "--policy best is unknown"),
+        (("plan", FOUR, "--policy", "reactive"), "plans missions in continuous time"),
+        (("plan", FOUR, "--out", "x"), "--out is for the page"),
+        (("plan", "nowhere.yaml"), "nowhere.yaml"),
+        (("import", "mrta", FOUR, "-o", "x.yaml"), "format 'mrta' is unknown"),
+        (("import", "hetero-mrta", FOUR, "-o", "x.yaml"), "this is not whole JSON"),
+    ],
+)
+def test_misuse_is_told(
+    words: tuple[str, ...], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert teamformer(*words) == 2
+    assert told in capsys.readouterr().err
+
+
+@needs_data
+@pytest.mark.parametrize("path", sorted(OTHERS.glob("ral/env_*.json"))[:3], ids=lambda p: p.stem)
+def test_real_instances_of_hetero_mrta(
+    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert teamformer("import", "hetero-mrta", str(path), "-o", str(tmp_path / "m.yaml")) == 0
+    row = plan(tmp_path / "m.yaml", capsys, "--policy", "plan")
+    tree = json.loads(path.read_text())
+    assert row["makespan"] == pytest.approx(hetero_mrta_makespan(tree, routes(row)), abs=1e-6)
+
+
+@needs_data
+def test_real_instances_of_dcmrta(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = OTHERS / "dcmrta" / "env_0"
+    assert teamformer("import", "dcmrta", str(folder), "-o", str(tmp_path / "m.yaml")) == 0
+    row = plan(tmp_path / "m.yaml", capsys, "--policy", "plan")
+    graph, needs = read_dcmrta(folder)
+    assert row["makespan"] == pytest.approx(dcmrta_makespan(graph, needs, routes(row)), abs=1e-5)
+
+
+def read_dcmrta(folder: Path) -> tuple[dict[str, Any], dict[str, int]]:
+    graph = yaml.safe_load((folder / "graph.yaml").read_text())["vehicle0"]
+    tasks = yaml.safe_load((folder / "task_param.yaml").read_text())
+    needs = {f"t{n}": int(tasks[f"task{n}"]["and0"]["or0"]["capReq"]) for n in range(len(tasks))}
+    return graph, needs
+
+
+@needs_data
+@pytest.mark.parametrize("number", range(3))
+def test_sadcher_optima_are_proven(
+    number: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = OTHERS / "sadcher" / "three.json"
+    words = ("--number", str(number), "-o", str(tmp_path / "m.yaml"))
+    assert teamformer("import", "sadcher", str(path), *words) == 0
+    row = plan(tmp_path / "m.yaml", capsys, "--time-limit", "20")
+    tree = json.loads(path.read_text())[number]
+    assert row["proven"] is True
+    assert row["makespan"] == pytest.approx(tree["milp_optimum"], abs=1e-4)
+    assert row["makespan"] == pytest.approx(sadcher_makespan(tree, routes(row)), abs=1e-5)

@@ -40,9 +40,7 @@ LEFT_OUT = (0.0, 0.5, 0.8)
 def lower_bound(scenario: Scenario) -> int:
     """Return a number of steps in which no policy can complete a scenario faster."""
     problem = relax(scenario)
-    walked = earliest_starts(problem._replace(appears=np.full_like(problem.appears, -1)))
-    formed = raise_for_forming(scenario, problem, walked)
-    return bound_makespan(problem, np.maximum(earliest_starts(problem), formed))
+    return bound_makespan(problem, earliest_formed(scenario, problem))
 
 
 def bound_makespan(problem: Relaxed, start: Numbers | None = None) -> int:
@@ -58,6 +56,16 @@ def bound_makespan(problem: Relaxed, start: Numbers | None = None) -> int:
         tasks = np.flatnonzero(is_possible & (problem.needs[:, cap] > 0))
         bounds.append(_bound_capability(problem, cap, tasks, start, EFFORT / len(caps)))
     return max(bounds, default=0)
+
+
+def earliest_formed(scenario: Scenario, problem: Relaxed) -> Numbers:
+    """Return the first step in which a team that can do it can be at each task, as (tasks,).
+
+    Like `earliest_starts`, with what forming costs.
+    """
+    walked = earliest_starts(problem._replace(appears=np.full_like(problem.appears, -1)))
+    formed = raise_for_forming(scenario, problem, walked)
+    return np.maximum(earliest_starts(problem), formed)
 
 
 def earliest_starts(problem: Relaxed) -> Numbers:
@@ -94,7 +102,7 @@ def _bound_capability(
     the start of its first task, its legs and its services together, so the slowest of u robots
     ends no sooner than the mean; and u is unknown, so the least mean counts.
     """
-    tasks = _one_for_each_place(problem, tasks, start)
+    tasks = one_for_each_place(problem, tasks, start)
     able = problem.able[cap][problem.able[cap] != NOBODY]
     legs, gained = _legs(problem, able, tasks)
     ready = start[tasks].astype(np.float64) - gained
@@ -126,8 +134,8 @@ def _bound_visits(legs: Times, ready: Times, duration: Times, visits: Numbers, r
     return _whole((walked + (visits * duration).sum()) / robots)
 
 
-def _one_for_each_place(problem: Relaxed, tasks: Numbers, start: Numbers) -> Numbers:
-    """Keep the task that ends last of those in one place."""
+def one_for_each_place(problem: Relaxed, tasks: Numbers, start: Numbers) -> Numbers:
+    """Keep the task that ends last of those in one place, or whose places touch on a plane."""
     by_end = tasks[np.argsort(-(start + problem.duration)[tasks], kind="stable")]
     is_same = problem.cells[np.ix_(by_end, by_end)] == 0  # (tasks, tasks)
     kept: Numbers = by_end[_are_apart(is_same)]

@@ -1,0 +1,148 @@
+"""Lower bounds by routes: robots have to bring in time what tasks need, all robots together.
+
+In a plan that takes T steps every robot has a route that ends by then, and all routes together
+bring each task what it needs. So whatever prizes are put on what is needed, the most that the
+robots can collect in T steps, each for itself, is no less than all prizes together; prizes for
+which it is less prove that no plan takes T steps. The best prizes are the duals of a linear
+programme, the largest share of all needs that a mix of routes brings. It is solved by column
+generation (Dantzig and Wolfe, "Decomposition principle for linear programs", 1960); the proof is
+in whole numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.model import Grid, Scenario
+from teamformer.planning.bounds.makespan import earliest_formed, one_for_each_place
+from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look_ahead
+from teamformer.planning.bounds.robot_kinds import robot_kinds
+from teamformer.planning.bounds.route_mix import RouteMix
+from teamformer.planning.relaxation.problem import FAR, Relaxed
+
+Array = npt.NDArray[Any]
+
+MEMORIES = (1, 3, 5, 7)
+"""How many places a stop remembers: the more, the fewer routes come back, and the slower."""
+
+QUICK, LARGEST = 1e8, 4e8
+"""What may be looked at in one go, in legs by memory and time: a tenth of a second, half a one."""
+
+PRIZES = 10**9
+"""What all prizes add up to."""
+
+GROWTH = 4
+"""How much more there is to look at with the next memory."""
+
+MOST_PRICES = 150
+"""How often prizes are set for one makespan."""
+
+STEADY = 0.5
+"""Weight of the prizes that proved most so far against those that the last mix suggests."""
+
+LEAP = 0.5
+"""Share of the steps to go on by that a proof with room to spare suggests."""
+
+
+def raise_by_routes(
+    scenario: Scenario,
+    problem: Relaxed,
+    bound: int,
+    offer: Callable[[int], None],
+    is_over: Callable[[], bool],
+) -> int:
+    """Raise a lower bound on the makespan of any policy until nothing more can be proven so.
+
+    Every better bound is offered as it is proven. `problem` is the scenario's. Returns
+    the best bound.
+    """
+    prizes = None
+    for memory in MEMORIES:
+        cover = RouteCover(scenario, problem, memory, prizes)
+        if memory < MEMORIES[-2] and GROWTH * cover.effort(bound) <= QUICK:
+            continue  # to remember more is quick as well, and proves more
+        bound = _raise(cover, bound, offer, is_over)
+        prizes = cover.prizes
+    return bound
+
+
+def _raise(
+    cover: RouteCover, bound: int, offer: Callable[[int], None], is_over: Callable[[], bool]
+) -> int:
+    """Disprove one makespan after the other; after a leap too far go back to the next."""
+    while True:
+        mix, target = cover.empty_mix(), bound
+        while cover.effort(target) <= LARGEST and not is_over() and cover.disprove(target, mix, is_over):
+            bound = target + 1
+            offer(bound)
+            target = bound + int(LEAP * cover.margin * target)
+        if target == bound:
+            return bound
+
+
+class RouteCover:
+    """What tasks need, the robots by kind, and the prizes that have proven most so far."""
+
+    def __init__(
+        self, scenario: Scenario, problem: Relaxed, memory: int, prizes: Array | None = None
+    ) -> None:
+        start = earliest_formed(scenario, problem)
+        tasks: Array = np.flatnonzero(start < FAR)
+        if not isinstance(scenario.world, Grid):
+            tasks = one_for_each_place(problem, tasks, start)  # to touch is not to be in one place
+        is_need = np.zeros_like(problem.needs, dtype=bool)
+        is_need[tasks] = problem.needs[tasks] > 0
+        needs = np.argwhere(is_need)  # (needs, 2) task and capability
+        self.amount = problem.needs[is_need].astype(np.int64)  # (needs,)
+        self.margin = 0.0  # share of all prizes that the last proof had to spare
+        if prizes is None:
+            effort = 4.0 + problem.duration[needs[:, 0]]  # (needs,)
+            prizes = effort / max(1.0, float((effort * self.amount).sum()))
+        self.prizes = prizes  # (needs,) for one of each; times amounts they add up to 1
+        self._kinds = robot_kinds(scenario, problem, start, needs, memory)
+        self._robots = len(problem.pace)
+
+    def empty_mix(self) -> RouteMix:
+        """Return a mix of no routes."""
+        return RouteMix(self.amount, self._robots)
+
+    def effort(self, makespan: int) -> int:
+        """Return how much there is to look at to collect prizes once."""
+        efforts = (k.stops.carried.size * (1 + k.deadline(makespan)) for k in self._kinds)
+        return sum(efforts)
+
+    def disprove(self, makespan: int, mix: RouteMix, is_over: Callable[[], bool]) -> bool:
+        """Say whether no plan takes so few steps; a mix learns routes for this or fewer steps."""
+        prizes, least = self.prizes, np.inf
+        for _ in range(MOST_PRICES):
+            whole = np.floor(prizes * PRIZES).astype(np.int64)
+            most, sum_ = self._collect(whole, makespan, mix), int(whole @ self.amount)
+            if most < least * sum_:
+                least, self.prizes = most / sum_, prizes
+            if most < sum_:
+                self.margin = 1 - least
+                return True
+            suggested = None if is_over() else mix.prices()
+            if suggested is None:
+                return False
+            prizes = STEADY * self.prizes + (1 - STEADY) * suggested
+        return False
+
+    def _collect(self, prizes: Array, makespan: int, mix: RouteMix) -> int:
+        """Return the most that all robots collect, each for itself; add their routes to a mix."""
+        total = 0
+        for kind in self._kinds:
+            deadline = kind.deadline(makespan)
+            if deadline < 0:
+                continue
+            outlook = empty_outlook(kind.stops, deadline)
+            look_ahead(kind.stops, kind.brings @ prizes, deadline, outlook)
+            visits = np.zeros(len(kind.stops.ready), np.int64)
+            for robot, first in zip(kind.robots.tolist(), kind.first, strict=True):
+                total += collect(kind.stops, outlook, first, deadline, visits)
+                mix.add(robot, visits @ kind.brings)
+        return total

@@ -1,0 +1,57 @@
+"""The best mix of known routes, and what it would pay for each need: a linear programme."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+
+MOST = 4.0
+"""The share is bounded, so that there is a best mix before any route is known."""
+
+
+class RouteMix:
+    """Which share of each robot's time goes to which of its routes, to bring most of all needs."""
+
+    def __init__(self, amount: Array, robots: int) -> None:
+        from ortools.math_opt.python import mathopt
+
+        self._amount = amount  # (needs,)
+        model = self._model = mathopt.Model()
+        share = model.add_variable(lb=0.0, ub=MOST)
+        model.maximize(share)
+        self._brought = [model.add_linear_constraint(lb=0.0) for _ in amount]
+        for constraint, needed in zip(self._brought, amount.tolist(), strict=True):
+            constraint.set_coefficient(share, -float(needed))
+        self._taken = [model.add_linear_constraint(ub=1.0) for _ in range(robots)]
+        self._solver = mathopt.IncrementalSolver(model, mathopt.SolverType.HIGHS)
+        self._known: set[tuple[int, bytes]] = set()
+
+    def add(self, robot: int, brought: Array) -> None:
+        """Let a robot take one more route, which brings so much to each need."""
+        route = (robot, brought.tobytes())
+        if route in self._known:
+            return
+        self._known.add(route)
+        taken = self._model.add_variable(lb=0.0)
+        self._taken[robot].set_coefficient(taken, 1.0)
+        for need in np.flatnonzero(brought).tolist():
+            self._brought[need].set_coefficient(taken, float(brought[need]))
+
+    def prices(self) -> Array | None:
+        """Return what the best mix pays for each need; None if it brings all that is needed.
+
+        Prices times amounts add up to 1. A solver that gets nowhere returns None too.
+        """
+        from ortools.math_opt.python import mathopt
+
+        result = self._solver.solve()
+        is_solved = result.termination.reason == mathopt.TerminationReason.OPTIMAL
+        if not is_solved or result.objective_value() >= 1:
+            return None
+        duals = np.abs([result.dual_values(constraint) for constraint in self._brought])
+        total = float((duals * self._amount).sum())
+        return duals / total if total > 0 else None

@@ -13,6 +13,7 @@ from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.teams.plan import TeamPlan, routes_of
 from teamformer.planning.teams.solve import first_search
+from teamformer.policies.central.plan_from_play import plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.central.policy import Central
 from teamformer.policies.scripted.joining import JoinAll
@@ -70,14 +71,15 @@ def test_like_robots_exchange_their_routes() -> None:
 def test_never_slower_than_joining_all_and_never_faster_than_its_bound(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scenarios = [generate(Spec(), rng) for _ in range(5)]
-    scenarios += [random_world(rng, with_losses=False) for _ in range(15)]
+    scenarios += [random_world(rng, with_losses=False) for _ in range(10)]
+    scenarios += [random_world(rng, with_losses=False, is_plane=True) for _ in range(5)]
     central = Central(time_limit=0.3)
     tallies = run_trials(scenarios, central, seed=seed)
     join_all = run_trials(scenarios, JoinAll())
     for tally, other, plan in zip(tallies, join_all, central.plans, strict=True):
         assert tally.status == "completed"
         assert tally.illegal_decisions == 0
-        assert plan.solution.bound <= tally.steps == plan.makespan <= other.steps
+        assert plan.solution.bound <= plan.bound <= tally.steps == plan.makespan <= other.steps
 
 
 def test_worlds_that_lose_robots_end_all_the_same() -> None:
@@ -142,6 +144,21 @@ def test_robots_that_the_rules_cannot_part_go_on_together() -> None:
         env.step(player.decide_in(env))
     tally = env.tally()
     assert (tally.status, tally.steps, tally.splits) == ("completed", 15, 0)
+
+
+@pytest.mark.parametrize("is_plane", [False, True])
+def test_a_play_becomes_a_plan(is_plane: bool) -> None:
+    """Also on planes, where who does a task stands anywhere within the arrival radius of it."""
+    rng = np.random.default_rng(3)
+    worlds = [random_world(rng, False, False, is_plane) for _ in range(25)]
+    for scenario in worlds:
+        problem = relax(scenario)
+        plan = plan_from_play(scenario, problem, JoinAll())
+        assert plan is not None
+        for task, size in enumerate(plan.size.tolist()):
+            has = problem.counts[plan.crew[task, :size]].sum(axis=0)
+            assert (has >= problem.needs[task]).all()
+        assert play(scenario, plan) > 0
 
 
 def play(scenario: Scenario, plan: TeamPlan) -> int:

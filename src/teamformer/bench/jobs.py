@@ -192,6 +192,7 @@ def _timed(row: Row, clock: Clock, place: int) -> Row:
     return replace(
         row,
         time_limit=clock.policy.time_limit,
+        lower_bound=plan.bound,
         relaxed=plan.solution.value,
         relaxed_bound=plan.solution.bound,
         curve=[[round(seconds, 3), steps] for seconds, steps in plan.curve],
@@ -199,8 +200,8 @@ def _timed(row: Row, clock: Clock, place: int) -> Row:
 
 
 def _with_bars(row: Row, scenario: Scenario) -> Row:
-    bound, listed = lower_bound(scenario), list_schedule(scenario)
-    return replace(row, lower_bound=bound, list_schedule=listed)
+    bound = max(lower_bound(scenario), row.lower_bound or 0)
+    return replace(row, lower_bound=bound, list_schedule=list_schedule(scenario))
 
 
 def rerun_command(job: Job, seed: int) -> str:

@@ -79,7 +79,7 @@ def run_trials(
 
 def _best_bound(known: int | None, plan: CentralPlan | None) -> int | None:
     """Return the highest bound that holds for every policy."""
-    proven = None if plan is None else plan.solution.bound
+    proven = None if plan is None else plan.bound
     return max((bound for bound in (known, proven) if bound is not None), default=None)
 
 

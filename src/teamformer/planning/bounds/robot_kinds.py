@@ -16,7 +16,8 @@ import numpy.typing as npt
 
 from teamformer.model import Grid, Scenario
 from teamformer.planning.bounds.prize_routes import Stops, make_stops
-from teamformer.planning.relaxation.problem import FAR, ROUNDING, Relaxed
+from teamformer.planning.relaxation.problem import FAR, Relaxed
+from teamformer.rules.constants import ROUNDING
 
 Array = npt.NDArray[Any]
 

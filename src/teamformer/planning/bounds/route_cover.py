@@ -30,7 +30,7 @@ MEMORIES = (1, 3, 5, 7)
 """How many places a stop remembers: the more, the fewer routes come back, and the slower."""
 
 QUICK, LARGEST = 1e8, 4e8
-"""What may be looked at in one go, in legs by memory and time: a tenth of a second, half a one."""
+"""What may be looked at in one go, in legs by memory and time, each about a nanosecond."""
 
 PRIZES = 10**9
 """What all prizes add up to."""
@@ -54,29 +54,34 @@ def raise_by_routes(
     bound: int,
     offer: Callable[[int], None],
     is_over: Callable[[], bool],
+    largest: float = LARGEST,
 ) -> int:
     """Raise a lower bound on the makespan of any policy until nothing more can be proven so.
 
-    Every better bound is offered as it is proven. `problem` is the scenario's. Returns
-    the best bound.
+    Every better bound is offered as it is proven. `problem` is the scenario's. Nothing is tried
+    that has more to look at in one go than `largest`. Returns the best bound.
     """
     prizes = None
     for memory in MEMORIES:
         cover = RouteCover(scenario, problem, memory, prizes)
-        if memory < MEMORIES[-2] and GROWTH * cover.effort(bound) <= QUICK:
+        if memory < MEMORIES[-2] and GROWTH * cover.effort(bound) <= min(QUICK, largest):
             continue  # to remember more is quick as well, and proves more
-        bound = _raise(cover, bound, offer, is_over)
+        bound = _raise(cover, bound, offer, is_over, largest)
         prizes = cover.prizes
     return bound
 
 
 def _raise(
-    cover: RouteCover, bound: int, offer: Callable[[int], None], is_over: Callable[[], bool]
+    cover: RouteCover,
+    bound: int,
+    offer: Callable[[int], None],
+    is_over: Callable[[], bool],
+    largest: float,
 ) -> int:
     """Disprove one makespan after the other; after a leap too far go back to the next."""
     while True:
         mix, target = cover.empty_mix(), bound
-        while cover.effort(target) <= LARGEST and not is_over() and cover.disprove(target, mix, is_over):
+        while cover.effort(target) <= largest and cover.disprove(target, mix, is_over):
             bound = target + 1
             offer(bound)
             target = bound + int(LEAP * cover.margin * target)
@@ -119,6 +124,8 @@ class RouteCover:
         """Say whether no plan takes so few steps; a mix learns routes for this or fewer steps."""
         prizes, least = self.prizes, np.inf
         for _ in range(MOST_PRICES):
+            if is_over():
+                return False
             whole = np.floor(prizes * PRIZES).astype(np.int64)
             most, sum_ = self._collect(whole, makespan, mix), int(whole @ self.amount)
             if most < least * sum_:
@@ -126,7 +133,7 @@ class RouteCover:
             if most < sum_:
                 self.margin = 1 - least
                 return True
-            suggested = None if is_over() else mix.prices()
+            suggested = mix.prices()
             if suggested is None:
                 return False
             prizes = STEADY * self.prizes + (1 - STEADY) * suggested

@@ -29,7 +29,7 @@ Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 FIRST_ROUNDS = 250
 """Rounds of searching, for each task, before anything is to be proven; up to half of the time."""
 
-LARGEST_MODEL = 20_000
+LARGEST_MODEL = 5000
 """Circuits with more arcs than this prove nothing in minutes, so searching goes on instead."""
 
 SECONDS_TO_BUILD = 5e-5

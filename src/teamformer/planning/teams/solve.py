@@ -7,15 +7,20 @@ import time
 
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.schedule import Schedule
 from teamformer.planning.teams.annealing import TeamSearch
 from teamformer.planning.teams.initial import crew_plans
-from teamformer.planning.teams.plan import TeamPlan
+from teamformer.planning.teams.plan import TeamPlan, plan_teams
 
-ANNEALINGS = ((0.05, 0.8), (0.3, 0.3), (1.0, 0.6))
+Annealings = tuple[tuple[float, float], ...]
 """When each annealing ends, as a share of time or rounds, and how hot it begins.
 
-Each starts at the best plan. Hot ones leave it behind, cool ones better it.
+The first starts where the search is, the others at the best plan. Hot ones leave it behind, cool
+ones better it.
 """
+
+FROM_CREWS: Annealings = ((0.05, 0.8), (0.3, 0.3), (1.0, 0.6))
+FROM_COALITIONS: Annealings = ((0.4, 0.5), (1.0, 0.3))
 
 ROUNDS = 3000
 """Rounds for each pair of tasks; a search that long finds nothing more."""
@@ -30,7 +35,7 @@ class BestPlan:
     def __init__(self, begun: float, search: TeamSearch) -> None:
         self.plan, self._cost, self.makespan = search.best, search.cost, search.makespan
         self.curve: list[tuple[float, int]] = []
-        self.bound = 0  # no plan is faster
+        self.bound = 0
         self._is_stopped = False
         self._begun = begun
         self._lock = threading.Lock()
@@ -44,6 +49,11 @@ class BestPlan:
             if search.makespan < self.makespan:
                 self.makespan = search.makespan
                 self.curve.append((time.perf_counter() - self._begun, self.makespan))
+
+    def raise_bound(self, bound: int) -> None:
+        """Note that no plan is faster than this."""
+        with self._lock:
+            self.bound = max(self.bound, bound)
 
     def stop(self) -> None:
         """Let all searches come to their end."""
@@ -69,8 +79,13 @@ def is_able(problem: Relaxed, plan: TeamPlan) -> bool:
     return all((have >= need).all() for have, need in zip(has, problem.needs, strict=True))
 
 
-def improve(best: BestPlan, search: TeamSearch, deadline: float) -> None:
-    """Anneal again and again, each time longer and from the best plan, until the deadline.
+def plan_from_schedule(problem: Relaxed, schedule: Schedule) -> TeamPlan:
+    """Return the plan in which the robots of each task are those of a relaxed schedule."""
+    return plan_teams(problem, schedule.order, schedule.crews)
+
+
+def improve(best: BestPlan, search: TeamSearch, deadline: float, annealings: Annealings) -> None:
+    """Anneal again and again until the deadline, and offer what is found.
 
     `deadline` is what `time.perf_counter` then shows. Small worlds end earlier.
     """
@@ -81,8 +96,9 @@ def improve(best: BestPlan, search: TeamSearch, deadline: float) -> None:
         if passed == 1.0:
             break
         if passed >= end:
-            begin, (end, hot) = passed, next(which for which in ANNEALINGS if which[0] > passed)
-            search.restart(best.plan)
+            if made > 0:
+                search.restart(best.plan)
+            begin, (end, hot) = passed, next(which for which in annealings if which[0] > passed)
         seconds = -time.perf_counter()
         search.anneal(at_once, min(1.0, (passed - begin) / (end - begin)), hot)
         best.offer(search)

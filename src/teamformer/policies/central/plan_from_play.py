@@ -28,20 +28,9 @@ def plan_from_play(
     crews: list[list[int]] = [[] for _ in scenario.tasks]
     while env.is_running[0] and time.perf_counter() < deadline:
         env.step(policy.decide(env.view()))
-        done = env.worlds.tasks[0]["done_at"][: len(crews)] != NOBODY
-        for task in np.flatnonzero(done).tolist():
+        tasks, team_of = env.worlds.tasks[0][: len(crews)], env.worlds.robots["team"][0]
+        for task in np.flatnonzero(tasks["done_at"] != NOBODY).tolist():
             if not crews[task]:
                 order.append(task)
-                crews[task] = _who_did(env, problem, task)
+                crews[task] = np.flatnonzero(team_of == tasks[task]["done_by"]).tolist()
     return plan_teams(problem, order, crews) if all(crews) else None
-
-
-def _who_did(env: TeamFormation, problem: Relaxed, task: int) -> list[int]:
-    """Return the robots of the team that stands at a task and can do it; none if nobody does."""
-    place, teams = env.worlds.tasks[0][task], env.worlds.teams[0]
-    is_there = (teams["size"] > 0) & (teams["x"] == place["x"]) & (teams["y"] == place["y"])
-    for slot in np.flatnonzero(is_there).tolist():
-        robots = np.flatnonzero(env.worlds.robots["team"][0] == slot)
-        if (problem.counts[robots].sum(axis=0) >= problem.needs[task]).all():
-            return [int(robot) for robot in robots]
-    return []

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import math
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 from teamformer.model import Scenario
-from teamformer.planning.bounds.makespan import earliest_starts
-from teamformer.planning.relaxation.problem import FAR, relax
+from teamformer.planning.bounds.makespan import earliest_starts, lower_bound
+from teamformer.planning.bounds.route_cover import raise_by_routes
+from teamformer.planning.relaxation.problem import FAR, Relaxed, relax
 from teamformer.planning.relaxation.solve import Solution, solve
 from teamformer.planning.teams.annealing import TeamSearch
 from teamformer.planning.teams.plan import TeamPlan, routes_of
-from teamformer.planning.teams.solve import BestPlan, first_search, improve
+from teamformer.planning.teams.solve import (
+    FROM_COALITIONS,
+    FROM_CREWS,
+    BestPlan,
+    first_search,
+    improve,
+    plan_from_schedule,
+)
 from teamformer.policies.central.plan_from_play import plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.protocol import Policy
@@ -29,6 +37,12 @@ Curve = tuple[tuple[float, int], ...]
 
 RELAXING = 0.4
 """Share of the time for the relaxed schedule and its proof, on one thread."""
+
+BOUNDING = 0.2
+"""Share of the time for a bound by routes, on the other."""
+
+AT_ONCE = 5e7
+"""What a bound may look at in one go for each second that it has: a tenth of them."""
 
 SIMPLE = 0.15
 """Share of the time that the play of a simple rule may take."""
@@ -53,7 +67,7 @@ MARGIN = 0.1
 class CentralPlan:
     """What the planner found for a scenario.
 
-    `solution` is the relaxed schedule, in which joining is free; its bound holds for every policy.
+    `solution` is the relaxed schedule, in which joining is free; no policy is faster than `bound`.
     `makespan` is what the plan takes under the step rules, None if it does not end. `played_by`
     says where the plan comes from: `search` (with forming counted), `schedule` (the relaxed one)
     or a simple rule. `curve` holds each improvement as (seconds, makespan). `is_first` says that
@@ -61,6 +75,7 @@ class CentralPlan:
     """
 
     solution: Solution
+    bound: int
     makespan: int | None
     played_by: str
     script: Script
@@ -83,18 +98,18 @@ def plan_centrally(
         plays.add(name, rule, most_seconds=SIMPLE * max(1.0, time_limit))
     if search is None or time_limit == 0:
         solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
-        searched = []
+        bound, searched = solution.bound, []
     else:
         for name, allocation, followed in FOLLOWED:
             _follow(name, replace(scenario, allocation=allocation), followed, search, plays)
         solution, best = _improve(scenario, search, plays, seed, workers)
         plays.add("search", _player(scenario, best.plan))
-        searched = best.curve
+        bound, searched = best.bound, best.curve
     if time_limit > 0 and solution.schedule is not None:
         plays.add(
             "schedule", PlanPlayer(scenario, solution.schedule.routes, solution.schedule.order)
         )
-    return plays.report(solution, searched, is_first=time_limit == 0)
+    return plays.report(solution, bound, searched, is_first=time_limit == 0)
 
 
 def _start(scenario: Scenario, seed: int) -> TeamSearch | None:
@@ -119,30 +134,54 @@ def _follow(name: str, scenario: Scenario, rule: Policy, search: TeamSearch, pla
 def _improve(
     scenario: Scenario, search: TeamSearch, plays: _Plays, seed: int, workers: int
 ) -> tuple[Solution, BestPlan]:
-    """Search until it is time for the last plays; relax and prove on another thread meanwhile.
+    """Search until it is time for the last plays, from coalitions on one thread.
 
-    The main thread only waits, so that Ctrl-C reaches it.
+    The other proves a bound and then searches from crews. The main thread only waits, so that
+    Ctrl-C reaches it.
     """
     best = BestPlan(plays.begun, search)
     deadline = time.perf_counter() + plays.seconds_left
-
-    def relax_and_search() -> Solution:
-        seconds = RELAXING * max(0.0, deadline - time.perf_counter())
-        solution = solve(scenario, seconds, seed=seed, workers=1)
-        best.bound = solution.bound
-        improve(best, TeamSearch(search.problem, scenario, search.best, seed + 1), deadline)
-        return solution
-
-    with ThreadPoolExecutor(2) as pool:
-        relaxing = pool.submit(relax_and_search)
-        searching = pool.submit(improve, best, search, deadline) if workers > 1 else None
+    with ThreadPoolExecutor(min(workers, 2)) as pool:
+        bounding = pool.submit(_raise_bound, scenario, search.problem, best, deadline)
+        relaxing = pool.submit(_relax_and_search, scenario, search, best, deadline, seed)
+        work: list[Future[None]] = [bounding]
+        if workers > 1:  # begins when the bound is through
+            work.append(pool.submit(improve, best, search, deadline, FROM_CREWS))
         try:
             solution = relaxing.result()
-            if searching is not None:
-                searching.result()
+            for done in work:
+                done.result()
         finally:
             best.stop()
     return solution, best
+
+
+def _raise_bound(scenario: Scenario, problem: Relaxed, best: BestPlan, deadline: float) -> None:
+    """Prove what can be proven in a share of the time."""
+    begun = time.perf_counter()
+    seconds = BOUNDING * max(0.0, deadline - begun)
+
+    def is_over() -> bool:
+        return best.is_over or time.perf_counter() - begun >= seconds
+
+    best.raise_bound(lower_bound(scenario))
+    largest = AT_ONCE * seconds
+    raise_by_routes(scenario, problem, best.bound, best.raise_bound, is_over, largest)
+
+
+def _relax_and_search(
+    scenario: Scenario, search: TeamSearch, best: BestPlan, deadline: float, seed: int
+) -> Solution:
+    """Solve the relaxed problem, then search on from its coalitions."""
+    seconds = RELAXING * max(0.0, deadline - time.perf_counter())
+    solution = solve(scenario, seconds, seed=seed, workers=1)
+    best.raise_bound(solution.bound)
+    start = best.plan
+    if solution.schedule is not None:
+        start = plan_from_schedule(search.problem, solution.schedule)
+    own = TeamSearch(search.problem, scenario, start, seed + 1)
+    improve(best, own, deadline, FROM_COALITIONS)
+    return solution
 
 
 def _player(scenario: Scenario, plan: TeamPlan) -> PlanPlayer:
@@ -195,7 +234,11 @@ class _Plays:
         self._longest = max(self._longest, self.seconds - begun)
 
     def report(
-        self, solution: Solution, searched: list[tuple[float, int]], is_first: bool = False
+        self,
+        solution: Solution,
+        bound: int,
+        searched: list[tuple[float, int]],
+        is_first: bool = False,
     ) -> CentralPlan:
         """Return the best play; what the search expected in between is in its curve."""
         curve: list[tuple[float, int]] = []
@@ -204,7 +247,7 @@ class _Plays:
             if is_better and self.makespan is not None and steps >= self.makespan:
                 curve.append((round(seconds, 3), steps))
         return CentralPlan(
-            solution, self.makespan, self._played_by, self._script, tuple(curve), is_first
+            solution, bound, self.makespan, self._played_by, self._script, tuple(curve), is_first
         )
 
 

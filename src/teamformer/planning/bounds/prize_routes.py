@@ -62,15 +62,28 @@ def make_stops(legs: Array, ready: Array, stay: Array, place: Array, memory: int
     for at in range(memory):
         bit[place == near[:, [at]]] = at
     carried = np.zeros((count, count, 1 << memory), np.int16)
-    remembered = np.arange(1 << memory)
-    for stop in range(count):
-        for at, other in enumerate(near[stop].tolist()):
-            to = bit[:, np.flatnonzero(place == other)[0]]  # (stops,) where the next remembers it
-            carries = np.where(to >= 0, 1 << np.maximum(to, 0), 0)[:, None]  # (stops, 1)
-            carried[stop] |= np.where(remembered >> at & 1, carries, 0).astype(np.int16)
-        to = bit[:, stop]
-        carried[stop] |= np.where(to >= 0, 1 << np.maximum(to, 0), 0).astype(np.int16)[:, None]
+    _carry(place, near, bit, carried)
     return Stops(legs, ready.astype(np.int64), stay.astype(np.int64), bit, carried)
+
+
+@entry
+def _carry(place, near, bit, carried):  # type: ignore[no-untyped-def]
+    """Work out what each stop remembers of another's memory, that other one's place included."""
+    count, memory = near.shape
+    onward = np.zeros(memory, np.int64)
+    for stop in range(count):
+        for following in range(count):
+            own = np.int64(0) if bit[following, stop] < 0 else np.int64(1) << bit[following, stop]
+            for at in range(memory):
+                other = np.argmax(place == near[stop, at])
+                is_kept = bit[following, other] >= 0
+                onward[at] = np.int64(1) << bit[following, other] if is_kept else np.int64(0)
+            for memories in range(1 << memory):
+                kept = own
+                for at in range(memory):
+                    if memories >> at & 1:
+                        kept |= onward[at]
+                carried[stop, following, memories] = kept
 
 
 def empty_outlook(stops: Stops, deadline: int) -> Outlook:

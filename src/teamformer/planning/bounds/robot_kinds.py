@@ -26,28 +26,39 @@ class Kind(NamedTuple):
     """Robots with the same capabilities, speed and loss, and where they can be of use."""
 
     robots: Array  # (alike,) numbers
+    place: Array  # (stops,) number of its place
     stops: Stops  # times in units
     first: Array  # (alike, stops) units that each takes to a stop if it is the first
     brings: Array  # (stops, needs) what one of them brings to each need by stopping
     units: float  # in a step
     last: int  # the last step that it is there in
 
+    def with_memory(self, memory: int) -> Kind:
+        """Return the kind with stops that remember so many places."""
+        legs, ready, stay, *_ = self.stops
+        return self._replace(stops=make_stops(legs, ready, stay, self.place, memory))
+
     def deadline(self, makespan: int) -> int:
         """Return by which time such a robot has to end a plan that takes so many steps."""
         return int(np.floor(self.units * min(makespan, self.last) + ROUNDING))
 
 
-def robot_kinds(
-    scenario: Scenario, problem: Relaxed, start: Array, needs: Array, memory: int
-) -> list[Kind]:
+def robot_kinds(scenario: Scenario, problem: Relaxed, start: Array, needs: Array) -> list[Kind]:
     """Return all kinds of robots that some need has use for.
 
     `needs` (needs, 2) are pairs of task and capability; a stop at a task brings something to all
     needs in the same place whose service is no longer. No task starts before `start` (tasks,).
     """
     joining = joining_steps(scenario, problem)
-    kinds = (_kind(problem, start, joining, robots, needs, memory) for robots in _alike(problem))
+    kinds = (_kind(problem, start, joining, robots, needs) for robots in _alike(problem))
     return [kind for kind in kinds if kind is not None]
+
+
+def legs_of_kinds(problem: Relaxed) -> int:
+    """Return how many legs there are from stop to stop, for all kinds of robots together."""
+    first = [int(robots[0]) for robots in _alike(problem)]
+    stops = (problem.counts[first] @ problem.needs.T > 0).sum(axis=1)  # (kinds,)
+    return int((stops.astype(np.int64) ** 2).sum())
 
 
 def joining_steps(scenario: Scenario, problem: Relaxed) -> Array:
@@ -74,7 +85,7 @@ def _alike(problem: Relaxed) -> list[Array]:
 
 
 def _kind(
-    problem: Relaxed, start: Array, joining: Array, robots: Array, needs: Array, memory: int
+    problem: Relaxed, start: Array, joining: Array, robots: Array, needs: Array
 ) -> Kind | None:
     one, (task_of, cap_of) = int(robots[0]), needs.T
     tasks = np.unique(task_of[problem.counts[one, cap_of] > 0])  # (stops,)
@@ -88,8 +99,8 @@ def _kind(
     is_same = problem.cells[np.ix_(tasks, tasks)] == 0  # (stops, stops)
     place = is_same.argmax(axis=1)  # (stops,) the first of those in the same place
     brings = _brought(problem, one, tasks, is_same, needs)
-    stops = make_stops(np.where(is_same, FAR, legs), ready, stay, place, memory)
-    return Kind(robots, stops, first, brings, units, int(problem.lost[one]) - 1)
+    stops = make_stops(np.where(is_same, FAR, legs), ready, stay, place, memory=0)
+    return Kind(robots, place, stops, first, brings, units, int(problem.lost[one]) - 1)
 
 
 def _ways(problem: Relaxed, robot: int, places: Array, tasks: Array) -> tuple[float, int, Array]:

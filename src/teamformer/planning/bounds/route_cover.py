@@ -20,7 +20,7 @@ import numpy.typing as npt
 from teamformer.model import Grid, Scenario
 from teamformer.planning.bounds.makespan import earliest_formed, one_for_each_place
 from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look_ahead
-from teamformer.planning.bounds.robot_kinds import robot_kinds
+from teamformer.planning.bounds.robot_kinds import legs_of_kinds, robot_kinds
 from teamformer.planning.bounds.route_mix import RouteMix
 from teamformer.planning.relaxation.problem import FAR, Relaxed
 
@@ -61,13 +61,18 @@ def raise_by_routes(
     Every better bound is offered as it is proven. `problem` is the scenario's. Nothing is tried
     that has more to look at in one go than `largest`. Returns the best bound.
     """
-    prizes = None
+    legs = legs_of_kinds(problem)
+    if legs * 2 ** MEMORIES[0] * bound > largest:
+        return bound
+    cover = RouteCover(scenario, problem)
     for memory in MEMORIES:
-        cover = RouteCover(scenario, problem, memory, prizes)
-        if memory < MEMORIES[-2] and GROWTH * cover.effort(bound) <= min(QUICK, largest):
+        effort = legs * 2**memory * bound
+        if is_over() or effort > largest:
+            break
+        if memory < MEMORIES[-2] and GROWTH * effort <= min(QUICK, largest):
             continue  # to remember more is quick as well, and proves more
+        cover.remember(memory)
         bound = _raise(cover, bound, offer, is_over, largest)
-        prizes = cover.prizes
     return bound
 
 
@@ -92,9 +97,7 @@ def _raise(
 class RouteCover:
     """What tasks need, the robots by kind, and the prizes that have proven most so far."""
 
-    def __init__(
-        self, scenario: Scenario, problem: Relaxed, memory: int, prizes: Array | None = None
-    ) -> None:
+    def __init__(self, scenario: Scenario, problem: Relaxed) -> None:
         start = earliest_formed(scenario, problem)
         tasks: Array = np.flatnonzero(start < FAR)
         if not isinstance(scenario.world, Grid):
@@ -104,12 +107,15 @@ class RouteCover:
         needs = np.argwhere(is_need)  # (needs, 2) task and capability
         self.amount = problem.needs[is_need].astype(np.int64)  # (needs,)
         self.margin = 0.0  # share of all prizes that the last proof had to spare
-        if prizes is None:
-            effort = 4.0 + problem.duration[needs[:, 0]]  # (needs,)
-            prizes = effort / max(1.0, float((effort * self.amount).sum()))
-        self.prizes = prizes  # (needs,) for one of each; times amounts they add up to 1
-        self._kinds = robot_kinds(scenario, problem, start, needs, memory)
+        effort = 4.0 + problem.duration[needs[:, 0]]  # (needs,)
+        prizes = effort / max(1.0, float((effort * self.amount).sum()))
+        self.prizes: Array = prizes  # (needs,) for one of each; times amounts they add up to 1
+        self._kinds = robot_kinds(scenario, problem, start, needs)
         self._robots = len(problem.pace)
+
+    def remember(self, memory: int) -> None:
+        """Let every stop remember so many places."""
+        self._kinds = [kind.with_memory(memory) for kind in self._kinds]
 
     def empty_mix(self) -> RouteMix:
         """Return a mix of no routes."""

@@ -8,7 +8,10 @@ from functools import cache
 import numpy as np
 
 from teamformer.model import Scenario
+from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.relaxation.cp_sat import make_solver
+from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.teams.solve import first_search
 from teamformer.policies.central.planner import CentralPlan, plan_centrally
 from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.sim.arrays import NOBODY
@@ -62,4 +65,10 @@ class Central:
 def _warm_up() -> None:
     """Have everything compiled and imported before the clock starts."""
     make_solver(seed=0)
-    plan_centrally(smallest_scenario(), time_limit=COMPILING)
+    scenario = smallest_scenario()
+    problem = relax(scenario)
+    raise_by_routes(scenario, problem, 0, lambda _: None, lambda: False)
+    search = first_search(problem, scenario, seed=0)
+    assert search is not None, "the smallest scenario can be done"
+    search.anneal(1, 0.0, 1.0)
+    plan_centrally(scenario, time_limit=COMPILING)

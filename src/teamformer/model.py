@@ -172,12 +172,12 @@ class Scenario:
     @property
     def is_planned(self) -> bool:
         """Say whether a plan, crews or a schedule, makes the task order; else a tour does."""
-        return self.allocation == "crews" or self.order == "schedule"
+        return self.allocation in ("crews", "plan") or self.order == "schedule"
 
 
 ORDERS = ("tsp", "schedule")
 NEW_TASKS = ("resolve", "nearest")
-ALLOCATIONS = ("paper", "nearest", "crews")
+ALLOCATIONS = ("paper", "nearest", "crews", "plan")
 
 
 WITHOUT_CREWS = ("paper", "nearest")

@@ -61,6 +61,7 @@ class PlainWorld:
         self.order: list[int] = []
         self.crew_of: list[int] = []  # robots; under crews they are given, as the order is
         self.list_of: list[int] = []  # tasks
+        self.coalitions: dict[int, set[int]] = {}  # by task; under a shared plan they are given
         self.joins = self.splits = self.illegal = 0
 
     def has(self, team: PlainTeam) -> list[int]:
@@ -147,6 +148,9 @@ class PlainWorld:
         return min(found)[3] if found else None
 
     def are_mates(self, team: PlainTeam, other: PlainTeam) -> bool:
+        if self.s.allocation == "plan":
+            tasks = [self.task_by_plan(part) for part in (team, other)]
+            return tasks[0] is not None and tasks[0] == tasks[1]
         if self.s.allocation != "crews":
             return True
         crews = [{self.crew_of[robot] for robot in part.robots} for part in (team, other)]
@@ -199,7 +203,9 @@ class PlainWorld:
         team = self.teams[slot]
         if self.s.allocation == "crews" and not team.serving:
             team.task, team.is_detour = self.task_by_lists(team), False
-        if self.s.allocation == "crews" or team.task is not None or team.serving:
+        if self.s.allocation == "plan" and not team.serving:
+            team.task, team.is_detour = self.task_by_plan(team), False
+        if self.s.allocation in ("crews", "plan") or team.task is not None or team.serving:
             return
         for i, task in enumerate(order):
             if self.contributes(team, task) and not self.is_covered(slot, task):
@@ -219,6 +225,11 @@ class PlainWorld:
                 if self.crew_of[robot] == self.list_of[task] and self.contributes(alone, task):
                     return task
         return None
+
+    def task_by_plan(self, team: PlainTeam) -> int | None:
+        """Return the first task in the order that has a robot of the team in its coalition."""
+        mine = (task for task in self.order if self.coalitions[task] & set(team.robots))
+        return next(mine, None)
 
     def nearest_alone(self, slot: int, order: list[int], i: int) -> int | None:
         team = self.teams[slot]

@@ -12,6 +12,7 @@ from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
 from teamformer.model import ALLOCATIONS, ORDERS
 from teamformer.policies.protocol import Policy
+from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.policies.scripted.joining import JoinAll, JoinCrew
@@ -43,6 +44,12 @@ def shared_order(env: TeamFormation) -> list[int]:
     return [int(k) for k in env.worlds.order[0, : env.worlds.count["open"][0]]]
 
 
+def coalitions_of(env: TeamFormation, order: list[int]) -> dict[int, set[int]]:
+    """Return who does each open task by the shared plan; nothing under other allocations."""
+    by_task = env.worlds.coalition[0]
+    return {k: set(np.flatnonzero(by_task[k]).tolist()) for k in order if len(by_task)}
+
+
 def wanted_by_slot(view: View, decision: Decision) -> dict[int, list[int]]:
     return dict(zip(view.slot.tolist(), decision.wanted.tolist(), strict=True))
 
@@ -57,6 +64,7 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
         scenario = replace(scenario, allocation=allocation, order=order)
         env, twin = TeamFormation([scenario]), PlainWorld(scenario)
         twin.order = shared_order(env)
+        twin.coalitions = coalitions_of(env, twin.order)
         compare(env, twin)
         while env.is_running[0] and env.tally().steps < 40:
             view = env.view()
@@ -68,6 +76,7 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
             twin.crew_of = env.worlds.robots["crew"][0].tolist()
             twin.list_of = env.worlds.tasks["crew"][0].tolist()
             twin.order = shared_order(env)
+            twin.coalitions = coalitions_of(env, twin.order)
             twin.step(wanted_by_slot(view, decision), twin.order)
             env.step(decision)
             compare(env, twin)
@@ -108,8 +117,8 @@ def test_worlds_keep_their_promises_under_random_decisions() -> None:
 
 POLICIES = pytest.mark.parametrize(
     "policy",
-    [Heuristic(), JoinAll(), JoinFitting(), JoinCrew()],
-    ids=["heuristic", "join-all", "join-fitting", "join-crew"],
+    [Heuristic(), JoinAll(), JoinFitting(), JoinCrew(), FollowPlan()],
+    ids=["heuristic", "join-all", "join-fitting", "join-crew", "follow-plan"],
 )
 RULES = pytest.mark.parametrize("allocation", ALLOCATIONS)
 

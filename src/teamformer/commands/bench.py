@@ -98,11 +98,12 @@ def _measure(request: Request, options: BenchOptions) -> list[Row]:
     return rows
 
 
-def _to_compile(request: Request) -> tuple[set[str], bool]:
-    """Return the policies that will run, and whether crews or a schedule will be planned."""
+def _to_compile(request: Request) -> tuple[set[str], bool, bool]:
+    """Return the policies that will run, whether anything is planned, and whether a shared plan."""
     policies = {policy for _, policy in cells(request.suite, request.policies, request.settings)}
-    is_planned = not {"crews", "schedule"}.isdisjoint(request.suite.rules.values())
-    return policies.difference(request.without), is_planned
+    rules = set(request.suite.rules.values())
+    is_planned = not rules.isdisjoint({"crews", "schedule", "plan"})
+    return policies.difference(request.without), is_planned, "plan" in rules
 
 
 def _changed_rules(options: BenchOptions) -> dict[str, str]:

@@ -44,7 +44,9 @@ def compare(
     scenario = changes.apply(read_scenario(path, rules_not_played))
     policies = {name: ready_policy(name, time_limit) for name in policy_names}
     worlds = {name: changes.suit(scenario, policy, name) for name, policy in policies.items()}
-    announce_compiling(policy_names, any(world.is_planned for world in worlds.values()))
+    played = worlds.values()
+    has_shared_plan = any(world.allocation == "plan" for world in played)
+    announce_compiling(policy_names, any(w.is_planned for w in played), has_shared_plan)
     trials = _share_bound(_run_all(worlds, policies, seeds))
     best = best_known(trials)
     if as_json:

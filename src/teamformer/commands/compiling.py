@@ -21,12 +21,16 @@ if TYPE_CHECKING:
     from teamformer.model import Scenario
 
 
-def announce_compiling(policy_names: Iterable[str] = (), is_planned: bool = False) -> None:
+def announce_compiling(
+    policy_names: Iterable[str] = (), is_planned: bool = False, has_shared_plan: bool = False
+) -> None:
     """Say that a first run compiles, so that nobody takes the wait for a fault.
 
-    `is_planned` says that crews or a schedule will be planned, as `central` always does.
+    `is_planned` says that crews, a schedule or a shared plan will be planned, as `central` always
+    does; `has_shared_plan` that it is the last.
     """
     from teamformer.jit import needs_compiling
+    from teamformer.planning.teams import threshold_search
     from teamformer.sim.allocation.task_order import plan_worlds
     from teamformer.sim.step import step_worlds
 
@@ -34,7 +38,12 @@ def announce_compiling(policy_names: Iterable[str] = (), is_planned: bool = Fals
     is_new = needs_compiling(step_worlds)
     if is_new:
         say("compiling the simulator, on the first run only (half a minute, more if busy) ...")
-    if (is_planned or "central" in names) and needs_compiling(plan_worlds):
+    if has_shared_plan and needs_compiling(threshold_search.search):
+        say("compiling the planner, on the first run only (a minute) ...")
+        if is_new and (os.cpu_count() or 1) > 1:
+            _compile_beside(next((name for name in names if name != "central"), "join-all"))
+    has_crews = is_planned and not has_shared_plan
+    if (has_crews or "central" in names) and needs_compiling(plan_worlds):
         say("compiling the planner of crews, on the first run only (half a minute, too) ...")
         if is_new and (os.cpu_count() or 1) > 1:
             _compile_beside(next((name for name in names if name != "central"), "join-all"))

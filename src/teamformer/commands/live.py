@@ -53,7 +53,8 @@ def live(path: Path | None, options: Options) -> int:
     ready_policy(options.policy, options.time_limit)  # refused before anything is served
     prepare_folder(options.folder)
     _check_port(options.host, options.port)
-    announce_compiling([options.policy], scenario is None or scenario.is_planned)
+    has_plan = scenario is not None and scenario.allocation == "plan"
+    announce_compiling([options.policy], scenario is None or scenario.is_planned, has_plan)
 
     def start(scenario: Scenario) -> Mission:
         def make() -> Policy:

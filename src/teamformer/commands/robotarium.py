@@ -63,7 +63,7 @@ def robotarium(path: Path, options: RobotariumOptions, as_json: bool) -> int:
         prepare_folder(options.folder)
         film = Film()
     scenario = Changes().suit(scenario, policy, options.policy)
-    announce_compiling([options.policy], scenario.is_planned)
+    announce_compiling([options.policy], scenario.is_planned, scenario.allocation == "plan")
     done = run_experiment(
         scenario,
         policy,

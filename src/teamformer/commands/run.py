@@ -89,7 +89,7 @@ def run(
     scenario = changes.suit(scenario, policy, policy_name)
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling([policy_name], scenario.is_planned)
+    announce_compiling([policy_name], scenario.is_planned, scenario.allocation == "plan")
     with ended_like_ctrl_c():
         trial = watch_trial(scenario, policy, policy_name, seed)
     story = [] if robot is None else list(story_lines(trial.replay, robot))

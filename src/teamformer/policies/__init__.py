@@ -31,6 +31,11 @@ POLICIES = (
         "as join-all, but joins only its own crew",
     ),
     Listing(
+        "follow-plan",
+        "teamformer.policies.scripted.follow_plan:FollowPlan",
+        "plays the shared plan; without one as join-crew or join-all",
+    ),
+    Listing(
         "teamformer-any",
         "teamformer.policies.learned.any_fleet:teamformer_any",
         "learned; for any fleet, says where to deviate from join-fitting or join-crew",

@@ -1,14 +1,18 @@
-"""Crews: that their lists share out the open tasks, and that every team goes by them."""
+"""Crews and shared plans: that they share out the open tasks, and that every team goes by them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
 from teamformer.capabilities import covers, total
+from teamformer.model import Scenario
 from teamformer.referee.completion import Tasks
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
-from teamformer.sim.replay import Crew, Replay
+from teamformer.sim.replay import Crew, Replay, SharedPlanMade
+
+SHARED_OUT = ("crews", "plan")
+"""The allocations by which the record says who does what."""
 
 
 class CrewLists:
@@ -17,6 +21,9 @@ class CrewLists:
     def __init__(self, replay: Replay) -> None:
         self.scenario = replay.scenario
         self._crews = dict(replay.crews)
+        self._plans = dict(replay.plans)
+        self._took = [step.took for step in replay.steps]
+        self._coalition: dict[int, set[int]] = {}
         self._orders = dict(replay.orders)
         self._now: Sequence[Crew] = ()
         self._rank: dict[int, int] = {}
@@ -25,13 +32,19 @@ class CrewLists:
         """Write each team's `due`, once all have formed in a step and before they walk.
 
         It is the first open task that is on the list of one of its robots' crews and needs that
-        robot.
+        robot, or that has one of its robots in its coalition.
         """
-        if self.scenario.allocation != "crews":
+        if self.scenario.allocation not in SHARED_OUT:
             return
-        if steps_made in self._crews:
-            self._now = self._crews[steps_made]
-            self._rank = {task: i for i, task in enumerate(self._orders.get(steps_made, ()))}
+        if steps_made in self._crews or steps_made in self._plans:
+            order = self._orders.get(steps_made, ())
+            self._now = self._crews.get(steps_made, ())
+            self._rank = {task: i for i, task in enumerate(order)}
+            if steps_made in self._plans:
+                made = self._plans[steps_made].coalitions
+                self._coalition = {task: set(c) for task, c in zip(order, made, strict=False)}
+        elif steps_made > 0:
+            self._exchange_parts(self._took[steps_made - 1])
         for team in fleet.teams.values():
             team.was_serving = bool(team.services)
             found = [] if team.services else list(self._next_tasks(team, tasks, steps_made))
@@ -55,7 +68,15 @@ class CrewLists:
         for team in fleet.teams.values():
             team.due = unions.get(frozenset(team.robots), team.due)
 
+    def _exchange_parts(self, took: Sequence[tuple[int, int]]) -> None:
+        for pair in took:
+            for coalition in self._coalition.values():
+                coalition ^= set(pair) if len(coalition & set(pair)) == 1 else set()
+
     def _next_tasks(self, team: RecordedTeam, tasks: Tasks, steps_made: int) -> Iterator[int]:
+        open_now = [task for task in self._coalition if tasks.is_open(task, steps_made)]
+        for robot in team.robots:
+            yield from [task for task in open_now if robot in self._coalition[task]][:1]
         for crew in self._now:
             open_ones = [task for task in crew.tasks if tasks.is_open(task, steps_made)]
             for robot in team.robots & set(crew.robots):
@@ -81,7 +102,7 @@ def check_assignments(
     Everybody is free after a loss and when tasks appear, except from a task being served.
     """
     scenario = fleet.scenario
-    if scenario.allocation != "crews":
+    if scenario.allocation not in SHARED_OUT:
         return
     is_news = any_lost or any(task.appears == steps_made for task in scenario.tasks)
     for slot, team in sorted(fleet.teams.items()):
@@ -89,8 +110,9 @@ def check_assignments(
         if is_news and due not in team.services:
             due = None
         if slot not in named and not team.was_serving and team.task != due:
+            by = "the plan" if scenario.allocation == "plan" else "its crew's list"
             goes, should = (_name(fleet, task) for task in (team.task, due))
-            notes.note(f"{fleet.name(team)} heads for {goes}; by its crew's list it is {should}")
+            notes.note(f"{fleet.name(team)} heads for {goes}; by {by} it is {should}")
 
 
 def _name(fleet: Fleet, task: int | None) -> str:
@@ -100,25 +122,54 @@ def _name(fleet: Fleet, task: int | None) -> str:
 def judge_crews(replay: Replay, done: dict[int, int], notes: Notes) -> None:
     """Check that crews are planned when they must be, and share out robots and open tasks."""
     scenario = replay.scenario
-    if scenario.allocation != "crews":
-        if replay.crews:
-            notes.note("the record has crews, and the scenario has none")
-        return
+    for allocation, made in (("crews", replay.crews), ("plan", replay.plans)):
+        if scenario.allocation != allocation and made:
+            notes.note(f"the record has {allocation}, and the scenario has none")
     orders = dict(replay.orders)
-    last = len(replay.steps) - 1
+    if scenario.allocation == "crews":
+        _check_moments(replay, done, {steps for steps, _ in replay.crews}, "crews", notes)
+        for steps, crews in replay.crews:
+            left = _robots_left(scenario, steps)
+            _check_crews(replay, steps, crews, left, orders.get(steps, ()), notes)
+    if scenario.allocation == "plan":
+        _check_moments(replay, done, {steps for steps, _ in replay.plans}, "plan", notes)
+        for steps, plan in replay.plans:
+            _check_plan(replay, steps, plan, orders.get(steps, ()), notes)
+
+
+def _robots_left(scenario: Scenario, steps: int) -> set[int]:
+    lost = {r for r, robot in enumerate(scenario.robots) if (robot.lost or steps + 1) <= steps}
+    return set(range(len(scenario.robots))) - lost
+
+
+def _check_moments(
+    replay: Replay, done: dict[int, int], made: set[int], what: str, notes: Notes
+) -> None:
+    """Check that crews or plans are made at the start, when tasks appear, when robots are lost."""
+    scenario, last = replay.scenario, len(replay.steps) - 1
     losses = {robot.lost for robot in scenario.robots if robot.lost is not None}
-    made = {steps for steps, _ in replay.crews}
     for steps in sorted({0, *(task.appears for task in scenario.tasks), *losses} - made):
         any_open = any(
             task.appears <= steps and done.get(number, steps + 1) > steps
             for number, task in enumerate(scenario.tasks)
         )
         if steps <= last and any_open:
-            notes.note(f"there are no crews from after {steps} steps")
-    for steps, crews in replay.crews:
-        lost = {r for r, robot in enumerate(scenario.robots) if (robot.lost or steps + 1) <= steps}
-        left = set(range(len(scenario.robots))) - lost
-        _check_crews(replay, steps, crews, left, orders.get(steps, ()), notes)
+            are = "is no" if what == "plan" else "are no"
+            notes.note(f"there {are} {what} from after {steps} steps")
+
+
+def _check_plan(
+    replay: Replay, steps: int, plan: SharedPlanMade, order: Sequence[int], notes: Notes
+) -> None:
+    when, left = f"the plan made after {steps} steps", _robots_left(replay.scenario, steps)
+    if len(plan.coalitions) != len(order):
+        notes.note(f"{when} has {len(plan.coalitions)} coalitions for {len(order)} open tasks")
+    for task, coalition in zip(order, plan.coalitions, strict=False):
+        name = replay.scenario.tasks[task].name
+        if len(set(coalition)) != len(coalition) or not set(coalition) <= left:
+            notes.note(f"{when} has a robot twice or one that is lost in the coalition of {name}")
+        if not _can_do(replay, Crew(coalition, ()), task):
+            notes.note(f"{when} has a coalition for task {name} that cannot do it")
 
 
 def _check_crews(

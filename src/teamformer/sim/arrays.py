@@ -34,7 +34,7 @@ STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
 RESOLVE, NEAREST = 0, 1
 """What happens to the order when tasks appear: a new tour, or each after its nearest."""
 
-PAPER, NEAREST_ALONE, CREWS = 0, 1, 2
+PAPER, NEAREST_ALONE, CREWS, PLAN = 0, 1, 2, 3
 """Who heads for which task: allocations as in `model.ALLOCATIONS`."""
 
 RULES = np.dtype(
@@ -46,7 +46,7 @@ RULES = np.dtype(
         ("forming_steps", np.int32),
         ("step_limit", np.int32),
         ("new_tasks", np.int32),  # RESOLVE or NEAREST
-        ("allocation", np.int32),  # PAPER, NEAREST_ALONE or CREWS
+        ("allocation", np.int32),  # PAPER, NEAREST_ALONE, CREWS or PLAN
         ("has_schedule", np.bool_),  # the order is planned, no tour
         ("has_walls", np.bool_),
         ("is_plane", np.bool_),
@@ -67,7 +67,12 @@ COUNT = np.dtype(
         ("arrived", np.int32),  # of these, tasks that the order does not know yet
         ("done", np.int32),
         ("noted", np.int32),  # of these, tasks that the crews know of
-        ("plans", np.int32),  # how often the order and the crews were planned
+        ("plans", np.int32),  # how often the order, the crews or the shared plan were made
+        ("lost", np.int32),  # robots
+        ("broken_off", np.int32),  # services
+        ("planned_lost", np.int32),  # robots that the shared plan knows to be lost
+        ("planned_broken_off", np.int32),  # services that it knows to be broken off
+        ("reason", np.int32),  # why the shared plan was made last, in bits
         ("joins", np.int32),
         ("splits", np.int32),
         ("illegal", np.int32),
@@ -83,7 +88,9 @@ ROBOT = np.dtype(
         ("lost", np.int32),  # the step it counts for nothing from, or NEVER
         ("stays", np.bool_),  # in the split being made
         ("crew", np.int32),  # NOBODY once it is known to be lost
-        ("next", np.int32),  # the first open task of its crew's list that needs it, or NOBODY
+        ("next", np.int32),  # its first open task by its crew's list or the shared plan, or NOBODY
+        ("kind", np.int32),  # the lowest robot that brings the same and is as fast
+        ("took", np.int32),  # the robot whose part of the shared plan it has just taken, or NOBODY
         # What everybody knows of it: that it was there then, together with others.
         ("spot_x", np.float64),
         ("spot_y", np.float64),
@@ -113,6 +120,7 @@ TEAM = np.dtype(
         ("next_here", np.int32),  # the next team in the same cell
         ("next", np.int32),  # the earliest of its robots' next tasks
         ("crew", np.int32),  # that of all its robots, or MIXED
+        ("is_parting", np.bool_),  # its robots have different next tasks by the shared plan
     ],
     align=True,
 )
@@ -127,6 +135,7 @@ TASK = np.dtype(
         ("rank", np.int32),  # place in the order while open
         ("crew", np.int32),  # whose list it is on
         ("server", np.int32),  # team that serves it, or NOBODY
+        ("waiting", np.int32),  # a team that waits at it for others by the shared plan, or NOBODY
         ("remaining", np.int32),  # steps of service
         ("done_at", np.int32),  # step, or NOBODY
         ("done_by", np.int32),  # slot
@@ -160,6 +169,8 @@ class Worlds(NamedTuple):
     near_key: Array  # (worlds, robots) what these are sorted by
     room: Array  # (worlds, caps) what still fits into a split
     here: Array  # (worlds, tasks) tasks found where a team is
+    coalition: Array  # (worlds, tasks, robots) who does what by the shared plan, or (worlds, 0, 0)
+    planned: Array  # (worlds, robots, caps) what it wants each team to have, or (worlds, 0, 0)
 
 
 World = Worlds
@@ -187,6 +198,8 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.near_key[w],
         worlds.room[w],
         worlds.here[w],
+        worlds.coalition[w],
+        worlds.planned[w],
     )
 
 
@@ -215,6 +228,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     caps = max(len(s.capabilities) for s in scenarios)
     cells = max(width * height for width, height, _ in map(_cells_of, scenarios))
     maps = [s.world for s in scenarios if isinstance(s.world, Grid) and s.world.rows]
+    has_plan = any(s.allocation == "plan" for s in scenarios)
     walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
     worlds = Worlds(
         rules=np.zeros(count, dtype=RULES),
@@ -234,15 +248,17 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         near_key=np.zeros((count, robots), dtype=np.int64),
         room=np.zeros((count, caps), dtype=np.int32),
         here=np.zeros((count, tasks), dtype=np.int32),
+        coalition=np.zeros((count, tasks, robots) if has_plan else (count, 0, 0), dtype=np.bool_),
+        planned=np.zeros((count, robots, caps) if has_plan else (count, 0, 0), dtype=np.int16),
     )
     worlds.robots["team"] = NOBODY
     worlds.robots["lost"] = NEVER
     worlds.teams["task"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
     worlds.tasks["appears"] = NEVER
-    for field in ("next_here", "server", "done_at", "done_by", "crew"):
+    for field in ("next_here", "server", "done_at", "done_by", "crew", "waiting"):
         worlds.tasks[field] = NOBODY
-    worlds.robots["crew"] = worlds.robots["next"] = NOBODY
+    worlds.robots["crew"] = worlds.robots["next"] = worlds.robots["took"] = NOBODY
     return worlds
 
 
@@ -313,6 +329,10 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         record["spot_x"], record["spot_y"] = robot.at
         for name, count in robot.can.items():
             worlds.brings[w, r, column[name]] = count
+    kinds: dict[tuple[object, ...], int] = {}
+    for r, robot in enumerate(scenario.robots):
+        kind = (*sorted(robot.can.items()), robot.speed, scenario.world.region(robot.at))
+        worlds.robots["kind"][w, r] = kinds.setdefault(kind, r)
     for members in scenario.starting_teams:
         slot, robots = members[0], list(members)
         team = worlds.teams[w, slot]

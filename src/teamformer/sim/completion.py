@@ -42,6 +42,7 @@ def _serve(world, team, task, step):  # type: ignore[no-untyped-def]
     world.tasks[task].remaining -= 1
     if not (can_do_alone(world, team, task) and stands_at(world, team, task)):
         _end_service(world, team, task)
+        world.count.broken_off += 1
     elif world.tasks[task].remaining == 0:
         _end_service(world, team, task)
         _finish(world, team, task, step)

@@ -62,7 +62,7 @@ class TeamFormation:
         if threads < 1:
             raise ValueError(f"threads is {threads}; use 1 or more")
         self._start = pack_worlds(self.scenarios)
-        self._orderings = orderings_for(self._start)
+        self._orderings = orderings_for(self._start, self.scenarios)
         self._order_tasks(self._start)
         self.worlds = Worlds(*(array.copy() for array in self._start))
         reward = reward or Reward()

@@ -231,6 +231,7 @@ def lose_robots(world, step):  # type: ignore[no-untyped-def]
     for robot in range(world.rules.robots):
         if world.robots[robot].lost == step and world.robots[robot].team != NOBODY:
             any_lost = True
+            world.count.lost += 1
             _take_out(world, robot)
     return any_lost
 

@@ -22,6 +22,9 @@ STATUSES = ("completed", "step limit", "infeasible", "interrupted")
 
 LARGEST_COUNT = 2**53
 """Which every reader of JSON keeps exact, the page's too."""
+PLAN_REASONS = ("start", "task appeared", "robot lost", "service broken off")
+"""Why a shared plan is made."""
+
 LARGEST_FILE = 1_000_000_000  # bytes
 """A thousand robots on the move for three thousand steps take 40 MB."""
 RUN_AGAIN = "run the scenario again to have it written anew"
@@ -43,6 +46,13 @@ class Crew(NamedTuple):
     tasks: tuple[int, ...]
 
 
+class SharedPlanMade(NamedTuple):
+    """A shared plan: why it was made, and who does each open task, in the order then."""
+
+    reasons: tuple[str, ...]
+    coalitions: tuple[tuple[int, ...], ...]
+
+
 @dataclass(frozen=True)
 class Step:
     """What one step changed; robots, tasks and slots are numbers."""
@@ -52,7 +62,8 @@ class Step:
     lost: tuple[int, ...] = ()
     teams: tuple[TeamAt, ...] = ()  # whose slot, place or assignment changed
     done: tuple[tuple[int, int], ...] = ()  # task, team that did it
-    named: tuple[int, ...] = ()  # teams whose decision named their task, where there are crews
+    named: tuple[int, ...] = ()  # teams whose decision named their task, where tasks are shared out
+    took: tuple[tuple[int, int], ...] = ()  # like robots that exchanged their parts of the plan
 
 
 @dataclass(frozen=True)
@@ -82,13 +93,14 @@ class Replay:
     end: Ending
     lower_bound: int | None = None
     crews: tuple[tuple[int, tuple[Crew, ...]], ...] = ()  # steps made, crews from then on
+    plans: tuple[tuple[int, SharedPlanMade], ...] = ()  # steps made, the shared plan from then on
 
 
 STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
 REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
-NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key != "crews")
+NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in ("crews", "plans"))
 
 
 def replay_to_tree(replay: Replay) -> dict[str, Any]:
@@ -106,6 +118,8 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
     }
     if replay.crews:
         tree["crews"] = _lists(replay.crews)
+    if replay.plans:
+        tree["plans"] = _lists(replay.plans)
     return tree
 
 
@@ -248,6 +262,10 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
             (_count(at), tuple(_crew(crew, robots, tasks) for crew in _list(made)))
             for at, made in _rows(tree.get("crews", []), 2)
         )
+    with _inside("plans"):
+        plans = tuple(
+            (_count(at), _plan(made, robots)) for at, made in _rows(tree.get("plans", []), 2)
+        )
     with _inside("start"):
         start = tuple(
             (_below(slot, robots), _numbers(members, robots), along(x), along(y))
@@ -265,12 +283,23 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         end=end,
         lower_bound=None if bound is None else _count(bound),
         crews=crews,
+        plans=plans,
     )
 
 
 def _crew(row: Any, robots: int, tasks: int) -> Crew:
     [[members, listed]] = _rows([row], 2)
     return Crew(_numbers(members, robots), _numbers(listed, tasks))
+
+
+def _plan(row: Any, robots: int) -> SharedPlanMade:
+    [[reasons, coalitions]] = _rows([row], 2)
+    for reason in _list(reasons):
+        if reason not in PLAN_REASONS:
+            raise _DamageError(f"the reason is {_short(reason)}, not one of {PLAN_REASONS}")
+    return SharedPlanMade(
+        tuple(reasons), tuple(_numbers(coalition, robots) for coalition in _list(coalitions))
+    )
 
 
 def _ending(tree: Any) -> Ending:
@@ -293,6 +322,7 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
     _check_keys(tree, STEP_KEYS)
     joins, splits = _rows(tree.get("joins", []), 2), _rows(tree.get("splits", []), 2)
     teams, done = _rows(tree.get("teams", []), 4), _rows(tree.get("done", []), 2)
+    took = _rows(tree.get("took", []), 2)
     return Step(
         joins=tuple((_below(one, robots), _below(other, robots)) for one, other in joins),
         splits=tuple((_numbers(stay, robots), _numbers(leave, robots)) for stay, leave in splits),
@@ -308,6 +338,7 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
         ),
         done=tuple((_below(task, tasks), _below(slot, robots)) for task, slot in done),
         named=_numbers(tree.get("named", []), robots),
+        took=tuple((_below(one, robots), _below(other, robots)) for one, other in took),
     )
 
 

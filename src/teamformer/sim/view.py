@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.jit import entry, kernel
 from teamformer.rules.coverage import fills_gap
 from teamformer.sim.allocation.crewmates import are_mates, name_crews
-from teamformer.sim.arrays import CREWS, NOBODY, RUNNING, Array, world_at
+from teamformer.sim.arrays import CREWS, NOBODY, PLAN, RUNNING, Array, world_at
 from teamformer.sim.formation import is_in_same_place
 from teamformer.sim.spatial_index import (
     distance_squared,
@@ -48,6 +48,8 @@ class View(NamedTuple):
     is_at_task: Array  # (teams,) bool, stands where its assignment is
     is_serving: Array  # (teams,) bool, must maintain until the service ends
     has_crews: Array  # (teams,) bool, tasks are shared out among crews
+    has_plan: Array  # (teams,) bool, a shared plan says who does what
+    planned: Array  # (teams, caps) int16, counts that it wants the team to have; else its own
     unit: Array  # (teams,) float32, the length that counts as one cell: 1 on a grid
     arrival_radius: Array  # (teams,) float32, what is so near is in the same place: 0 on a grid
     pace: Array  # (teams,) float32, the length that the team walks in a step
@@ -134,6 +136,10 @@ def _write_own(world, view, row, team):  # type: ignore[no-untyped-def]
     view.is_at_task[row] = task != NOBODY and stands_at(world, team, task)
     view.is_serving[row] = world.teams[team].serves > 0
     view.has_crews[row] = world.rules.allocation == CREWS
+    has_plan = world.rules.allocation == PLAN
+    view.has_plan[row] = has_plan
+    for cap in range(view.counts.shape[1]):
+        view.planned[row, cap] = world.planned[team, cap] if has_plan else world.has[team, cap]
     view.unit[row] = world.rules.unit
     view.arrival_radius[row] = world.rules.arrival_radius
     view.pace[row] = world.teams[team].pace
@@ -268,6 +274,8 @@ def make_view(worlds: int, robots: int, tasks: int, caps: int) -> View:
         is_at_task=np.zeros(teams, dtype=np.bool_),
         is_serving=np.zeros(teams, dtype=np.bool_),
         has_crews=np.zeros(teams, dtype=np.bool_),
+        has_plan=np.zeros(teams, dtype=np.bool_),
+        planned=np.zeros((teams, caps), dtype=np.int16),
         unit=np.zeros(teams, dtype=np.float32),
         arrival_radius=np.zeros(teams, dtype=np.float32),
         pace=np.zeros(teams, dtype=np.float32),

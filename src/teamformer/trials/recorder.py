@@ -10,9 +10,10 @@ import numpy as np
 from teamformer.capabilities import covers, total
 from teamformer.model import Scenario
 from teamformer.plane import Plane
+from teamformer.sim.allocation.plan_updates import reasons_in
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Tally, TeamFormation
-from teamformer.sim.replay import Crew, Ending, Replay, Step, TeamAt
+from teamformer.sim.replay import Crew, Ending, Replay, SharedPlanMade, Step, TeamAt
 
 Groups = dict[int, tuple[int, ...]]
 """The robots of each team, by slot."""
@@ -40,6 +41,7 @@ class Recorder:
         self._steps: list[Step] = []
         self._orders: list[tuple[int, tuple[int, ...]]] = []
         self._crews: list[tuple[int, tuple[Crew, ...]]] = []
+        self._shared_plans: list[tuple[int, SharedPlanMade]] = []
         self._plans = 0
         self._before = self._snapshot()
         self._start = tuple(
@@ -64,6 +66,7 @@ class Recorder:
                 teams=_changed_teams(before, after, self._along),
                 done=tuple((int(k), int(tasks["done_by"][k])) for k in done),
                 named=self._named(formed),
+                took=_exchanges(robots["took"]),
             )
         )
         if (tasks["appears"] == steps).any() or self._plans < self._env.worlds.count["plans"][0]:
@@ -83,6 +86,7 @@ class Recorder:
             end=self._ending(),
             lower_bound=lower_bound,
             crews=tuple(self._crews),
+            plans=tuple(plan for plan in self._shared_plans if plan[0] <= made),
         )
 
     def _snapshot(self) -> _Snapshot:
@@ -96,7 +100,16 @@ class Recorder:
         plans = int(worlds.count["plans"][0])
         if self._scenario.allocation == "crews" and plans > self._plans:
             self._crews.append((steps, self._crews_now(order)))
+        if self._scenario.allocation == "plan" and plans > self._plans:
+            self._shared_plans.append((steps, self._shared_plan_now(order)))
         self._plans = plans
+
+    def _shared_plan_now(self, order: tuple[int, ...]) -> SharedPlanMade:
+        worlds = self._env.worlds
+        return SharedPlanMade(
+            reasons_in(int(worlds.count["reason"][0])),
+            tuple(tuple(np.flatnonzero(worlds.coalition[0, task]).tolist()) for task in order),
+        )
 
     def _crews_now(self, order: tuple[int, ...]) -> tuple[Crew, ...]:
         """Return the crews, by number, with their lists."""
@@ -109,7 +122,7 @@ class Recorder:
 
     def _named(self, formed: Groups) -> tuple[int, ...]:
         """Return the teams that decisions gave their task, where only those differ from lists."""
-        if self._scenario.allocation != "crews":
+        if self._scenario.allocation not in ("crews", "plan"):
             return ()
         is_commanded = self._env.worlds.teams["is_commanded"][0]
         return tuple(slot for slot in sorted(formed) if is_commanded[slot])
@@ -167,6 +180,13 @@ def _groups(slots: Array) -> Groups:
         if slot != NOBODY:
             groups.setdefault(slot, []).append(robot)
     return {slot: tuple(robots) for slot, robots in groups.items()}
+
+
+def _exchanges(took: Array) -> tuple[tuple[int, int], ...]:
+    """Return pairs of robots, the lower first; `took` (robots,) names each one's other."""
+    return tuple(
+        (int(robot), int(took[robot])) for robot in np.flatnonzero(took > np.arange(len(took)))
+    )
 
 
 def _splits(

@@ -135,6 +135,13 @@ def send_home(robots, tasks):  # type: ignore[no-untyped-def]
         robots[robot].next, robots[robot].here, robots[robot].out = NOBODY, 0, 0
 
 
+@kernel
+def set_free(robots, ready):  # type: ignore[no-untyped-def]
+    """Let every robot stay at its start until it is free."""
+    for robot in range(len(robots)):
+        robots[robot].arrive = robots[robot].leave = ready[robot]
+
+
 @entry
 def start_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
     """Start every placed task as early as can be.
@@ -144,6 +151,7 @@ def start_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
     """
     robots, steps, cells = timing.robots, problem.steps, problem.cells
     send_home(robots, len(plan.size))
+    set_free(robots, problem.ready)
     makespan = walked = late = 0
     for position in range(plan.placed[0]):
         task = plan.order[position]

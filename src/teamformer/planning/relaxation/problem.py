@@ -46,6 +46,7 @@ class Relaxed(NamedTuple):
     duration: Whole  # (tasks,)
     appears: Whole  # (tasks,) steps made when the task becomes known
     lost: Whole  # (robots,) first step the robot is missing from; FAR for never
+    ready: Whole  # (robots,) the step from which the robot is free; 0 at the start
 
 
 def relax(scenario: Scenario) -> Relaxed:
@@ -54,18 +55,19 @@ def relax(scenario: Scenario) -> Relaxed:
     cells, speed = _ways(scenario)
     no_way = 1 + int(cells[cells < UNREACHABLE].max())
     speeds, pace = np.unique(speed, return_inverse=True)
-    counts = _table([robot.can for robot in robots], scenario.capabilities)
+    counts = count_table([robot.can for robot in robots], scenario.capabilities)
     return Relaxed(
         cells=np.ascontiguousarray(np.minimum(cells, no_way)),
-        steps=_steps_of_cells(speeds, no_way),
+        steps=steps_of_cells(speeds, no_way),
         pace=pace.astype(np.int32),
         speed=speed,
         counts=counts,
-        needs=_table([task.needs for task in tasks], scenario.capabilities),
-        able=_able(counts),
+        needs=count_table([task.needs for task in tasks], scenario.capabilities),
+        able=able_robots(counts),
         duration=np.array([task.duration for task in tasks], dtype=np.int32),
         appears=np.array([task.appears for task in tasks], dtype=np.int32),
         lost=np.array([FAR if r.lost is None else r.lost for r in robots], dtype=np.int32),
+        ready=np.zeros(len(robots), dtype=np.int32),
     )
 
 
@@ -107,17 +109,20 @@ def _most_walked(
     return np.maximum(pace, plane.arrival_radius)
 
 
-def _steps_of_cells(speeds: npt.NDArray[np.float64], no_way: int) -> Whole:
+def steps_of_cells(speeds: npt.NDArray[np.float64], no_way: int) -> Whole:
+    """Return the steps that 0, 1, ... cells take at each speed, (paces, no_way + 1)."""
     steps = np.ceil(np.arange(no_way + 1) / speeds[:, None] - ROUNDING)  # (paces, cells)
     steps[:, no_way] = FAR
     return np.minimum(steps, FAR).astype(np.int32)
 
 
-def _table(parts: Sequence[Mapping[str, int]], capabilities: tuple[str, ...]) -> Whole:
+def count_table(parts: Sequence[Mapping[str, int]], capabilities: tuple[str, ...]) -> Whole:
+    """Return how often each part has each capability, (parts, caps)."""
     return np.array([[part.get(name, 0) for name in capabilities] for part in parts], np.int32)
 
 
-def _able(counts: Whole) -> Whole:
+def able_robots(counts: Whole) -> Whole:
+    """Return the robots with each capability, (caps, robots), then NOBODY."""
     able = np.full(counts.T.shape, NOBODY, dtype=np.int32)
     for row, count in zip(able, counts.T, strict=True):
         row[: np.count_nonzero(count)] = np.flatnonzero(count)

@@ -90,8 +90,8 @@ def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, tempe
     """
     for _ in range(rounds):
         copy_plan(plan, spare)
-        count = _ruin(problem, spare, timing, desk, torn)
-        cost = _recreate(problem, spare, timing, desk, torn, count)
+        count = ruin(problem, spare, timing, desk, torn)
+        cost = recreate(problem, spare, timing, desk, torn, count)
         if cost <= costs[0] - temperature * np.log(1.0 - draw(desk.random)):
             copy_plan(spare, plan)
             costs[0] = cost
@@ -101,7 +101,7 @@ def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, tempe
 
 
 @kernel
-def _ruin(problem, plan, timing, desk, torn):  # type: ignore[no-untyped-def]
+def ruin(problem, plan, timing, desk, torn):  # type: ignore[no-untyped-def]
     """Take tasks out of a plan; list them, and those that had no crew; return how many."""
     first = _choose_first(problem, plan, timing, desk)
     wanted = 1 + draw_below(desk.random, min(LARGEST_RUIN, len(plan.size)))
@@ -173,7 +173,7 @@ def _close_gaps(plan, torn):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _recreate(problem, plan, timing, desk, torn, count):  # type: ignore[no-untyped-def]
+def recreate(problem, plan, timing, desk, torn, count):  # type: ignore[no-untyped-def]
     """Put tasks back, in random order; return the cost of the plan."""
     for last in range(count - 1, 0, -1):
         other = draw_below(desk.random, last + 1)

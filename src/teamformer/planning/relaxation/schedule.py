@@ -16,6 +16,7 @@ from teamformer.planning.relaxation.plan import (
     empty_timing,
     send_home,
     serve,
+    set_free,
     start_tasks,
 )
 from teamformer.planning.relaxation.problem import FAR, Relaxed
@@ -101,6 +102,7 @@ def decode(problem, ranking, plan, timing):  # type: ignore[no-untyped-def]
     robots, steps, cells = timing.robots, problem.steps, problem.cells
     pick, spare = np.empty(len(robots), np.int32), np.empty(problem.needs.shape[1], np.int32)
     send_home(robots, len(plan.size))
+    set_free(robots, problem.ready)
     plan.placed[0] = makespan = 0
     for task in ranking:
         _sort_by_arrival(robots, steps, cells, task, pick)

@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.model import Scenario
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.deadlock_guard import DeadlockGuard
-from teamformer.policies.scripted.joining import JoinUseful
+from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
@@ -22,7 +22,8 @@ class Learned:
     """Reads views with a codec and does what a brain says.
 
     The brain is asked where the codec finds a choice. Elsewhere a team does as join-crew does
-    where tasks are shared out among crews, else as join-all. So does one that the
+    where tasks are shared out among crews, else as join-all. Where there is a shared plan it does
+    as follow-plan everywhere: the networks were not trained on plans. So does one that the
     deadlock guard finds overdue, until a task is done; `overdue` counts such decisions.
     """
 
@@ -35,7 +36,7 @@ class Learned:
         self.is_guarded = is_guarded
         self.overdue = 0
         self._guard = DeadlockGuard()
-        self._fallback = JoinUseful()
+        self._fallback = FollowPlan()
 
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
         """Forget earlier trials."""
@@ -46,7 +47,7 @@ class Learned:
         """Return what the brain wants where it is asked, else what the scripted policy wants."""
         wanted = self._fallback.decide(view).wanted
         tokens = self.codec.encode(view)
-        is_asked = self.codec.has_choice(view, tokens)
+        is_asked = self.codec.has_choice(view, tokens) & ~view.has_plan
         if self.is_guarded:
             is_overdue = self._guard.is_overdue(view)
             self.overdue += int(is_overdue.sum())

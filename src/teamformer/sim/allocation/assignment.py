@@ -6,7 +6,7 @@ import numpy as np
 
 from teamformer.jit import kernel
 from teamformer.rules.coverage import covers, helps
-from teamformer.sim.arrays import CREWS, NEAREST_ALONE, NOBODY
+from teamformer.sim.arrays import CREWS, NEAREST_ALONE, NOBODY, PLAN
 from teamformer.sim.motion import travel, travel_between
 from teamformer.sim.spatial_index import find_near
 
@@ -17,9 +17,9 @@ def allocate_tasks(world, named):  # type: ignore[no-untyped-def]
 
     The part that leaves a team under command waits for its own decision.
     """
-    has_crews = world.rules.allocation == CREWS
-    if has_crews:
-        _find_earliest_tasks(world)
+    is_shared_out = world.rules.allocation == CREWS or world.rules.allocation == PLAN
+    if is_shared_out:
+        find_earliest_tasks(world)
     for team in range(world.rules.robots):
         world.teams[team].pursued = world.teams[team].task
         if world.teams[team].size == 0 or world.teams[team].serves > 0:
@@ -28,7 +28,7 @@ def allocate_tasks(world, named):  # type: ignore[no-untyped-def]
             row = world.teams[team].row
             world.teams[team].task = NOBODY if row == NOBODY else named[row]
             world.teams[team].is_detour = False
-        elif has_crews:
+        elif is_shared_out:
             world.teams[team].task = world.teams[team].next
             world.teams[team].is_detour = False
         elif world.teams[team].task == NOBODY and contributes_to_any(world, team):
@@ -38,8 +38,8 @@ def allocate_tasks(world, named):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _find_earliest_tasks(world):  # type: ignore[no-untyped-def]
-    """Find each team's task by the lists of its robots' crews: the earliest of their next ones."""
+def find_earliest_tasks(world):  # type: ignore[no-untyped-def]
+    """Find each team's task by crews' lists or the shared plan: the earliest of its robots'."""
     for team in range(world.rules.robots):
         world.teams[team].next = NOBODY
     for robot in range(world.rules.robots):

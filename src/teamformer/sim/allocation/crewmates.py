@@ -1,9 +1,9 @@
-"""Which teams are of the same crew; where there are no crews, all are."""
+"""Which teams are of the same crew or coalition; where there are none, all are."""
 
 from __future__ import annotations
 
 from teamformer.jit import kernel
-from teamformer.sim.arrays import CREWS, MIXED, NOBODY
+from teamformer.sim.arrays import CREWS, MIXED, NOBODY, PLAN
 
 
 @kernel
@@ -21,8 +21,12 @@ def name_crews(world):  # type: ignore[no-untyped-def]
 def are_mates(world, team, other):  # type: ignore[no-untyped-def]
     """Say whether some robot of a team is in the crew of some robot of another one.
 
-    Crews must have been named since teams or crews changed.
+    By a shared plan those are mates that have the same task next. Crews must have been named since
+    teams or crews changed.
     """
+    if world.rules.allocation == PLAN:
+        task = world.teams[team].next
+        return task != NOBODY and task == world.teams[other].next
     if world.rules.allocation != CREWS:
         return True
     if world.teams[team].crew != MIXED and world.teams[other].crew != MIXED:

@@ -5,27 +5,33 @@ It rests only on what everybody knows: the fleet list, the open tasks, who did t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.model import Scenario
 from teamformer.planning.tour import UNLINKED, plan_tour
 from teamformer.sim.allocation.crew_plan import update_plan
-from teamformer.sim.arrays import CREWS, NEAREST, NOBODY, RUNNING, Worlds, world_at
+from teamformer.sim.allocation.plan_updates import update_shared_plans
+from teamformer.sim.arrays import CREWS, NEAREST, NOBODY, PLAN, RUNNING, Worlds, world_at
 from teamformer.sim.motion import travel, travel_between
 
 
-def orderings_for(worlds: Worlds) -> list[Callable[[Worlds], None]]:
-    """Return what brings order and crews up to date in these worlds: call each after every step.
+def orderings_for(worlds: Worlds, scenarios: Sequence[Scenario]) -> list[Callable[[Worlds], None]]:
+    """Return what brings order, crews and plans up to date: call each after every step.
 
-    Only what they need, as a planner that is never called need not be compiled.
+    Only what these worlds need, as a planner that is never called need not be compiled.
     """
-    is_planned = (worlds.rules["allocation"] == CREWS) | (worlds.rules["has_schedule"] != 0)
-    orderings = []
-    if is_planned.any():
+    has_plan = worlds.rules["allocation"] == PLAN
+    has_lists = (worlds.rules["allocation"] == CREWS) | (worlds.rules["has_schedule"] != 0)
+    orderings: list[Callable[[Worlds], None]] = []
+    if has_plan.any():
+        orderings.append(partial(update_shared_plans, scenarios=scenarios))
+    if (has_lists & ~has_plan).any():
         orderings.append(plan_worlds)
-    if not is_planned.all():
+    if not (has_lists | has_plan).all():
         orderings.append(order_worlds)
     return orderings
 
@@ -35,7 +41,7 @@ def plan_worlds(worlds):  # type: ignore[no-untyped-def]
     """Bring crews and order up to date in every world that goes on and plans them."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
-        if world.count.status == RUNNING and _is_planned(world):
+        if world.count.status == RUNNING and _has_lists(world):
             update_plan(world)
             world.count.arrived = 0
 
@@ -45,14 +51,16 @@ def order_worlds(worlds):  # type: ignore[no-untyped-def]
     """Bring the order up to date in every other world that goes on."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
-        if world.count.status == RUNNING and not _is_planned(world) and world.count.arrived > 0:
+        has_tour = world.rules.allocation != PLAN and not _has_lists(world)
+        if world.count.status == RUNNING and has_tour and world.count.arrived > 0:
             _order_arrived(world)
             world.count.arrived = 0
 
 
 @kernel
-def _is_planned(world):  # type: ignore[no-untyped-def]
-    return world.rules.allocation == CREWS or world.rules.has_schedule
+def _has_lists(world):  # type: ignore[no-untyped-def]
+    is_shared = world.rules.allocation == PLAN
+    return not is_shared and (world.rules.allocation == CREWS or world.rules.has_schedule)
 
 
 @entry

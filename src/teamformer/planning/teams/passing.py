@@ -1,0 +1,125 @@
+"""Writes what is done on the way into a plan, so that nobody is sent to it in vain."""
+
+from __future__ import annotations
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.relaxation.problem import NOBODY
+from teamformer.planning.teams.timing import ENDLESS, is_settled, time_plan
+
+ROUNDS = 20
+"""How often a plan is timed anew until nothing in it is done by others than planned."""
+
+
+@entry
+def settle(problem, crossings, plan, groups, bench, most):  # type: ignore[no-untyped-def]
+    """Time a plan and give all tasks to those who do them; return cost, makespan, if it is settled.
+
+    It is given up when it costs more than `most`.
+    """
+    cost, makespan = time_plan(problem, crossings, plan, groups, most)
+    for _ in range(ROUNDS):
+        if cost == ENDLESS or is_settled(groups):
+            break
+        _hand_over(plan, groups, bench)
+        cost, makespan = time_plan(problem, crossings, plan, groups, most)
+    return cost, makespan, is_settled(groups)
+
+
+@kernel
+def _hand_over(plan, groups, bench):  # type: ignore[no-untyped-def]
+    """Put every task that was passed before the one that its doers went to, or after if there.
+
+    Groups are followed as they were when the plan was timed, whoever is handed a task.
+    """
+    tasks, stolen = len(plan.order), groups.too_early[0]
+    was_visited = stolen != NOBODY and groups.passed_to[stolen] == NOBODY
+    if stolen != NOBODY:
+        groups.passed_to[stolen] = groups.too_early[1]
+        groups.passed_from[stolen] = groups.too_early[2]
+        groups.start[stolen] = groups.too_early[3]
+    for robot in range(len(groups.of)):
+        groups.of[robot] = tasks + groups.company[robot]
+    filled = 0
+    for position in range(tasks):
+        task = plan.order[position]
+        passed_to = groups.passed_to[task]
+        if task == stolen:
+            if was_visited:
+                _follow(plan, groups, task)
+        elif passed_to == NOBODY:
+            spares = _list_spares(plan, groups, bench, task)
+            filled = _place_passed(plan, groups, bench, task, filled, False)
+            bench.moved[filled] = task
+            filled += 1
+            _follow(plan, groups, task)
+            filled = _place_passed(plan, groups, bench, task, filled, True)
+            _leave_out(plan, bench, task, spares)
+        elif passed_to == stolen:  # nobody is on the way to that any more
+            bench.moved[filled] = task
+            filled += 1
+    _sort_by_start(plan, groups, bench)
+
+
+@kernel
+def _follow(plan, groups, task):  # type: ignore[no-untyped-def]
+    for seat in range(plan.size[task]):
+        groups.of[plan.crew[task, seat]] = task
+
+
+@kernel
+def _sort_by_start(plan, groups, bench):  # type: ignore[no-untyped-def]
+    """Order the tasks in `bench.moved` by their starts, of equals as they are."""
+    for position in range(len(plan.order)):
+        task, gap = bench.moved[position], position
+        while gap > 0 and groups.start[plan.order[gap - 1]] > groups.start[task]:
+            plan.order[gap] = plan.order[gap - 1]
+            gap -= 1
+        plan.order[gap] = task
+
+
+@kernel
+def _list_spares(plan, groups, bench, task):  # type: ignore[no-untyped-def]
+    """List the robots of a task's group that can be spared in `bench.union`; return how many."""
+    count = 0
+    if task == groups.spare[0]:
+        for seat in range(plan.size[task]):
+            if groups.of[plan.crew[task, seat]] == groups.spare[1]:
+                bench.union[count] = plan.crew[task, seat]
+                count += 1
+    return count
+
+
+@kernel
+def _leave_out(plan, bench, task, spares):  # type: ignore[no-untyped-def]
+    """Take the robots in `bench.union` out of a coalition."""
+    kept = 0
+    for seat in range(plan.size[task]):
+        robot, is_spare = plan.crew[task, seat], False
+        for place in range(spares):
+            is_spare |= bench.union[place] == robot
+        if not is_spare:
+            plan.crew[task, kept] = robot
+            kept += 1
+    plan.size[task] = kept
+
+
+@kernel
+def _place_passed(plan, groups, bench, task, filled, is_there):  # type: ignore[no-untyped-def]
+    """Place what was passed on the way to a task, or what is where it is; return the next place."""
+    begin = filled
+    for other in range(len(plan.order)):
+        if groups.passed_to[other] != task or (groups.passed_from[other] == task) != is_there:
+            continue
+        gap = filled
+        while gap > begin and groups.start[bench.moved[gap - 1]] > groups.start[other]:
+            bench.moved[gap] = bench.moved[gap - 1]
+            gap -= 1
+        bench.moved[gap] = other
+        filled += 1
+        plan.size[other] = 0
+        for seat in range(plan.size[task]):
+            robot = plan.crew[task, seat]
+            if groups.of[robot] == groups.passed_from[other]:
+                plan.crew[other, plan.size[other]] = robot
+                plan.size[other] += 1
+    return filled

@@ -1,0 +1,125 @@
+"""The search for a shared plan: threshold accepting (Dueck and Scheuer 1990), in whole numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.relaxation.plan import Array
+from teamformer.planning.relaxation.problem import NOBODY, Relaxed
+from teamformer.planning.teams.crossings import Crossings
+from teamformer.planning.teams.neighbourhood import change_plan, empty_bench, keep, undo
+from teamformer.planning.teams.passing import settle
+from teamformer.planning.teams.plan import TeamPlan, copy_team_plan, empty_team_plan
+from teamformer.planning.teams.timing import ENDLESS, STEP, empty_groups, is_settled, time_plan
+
+
+class ThresholdSearch:
+    """A search: where it stands, the best plan it has seen, and room to work in."""
+
+    def __init__(
+        self,
+        problem: Relaxed,
+        crossings: Crossings,
+        company: Array,
+        forming_steps: int,
+        seed: int = 0,
+    ) -> None:
+        self.problem, self.crossings = problem, crossings
+        self._plans = [empty_team_plan(problem) for _ in range(3)]
+        self._groups = empty_groups(problem, company, forming_steps)
+        self._bench = empty_bench(problem, seed)
+        self._costs = np.full(2, ENDLESS, np.int64)
+
+    def begin(self, start: TeamPlan) -> int:
+        """Go on from a plan; return its cost once it is settled."""
+        plan, best, _ = self._plans
+        copy_team_plan(start, plan)
+        cost, _, _ = settle(self.problem, self.crossings, plan, self._groups, self._bench, ENDLESS)
+        self._costs[0] = cost
+        if cost < self._costs[1]:
+            self._costs[1] = cost
+            copy_team_plan(plan, best)
+        return int(cost)
+
+    def run(self, rounds: int, hot: float) -> None:
+        """Search for some rounds; at first plans may be worse by `hot` steps, in the end none."""
+        search(
+            self.problem,
+            self.crossings,
+            *self._plans,
+            self._groups,
+            self._bench,
+            self._costs,
+            rounds,
+            int(hot * STEP * len(self.problem.appears)),
+        )
+
+    @property
+    def cost(self) -> int:
+        """Return what the best plan costs."""
+        return int(self._costs[1])
+
+    @property
+    def best(self) -> TeamPlan:
+        """Return a copy of the best plan."""
+        return TeamPlan(*(array.copy() for array in self._plans[1]))
+
+    @property
+    def ends(self) -> Array:
+        """Return the steps in which tasks are done in the best plan, (tasks,)."""
+        time_plan(self.problem, self.crossings, self._plans[1], self._groups, ENDLESS)
+        return self._groups.end[: len(self.problem.appears)].copy()
+
+    @property
+    def makespan(self) -> int:
+        """Return the step in which the best plan is done."""
+        return int(self.ends.max())
+
+
+@entry
+def search(problem, crossings, plan, best, spare, groups, bench, costs, rounds, hot):  # type: ignore[no-untyped-def]
+    """Make changes for a number of rounds; keep those that cost at most so much more, ever less.
+
+    `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both.
+    `spare` is room to work in; `hot` is what a change may cost at first.
+    """
+    time_plan(problem, crossings, plan, groups, np.int64(ENDLESS))
+    _trace(plan, groups, bench)
+    for made in range(rounds):
+        allowed = costs[0] + hot * (rounds - made) // rounds
+        if not change_plan(problem, plan, bench):
+            undo(plan, bench)
+            continue
+        cost, _ = time_plan(problem, crossings, plan, groups, allowed)
+        if cost > allowed:
+            undo(plan, bench)
+            continue
+        if not is_settled(groups):
+            copy_team_plan(plan, spare)
+            cost, _, is_good = settle(problem, crossings, plan, groups, bench, allowed)
+            if cost > allowed or not is_good:
+                copy_team_plan(spare, plan)
+                undo(plan, bench)
+                continue
+        keep(bench)
+        costs[0] = cost
+        _trace(plan, groups, bench)
+        if cost < costs[1]:
+            costs[1] = cost
+            copy_team_plan(plan, best)
+
+
+@kernel
+def _trace(plan, groups, bench):  # type: ignore[no-untyped-def]
+    """List the tasks that the makespan hangs on, from the last backwards."""
+    task = 0
+    for other in range(len(plan.order)):
+        if groups.end[other] > groups.end[task]:
+            task = other
+    length = 0
+    while task != NOBODY and length < len(plan.order):
+        bench.critical[length] = task
+        length += 1
+        task = groups.before[task] if groups.passed_to[task] == NOBODY else groups.passed_to[task]
+    bench.length[0] = length

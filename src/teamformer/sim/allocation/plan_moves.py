@@ -1,0 +1,186 @@
+"""What the shared plan wants each team to do now: part, wait and join, or go on.
+
+A robot's next task is the first open one in the plan's order that has it in its coalition. A team
+whose robots have different next tasks parts, those of the earliest staying; whoever has none stays
+behind. Teams that wait at a task for one another join, pair by pair in slot order.
+"""
+
+from __future__ import annotations
+
+from teamformer.jit import entry, kernel
+from teamformer.sim.allocation.assignment import find_earliest_tasks
+from teamformer.sim.arrays import NOBODY, PLAN, RUNNING, world_at
+from teamformer.sim.formation import choose_stayers
+from teamformer.sim.spatial_index import stands_at
+
+
+@entry
+def follow_shared_plans(worlds, is_new):  # type: ignore[no-untyped-def]
+    """Write what teams are to do next in all worlds with a plan; `is_new` (worlds,) says which."""
+    for w in range(len(worlds.rules)):
+        world = world_at(worlds, w)
+        if world.count.status == RUNNING and world.rules.allocation == PLAN:
+            _follow(world, is_new[w])
+
+
+@kernel
+def _follow(world, is_new):  # type: ignore[no-untyped-def]
+    _find_next_tasks(world, is_new)
+    find_earliest_tasks(world)
+    for position in range(world.count.open):
+        world.tasks[world.order[position]].waiting = NOBODY
+    for team in range(world.rules.robots):
+        for cap in range(world.has.shape[1]):
+            world.planned[team, cap] = world.has[team, cap]
+        if world.teams[team].size == 0 or world.teams[team].serves > 0:
+            continue
+        if _is_parting(world, team):
+            _part(world, team)
+        else:
+            _join_who_waits(world, team)
+    if is_new:  # the plan is written down with these exchanges made
+        for robot in range(world.rules.robots):
+            world.robots[robot].took = NOBODY
+
+
+@kernel
+def _find_next_tasks(world, is_new):  # type: ignore[no-untyped-def]
+    """Find each robot's next task, where its last one is done or the plan is new."""
+    for robot in range(world.rules.robots):
+        world.robots[robot].took = NOBODY
+        task = world.robots[robot].next
+        if not is_new and (task == NOBODY or world.tasks[task].is_open):
+            continue
+        world.robots[robot].next = NOBODY
+        if world.robots[robot].team == NOBODY:
+            continue
+        for position in range(world.count.open):
+            if world.coalition[world.order[position], robot]:
+                world.robots[robot].next = world.order[position]
+                break
+
+
+@kernel
+def _is_parting(world, team):  # type: ignore[no-untyped-def]
+    """Say whether a team's robots have different next tasks."""
+    task = world.robots[team].next
+    for robot in range(team + 1, world.rules.robots):
+        if world.robots[robot].team == team and world.robots[robot].next != task:
+            return True
+    return False
+
+
+@kernel
+def _join_who_waits(world, team):  # type: ignore[no-untyped-def]
+    """Let a team at its task be joined by the next in slot order that is there too."""
+    task = world.teams[team].next
+    if task == NOBODY or not stands_at(world, team, task):
+        return
+    other = world.tasks[task].waiting
+    if other == NOBODY:
+        world.tasks[task].waiting = team
+        return
+    world.tasks[task].waiting = NOBODY
+    for cap in range(world.has.shape[1]):
+        world.planned[other, cap] += world.has[team, cap]
+
+
+@kernel
+def _part(world, team):  # type: ignore[no-untyped-def]
+    """Choose the counts to keep so that the robots of one way stay, or all others.
+
+    Ways are looked at in the plan's order. Members stay in robot order while they fit, so it may
+    be like ones that stay: they exchange their parts of the plan. If no way can be parted from the
+    others like that, the lowest robot goes its own way.
+    """
+    task = world.teams[team].next
+    while task != NOBODY:
+        for leaves in (False, True):
+            _want_way(world, team, task, leaves)
+            choose_stayers(world, team, world.planned[team])
+            if _are_alike(world, team, task, leaves):
+                _exchange(world, team, task, leaves)
+                return
+        task = _next_way(world, team, task)
+    for cap in range(world.has.shape[1]):
+        world.planned[team, cap] = world.brings[team, cap]
+
+
+@kernel
+def _next_way(world, team, task):  # type: ignore[no-untyped-def]
+    """Return the way of a team's robots that comes after one in the plan's order, or NOBODY."""
+    found = NOBODY
+    for robot in range(team, world.rules.robots):
+        other = world.robots[robot].next
+        if world.robots[robot].team != team or other == NOBODY:
+            continue
+        is_later = world.tasks[other].rank > world.tasks[task].rank
+        if is_later and (found == NOBODY or world.tasks[other].rank < world.tasks[found].rank):
+            found = other
+    return found
+
+
+@kernel
+def _is_meant_to_stay(world, robot, task, leaves):  # type: ignore[no-untyped-def]
+    """Say whether a robot is of the way of a task, or of another if that one leaves."""
+    return (world.robots[robot].next == task) != leaves
+
+
+@kernel
+def _want_way(world, team, task, leaves):  # type: ignore[no-untyped-def]
+    """Write the counts of those who are meant to stay."""
+    for cap in range(world.has.shape[1]):
+        world.planned[team, cap] = 0
+    for robot in range(team, world.rules.robots):
+        if world.robots[robot].team == team and _is_meant_to_stay(world, robot, task, leaves):
+            for cap in range(world.has.shape[1]):
+                world.planned[team, cap] += world.brings[robot, cap]
+
+
+@kernel
+def _are_alike(world, team, task, leaves):  # type: ignore[no-untyped-def]
+    """Say whether as many robots of each kind stay as are meant to."""
+    more = world.near_key  # (robots,) by kind
+    for robot in range(world.rules.robots):
+        more[robot] = 0
+    for robot in range(team, world.rules.robots):
+        if world.robots[robot].team == team:
+            kind = world.robots[robot].kind
+            more[kind] += world.robots[robot].stays
+            more[kind] -= _is_meant_to_stay(world, robot, task, leaves)
+    for robot in range(world.rules.robots):
+        if more[robot] != 0:
+            return False
+    return True
+
+
+@kernel
+def _exchange(world, team, task, leaves):  # type: ignore[no-untyped-def]
+    """Let robots that stay take the parts of like ones that are meant to, and the other way round.
+
+    Each does so at most once, as one that is meant to stay then stays.
+    """
+    for robot in range(team, world.rules.robots):
+        if world.robots[robot].team != team or not world.robots[robot].stays:
+            continue
+        if _is_meant_to_stay(world, robot, task, leaves):
+            continue
+        for other in range(team, world.rules.robots):
+            is_like = world.robots[other].kind == world.robots[robot].kind
+            leaves_team = world.robots[other].team == team and not world.robots[other].stays
+            if is_like and leaves_team and _is_meant_to_stay(world, other, task, leaves):
+                _swap_parts(world, robot, other)
+                break
+
+
+@kernel
+def _swap_parts(world, robot, other):  # type: ignore[no-untyped-def]
+    for position in range(world.count.open):
+        task = world.order[position]
+        part = world.coalition[task, robot]
+        world.coalition[task, robot] = world.coalition[task, other]
+        world.coalition[task, other] = part
+    following = world.robots[robot].next
+    world.robots[robot].next = world.robots[other].next
+    world.robots[other].next = following
+    world.robots[robot].took, world.robots[other].took = other, robot

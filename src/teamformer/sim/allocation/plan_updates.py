@@ -1,0 +1,95 @@
+"""When the shared plan is made while a trial runs, from what facts, and where it is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from teamformer.jit import entry
+from teamformer.model import Grid, Scenario
+from teamformer.planning.teams.facts import Facts, SharedPlan
+from teamformer.planning.teams.shared_plan import plan_mission
+from teamformer.sim.allocation.plan_moves import follow_shared_plans
+from teamformer.sim.arrays import NOBODY, PLAN, RUNNING, Array, Worlds, world_at
+from teamformer.sim.replay import PLAN_REASONS
+
+START, APPEARED, LOST, BROKEN_OFF = 1, 2, 4, 8
+"""Why a plan is made, in bits, in the order of `PLAN_REASONS`."""
+
+
+def reasons_in(bits: int) -> tuple[str, ...]:
+    """Return the words for why a plan was made."""
+    return tuple(word for bit, word in enumerate(PLAN_REASONS) if bits & 1 << bit)
+
+
+def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario]) -> None:
+    """Make a plan in every world where something has happened; say what teams are to do next."""
+    reasons = np.zeros(len(scenarios), np.int32)
+    _find_reasons(worlds, reasons)
+    for w in np.flatnonzero(reasons).tolist():
+        old = None if reasons[w] & START else _read_plan(worlds, w)
+        _write_plan(worlds, w, plan_mission(scenarios[w], facts_of(worlds, w, scenarios[w]), old))
+    follow_shared_plans(worlds, reasons != 0)
+
+
+@entry
+def _find_reasons(worlds, reasons):  # type: ignore[no-untyped-def]
+    """Write why the plan of each world is to be made, 0 where it is not; take note of it."""
+    for w in range(len(worlds.rules)):
+        world = world_at(worlds, w)
+        if world.count.status != RUNNING or world.rules.allocation != PLAN:
+            continue
+        if world.count.arrived > 0:
+            reasons[w] |= START if world.count.plans == 0 else APPEARED
+        if world.count.lost > world.count.planned_lost:
+            reasons[w] |= LOST
+        if world.count.broken_off > world.count.planned_broken_off:
+            reasons[w] |= BROKEN_OFF
+        if reasons[w] != 0:
+            world.count.reason = reasons[w]
+        world.count.arrived = 0
+        world.count.planned_lost = world.count.lost
+        world.count.planned_broken_off = world.count.broken_off
+
+
+def facts_of(worlds: Worlds, w: int, scenario: Scenario) -> Facts:
+    """Return what everybody knows of a world: robots say where and with whom they are, and busy."""
+    robots, tasks, teams = worlds.robots[w], worlds.tasks[w], worlds.teams[w]
+    step = int(worlds.count["steps"][w])
+    free_at = np.full(len(teams), step)  # (slots,)
+    for task in np.flatnonzero(tasks["server"] != NOBODY).tolist():
+        server, until = int(tasks["server"][task]), step + int(tasks["remaining"][task])
+        free_at[server] = max(int(free_at[server]), until)
+    slots = robots["team"][: len(scenario.robots)]
+    along = int if isinstance(scenario.world, Grid) else float
+    members = {slot: np.flatnonzero(slots == slot) for slot in np.unique(slots[slots != NOBODY])}
+    return Facts(
+        step=step,
+        open_tasks=tuple(np.flatnonzero(tasks["is_open"] & (tasks["server"] == NOBODY)).tolist()),
+        places=tuple((along(teams["x"][slot]), along(teams["y"][slot])) for slot in slots),
+        teams=tuple(tuple(members[slot].tolist()) for slot in sorted(members)),
+        free_at=tuple(free_at[slots].tolist()),
+    )
+
+
+def _read_plan(worlds: Worlds, w: int) -> SharedPlan:
+    """Return the plan that a world holds; tasks that are not in it yet have no coalition."""
+    order = worlds.order[w, : worlds.count["open"][w]]
+    coalitions = tuple(tuple(np.flatnonzero(worlds.coalition[w, task]).tolist()) for task in order)
+    return SharedPlan(tuple(order.tolist()), coalitions, (), "")
+
+
+def _write_plan(worlds: Worlds, w: int, plan: SharedPlan) -> None:
+    """Put a plan into a world; what is being served comes first, with those who serve it."""
+    coalition, tasks = worlds.coalition[w], worlds.tasks[w]
+    served = np.flatnonzero(tasks["is_open"] & (tasks["server"] != NOBODY)).tolist()
+    coalition[:] = False
+    for task in served:
+        coalition[task] = worlds.robots["team"][w] == tasks["server"][task]
+    for task, robots in zip(plan.order, plan.coalitions, strict=True):
+        coalition[task, list(robots)] = True
+    order: Array = np.array([*served, *plan.order], np.int64)
+    worlds.order[w, : len(order)] = order
+    tasks["rank"][order] = np.arange(len(order))
+    worlds.count["plans"][w] += 1

@@ -1,0 +1,149 @@
+"""The plan that every robot works out alike: its times by hand, and what it promises."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from random_worlds import random_world
+from teamformer.capabilities import covers, total
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.planning.teams.facts import Facts, SharedPlan, situation_of
+from teamformer.planning.teams.plan import plan_teams
+from teamformer.planning.teams.shared_plan import plan_mission
+from teamformer.planning.teams.threshold_search import ThresholdSearch
+
+
+def start_of(scenario: Scenario) -> Facts:
+    """Return what everybody knows before the first step."""
+    return Facts(
+        step=0,
+        open_tasks=tuple(k for k, task in enumerate(scenario.tasks) if task.appears == 0),
+        places=tuple(robot.at for robot in scenario.robots),
+        teams=scenario.starting_teams,
+        free_at=(0,) * len(scenario.robots),
+    )
+
+
+def corridor(
+    places: list[int], tasks: list[Task], teams: tuple[tuple[int, ...], ...] = ()
+) -> Scenario:
+    """Draw robots, each able to do "a" once, in a corridor."""
+    robots = tuple(Robot(f"r{n}", (x, 0), {"a": 1}) for n, x in enumerate(places))
+    return Scenario("corridor", Grid(30, 1), ("a",), robots, tuple(tasks), teams)
+
+
+def task(x: int, count: int, duration: int = 0) -> Task:
+    return Task(f"t{x}-{count}", (x, 0), {"a": count}, duration=duration)
+
+
+def settled(
+    scenario: Scenario, order: list[int], crews: list[list[int]]
+) -> tuple[list[int], list[list[int]]]:
+    """Return the step in which each task of a plan is done, and by whom once it is settled."""
+    situation = situation_of(scenario, start_of(scenario))
+    search = ThresholdSearch(
+        situation.problem, situation.crossings, situation.company, scenario.forming_steps
+    )
+    search.begin(plan_teams(situation.problem, order, crews))
+    plan = search.best
+    crew = [sorted(plan.crew[k, : plan.size[k]].tolist()) for k in range(len(order))]
+    return search.ends.tolist(), crew
+
+
+def test_who_has_nothing_left_to_do_is_left_behind_at_the_cost_of_a_split() -> None:
+    scenario = corridor([4, 4], [task(4, 2), task(8, 1)])
+    assert settled(scenario, [0, 1], [[0, 1], [0]])[0] == [1, 6]
+    assert settled(scenario, [0, 1], [[0, 1], [0, 1]])[0] == [1, 5]
+
+
+def test_who_passes_a_task_that_it_can_do_does_it() -> None:
+    scenario = corridor([0, 20], [task(10, 1), task(5, 1, duration=3)])
+    ends, crew = settled(scenario, [0, 1], [[0], [1]])
+    assert ends == [13, 8]  # five cells, three steps of service, five cells
+    assert crew == [[0], [0]]
+
+
+def test_who_comes_past_a_task_before_those_who_are_planned_for_it_does_it() -> None:
+    ann = Robot("ann", (0, 0), {"a": 1})
+    bob = Robot("bob", (9, 0), {"a": 1, "b": 1})
+    tasks = (Task("near-bob", (8, 0), {"a": 1}), Task("far", (2, 0), {"b": 1}))
+    scenario = Scenario("corridor", Grid(30, 1), ("a", "b"), (ann, bob), tasks)
+    assert settled(scenario, [0, 1], [[0], [1]]) == ([1, 7], [[1], [1]])
+
+
+def test_a_team_does_all_that_it_can_where_it_is_at_once() -> None:
+    scenario = corridor([0, 0], [task(3, 2, duration=4), task(3, 1, duration=6)], ((0, 1),))
+    assert settled(scenario, [0, 1], [[0, 1], [0]])[0] == [7, 9]
+
+
+def test_nobody_waits_for_robots_that_a_task_can_do_without() -> None:
+    scenario = corridor([0, 20], [task(3, 1)])
+    assert settled(scenario, [0], [[0, 1]]) == ([3], [[0]])
+
+
+def test_robots_are_free_when_their_service_ends() -> None:
+    scenario = corridor([0, 9], [task(3, 1)])
+    facts = replace(start_of(scenario), step=10, free_at=(14, 10))
+    assert plan_mission(scenario, facts) == SharedPlan((0,), ((1,),), (16,), "crews")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_every_coalition_can_do_its_task(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for number in range(30):
+        scenario = random_world(rng, is_plane=number % 3 == 0)
+        facts = start_of(scenario)
+        plan = plan_mission(scenario, facts)
+        assert sorted(plan.order) == sorted(facts.open_tasks)
+        for doing, coalition in zip(plan.order, plan.coalitions, strict=True):
+            assert covers(
+                total(scenario.robots[r].can for r in coalition), scenario.tasks[doing].needs
+            )
+
+
+def test_a_plan_made_again_is_never_worse_by_its_own_count() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        scenario = random_world(rng, with_losses=False, with_arrivals=False)
+        facts = start_of(scenario)
+        old = plan_mission(scenario, facts)
+        assert plan_mission(scenario, facts, old).makespan <= old.makespan
+
+
+HASHED = """
+import numpy as np
+from hashlib import sha256
+from random_worlds import random_world
+from test_shared_plan import hash_of
+print(hash_of(seed=4, worlds=6))
+"""
+
+
+def hash_of(seed: int, worlds: int) -> str:
+    """Return a hash of the plans of many worlds."""
+    rng, stamp = np.random.default_rng(seed), sha256()
+    for number in range(worlds):
+        scenario = random_world(rng, is_plane=number % 3 == 0)
+        stamp.update(repr(plan_mission(scenario, start_of(scenario))).encode())
+    return stamp.hexdigest()
+
+
+def test_plans_are_the_same_without_the_compiler_and_in_another_process() -> None:
+    here = Path(__file__).parent
+    paths = [str(here), str(here.parent), os.environ.get("PYTHONPATH", "")]
+    told = subprocess.run(
+        [sys.executable, "-c", HASHED],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(paths)},
+    )
+    assert told.stdout.strip() == hash_of(seed=4, worlds=6)

@@ -1,0 +1,109 @@
+"""The shared plan while a trial runs: it is played as planned, and made anew at events."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.planning.teams.shared_plan import plan_mission
+from teamformer.policies.scripted.follow_plan import FollowPlan
+from teamformer.referee.judge import judge
+from teamformer.scenarios.generate import Spec, generate
+from teamformer.sim.allocation.plan_updates import facts_of
+from teamformer.sim.env import TeamFormation
+from teamformer.trials.trial import run_trial
+
+CAPS = ("lift", "weld")
+
+
+def corridor(tasks: list[Task], *robots: Robot) -> Scenario:
+    return Scenario("corridor", Grid(30, 1), CAPS, robots, tuple(tasks), allocation="plan")
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_planned_is_what_happens(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    scenario = generate(Spec(robots=6, tasks=8, capabilities=4), rng)
+    env = TeamFormation([replace(scenario, allocation="plan")])
+    planned = plan_mission(scenario, facts_of(env.worlds, 0, scenario))
+    policy = FollowPlan()
+    while env.is_running[0]:
+        env.step(policy.decide(env.view()))
+    assert env.tally().status == "completed"
+    assert env.tally().steps == planned.makespan
+    done = env.worlds.tasks["done_at"][0]
+    assert [int(done[task]) for task in planned.order] == list(planned.ends)
+
+
+def test_the_record_says_why_plans_are_made_and_the_referee_goes_by_them() -> None:
+    ann, bob = Robot("ann", (0, 0), {"lift": 1}), Robot("bob", (2, 0), {"lift": 1}, lost=8)
+    tasks = [
+        Task("a", (6, 0), {"lift": 1}),
+        Task("b", (20, 0), {"lift": 1}),
+        Task("c", (1, 0), {"lift": 1}, appears=5),
+    ]
+    replay = run_trial(corridor(tasks, ann, bob), FollowPlan(), "follow-plan").replay
+    assert replay.end.status == "completed"
+    assert [(steps, plan.reasons) for steps, plan in replay.plans] == [
+        (0, ("start",)),
+        (5, ("task appeared",)),
+        (8, ("robot lost",)),
+    ]
+    assert judge(replay).findings == ()
+    steps, last = replay.plans[-1]
+    forged = last._replace(coalitions=((1,), *last.coalitions[1:]))
+    found = judge(replace(replay, plans=(*replay.plans[:-1], (steps, forged)))).findings
+    assert any("lost" in finding.message for finding in found)
+
+
+def test_whoever_is_not_needed_stays_behind() -> None:
+    ann = Robot("ann", (0, 0), {"lift": 1}, speed=0.5)
+    bob = Robot("bob", (0, 0), {"weld": 1})
+    tasks = [Task("both", (0, 0), {"lift": 1, "weld": 1}), Task("far", (20, 0), {"weld": 1})]
+    env = TeamFormation([corridor(tasks, ann, bob)])
+    policy = FollowPlan()
+    while env.is_running[0]:
+        env.step(policy.decide(env.view()))
+    assert env.tally().steps == 1 + 1 + 20  # a join, a split, and the way at bob's own pace
+    assert env.worlds.teams["x"][0].tolist() == [0.0, 20.0]
+
+
+def test_like_robots_take_each_others_part() -> None:
+    """The rules let the lower of two like robots stay, whichever the plan means to."""
+    robots = [Robot(f"r{n}", (10, 0), {"lift": 1}) for n in range(2)]
+    tasks = [
+        Task("both", (10, 0), {"lift": 2}),
+        *(Task(f"t{x}", (x, 0), {"lift": 1}) for x in (0, 20)),
+    ]
+    env = TeamFormation([corridor(tasks, *robots)])
+    policy = FollowPlan()
+    while env.is_running[0]:
+        env.step(policy.decide(env.view()))
+    assert env.tally().steps == 1 + 1 + 10
+    assert env.tally().illegal_decisions == 0
+
+
+def test_forks_and_resets_keep_the_plan() -> None:
+    rng = np.random.default_rng(3)
+    scenarios = [
+        replace(generate(Spec(robots=6, tasks=6, late_tasks=2), rng), allocation="plan")
+        for _ in range(4)
+    ]
+    env, policy = TeamFormation(scenarios, threads=2), FollowPlan()
+    for _ in range(5):
+        env.step(policy.decide(env.view()))
+    twin = env.fork()
+
+    def play(which: TeamFormation) -> list[object]:
+        while which.is_running.any():
+            which.step(policy.decide(which.view()))
+        return [which.tally(w) for w in range(4)]
+
+    ended = play(env)
+    assert play(twin) == ended
+    env.reset()
+    assert play(env) == ended
+    env.close()

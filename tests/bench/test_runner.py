@@ -235,7 +235,8 @@ def test_trials_of_a_policy_whose_code_has_changed_are_run_again(
         (tmp_path / "my_changing.py").write_text(OWN.format(pace=pace))
         own_stamp.cache_clear()
         ran.clear()
-        rows = measured(tmp_path, Request(suite, trials=2), engine, told.append)
+        request = Request(suite, trials=2, policies=suite.policies)
+        rows = measured(tmp_path, request, engine, told.append)
         assert sorted(ran) == expected
         assert len(rows) == 4
     assert "my_changing:Mine has changed since; its 2 trials are run again" in told

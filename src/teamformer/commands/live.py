@@ -12,6 +12,7 @@ from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.run import ready_policy
 from teamformer.errors import TeamformerError
+from teamformer.mission_rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario
@@ -49,7 +50,7 @@ def live(path: Path | None, options: Options) -> int:
     from teamformer.live.workshop import Workshop
     from teamformer.viewer.html import live_page
 
-    scenario = None if path is None else read_scenario(path)
+    scenario = None if path is None else read_scenario(path, rules_not_played)
     ready_policy(options.policy, options.time_limit)  # refused before anything is served
     prepare_folder(options.folder)
     _check_port(options.host, options.port)

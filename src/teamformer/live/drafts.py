@@ -39,6 +39,18 @@ def problems_of(tree: object) -> list[Tree]:
     return []
 
 
+def can_be_drawn(tree: object) -> bool:
+    """Say whether a draft, however wrong, has the parts that a page needs to draw it."""
+    if not isinstance(tree, dict) or not isinstance(tree.get("world"), dict):
+        return False
+    lists = [tree.get(key) for key in ("capabilities", "robots", "tasks")]
+    return all(isinstance(part, list) for part in lists) and all(
+        isinstance(thing, dict) and isinstance(thing.get("at"), list)
+        for part in lists[1:]
+        for thing in part or ()
+    )
+
+
 def read_draft(tree: object) -> Scenario:
     """Return the scenario of a draft; TeamformerError says what is wrong with it."""
     try:

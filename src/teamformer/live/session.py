@@ -12,7 +12,6 @@ import json
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +20,7 @@ from teamformer.live.incidents import Incident
 from teamformer.live.messages import Message, read_incident, read_message, read_speed
 from teamformer.live.mission import Mission
 from teamformer.scenarios.files import scenario_to_tree, write_scenario
-from teamformer.sim.replay import replay_to_tree, write_replay
+from teamformer.sim.replay import replay_to_tree, step_to_tree, write_replay
 
 MOST_WAITING = 500  # messages that a page may be behind before it is let go
 
@@ -52,6 +51,7 @@ class Session:
         self.lock = asyncio.Lock()
         self._wake = asyncio.Event()
         self._forecast: asyncio.Task[None] | None = None
+        self._outlook: Tree | None = None  # what the latest forecast said
 
     async def run(self) -> None:
         """Make steps while the mission plays, until cancelled."""
@@ -73,7 +73,10 @@ class Session:
         self.watchers.add(watcher)
         watcher.tell(json.dumps({"kind": "mission", "record": self._record()} | self._state()))
         self._tell_all("state", self._state())
-        self._predict()
+        if self._outlook is not None:
+            watcher.tell(json.dumps({"kind": "forecast"} | self._outlook))
+        elif self._forecast is None:
+            self._predict()
         return watcher
 
     def leave(self, watcher: Watcher) -> None:
@@ -95,7 +98,12 @@ class Session:
             if not self.mission.is_running:
                 self._pause()
                 return
-            await asyncio.to_thread(self.mission.step)
+            try:
+                await asyncio.to_thread(self.mission.step)
+            except TeamformerError as error:  # of a policy that is the user's own
+                self._tell_all("refused", {"text": str(error)})
+                self._pause()
+                return
             self._tell_all("step", self._news())
         if not self.mission.is_running:
             self._pause()
@@ -165,12 +173,15 @@ class Session:
         """Work out the mission's end in the background; only incidents change it."""
         if self._forecast is not None and not self._forecast.done():
             self._forecast.cancel()
+        self._outlook = None
         self._forecast = asyncio.create_task(self._tell_forecast())
 
     async def _tell_forecast(self) -> None:
         async with self.lock:
-            tally = await asyncio.to_thread(self.mission.forecast)
-        self._tell_all("forecast", {"status": tally.status, "steps": tally.steps})
+            with contextlib.suppress(TeamformerError):  # of a policy; its step will tell
+                tally = await asyncio.to_thread(self.mission.forecast)
+                self._outlook = {"status": tally.status, "steps": tally.steps}
+                self._tell_all("forecast", self._outlook)
 
     def _record(self) -> Tree:
         """Return the record so far as a page reads it: no infinity, which JSON cannot say."""
@@ -184,17 +195,13 @@ class Session:
         """Return what the latest step changed."""
         record = self.mission.record()
         made = len(record.steps)
-        latest = replace(
-            record,
-            steps=record.steps[-1:],
-            orders=tuple(order for order in record.orders if order[0] == made),
-            crews=tuple(crews for crews in record.crews if crews[0] == made),
-        )
-        tree = replay_to_tree(latest)
-        news = {"at": made, "step": tree["steps"][0]}
-        news |= {key: tree[key] for key in ("orders", "crews") if tree.get(key)}
+        news: Tree = {"at": made, "step": step_to_tree(record.steps[-1])}
+        for key, plans in (("orders", record.orders), ("crews", record.crews)):
+            latest = [plan for plan in plans if plan[0] == made]
+            if latest:
+                news[key] = latest
         if not self.mission.is_running:
-            news["end"] = tree["end"]
+            news["end"] = vars(record.end)
         return news
 
     def _state(self) -> Tree:

@@ -9,7 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import TeamformerError
-from teamformer.live.drafts import EMPTY, open_draft, problems_of, read_draft, write_draft
+from teamformer.live.drafts import (
+    EMPTY,
+    can_be_drawn,
+    open_draft,
+    problems_of,
+    read_draft,
+    write_draft,
+)
 from teamformer.live.messages import Message, read_message
 from teamformer.live.mission import Mission
 from teamformer.live.session import Session, Watcher
@@ -70,8 +77,10 @@ class Workshop:
     async def _do(self, watcher: Watcher, message: Message) -> None:
         command = message["do"]
         if command == "check":
-            self._draft = message.get("scenario")
-            problems = await asyncio.to_thread(problems_of, self._draft)
+            draft = message.get("scenario")
+            problems = await asyncio.to_thread(problems_of, draft)
+            if can_be_drawn(draft):
+                self._draft = draft
             watcher.tell(json.dumps({"kind": "checked", "problems": problems}))
         elif command == "open":
             name, text = message.get("name"), message.get("text")

@@ -112,7 +112,7 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
         "seed": replay.seed,
         "orders": _lists(replay.orders),
         "start": _lists(replay.start),
-        "steps": [_step_to_tree(step) for step in replay.steps],
+        "steps": [step_to_tree(step) for step in replay.steps],
         "end": {key: _lists(value) for key, value in vars(replay.end).items()},
         "lower_bound": replay.lower_bound,
     }
@@ -123,7 +123,8 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
     return tree
 
 
-def _step_to_tree(step: Step) -> dict[str, Any]:
+def step_to_tree(step: Step) -> dict[str, Any]:
+    """Return what a step changed as it stands in the file; what has nothing to say is left out."""
     return {key: _lists(value) for key, value in vars(step).items() if value}
 
 

@@ -26,6 +26,7 @@ class TrialMap {
     if (this.width) this.camera.fit(this.width, this.height);
     this.placed.clear();
     this.images.clear();
+    this.still = null;
   }
 
   readTheme() {
@@ -67,16 +68,36 @@ class TrialMap {
     view.ctx.setTransform(view.sharpness, 0, 0, view.sharpness, 0, 0);
     view.ctx.fillStyle = view.theme.paper; // all of it, so that pictures and videos have a ground
     view.ctx.fillRect(0, 0, this.width, this.height);
-    drawWorld(view);
+    const still = this.stillLayer(view);
+    view.ctx.drawImage(still.canvas, 0, 0, this.width, this.height);
     if (view.options.trails) drawTrails(view);
     if (view.options.order) drawOrder(view);
-    drawTasks(view);
+    drawTasks(view, still.changing);
     drawAssignments(view);
     drawTeams(view);
     drawSelection(view);
     drawNames(view);
     this.shown = view;
     this.frames = (this.frames ?? 0) + 1;
+  }
+
+  // What stands still between two steps, drawn once for both: {canvas, changing}, the ground with
+  // the tasks around which nothing moves, and the tasks that are left.
+  stillLayer(view) {
+    const { camera, scene, part, sharpness } = view;
+    const where = [camera.left, camera.top, this.width, this.height].join(" ");
+    const key = `${this.keptFor} ${where} ${scene.step} ${part > 0} ${view.history.last}`;
+    if (this.still?.key === key) return this.still;
+    const canvas = this.still?.canvas ?? document.createElement("canvas");
+    canvas.width = this.canvas.width;
+    canvas.height = this.canvas.height;
+    const ctx = canvas.getContext("2d");
+    ctx.setTransform(sharpness, 0, 0, sharpness, 0, 0);
+    const [still, changing] = partTasks(view);
+    drawWorld({ ...view, ctx });
+    drawTasks({ ...view, ctx }, still);
+    this.still = { key, canvas, changing };
+    return this.still;
   }
 
   // All that the drawing functions need to know of this moment.

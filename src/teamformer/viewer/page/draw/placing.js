@@ -83,7 +83,7 @@ function taskSquare(places, { at, mates }, task, cell) {
     return { right: 0, down: 0, half: Math.max(TASK_HALF, 6 / cell, inside + 2 / cell) };
   }
   const columns = Math.ceil(Math.sqrt(mates.length));
-  const pitch = Math.max((2 * TASK_HALF) / columns, 6 / cell);
+  const pitch = Math.max((2 * TASK_HALF) / columns, 10 / cell);
   const half = pitch * 0.46;
   const index = mates.indexOf(task);
   const [column, row] = [index % columns, Math.floor(index / columns)];

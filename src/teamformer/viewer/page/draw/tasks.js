@@ -1,15 +1,26 @@
 // Tasks: a tinted square in the task's own colour, outlined in its requirements.
 
-function drawTasks(view) {
-  view.scenario.tasks.forEach((_, task) => {
+function drawTasks(view, tasks) {
+  for (const task of tasks) {
     const standing = standingOf(view.history, task, view.scene.step);
-    if (standing === "hidden") return;
     const box = taskBox(view, task);
-    if (!isOnScreen(view, box.x, box.y, box.half + 20)) return;
+    if (!isOnScreen(view, box.x, box.y, box.half + 20)) continue;
     if (view.detail !== "robots") drawTaskDot(view, task, box, standing);
     else if (isUnchanging(view, task, standing)) drawTaskImage(view, task, box, standing);
     else drawTask(view, task, box, standing);
+  }
+}
+
+// The tasks that are there: those that stand still until the next step, and the others.
+function partTasks(view) {
+  const parts = [[], []];
+  view.scenario.tasks.forEach((_, task) => {
+    const standing = standingOf(view.history, task, view.scene.step);
+    if (standing === "hidden") return;
+    const isStill = view.detail !== "robots" || isUnchanging(view, task, standing);
+    parts[isStill ? 0 : 1].push(task);
   });
+  return parts;
 }
 
 function drawTask(view, task, box, standing) {

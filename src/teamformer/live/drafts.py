@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.mission_rules import rules_not_played
 from teamformer.model import Grid, Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree
 from teamformer.scenarios.maps.formats import read_map
@@ -33,10 +34,10 @@ FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
 def problems_of(tree: object) -> list[Tree]:
     """Return what is wrong with a draft, each with its place in the tree; nothing if it is good."""
     try:
-        scenario_from_tree(tree)
+        problems = list(rules_not_played(scenario_from_tree(tree)))
     except ScenarioError as error:
-        return [{"where": list(p.where), "message": p.message} for p in error.problems]
-    return []
+        problems = list(error.problems)
+    return [{"where": list(p.where), "message": p.message} for p in problems]
 
 
 def can_be_drawn(tree: object) -> bool:
@@ -52,11 +53,11 @@ def can_be_drawn(tree: object) -> bool:
 
 
 def read_draft(tree: object) -> Scenario:
-    """Return the scenario of a draft; TeamformerError says what is wrong with it."""
-    try:
-        return scenario_from_tree(tree)
-    except ScenarioError as error:
-        raise TeamformerError("; ".join(problem.message for problem in error.problems)) from None
+    """Return the scenario of a draft that can be run; TeamformerError says why it cannot."""
+    problems = problems_of(tree)
+    if problems:
+        raise TeamformerError("; ".join(problem["message"] for problem in problems))
+    return scenario_from_tree(tree)
 
 
 def open_draft(name: str, text: str) -> Tree:

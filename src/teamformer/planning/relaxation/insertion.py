@@ -62,7 +62,7 @@ def empty_desk(problem: Relaxed, seed: int) -> Desk:
     return Desk(
         scarce=np.argsort((problem.able != NOBODY).sum(axis=1), kind="stable").astype(np.int32),
         near=np.ascontiguousarray(by_distance[:, : min(NEIGHBOURS, tasks)]).astype(np.int32),
-        asked=np.zeros(caps + 1, ASK),
+        asked=np.zeros(caps + 1, ASK).view(np.recarray),
         candidates=np.zeros((caps, robots), np.int32),
         pick=np.zeros(robots, np.int32),
         best=np.zeros(robots, np.int32),

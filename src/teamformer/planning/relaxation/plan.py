@@ -72,13 +72,13 @@ def empty_plan(problem: Relaxed) -> Plan:
 
 
 def empty_timing(problem: Relaxed, plan: Plan) -> Timing:
-    """Return room for the times of a plan."""
+    """Return room for the times of a plan, which plain Python can use as well as kernels."""
     robots, tasks = len(problem.pace), len(problem.appears)
     timing = Timing(
         np.zeros(tasks, np.int32),
         np.zeros(tasks, np.int32),
-        np.zeros(robots, ROBOT),
-        np.zeros(plan.crew.shape, VISIT),
+        np.zeros(robots, ROBOT).view(np.recarray),
+        np.zeros(plan.crew.shape, VISIT).view(np.recarray),
     )
     timing.robots["pace"], timing.robots["lost"] = problem.pace, problem.lost
     return timing

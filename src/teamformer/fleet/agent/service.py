@@ -47,6 +47,7 @@ class Service:
         if len(stay_with) < len(was_with) and goal != NOBODY:
             self.formed = now + self._knowledge.mission.forming
         self.goal, self.phase, self.waits = goal, WALK, False
+        self.promised = float("-inf")
 
     def _members(self, now: float) -> Iterable[Word]:
         """Return the words of the others that are in this robot's team at its task."""

@@ -49,6 +49,7 @@ class Robot:
     work: tuple[int, int] = (NOBODY, NOBODY)
     work_since: float = 0.0
     is_dead: bool = False
+    has_forgotten: bool = False  # its promise, in a crash; the others cannot know
 
 
 @dataclass
@@ -101,7 +102,7 @@ class Checker:
 
     def _walk(self, event: Walked) -> None:
         robot = self._robots[event.robot]
-        leaves = len(event.points) > 1
+        leaves = len(event.points) > 1 and not robot.has_forgotten
         slack = event.at + A_TICK + DRIFT * robot.hold
         if leaves and robot.stays_until > slack and robot.stays_at not in self._done:
             left = robot.stays_until - event.at
@@ -118,7 +119,7 @@ class Checker:
         robot.word = event
         if event.phase >= READY:
             robot.stays_at, robot.stays_until = event.goal, event.at + event.hold
-            robot.hold = event.hold
+            robot.hold, robot.has_forgotten = event.hold, False
             if not self._stands_at(event.robot, event.goal, event.at):
                 self._blame(
                     f"{event.at:.2f} s: {self._who(event.robot)} says it is at task "
@@ -148,7 +149,7 @@ class Checker:
             or (
                 other.stays_at == event.task
                 and other.stays_until + DRIFT * other.hold + A_TICK >= event.at
-                and self._stands_at(number, event.task, event.at)
+                and (other.has_forgotten or self._stands_at(number, event.task, event.at))
             )
         ]
         if not self._covers(bound, event.task):
@@ -191,7 +192,8 @@ class Checker:
             robot.is_dead = True
         elif event.what == "restart":
             robot.is_dead = False
-            robot.work, robot.stays_until, robot.word = (NOBODY, NOBODY), -1.0, None
+            robot.work, robot.word = (NOBODY, NOBODY), None
+            robot.has_forgotten = True
         self._count(event.at)
 
     def _stands_at(self, number: int, key: int, now: float) -> bool:

@@ -26,8 +26,9 @@ SMALLEST_GAIN = 50
 
 
 class Rounds(NamedTuple):
-    """How long to search: of the relaxed plan, and from each start with forming counted."""
+    """How long to search: for lists of crews, without forming counted, and with."""
 
+    crews: int
     relaxed: int
     team: int
 
@@ -37,9 +38,12 @@ def rounds_for(robots: int, tasks: int, is_again: bool) -> Rounds:
 
     A second of one core for 16 robots and 60 tasks, a fifth of that when planned again.
     """
-    relaxed = max(1, min(2 * tasks * tasks, 18_000_000 // (tasks * (tasks + robots))))
-    team = min(40 * tasks * tasks, 100_000)
-    return Rounds(1 + relaxed // 5, team // 5) if is_again else Rounds(relaxed, team)
+    crews = 1500 * tasks
+    relaxed = max(1, min(3 * tasks * tasks, 18_000_000 // (tasks * (tasks + robots))))
+    team = min(100 * tasks * tasks, 120_000)
+    if is_again:
+        return Rounds(crews // 5, 1 + relaxed // 5, team // 5)
+    return Rounds(crews, relaxed, team)
 
 
 def plan_mission(scenario: Scenario, facts: Facts, old: SharedPlan | None = None) -> SharedPlan:
@@ -74,7 +78,7 @@ def _starts(
     """Return the plans that the search begins with, by name."""
     if kept is not None:
         yield "old plan", kept
-    yield "crews", plan_from_crews(situation.problem, situation.company)
+    yield "crews", plan_from_crews(situation.problem, situation.company, rounds.crews)
     relaxed = plan_from_coalitions(situation.problem, rounds.relaxed)
     if relaxed is not None:
         yield "coalitions", relaxed

@@ -13,19 +13,17 @@ from teamformer.planning.relaxation.problem import FAR, NOBODY, Relaxed
 from teamformer.planning.relaxation.threshold import search_coalitions
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
 
-CREW_ROUNDS = 300
-"""How many changes the planner of crews tries for each task."""
 
-
-def plan_from_crews(problem: Relaxed, company: Array) -> TeamPlan:
+def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> TeamPlan:
     """Return what crews do, who meet at their tasks and go on together.
 
-    `company` (robots,) is the lowest robot of the team that each is in.
+    `company` (robots,) is the lowest robot of the team that each is in; `rounds` is how many
+    changes the planner of crews tries.
     """
     shared = _shared(problem, company)
     crew = np.full(len(problem.pace), NOBODY, np.int64)
     task_crew = np.full(len(problem.appears), NOBODY, np.int64)
-    sequence = plan_crews(shared, crew, task_crew, False, CREW_ROUNDS * len(task_crew))
+    sequence = plan_crews(shared, crew, task_crew, False, rounds)
     parties: list[list[set[int]]] = [[] for _ in range(int(crew.max()) + 1)]
     for leader in np.unique(company).tolist():
         together = np.flatnonzero(company == leader)

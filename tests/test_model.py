@@ -122,7 +122,7 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         {"allocation": "x"},
         {"allocation": "paper"},
         ("allocation",),
-        "allocation 'x' is unknown; use paper or nearest or crews",
+        "allocation 'x' is unknown; use paper or nearest or crews or plan",
     ),
     (
         robots(at=(4, 0)),

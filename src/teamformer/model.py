@@ -183,7 +183,7 @@ ALLOCATIONS = ("paper", "nearest", "crews", "plan")
 WITHOUT_CREWS = ("paper", "nearest")
 """Those in which every team follows one order, as the paper's networks were made for."""
 
-BEST_ALLOCATION = "crews"
+BEST_ALLOCATION = "plan"
 """What a scenario file means that says nothing about it."""
 
 

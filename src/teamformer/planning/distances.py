@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from teamformer.jit import entry
 from teamformer.model import BLOCKED, Grid, Place
+from teamformer.rules.arrays import Array
 
 UNREACHABLE = np.int32(2**30)
 """The distance to a place that cannot be reached; sums of a few of them still fit."""
@@ -61,7 +62,7 @@ def straight_ways(origins: Sequence[Place], goals: Sequence[Place]) -> npt.NDArr
 
 
 @entry
-def fill_field(blocked, x, y, field):  # type: ignore[no-untyped-def]
+def fill_field(blocked: Array, x: int, y: int, field: Array) -> None:
     """Fill in the distance from each cell to (x, y), breadth first; leave the unreachable."""
     height, width = blocked.shape
     queue = np.empty(height * width, dtype=np.int32)

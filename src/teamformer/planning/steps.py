@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from teamformer.jit import kernel
+from teamformer.rules.arrays import Array
 
 
 @kernel
-def next_cell(fields, has_walls, goal, x, y, goal_x, goal_y):  # type: ignore[no-untyped-def]
+def next_cell(
+    fields: Array, has_walls: bool, goal: int, x: int, y: int, goal_x: int, goal_y: int
+) -> Any:
     """Return the next cell on a shortest way from (x, y) to a goal that is not there.
 
     It first goes along the axis with more left to go, along x if they are equal. `fields`
@@ -21,7 +26,7 @@ def next_cell(fields, has_walls, goal, x, y, goal_x, goal_y):  # type: ignore[no
 
 
 @kernel
-def downhill(field, x, y, along_x):  # type: ignore[no-untyped-def]
+def downhill(field: Array, x: int, y: int, along_x: int) -> tuple[Any, Any]:
     """Return a neighbouring cell that is one nearer to the goal: along the axis given, if one is.
 
     Of two towards larger coordinates.

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.jit import entry, kernel
+from teamformer.rules.arrays import Array
 
 LARGEST_EXACT = 10
 """Up to this many tasks the tour is optimal (Held and Karp 1962); beyond, a local optimum."""
@@ -28,7 +29,7 @@ def shortest_tour(
 
 
 @entry
-def plan_tour(between, from_start):  # type: ignore[no-untyped-def]
+def plan_tour(between: Array, from_start: Array) -> Array:
     """Choose between the exact and the local tour."""
     if len(from_start) <= LARGEST_EXACT:
         return _exact_tour(between, from_start)
@@ -41,7 +42,7 @@ def plan_tour(between, from_start):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _exact_tour(between, from_start):  # type: ignore[no-untyped-def]
+def _exact_tour(between: Array, from_start: Array) -> Array:
     """Dynamic programme over subsets: cost[visited, last] is the shortest way there."""
     count = len(from_start)
     tour = np.empty(count, dtype=np.int64)
@@ -70,7 +71,7 @@ def _exact_tour(between, from_start):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _nearest_first_tour(between, from_start):  # type: ignore[no-untyped-def]
+def _nearest_first_tour(between: Array, from_start: Array) -> Array:
     """Go to the nearest unvisited task each time; the lowest number among equals."""
     count = len(from_start)
     tour = np.empty(count, dtype=np.int64)
@@ -88,7 +89,7 @@ def _nearest_first_tour(between, from_start):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _leg(tour, between, from_start, left, right):  # type: ignore[no-untyped-def]
+def _leg(tour: Array, between: Array, from_start: Array, left: int, right: int) -> np.int64:
     """Return the distance between two positions; -1 is the start, the open end costs nothing."""
     if right >= len(tour):
         return np.int64(0)
@@ -96,7 +97,7 @@ def _leg(tour, between, from_start, left, right):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _improve_by_reversal(tour, between, from_start):  # type: ignore[no-untyped-def]
+def _improve_by_reversal(tour: Array, between: Array, from_start: Array) -> bool:
     """Reverse stretches while that shortens the tour (2-opt); say whether anything changed."""
     count = len(tour)
     changed = False
@@ -118,7 +119,7 @@ def _improve_by_reversal(tour, between, from_start):  # type: ignore[no-untyped-
 
 
 @kernel
-def _improve_by_moving(tour, between, from_start):  # type: ignore[no-untyped-def]
+def _improve_by_moving(tour: Array, between: Array, from_start: Array) -> bool:
     """Move stretches of up to three tasks elsewhere while that helps (Or-opt)."""
     count = len(tour)
     changed = False
@@ -152,7 +153,7 @@ def _improve_by_moving(tour, between, from_start):  # type: ignore[no-untyped-de
 
 
 @kernel
-def _move_stretch(tour, first, length, gap):  # type: ignore[no-untyped-def]
+def _move_stretch(tour: Array, first: int, length: int, gap: int) -> None:
     """Take `length` tasks from position `first` and put them before position `gap`."""
     if gap < first:
         _swap_neighbours(tour, gap, first, first + length)
@@ -161,7 +162,7 @@ def _move_stretch(tour, first, length, gap):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _swap_neighbours(tour, first, second, end):  # type: ignore[no-untyped-def]
+def _swap_neighbours(tour: Array, first: int, second: int, end: int) -> None:
     """Exchange the stretches [first, second) and [second, end), each kept in its direction."""
     _reverse(tour, first, second - 1)
     _reverse(tour, second, end - 1)
@@ -169,7 +170,7 @@ def _swap_neighbours(tour, first, second, end):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _reverse(tour, first, last):  # type: ignore[no-untyped-def]
+def _reverse(tour: Array, first: int, last: int) -> None:
     while first < last:
         tour[first], tour[last] = tour[last], tour[first]
         first += 1

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
+from teamformer.rules.arrays import Array
 
 
 @kernel
-def covers(have, need):  # type: ignore[no-untyped-def]
+def covers(have: Array, need: Array) -> bool:
     """Say whether counts are enough."""
     for cap in range(len(need)):
         if have[cap] < need[cap]:
@@ -15,7 +16,7 @@ def covers(have, need):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def helps(have, need):  # type: ignore[no-untyped-def]
+def helps(have: Array, need: Array) -> bool:
     """Say whether counts hold anything that is needed."""
     for cap in range(len(need)):
         if have[cap] > 0 and need[cap] > 0:
@@ -24,7 +25,7 @@ def helps(have, need):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def fills_gap(have, need, brought):  # type: ignore[no-untyped-def]
+def fills_gap(have: Array, need: Array, brought: Array) -> bool:
     """Say whether others bring something of which those who have some need more."""
     for cap in range(len(need)):
         if brought[cap] > 0 and need[cap] > have[cap]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
+from teamformer.rules.arrays import Array
 
 
 @kernel
-def pair_off(arrival, count):  # type: ignore[no-untyped-def]
+def pair_off(arrival: Array, count: int) -> int:
     """Return the step in which the first `count` teams that arrive, in sorted steps, are one.
 
     In each step those that are there become half as many. No team at all is one at step 0.

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
+from teamformer.rules.arrays import Array
 
 
 @kernel
-def fits(counts, room):  # type: ignore[no-untyped-def]
+def fits(counts: Array, room: Array) -> bool:
     """Say whether a robot with these counts (caps,) stays where there is room for so many."""
     for cap in range(len(room)):
         if counts[cap] > room[cap]:
@@ -15,7 +16,7 @@ def fits(counts, room):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def anybody_fits(member_counts, first, end, room):  # type: ignore[no-untyped-def]
+def anybody_fits(member_counts: Array, first: int, end: int, room: Array) -> bool:
     """Say whether any of the members (members, caps) from `first` to `end` stays."""
     for member in range(first, end):
         if fits(member_counts[member], room):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numba as nb
 import numpy as np
@@ -173,8 +173,34 @@ class Worlds(NamedTuple):
     planned: Array  # (worlds, robots, caps) what it wants each team to have, or (worlds, 0, 0)
 
 
-World = Worlds
-"""The same fields for one world, without the leading axis."""
+if TYPE_CHECKING:
+
+    class World(NamedTuple):
+        """One world as kernels see it: `world.teams[team].task`, as numba types its records."""
+
+        rules: Any
+        count: Any
+        robots: Any
+        teams: Any
+        tasks: Any
+        cells: Any
+        brings: Array
+        has: Array
+        needs: Array
+        demand: Array
+        order: Array
+        blocked: Array
+        fields: Array
+        near: Array
+        near_key: Array
+        room: Array
+        here: Array
+        coalition: Array
+        planned: Array
+
+else:
+    World = Worlds
+    """The same fields for one world, without the leading axis."""
 
 
 @nb.njit(inline="always")

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.jit import kernel
 from teamformer.sim.allocation.assignment import can_do_alone
 from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NOBODY, STEP_LIMIT
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
 
+if TYPE_CHECKING:
+    from teamformer.sim.arrays import World
+
 
 @kernel
-def complete_tasks(world, step):  # type: ignore[no-untyped-def]
+def complete_tasks(world: World, step: int) -> None:
     """Phase 7: teams do the tasks they stand at and cover; services go on, begin or break off."""
     done_before = world.count.done
     for position in range(world.count.open):
@@ -29,12 +34,12 @@ def complete_tasks(world, step):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _is_free(world, task):  # type: ignore[no-untyped-def]
+def _is_free(world: World, task: int) -> bool:
     return world.tasks[task].is_open and world.tasks[task].server == NOBODY
 
 
 @kernel
-def _serve(world, team, task, step):  # type: ignore[no-untyped-def]
+def _serve(world: World, team: int, task: int, step: int) -> None:
     """One step of service; a team that has lost what the task needs breaks it off.
 
     So does one that is carried away from it: its motion may come from outside.
@@ -49,13 +54,13 @@ def _serve(world, team, task, step):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _end_service(world, team, task):  # type: ignore[no-untyped-def]
+def _end_service(world: World, team: int, task: int) -> None:
     world.tasks[task].server = NOBODY
     world.teams[team].serves -= 1
 
 
 @kernel
-def _begin(world, team, task, step):  # type: ignore[no-untyped-def]
+def _begin(world: World, team: int, task: int, step: int) -> None:
     if world.tasks[task].duration == 0:
         _finish(world, team, task, step)
     else:
@@ -66,7 +71,7 @@ def _begin(world, team, task, step):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _finish(world, team, task, step):  # type: ignore[no-untyped-def]
+def _finish(world: World, team: int, task: int, step: int) -> None:
     world.tasks[task].is_open = False
     world.tasks[task].done_at = step
     world.tasks[task].done_by = team
@@ -76,7 +81,7 @@ def _finish(world, team, task, step):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _close_gaps_in_order(world):  # type: ignore[no-untyped-def]
+def _close_gaps_in_order(world: World) -> None:
     kept = 0
     for position in range(world.count.open):
         task = world.order[position]
@@ -88,7 +93,7 @@ def _close_gaps_in_order(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _drop_assignments_to_done(world):  # type: ignore[no-untyped-def]
+def _drop_assignments_to_done(world: World) -> None:
     for team in range(world.rules.robots):
         task = world.teams[team].task
         if task != NOBODY and not world.tasks[task].is_open:
@@ -97,7 +102,7 @@ def _drop_assignments_to_done(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def drop_assignments(world):  # type: ignore[no-untyped-def]
+def drop_assignments(world: World) -> None:
     """Free every team that is not serving its assignment: what everybody knows has changed."""
     for team in range(world.rules.robots):
         task = world.teams[team].task
@@ -107,7 +112,7 @@ def drop_assignments(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def release_tasks(world, steps_made):  # type: ignore[no-untyped-def]
+def release_tasks(world: World, steps_made: int) -> bool:
     """Make known the tasks that appear now, at the end of the order; say whether any do."""
     arrived = 0
     for task in range(world.rules.tasks):
@@ -123,7 +128,7 @@ def release_tasks(world, steps_made):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def is_possible(world, task):  # type: ignore[no-untyped-def]
+def is_possible(world: World, task: int) -> bool:
     """Say whether the robots that are left and can get there cover a task together."""
     for cap in range(world.needs.shape[1]):
         short = world.needs[task, cap]
@@ -137,7 +142,7 @@ def is_possible(world, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def judge_status(world, any_lost):  # type: ignore[no-untyped-def]
+def judge_status(world: World, any_lost: bool) -> None:
     """Say how the trial stands after a step: done, impossible, out of steps, or running."""
     if world.count.done == world.rules.tasks:
         world.count.status = COMPLETED

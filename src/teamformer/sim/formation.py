@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.rules.arrays import Array
 from teamformer.rules.splitting import fits
 from teamformer.sim.allocation.crewmates import are_mates, name_crews
 from teamformer.sim.arrays import NEVER, NOBODY
 from teamformer.sim.spatial_index import distance_squared, distance_squared_to, find_near
 
+if TYPE_CHECKING:
+    from teamformer.sim.arrays import World
+
 MAINTAIN, SPLIT, JOIN = 0, 1, 2
 
 
 @kernel
-def read_decisions(world, wanted, named, first_row):  # type: ignore[no-untyped-def]
+def read_decisions(world: World, wanted: Array, named: Array, first_row: int) -> None:
     """Phase 1: what each team's decision means in the state at the start of the step.
 
     `wanted` is (teams, caps) and `named` is (teams,), one row for each team in slot order from
@@ -44,7 +50,7 @@ def read_decisions(world, wanted, named, first_row):  # type: ignore[no-untyped-
 
 
 @kernel
-def _intent(world, team, wanted, prefers_mates):  # type: ignore[no-untyped-def]
+def _intent(world: World, team: int, wanted: Array, prefers_mates: bool) -> tuple[int, bool]:
     """Return what a team is about to do and whether it asked for something legal."""
     asks_more = asks_less = False
     for cap in range(len(wanted)):
@@ -65,7 +71,7 @@ def _intent(world, team, wanted, prefers_mates):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def choose_stayers(world, team, wanted):  # type: ignore[no-untyped-def]
+def choose_stayers(world: World, team: int, wanted: Array) -> int:
     """Mark the members that stay: in robot order while they fit into `wanted`; return how many."""
     stayers = 0
     for cap in range(len(wanted)):
@@ -82,7 +88,7 @@ def choose_stayers(world, team, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _find_partner(world, team, wanted, prefers_mates):  # type: ignore[no-untyped-def]
+def _find_partner(world: World, team: int, wanted: Array, prefers_mates: bool) -> int:
     """Return the nearest team within the join radius that has exactly what is wanted more.
 
     Ties: the same assignment first, then the lower slot. Where there are crews, one of the
@@ -110,7 +116,7 @@ def _find_partner(world, team, wanted, prefers_mates):  # type: ignore[no-untype
 
 
 @kernel
-def _completes(world, team, other, wanted):  # type: ignore[no-untyped-def]
+def _completes(world: World, team: int, other: int, wanted: Array) -> bool:
     for cap in range(len(wanted)):
         if world.has[team, cap] + world.has[other, cap] != wanted[cap]:
             return False
@@ -118,7 +124,7 @@ def _completes(world, team, other, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def split_teams(world, wanted):  # type: ignore[no-untyped-def]
+def split_teams(world: World, wanted: Array) -> None:
     """Phase 2: the robots that stay and the rest become two teams without assignment."""
     for team in range(world.rules.robots):
         if world.teams[team].intent == SPLIT and not world.teams[team].has_formed:
@@ -128,7 +134,7 @@ def split_teams(world, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _split_team(world, team):  # type: ignore[no-untyped-def]
+def _split_team(world: World, team: int) -> None:
     x, y = world.teams[team].x, world.teams[team].y
     clear_slot(world, team)
     stay_slot = rest_slot = NOBODY
@@ -152,7 +158,7 @@ def _split_team(world, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def form_joins(world):  # type: ignore[no-untyped-def]
+def form_joins(world: World) -> None:
     """Phase 3: joins in slot order, of teams in the same place that have not formed in this step.
 
     A join whose partner has formed becomes maintain; a partner elsewhere is walked to later.
@@ -169,13 +175,13 @@ def form_joins(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def is_in_same_place(world, team, other):  # type: ignore[no-untyped-def]
+def is_in_same_place(world: World, team: int, other: int) -> bool:
     """Say whether two teams stand in the same cell; on a plane, within the arrival radius."""
     return distance_squared(world, team, other) <= world.rules.arrival_radius**2
 
 
 @kernel
-def join_teams(world, joiner, partner):  # type: ignore[no-untyped-def]
+def join_teams(world: World, joiner: int, partner: int) -> None:
     """Make one team of two; it gets the lower slot, and the joiner's command if there is one."""
     slot, other = min(joiner, partner), max(joiner, partner)
     task = _task_of_union(world, joiner, partner)
@@ -195,7 +201,7 @@ def join_teams(world, joiner, partner):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _task_of_union(world, team, other):  # type: ignore[no-untyped-def]
+def _task_of_union(world: World, team: int, other: int) -> np.int32:
     """Return the earlier assignment in the order.
 
     If one of the two is free or on a detour, none: the union is allocated anew, from the first
@@ -209,7 +215,7 @@ def _task_of_union(world, team, other):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _place_of_union(world, joiner, partner, task):  # type: ignore[no-untyped-def]
+def _place_of_union(world: World, joiner: int, partner: int, task: int) -> tuple[Any, Any]:
     """Return where the partner is; or the joiner, if it is nearer to the union's assignment.
 
     So a union stands at its assignment if one of the two does. On a grid both are in one cell.
@@ -223,7 +229,7 @@ def _place_of_union(world, joiner, partner, task):  # type: ignore[no-untyped-de
 
 
 @kernel
-def lose_robots(world, step):  # type: ignore[no-untyped-def]
+def lose_robots(world: World, step: int) -> bool:
     """Take the robots that are lost in this step out of their teams; say whether any was."""
     any_lost = False
     for robot in range(world.rules.robots):
@@ -237,7 +243,7 @@ def lose_robots(world, step):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _take_out(world, robot):  # type: ignore[no-untyped-def]
+def _take_out(world: World, robot: int) -> None:
     """Found the robot's team anew without it, at its new lowest robot; keep all else."""
     old = world.robots[robot].team
     world.robots[robot].team = NOBODY
@@ -265,7 +271,7 @@ def _take_out(world, robot):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def clear_slot(world, slot):  # type: ignore[no-untyped-def]
+def clear_slot(world: World, slot: int) -> None:
     """Leave no team at a slot."""
     world.teams[slot].size = 0
     for cap in range(world.has.shape[1]):
@@ -278,7 +284,7 @@ def clear_slot(world, slot):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def add_robot(world, slot, robot):  # type: ignore[no-untyped-def]
+def add_robot(world: World, slot: int, robot: int) -> None:
     """Put a robot into the team at a slot."""
     world.robots[robot].team = slot
     world.teams[slot].size += 1

@@ -6,17 +6,23 @@ the other phases know about walking.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.distances import UNREACHABLE, fill_field
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, ROUNDING
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
 
+if TYPE_CHECKING:
+    from teamformer.sim.arrays import World
+
 
 @entry
-def move_teams(world):  # type: ignore[no-untyped-def]
+def move_teams(world: World) -> None:
     """Phase 5: teams that maintain walk first, then joiners walk to their partner's new place."""
     for team in range(world.rules.robots):
         if _can_walk(world, team) and world.teams[team].intent != JOIN:
@@ -27,14 +33,14 @@ def move_teams(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _can_walk(world, team):  # type: ignore[no-untyped-def]
+def _can_walk(world: World, team: int) -> bool:
     if world.teams[team].size == 0 or world.teams[team].serves > 0:
         return False
     return world.rules.forming_steps == 0 or not world.teams[team].has_formed
 
 
 @kernel
-def _walk_to_task(world, team):  # type: ignore[no-untyped-def]
+def _walk_to_task(world: World, team: int) -> None:
     task = world.teams[team].task
     if task == NOBODY:
         world.teams[team].credit = 0.0
@@ -49,7 +55,7 @@ def _walk_to_task(world, team):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _walk_to_partner(world, team):  # type: ignore[no-untyped-def]
+def _walk_to_partner(world: World, team: int) -> None:
     partner = world.robots[world.teams[team].partner].team
     if world.rules.is_plane:
         _walk_straight(world, team, world.teams[partner].x, world.teams[partner].y)
@@ -59,7 +65,7 @@ def _walk_to_partner(world, team):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _walk_cells_to_partner(world, team, partner):  # type: ignore[no-untyped-def]
+def _walk_cells_to_partner(world: World, team: int, partner: int) -> None:
     field = field_towards(world, world.teams[partner].x, world.teams[partner].y)
     to_go = field[int(world.teams[team].y), int(world.teams[team].x)]
     goal_x, goal_y = world.teams[partner].x, world.teams[partner].y
@@ -69,7 +75,7 @@ def _walk_cells_to_partner(world, team, partner):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _merge_on_the_way(world, team, partner):  # type: ignore[no-untyped-def]
+def _merge_on_the_way(world: World, team: int, partner: int) -> None:
     """Join a partner at once that has been reached, where forming costs no step."""
     formed = world.teams[team].has_formed or world.teams[partner].has_formed
     if world.rules.forming_steps == 0 and not formed and is_in_same_place(world, team, partner):
@@ -78,14 +84,14 @@ def _merge_on_the_way(world, team, partner):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _walk_straight(world, team, goal_x, goal_y):  # type: ignore[no-untyped-def]
+def _walk_straight(world: World, team: int, goal_x: float, goal_y: float) -> None:
     """Walk what the team walks in a step towards a point of a plane, or onto it if that is less."""
     x, y, pace = world.teams[team].x, world.teams[team].y, world.teams[team].pace
     world.teams[team].x, world.teams[team].y = straight_on(x, y, goal_x, goal_y, pace)
 
 
 @kernel
-def straight_on(x, y, goal_x, goal_y, length):  # type: ignore[no-untyped-def]
+def straight_on(x: float, y: float, goal_x: float, goal_y: float, length: float) -> tuple[Any, Any]:
     """Return where one is on a plane after so much of the way to a point, at most all of it."""
     to_go = np.sqrt((goal_x - x) * (goal_x - x) + (goal_y - y) * (goal_y - y))
     if to_go <= length + ROUNDING:
@@ -96,7 +102,7 @@ def straight_on(x, y, goal_x, goal_y, length):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def place_teams(world, places):  # type: ignore[no-untyped-def]
+def place_teams(world: World, places: Array) -> None:
     """Phase 5 with motion from outside: put every team where `places` (robots, 2) has its slot.
 
     Where forming costs no step, teams that have met join.
@@ -110,7 +116,7 @@ def place_teams(world, places):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _cells_to_walk(world, team, to_go):  # type: ignore[no-untyped-def]
+def _cells_to_walk(world: World, team: int, to_go: int) -> int:
     """Spend the team's speed: whole cells to cross now; the fraction is kept for the next step."""
     if to_go == 0 or to_go >= UNREACHABLE:
         world.teams[team].credit = 0.0
@@ -125,7 +131,7 @@ def _cells_to_walk(world, team, to_go):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def travel(world, x, y, task):  # type: ignore[no-untyped-def]
+def travel(world: World, x: float, y: float, task: int) -> np.int64:
     """Return the way from a place to a task as a whole number: cells, on a plane micrometres."""
     if world.rules.is_plane:
         away_x, away_y = world.tasks[task].x - x, world.tasks[task].y - y
@@ -137,13 +143,13 @@ def travel(world, x, y, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def travel_between(world, task, other):  # type: ignore[no-untyped-def]
+def travel_between(world: World, task: int, other: int) -> int:
     """Return the way between two tasks, as `travel` does."""
     return travel(world, world.tasks[other].x, world.tasks[other].y, task)
 
 
 @kernel
-def advance(world, x, y, task):  # type: ignore[no-untyped-def]
+def advance(world: World, x: float, y: float, task: int) -> tuple[Any, Any]:
     """Return the next cell on a shortest way from (x, y) to a task that is not there."""
     goal_x, goal_y = world.tasks[task].x, world.tasks[task].y
     if world.rules.has_walls:
@@ -155,7 +161,7 @@ def advance(world, x, y, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def downhill(field, x, y, goal_x, goal_y):  # type: ignore[no-untyped-def]
+def downhill(field: Array, x: float, y: float, goal_x: float, goal_y: float) -> Any:
     """Return a neighbouring cell that is one nearer to the goal.
 
     Of several, one on the axis with more left to go, as `advance` does where nothing is in the way.
@@ -177,7 +183,7 @@ def downhill(field, x, y, goal_x, goal_y):  # type: ignore[no-untyped-def]
 
 
 @entry
-def field_towards(world, x, y):  # type: ignore[no-untyped-def]
+def field_towards(world: World, x: float, y: float) -> Array:
     """Return every cell's distance to a place, as (height, width); for partners, who move."""
     if world.rules.has_walls:
         blocked = world.blocked

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
+from teamformer.rules.arrays import Array
 from teamformer.sim.arrays import NOBODY
+
+if TYPE_CHECKING:
+    from teamformer.sim.arrays import World
 
 
 @dataclass(frozen=True)
@@ -22,7 +27,7 @@ class Reward:
 
 
 @kernel
-def reward_teams(world, weights, rewards):  # type: ignore[no-untyped-def]
+def reward_teams(world: World, weights: tuple[float, float, float], rewards: Array) -> None:
     """Write each team's reward of the step just made to `rewards` (robots,), by slot.
 
     The current task is the one pursued during the step; `weights` is (done, step, fit). Slots
@@ -41,7 +46,7 @@ def reward_teams(world, weights, rewards):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def fit_to_task(world, team, task):  # type: ignore[no-untyped-def]
+def fit_to_task(world: World, team: int, task: int) -> float:
     """Return (|c+| - |c-|) / |q|: counts the task needs less counts it does not, over its needs."""
     useful = surplus = needed = 0
     for cap in range(world.has.shape[1]):

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from teamformer.jit import kernel
 from teamformer.sim.arrays import NOBODY
 
+if TYPE_CHECKING:
+    from teamformer.sim.arrays import World
+
 
 @kernel
-def list_teams_by_cell(world):  # type: ignore[no-untyped-def]
+def list_teams_by_cell(world: World) -> None:
     """Chain the teams of each cell, lowest slot first."""
     for team in range(world.rules.robots - 1, -1, -1):
         if world.teams[team].size > 0:
@@ -17,7 +22,7 @@ def list_teams_by_cell(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def forget_cells(world):  # type: ignore[no-untyped-def]
+def forget_cells(world: World) -> None:
     """Empty the lists again; call it before any team changes its cell."""
     for team in range(world.rules.robots):
         if world.teams[team].size > 0:
@@ -26,7 +31,7 @@ def forget_cells(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def cell_of(world, x, y):  # type: ignore[no-untyped-def]
+def cell_of(world: World, x: float, y: float) -> int:
     """Return the number of the cell at a place; what rounding puts past an edge counts as on it."""
     per_length = world.rules.cells_per_length
     column = max(0, min(int(x * per_length), world.rules.width - 1))
@@ -35,7 +40,7 @@ def cell_of(world, x, y):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def cells_around(world, at, radius, count):  # type: ignore[no-untyped-def]
+def cells_around(world: World, at: int, radius: float, count: int) -> tuple[Any, Any]:
     """Return the first and the last of `count` columns or rows that lie within a radius."""
     middle = int(at * world.rules.cells_per_length)
     reach = int(min(radius * world.rules.cells_per_length, count)) + world.rules.is_plane
@@ -43,7 +48,7 @@ def cells_around(world, at, radius, count):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def find_near(world, team, radius):  # type: ignore[no-untyped-def]
+def find_near(world: World, team: int, radius: float) -> int:
     """Collect the other teams within a Euclidean radius in `world.near`; return how many.
 
     Looks at the cells around, or at all teams where these are fewer.
@@ -71,7 +76,7 @@ def find_near(world, team, radius):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def find_tasks_here(world, team):  # type: ignore[no-untyped-def]
+def find_tasks_here(world: World, team: int) -> int:
     """Collect the tasks that a team stands at in `world.here`; return how many."""
     found = 0
     radius = world.rules.arrival_radius
@@ -89,13 +94,13 @@ def find_tasks_here(world, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def stands_at(world, team, task):  # type: ignore[no-untyped-def]
+def stands_at(world: World, team: int, task: int) -> bool:
     """Say whether a team is in the place of a task."""
     return distance_squared_to(world, team, task) <= world.rules.arrival_radius**2
 
 
 @kernel
-def distance_squared(world, team, other):  # type: ignore[no-untyped-def]
+def distance_squared(world: World, team: int, other: int) -> float:
     """Return the squared Euclidean distance between two teams."""
     away_x = world.teams[team].x - world.teams[other].x
     away_y = world.teams[team].y - world.teams[other].y
@@ -103,7 +108,7 @@ def distance_squared(world, team, other):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def distance_squared_to(world, team, task):  # type: ignore[no-untyped-def]
+def distance_squared_to(world: World, team: int, task: int) -> float:
     """Return the squared Euclidean distance from a team to a task."""
     away_x = world.teams[team].x - world.tasks[task].x
     away_y = world.teams[team].y - world.tasks[task].y

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.jit import entry, kernel
+from teamformer.rules.arrays import Array
 from teamformer.sim.allocation.assignment import allocate_tasks
 from teamformer.sim.arrays import RUNNING, world_at
 from teamformer.sim.completion import (
@@ -16,9 +19,21 @@ from teamformer.sim.motion import move_teams, place_teams
 from teamformer.sim.reward import reward_teams
 from teamformer.sim.spatial_index import forget_cells, list_teams_by_cell
 
+if TYPE_CHECKING:
+    from teamformer.sim.arrays import World, Worlds
+
 
 @entry
-def step_worlds(worlds, wanted, named, first_row, weights, rewards, begin, end):  # type: ignore[no-untyped-def]
+def step_worlds(
+    worlds: Worlds,
+    wanted: Array,
+    named: Array,
+    first_row: Array,
+    weights: tuple[float, float, float],
+    rewards: Array,
+    begin: int,
+    end: int,
+) -> None:
     """Step the running worlds from `begin` to `end` of a batch.
 
     `wanted` is (teams, caps) and `named` (teams,): one row for each team of each running world, in
@@ -35,7 +50,7 @@ def step_worlds(worlds, wanted, named, first_row, weights, rewards, begin, end):
 
 
 @entry
-def form_worlds(worlds, wanted, named, first_row):  # type: ignore[no-untyped-def]
+def form_worlds(worlds: Worlds, wanted: Array, named: Array, first_row: Array) -> None:
     """Make the phases before motion in all running worlds, of a step that others move in."""
     for w in range(len(worlds.rules)):
         if worlds.count[w].status == RUNNING:
@@ -43,7 +58,9 @@ def form_worlds(worlds, wanted, named, first_row):  # type: ignore[no-untyped-de
 
 
 @entry
-def finish_worlds(worlds, places, weights, rewards):  # type: ignore[no-untyped-def]
+def finish_worlds(
+    worlds: Worlds, places: Array, weights: tuple[float, float, float], rewards: Array
+) -> None:
     """Put all teams where they have got to, (worlds, robots, 2) by slot, and end the step."""
     for w in range(len(worlds.rules)):
         if worlds.count[w].status == RUNNING:
@@ -55,7 +72,7 @@ def finish_worlds(worlds, places, weights, rewards):  # type: ignore[no-untyped-
 
 
 @kernel
-def form_teams(world, wanted, named, first_row):  # type: ignore[no-untyped-def]
+def form_teams(world: World, wanted: Array, named: Array, first_row: int) -> None:
     """Phases 1 to 4; the order of the phases alone decides that nothing blocks for ever."""
     list_teams_by_cell(world)
     read_decisions(world, wanted, named, first_row)
@@ -68,7 +85,7 @@ def form_teams(world, wanted, named, first_row):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def finish_step(world, weights, rewards):  # type: ignore[no-untyped-def]
+def finish_step(world: World, weights: tuple[float, float, float], rewards: Array) -> None:
     """Phases 6 and 7, rewards, and what becomes known."""
     step = world.count.steps + 1
     any_lost = lose_robots(world, step)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from teamformer.sim.spatial_index import (
     list_teams_by_cell,
     stands_at,
 )
+
+if TYPE_CHECKING:
+    from teamformer.sim.arrays import World, Worlds
 
 NEAREST_TEAMS = 16
 NEXT_TASKS = 16
@@ -70,7 +73,7 @@ class View(NamedTuple):
 
 
 @entry
-def lay_out_rows(worlds, first_row, first_member):  # type: ignore[no-untyped-def]
+def lay_out_rows(worlds: Worlds, first_row: Array, first_member: Array) -> None:
     """Fill in where each world's rows and members begin, as (worlds + 1,)."""
     first_row[0] = first_member[0] = 0
     for w in range(len(worlds.rules)):
@@ -84,7 +87,9 @@ def lay_out_rows(worlds, first_row, first_member):  # type: ignore[no-untyped-de
 
 
 @entry
-def fill_views(worlds, view, first_row, first_member, begin, end):  # type: ignore[no-untyped-def]
+def fill_views(
+    worlds: Worlds, view: View, first_row: Array, first_member: Array, begin: int, end: int
+) -> None:
     """Write the views of the running worlds from `begin` to `end`."""
     for w in range(begin, end):
         if worlds.count[w].status != RUNNING:
@@ -106,7 +111,7 @@ def fill_views(worlds, view, first_row, first_member, begin, end):  # type: igno
 
 
 @kernel
-def _write_members(world, view, row, member):  # type: ignore[no-untyped-def]
+def _write_members(world: World, view: View, row: int, member: int) -> None:
     """Write every team's robots: first where each team's begin, then robot by robot."""
     for team in range(world.rules.robots):
         if world.teams[team].size > 0:
@@ -124,7 +129,7 @@ def _write_members(world, view, row, member):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_own(world, view, row, team):  # type: ignore[no-untyped-def]
+def _write_own(world: World, view: View, row: int, team: int) -> None:
     view.slot[row] = team
     view.place[row, 0] = world.teams[team].x
     view.place[row, 1] = world.teams[team].y
@@ -146,7 +151,7 @@ def _write_own(world, view, row, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_seen(world, view, row, team):  # type: ignore[no-untyped-def]
+def _write_seen(world: World, view: View, row: int, team: int) -> None:
     found = find_near(world, team, world.rules.sensing_radius)
     kept = _nearest_first(world, team, found, view.seen_slot.shape[1])
     reach = world.rules.join_radius * world.rules.join_radius
@@ -168,7 +173,7 @@ def _write_seen(world, view, row, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _pad_seen(view, row, column):  # type: ignore[no-untyped-def]
+def _pad_seen(view: View, row: int, column: int) -> None:
     view.seen_slot[row, column] = NOBODY
     view.seen_place[row, column, 0] = view.seen_place[row, column, 1] = 0.0
     for cap in range(view.counts.shape[1]):
@@ -180,7 +185,7 @@ def _pad_seen(view, row, column):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _nearest_first(world, team, found, most):  # type: ignore[no-untyped-def]
+def _nearest_first(world: World, team: int, found: int, most: int) -> int:
     """Sort the first `most` of the teams in `world.near` to its front; return how many."""
     kept = 0
     for i in range(found):
@@ -199,7 +204,7 @@ def _nearest_first(world, team, found, most):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _sort_key(world, team, other):  # type: ignore[no-untyped-def]
+def _sort_key(world: World, team: int, other: int) -> int:
     """Return a number that is less for what comes first: near, of help, with a slot close by."""
     away = 0  # all in the same place are equally near
     if not is_in_same_place(world, team, other):
@@ -213,7 +218,7 @@ def _sort_key(world, team, other):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _helps(world, team, other):  # type: ignore[no-untyped-def]
+def _helps(world: World, team: int, other: int) -> bool:
     """Say whether another team brings something that this team's task still needs."""
     task = world.teams[team].task
     if task == NOBODY:
@@ -222,7 +227,7 @@ def _helps(world, team, other):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_tasks(world, view, row, team):  # type: ignore[no-untyped-def]
+def _write_tasks(world: World, view: View, row: int, team: int) -> None:
     own, column, columns = world.teams[team].task, 0, view.task_number.shape[1]
     if own != NOBODY:
         _write_task(world, view, row, column, own)
@@ -252,7 +257,7 @@ def _write_tasks(world, view, row, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_task(world, view, row, column, task):  # type: ignore[no-untyped-def]
+def _write_task(world: World, view: View, row: int, column: int, task: int) -> None:
     view.task_number[row, column] = task
     view.task_place[row, column, 0] = world.tasks[task].x
     view.task_place[row, column, 1] = world.tasks[task].y

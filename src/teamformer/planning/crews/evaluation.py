@@ -6,7 +6,7 @@ come first pair off while they wait; when all are one party it is done, and they
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from teamformer.jit import entry, kernel
 from teamformer.planning.relaxation.plan import Array
 from teamformer.rules.constants import ROUNDING
 from teamformer.rules.pairing import pair_off
+
+if TYPE_CHECKING:
+    from teamformer.planning.crews.routes import Parties, Shared
 
 
 class Room(NamedTuple):
@@ -32,7 +35,7 @@ class Room(NamedTuple):
 
 
 @entry
-def empty_room(shared, parties):  # type: ignore[no-untyped-def]
+def empty_room(shared: Shared, parties: Parties) -> Room:
     """Return room for the walks of any crew."""
     most, tasks = parties.place.shape[1], len(shared.duration)
     return Room(
@@ -50,7 +53,9 @@ def empty_room(shared, parties):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def walk_list(shared, parties, number, tasks, length, room):  # type: ignore[no-untyped-def]
+def walk_list(
+    shared: Shared, parties: Parties, number: int, tasks: Array, length: int, room: Room
+) -> np.int64:
     """Return the step in which a crew is done with a list; `room.ends` has each task's."""
     count = _load(parties, number, room)
     finish = np.int64(0)
@@ -75,7 +80,7 @@ def walk_list(shared, parties, number, tasks, length, room):  # type: ignore[no-
 
 
 @kernel
-def _load(parties, number, room):  # type: ignore[no-untyped-def]
+def _load(parties: Parties, number: int, room: Room) -> int:
     count = parties.size[number]
     for party in range(count):
         room.place[party] = parties.place[number, party]
@@ -87,7 +92,7 @@ def _load(parties, number, room):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _meet_at(shared, room, count, task):  # type: ignore[no-untyped-def]
+def _meet_at(shared: Shared, room: Room, count: int, task: int) -> tuple[Any, Any]:
     """Bring all that help with a task there and make them one; return when it is done, and
     how many parties there are from then on.
 
@@ -115,7 +120,7 @@ def _meet_at(shared, room, count, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _helps(shared, room, party, task):  # type: ignore[no-untyped-def]
+def _helps(shared: Shared, room: Room, party: int, task: int) -> bool:
     for word in range(room.can.shape[1]):
         if room.can[party, word] & shared.wants[task, word]:
             return True
@@ -123,7 +128,7 @@ def _helps(shared, room, party, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _insert(arrival, count, step):  # type: ignore[no-untyped-def]
+def _insert(arrival: Array, count: int, step: int) -> None:
     """Put a step among sorted ones."""
     place = count
     while place > 0 and arrival[place - 1] > step:
@@ -133,7 +138,7 @@ def _insert(arrival, count, step):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _absorb(room, one, other, last):  # type: ignore[no-untyped-def]
+def _absorb(room: Room, one: int, other: int, last: int) -> None:
     """Add a party to another one; the last party takes its number."""
     room.slowness[one] = max(room.slowness[one], room.slowness[other])
     room.place[other], room.ready[other] = room.place[last], room.ready[last]

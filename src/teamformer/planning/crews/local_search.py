@@ -7,6 +7,8 @@ whole and the number of changes is fixed, so that everybody who searches finds t
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from teamformer.jit import entry, kernel
@@ -15,6 +17,11 @@ from teamformer.planning.crews.moves import change_lists
 from teamformer.planning.crews.routes import gather_parties, replace_list
 from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.planning.relaxation.problem import NOBODY
+from teamformer.rules.arrays import Array
+
+if TYPE_CHECKING:
+    from teamformer.planning.crews.evaluation import Room
+    from teamformer.planning.crews.routes import CrewRoutes, Parties, Shared
 
 HEAT = 5
 """A change may cost as much as so many tasks do on average; at the end nothing."""
@@ -30,7 +37,16 @@ SCALE, LARGEST = 1024, 8191
 
 
 @entry
-def improve_lists(shared, lists, parties, crew, is_able, room, rounds, may_trade):  # type: ignore[no-untyped-def]
+def improve_lists(
+    shared: Shared,
+    lists: CrewRoutes,
+    parties: Parties,
+    crew: Array,
+    is_able: Array,
+    room: Room,
+    rounds: int,
+    may_trade: bool,
+) -> None:
     """Try so many changes and leave the best lists found.
 
     If `may_trade`, robots that can do the same change crews too, which is written to `crew`.
@@ -59,21 +75,31 @@ def improve_lists(shared, lists, parties, crew, is_able, room, rounds, may_trade
 
 
 @kernel
-def _weigh(shared, finish, reference):  # type: ignore[no-untyped-def]
+def _weigh(shared: Shared, finish: Any, reference: Any) -> Any:
     """Return what a crew adds to the cost: its makespan to the power of four."""
     scaled = min(max(finish - shared.now, 0) * SCALE // reference, LARGEST)
     return scaled * scaled * scaled * scaled
 
 
 @kernel
-def _draw_threshold(cost, tasks, left, rounds, random):  # type: ignore[no-untyped-def]
+def _draw_threshold(cost: int, tasks: int, left: int, rounds: int, random: Array) -> int:
     """Return what the next change may cost, with so many changes left."""
     most = (HEAT * cost // tasks) >> 20
     return most * (1024 * left // rounds) * draw_below(random, 1024)
 
 
 @kernel
-def _try_change(shared, lists, parties, is_able, near, room, reference, cost, limit):  # type: ignore[no-untyped-def]
+def _try_change(
+    shared: Shared,
+    lists: CrewRoutes,
+    parties: Parties,
+    is_able: Array,
+    near: Array,
+    room: Room,
+    reference: int,
+    cost: int,
+    limit: int,
+) -> Any:
     """Make a change unless it costs too much; return what the lists cost then."""
     slowest = _slowest(lists)
     one, other, length, other_length = change_lists(lists, is_able, near, slowest, room)
@@ -98,7 +124,7 @@ def _try_change(shared, lists, parties, is_able, near, room, reference, cost, li
 
 
 @kernel
-def _slowest(lists):  # type: ignore[no-untyped-def]
+def _slowest(lists: CrewRoutes) -> int:
     slowest = 0
     for number in range(1, len(lists.length)):
         if lists.finish[number] > lists.finish[slowest]:
@@ -107,7 +133,16 @@ def _slowest(lists):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _try_trade(shared, lists, parties, crew, room, reference, cost, limit):  # type: ignore[no-untyped-def]
+def _try_trade(
+    shared: Shared,
+    lists: CrewRoutes,
+    parties: Parties,
+    crew: Array,
+    room: Room,
+    reference: int,
+    cost: int,
+    limit: int,
+) -> Any:
     """Swap two robots that can do the same, unless it costs too much; return the cost then."""
     robot, partner = draw_below(room.random, len(crew)), draw_below(room.random, len(crew))
     one, other = crew[robot], crew[partner]
@@ -126,7 +161,7 @@ def _try_trade(shared, lists, parties, crew, room, reference, cost, limit):  # t
 
 
 @kernel
-def _are_alike(shared, robot, partner):  # type: ignore[no-untyped-def]
+def _are_alike(shared: Shared, robot: int, partner: int) -> bool:
     """Say whether two robots can do the same in the same part of the map, and start alone."""
     if shared.robot_region[robot] != shared.robot_region[partner]:
         return False
@@ -144,7 +179,15 @@ def _are_alike(shared, robot, partner):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _trade(shared, lists, parties, crew, robot, partner, room):  # type: ignore[no-untyped-def]
+def _trade(
+    shared: Shared,
+    lists: CrewRoutes,
+    parties: Parties,
+    crew: Array,
+    robot: int,
+    partner: int,
+    room: Room,
+) -> tuple[Any, Any]:
     """Swap the crews of two robots; return when the crew of the first and of the second was done,
     from then on."""
     one, other = crew[robot], crew[partner]
@@ -157,7 +200,7 @@ def _trade(shared, lists, parties, crew, robot, partner, room):  # type: ignore[
 
 
 @entry
-def _nearest_tasks(shared):  # type: ignore[no-untyped-def]
+def _nearest_tasks(shared: Shared) -> Array:
     """Return the nearest other tasks of the same region, NOBODY where there are fewer."""
     count = len(shared.duration)
     near = np.full((count, NEIGHBOURS), NOBODY, dtype=np.int32)
@@ -172,7 +215,7 @@ def _nearest_tasks(shared):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _keep(lists, crew, best):  # type: ignore[no-untyped-def]
+def _keep(lists: CrewRoutes, crew: Array, best: tuple[Array, ...]) -> None:
     """Write down the lists."""
     tasks, length, members = best
     for number in range(len(length)):
@@ -184,7 +227,7 @@ def _keep(lists, crew, best):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _put_back(lists, crew, best):  # type: ignore[no-untyped-def]
+def _put_back(lists: CrewRoutes, crew: Array, best: tuple[Array, ...]) -> None:
     """Make the lists what was written down."""
     tasks, length, members = best
     for number in range(len(length)):

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import covers
 
+if TYPE_CHECKING:
+    from teamformer.planning.crews.routes import Shared
+
 
 @entry
-def deal_robots(shared, crew, in_one_crew):  # type: ignore[no-untyped-def]
+def deal_robots(shared: Shared, crew: Array, in_one_crew: bool) -> None:
     """Deal the robots out into crews, region by region; write each robot's crew.
 
     A crew takes robots that bring something it still lacks, until it has what any one task needs
@@ -40,7 +46,7 @@ def deal_robots(shared, crew, in_one_crew):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _demand_in(shared, region):  # type: ignore[no-untyped-def]
+def _demand_in(shared: Shared, region: int) -> Array:
     """Return what a crew of a region needs to do any of its tasks, and at least 1 of all."""
     demand = np.ones(shared.needs.shape[1], dtype=np.int64)
     for task in range(len(shared.needs)):
@@ -50,7 +56,9 @@ def _demand_in(shared, region):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _most_useful(shared, crew, region, brings, demand, have):  # type: ignore[no-untyped-def]
+def _most_useful(
+    shared: Shared, crew: Array, region: int, brings: Array, demand: Array, have: Array
+) -> int:
     """Return the company without crew that brings most of what is lacking and least besides."""
     best, best_use, best_waste = NOBODY, 0, 0
     for leader in range(len(crew)):
@@ -68,7 +76,7 @@ def _most_useful(shared, crew, region, brings, demand, have):  # type: ignore[no
 
 
 @entry
-def merge_where_needed(shared, crew):  # type: ignore[no-untyped-def]
+def merge_where_needed(shared: Shared, crew: Array) -> Array:
     """Merge crews until each task can be done by one; return who can do what, (crews, tasks)."""
     is_able = _who_can(shared, crew)
     for task in range(len(shared.needs)):
@@ -79,7 +87,7 @@ def merge_where_needed(shared, crew):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _who_can(shared, crew):  # type: ignore[no-untyped-def]
+def _who_can(shared: Shared, crew: Array) -> Array:
     """Return which crew can do which task, (crews, tasks)."""
     has, region = _sum_up(shared, crew)
     is_able = np.zeros((len(has), len(shared.needs)), dtype=np.bool_)
@@ -91,7 +99,7 @@ def _who_can(shared, crew):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _sum_up(shared, crew):  # type: ignore[no-untyped-def]
+def _sum_up(shared: Shared, crew: Array) -> tuple[Any, Any]:
     """Return what each crew has, (crews, caps), and its region, NOBODY for one without robots."""
     crews = crew.max() + 1
     has = np.zeros((crews, shared.needs.shape[1]), dtype=np.int64)
@@ -103,7 +111,7 @@ def _sum_up(shared, crew):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _merge_for(shared, crew, task):  # type: ignore[no-untyped-def]
+def _merge_for(shared: Shared, crew: Array, task: int) -> None:
     """Merge the crews that bring most of what a task needs until they have all of it."""
     has, region = _sum_up(shared, crew)
     union = np.zeros(has.shape[1], dtype=np.int64)
@@ -125,7 +133,7 @@ def _merge_for(shared, crew, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _use(union, has, need):  # type: ignore[no-untyped-def]
+def _use(union: Array, has: Array, need: Array) -> int:
     use = 0
     for cap in range(len(need)):
         use += min(has[cap], max(need[cap] - union[cap], 0))

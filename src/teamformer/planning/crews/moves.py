@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from teamformer.jit import kernel
 from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.planning.relaxation.problem import NOBODY
+from teamformer.rules.arrays import Array
+
+if TYPE_CHECKING:
+    from teamformer.planning.crews.evaluation import Room
+    from teamformer.planning.crews.routes import CrewRoutes
 
 LONGEST_STRETCH = 3
 """How many tasks in a row are moved at once at most."""
 
 
 @kernel
-def change_lists(lists, is_able, near, slowest, room):  # type: ignore[no-untyped-def]
+def change_lists(lists: CrewRoutes, is_able: Array, near: Array, slowest: int, room: Room) -> Any:
     """Draw a change; write the lists that it gives to `room.first` and `room.second`.
 
     Return the two crews, the same twice if only one list changes, and the lengths of the new
@@ -32,7 +39,7 @@ def change_lists(lists, is_able, near, slowest, room):  # type: ignore[no-untype
 
 
 @kernel
-def _move(lists, is_able, task, beside, room):  # type: ignore[no-untyped-def]
+def _move(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: Room) -> Any:
     """Move a stretch that begins with a task beside another one, or now and then anywhere."""
     random = room.random
     one, begin = lists.crew[task], lists.position[task]
@@ -71,7 +78,9 @@ def _move(lists, is_able, task, beside, room):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _can_do(lists, is_able, number, owner, begin, end):  # type: ignore[no-untyped-def]
+def _can_do(
+    lists: CrewRoutes, is_able: Array, number: int, owner: int, begin: int, end: int
+) -> bool:
     """Say whether a crew can do a stretch of another one's list."""
     for position in range(begin, end):
         if not is_able[number, lists.tasks[owner, position]]:
@@ -80,7 +89,9 @@ def _can_do(lists, is_able, number, owner, begin, end):  # type: ignore[no-untyp
 
 
 @kernel
-def _turn(lists, is_able, task, beside, room):  # type: ignore[no-untyped-def]
+def _turn(
+    lists: CrewRoutes, is_able: Array, task: int, beside: int, room: Room
+) -> tuple[Any, Any, Any, Any]:
     """Reverse the stretch between two tasks (2-opt), or let two lists cross over there."""
     one, other = lists.crew[task], lists.crew[beside]
     begin, end = lists.position[task], lists.position[beside]
@@ -95,7 +106,9 @@ def _turn(lists, is_able, task, beside, room):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _cross_over(lists, is_able, one, cut, other, other_cut, room):  # type: ignore[no-untyped-def]
+def _cross_over(
+    lists: CrewRoutes, is_able: Array, one: int, cut: int, other: int, other_cut: int, room: Room
+) -> Any:
     """Exchange what comes from a cut on in each of two lists."""
     if not _can_do(lists, is_able, other, one, cut, lists.length[one]):
         return NOBODY, other, 0, 0
@@ -106,7 +119,9 @@ def _cross_over(lists, is_able, one, cut, other, other_cut, room):  # type: igno
 
 
 @kernel
-def _splice(lists, one, cut, other, other_cut, target):  # type: ignore[no-untyped-def]
+def _splice(
+    lists: CrewRoutes, one: int, cut: int, other: int, other_cut: int, target: Array
+) -> Any:
     """Write the beginning of one list and the end of another; return how long that is."""
     count = 0
     for position in range(cut):
@@ -119,7 +134,7 @@ def _splice(lists, one, cut, other, other_cut, target):  # type: ignore[no-untyp
 
 
 @kernel
-def _swap(lists, is_able, task, beside, room):  # type: ignore[no-untyped-def]
+def _swap(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: Room) -> Any:
     """Swap a task with the one after another, so that it comes beside that."""
     one, other = lists.crew[task], lists.crew[beside]
     begin, end = lists.position[task], lists.position[beside] + 1

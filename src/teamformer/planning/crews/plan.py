@@ -8,6 +8,8 @@ knows, on whole numbers and on a fixed sequence of random ones, never on a clock
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from teamformer.jit import entry
@@ -23,10 +25,17 @@ from teamformer.planning.crews.routes import (
 )
 from teamformer.planning.relaxation.problem import NOBODY
 from teamformer.planning.tour import plan_tour
+from teamformer.rules.arrays import Array
+
+if TYPE_CHECKING:
+    from teamformer.planning.crews.evaluation import Room
+    from teamformer.planning.crews.routes import CrewRoutes, Parties, Shared
 
 
 @entry
-def plan_crews(shared, crew, task_crew, in_one_crew, rounds):  # type: ignore[no-untyped-def]
+def plan_crews(
+    shared: Shared, crew: Array, task_crew: Array, in_one_crew: bool, rounds: int
+) -> Array:
     """Write the crew of each robot and task; return the tasks in the order they will be done in.
 
     `crew` (robots,) holds the crews so far, NOBODY for all at the start; `task_crew` (tasks,) whose
@@ -51,7 +60,9 @@ def plan_crews(shared, crew, task_crew, in_one_crew, rounds):  # type: ignore[no
 
 
 @entry
-def _merge_lists(shared, lists, parties, task_crew, room):  # type: ignore[no-untyped-def]
+def _merge_lists(
+    shared: Shared, lists: CrewRoutes, parties: Parties, task_crew: Array, room: Room
+) -> Array:
     """Write whose list each task is on; return all in one order, by the steps they are done in."""
     sequence = np.empty(len(task_crew), dtype=np.int64)
     end = np.empty(len(task_crew), dtype=np.int64)
@@ -66,7 +77,7 @@ def _merge_lists(shared, lists, parties, task_crew, room):  # type: ignore[no-un
 
 
 @entry
-def _cut_tour(shared, lists, is_able):  # type: ignore[no-untyped-def]
+def _cut_tour(shared: Shared, lists: CrewRoutes, is_able: Array) -> None:
     """Give each crew a stretch of a tour through all tasks, and what its crew cannot do to others.
 
     A task that the crew whose turn it is cannot do goes to one that can and has least to do.
@@ -99,7 +110,14 @@ def _cut_tour(shared, lists, is_able):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _keep_lists(shared, lists, parties, is_able, task_crew, room):  # type: ignore[no-untyped-def]
+def _keep_lists(
+    shared: Shared,
+    lists: CrewRoutes,
+    parties: Parties,
+    is_able: Array,
+    task_crew: Array,
+    room: Room,
+) -> None:
     """Take over what is on lists of crews that can do it; insert the rest where it costs least."""
     for task in range(len(task_crew)):
         number = task_crew[task]
@@ -111,7 +129,9 @@ def _keep_lists(shared, lists, parties, is_able, task_crew, room):  # type: igno
 
 
 @entry
-def _insert_where_best(shared, lists, parties, is_able, task, room):  # type: ignore[no-untyped-def]
+def _insert_where_best(
+    shared: Shared, lists: CrewRoutes, parties: Parties, is_able: Array, task: int, room: Room
+) -> None:
     """Put a task where its crew is done earliest, of equals where it becomes least later."""
     best_finish, best_number, best_position = np.int64(2**62), NOBODY, 0
     for number in range(len(is_able)):

@@ -56,7 +56,7 @@ class Parties(NamedTuple):
 
 
 @entry
-def bits_of(counts):  # type: ignore[no-untyped-def]
+def bits_of(counts: Array) -> Array:
     """Return what counts (rows, caps) are not zero, as bits (rows, words)."""
     rows, caps = counts.shape
     bits = np.zeros((rows, (caps + WORD - 1) // WORD), dtype=np.uint64)
@@ -68,7 +68,7 @@ def bits_of(counts):  # type: ignore[no-untyped-def]
 
 
 @entry
-def empty_lists(crews, tasks):  # type: ignore[no-untyped-def]
+def empty_lists(crews: int, tasks: Array) -> CrewRoutes:
     """Return lists with nothing on them."""
     return CrewRoutes(
         np.full((crews, tasks), NOBODY, dtype=np.int32),
@@ -80,7 +80,7 @@ def empty_lists(crews, tasks):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def append_task(lists, number, task):  # type: ignore[no-untyped-def]
+def append_task(lists: CrewRoutes, number: int, task: int) -> None:
     """Put a task at the end of a crew's list."""
     lists.crew[task], lists.position[task] = number, lists.length[number]
     lists.tasks[number, lists.length[number]] = task
@@ -88,7 +88,7 @@ def append_task(lists, number, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def insert_task(lists, number, position, task):  # type: ignore[no-untyped-def]
+def insert_task(lists: CrewRoutes, number: int, position: int, task: int) -> None:
     """Put a task into a crew's list, before what is at a position."""
     append_task(lists, number, task)
     for place in range(lists.length[number] - 1, position, -1):
@@ -98,7 +98,7 @@ def insert_task(lists, number, position, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def replace_list(lists, number, tasks, length):  # type: ignore[no-untyped-def]
+def replace_list(lists: CrewRoutes, number: int, tasks: Array, length: int) -> None:
     """Give a crew another list."""
     lists.length[number] = length
     for position in range(length):
@@ -108,7 +108,7 @@ def replace_list(lists, number, tasks, length):  # type: ignore[no-untyped-def]
 
 
 @entry
-def empty_parties(shared, crew):  # type: ignore[no-untyped-def]
+def empty_parties(shared: Shared, crew: Array) -> Parties:
     """Return room for the parties of all crews."""
     crews = crew.max() + 1
     sizes = np.zeros(crews, dtype=np.int64)
@@ -125,7 +125,7 @@ def empty_parties(shared, crew):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def gather_parties(shared, parties, crew, number):  # type: ignore[no-untyped-def]
+def gather_parties(shared: Shared, parties: Parties, crew: Array, number: int) -> None:
     """Write the parties of one crew, which are companies."""
     count = 0
     for leader in range(len(crew)):
@@ -144,7 +144,7 @@ def gather_parties(shared, parties, crew, number):  # type: ignore[no-untyped-de
 
 
 @kernel
-def _add_robot(shared, parties, number, party, robot):  # type: ignore[no-untyped-def]
+def _add_robot(shared: Shared, parties: Parties, number: int, party: int, robot: int) -> None:
     slowness = max(parties.slowness[number, party], shared.slowness[robot])
     parties.slowness[number, party] = slowness
     for cap in range(shared.counts.shape[1]):

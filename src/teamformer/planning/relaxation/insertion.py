@@ -7,7 +7,7 @@ longer. So every gap is weighed without timing the plan again.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from teamformer.planning.relaxation.plan import (
     serve,
 )
 from teamformer.planning.relaxation.problem import FAR, NOBODY, Relaxed
+
+if TYPE_CHECKING:
+    from teamformer.planning.relaxation.plan import Plan, Timing
 
 STEP = 10
 """A step of makespan weighs as much as ten steps of slack or of walking."""
@@ -73,7 +76,7 @@ def empty_desk(problem: Relaxed, seed: int) -> Desk:
 
 
 @kernel
-def draw(random):  # type: ignore[no-untyped-def]
+def draw(random: Array) -> float:
     """Return a random number from 0 to 1 and step the state on (xorshift64, Marsaglia 2003)."""
     state = random[0]
     state ^= state << np.uint64(13)
@@ -84,13 +87,15 @@ def draw(random):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def draw_below(random, count):  # type: ignore[no-untyped-def]
+def draw_below(random: Array, count: int) -> int:
     """Return a random whole number from 0 to count - 1."""
     return int(draw(random) * count)
 
 
 @entry
-def insert_task(problem, plan, timing, desk, task, makespan):  # type: ignore[no-untyped-def]
+def insert_task(
+    problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, task: int, makespan: int
+) -> bool:
     """Put a task into a plan whose tails have just been hung; say whether there is a crew.
 
     `makespan` is the plan's without the task.
@@ -126,7 +131,7 @@ def insert_task(problem, plan, timing, desk, task, makespan):  # type: ignore[no
 
 
 @kernel
-def _place_task(plan, task, gap, crew, size):  # type: ignore[no-untyped-def]
+def _place_task(plan: Plan, task: int, gap: int, crew: Array, size: int) -> None:
     for position in range(plan.placed[0], gap, -1):
         plan.order[position] = plan.order[position - 1]
     plan.order[gap] = task
@@ -137,7 +142,7 @@ def _place_task(plan, task, gap, crew, size):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _gather_candidates(problem, plan, timing, desk, task):  # type: ignore[no-untyped-def]
+def _gather_candidates(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, task: int) -> None:
     """Choose whom to consider, scarce capabilities first, and weigh each at the first gap."""
     robots, asked, candidates = timing.robots, desk.asked, desk.candidates
     needs, scarce, able = problem.needs, desk.scarce, problem.able
@@ -163,7 +168,9 @@ def _gather_candidates(problem, plan, timing, desk, task):  # type: ignore[no-un
 
 
 @kernel
-def _consider_nearby(problem, plan, robots, desk, kind, task, many):  # type: ignore[no-untyped-def]
+def _consider_nearby(
+    problem: Relaxed, plan: Plan, robots: Array, desk: Desk, kind: int, task: int, many: int
+) -> None:
     """Consider robots that serve tasks in the neighbourhood."""
     asked, candidates, crew = desk.asked, desk.candidates, plan.crew
     counts, cap = problem.counts, desk.asked[kind].cap
@@ -175,7 +182,9 @@ def _consider_nearby(problem, plan, robots, desk, kind, task, many):  # type: ig
 
 
 @kernel
-def _consider_able(robots, asked, candidates, kind, able, many, random):  # type: ignore[no-untyped-def]
+def _consider_able(
+    robots: Array, asked: Array, candidates: Array, kind: int, able: Array, many: int, random: Array
+) -> None:
     """Consider all robots with a capability, or some more at random to make them many."""
     cap, count = asked[kind].cap, 0
     while count < able.shape[1] and able[cap, count] != NOBODY:
@@ -187,7 +196,7 @@ def _consider_able(robots, asked, candidates, kind, able, many, random):  # type
 
 
 @kernel
-def _consider(robots, asked, candidates, kind, robot):  # type: ignore[no-untyped-def]
+def _consider(robots: Array, asked: Array, candidates: Array, kind: int, robot: int) -> None:
     for index in range(asked[kind].candidates):
         if candidates[kind, index] == robot:
             return
@@ -197,7 +206,7 @@ def _consider(robots, asked, candidates, kind, robot):  # type: ignore[no-untype
 
 
 @kernel
-def _weigh(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+def _weigh(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> None:
     """Work out what the task would mean for a robot between what it has done and will do."""
     there = leg_to(robots, steps, cells, robot, task)
     onward = leg_from(robots, steps, cells, robot, task)
@@ -207,14 +216,24 @@ def _weigh(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _leg_without(robots, steps, cells, robot):  # type: ignore[no-untyped-def]
+def _leg_without(robots: Array, steps: Array, cells: Array, robot: int) -> int:
     if robots[robot].next == NOBODY:
         return 0
     return leg_to(robots, steps, cells, robot, robots[robot].next)
 
 
 @kernel
-def _pass_task(robots, visits, crew, steps, cells, task, passed, size, end):  # type: ignore[no-untyped-def]
+def _pass_task(
+    robots: Array,
+    visits: Array,
+    crew: Array,
+    steps: Array,
+    cells: Array,
+    task: int,
+    passed: int,
+    size: int,
+    end: int,
+) -> bool:
     """Move the gap past a task with its crew; say whether that changed a candidate's lot."""
     is_new = False
     for seat in range(size):
@@ -228,7 +247,15 @@ def _pass_task(robots, visits, crew, steps, cells, task, passed, size, end):  # 
 
 
 @kernel
-def _pick_crew(robots, asked, candidates, counts, pick, ready, duration):  # type: ignore[no-untyped-def]
+def _pick_crew(
+    robots: Array,
+    asked: Array,
+    candidates: Array,
+    counts: Array,
+    pick: Array,
+    ready: Array,
+    duration: int,
+) -> int:
     """Pick a crew for the gap at hand; return its size, 0 if there is none.
 
     Scarce capabilities come first; each robot is the one that lengthens the chain least.
@@ -256,7 +283,15 @@ def _pick_crew(robots, asked, candidates, counts, pick, ready, duration):  # typ
 
 
 @kernel
-def _pick_robot(robots, asked, candidates, kind, ready, remains, duration):  # type: ignore[no-untyped-def]
+def _pick_robot(
+    robots: Array,
+    asked: Array,
+    candidates: Array,
+    kind: int,
+    ready: Array,
+    remains: int,
+    duration: int,
+) -> int:
     best, best_cost = NOBODY, IMPOSSIBLE
     for index in range(asked[kind].candidates):
         robot = candidates[kind, index]
@@ -270,7 +305,7 @@ def _pick_robot(robots, asked, candidates, kind, ready, remains, duration):  # t
 
 
 @kernel
-def _judge_crew(robots, pick, size, earliest, duration):  # type: ignore[no-untyped-def]
+def _judge_crew(robots: Array, pick: Array, size: int, earliest: int, duration: int) -> Any:
     """Return the steps of the longest chain through the task, and the steps more to walk."""
     ready, remains, detour, lost = earliest, 0, 0, FAR
     for seat in range(size):
@@ -284,7 +319,7 @@ def _judge_crew(robots, pick, size, earliest, duration):  # type: ignore[no-unty
 
 
 @entry
-def drop_spares(counts, pick, size, spare):  # type: ignore[no-untyped-def]
+def drop_spares(counts: Array, pick: Array, size: int, spare: Array) -> int:
     """Send away robots that a crew can do without, the first picked first; return who is left.
 
     `spare` is what the crew has beyond what is needed. No more robots stay than counts are needed.
@@ -301,7 +336,7 @@ def drop_spares(counts, pick, size, spare):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _is_needed(counts, robot, spare):  # type: ignore[no-untyped-def]
+def _is_needed(counts: Array, robot: int, spare: Array) -> bool:
     for cap in range(len(spare)):
         if counts[robot, cap] > spare[cap]:
             return True
@@ -309,7 +344,9 @@ def _is_needed(counts, robot, spare):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def count_spares(needs, counts, pick, size, task, spare):  # type: ignore[no-untyped-def]
+def count_spares(
+    needs: Array, counts: Array, pick: Array, size: int, task: int, spare: Array
+) -> None:
     """Work out what a crew has beyond what a task needs."""
     for cap in range(len(spare)):
         spare[cap] = -needs[task, cap]

@@ -85,7 +85,7 @@ def empty_timing(problem: Relaxed, plan: Plan) -> Timing:
 
 
 @entry
-def copy_plan(plan, into):  # type: ignore[no-untyped-def]
+def copy_plan(plan: Plan, into: Plan) -> None:
     """Overwrite a plan with another."""
     into.order[:] = plan.order
     into.placed[:] = plan.placed
@@ -94,13 +94,13 @@ def copy_plan(plan, into):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def leg_to(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+def leg_to(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> int:
     """Return the steps from where a robot is to a task; 0 in the same place only."""
     return steps[robots[robot].pace, cells[task, robots[robot].at]]
 
 
 @kernel
-def leg_from(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+def leg_from(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> int:
     """Return the steps from a task to the robot's next; 0 if it has none."""
     if robots[robot].next == NOBODY:
         return 0
@@ -108,14 +108,14 @@ def leg_from(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def arrival_at(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+def arrival_at(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> int:
     """Return the step a robot can be at a task; where it stands it has been since it came."""
     way = leg_to(robots, steps, cells, robot, task)
     return robots[robot].arrive if way == 0 else robots[robot].leave + way
 
 
 @entry
-def serve(robots, steps, cells, robot, task, end):  # type: ignore[no-untyped-def]
+def serve(robots: Array, steps: Array, cells: Array, robot: int, task: int, end: int) -> int:
     """Let a robot go to a task and stay until its end; return the steps walked."""
     way = leg_to(robots, steps, cells, robot, task)
     if way > 0:
@@ -128,7 +128,7 @@ def serve(robots, steps, cells, robot, task, end):  # type: ignore[no-untyped-de
 
 
 @kernel
-def send_home(robots, tasks):  # type: ignore[no-untyped-def]
+def send_home(robots: Array, tasks: int) -> None:
     """Put every robot back to its start, with nothing done and nothing to do."""
     for robot in range(len(robots)):
         robots[robot].at, robots[robot].arrive, robots[robot].leave = tasks + robot, 0, 0
@@ -136,14 +136,14 @@ def send_home(robots, tasks):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def set_free(robots, ready):  # type: ignore[no-untyped-def]
+def set_free(robots: Array, ready: Array) -> None:
     """Let every robot stay at its start until it is free."""
     for robot in range(len(robots)):
         robots[robot].arrive = robots[robot].leave = ready[robot]
 
 
 @entry
-def start_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
+def start_tasks(problem: Relaxed, plan: Plan, timing: Timing) -> tuple[Any, Any, Any]:
     """Start every placed task as early as can be.
 
     Returns the makespan, the steps walked by all robots, and how many visits come too late
@@ -169,7 +169,7 @@ def start_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
 
 
 @entry
-def hang_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
+def hang_tasks(problem: Relaxed, plan: Plan, timing: Timing) -> None:
     """Work out every tail, from the last task backwards.
 
     Leaves the robots at home with their first tasks before them.
@@ -191,7 +191,7 @@ def hang_tasks(problem, plan, timing):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _leave_backwards(robots, steps, cells, robot, task):  # type: ignore[no-untyped-def]
+def _leave_backwards(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> int:
     """Make a task the robot's next; return the steps that remain when it leaves that place."""
     way = leg_from(robots, steps, cells, robot, task)
     if way > 0:
@@ -202,7 +202,7 @@ def _leave_backwards(robots, steps, cells, robot, task):  # type: ignore[no-unty
 
 
 @kernel
-def remember_visit(robots, robot, visits, task, seat):  # type: ignore[no-untyped-def]
+def remember_visit(robots: Array, robot: int, visits: Array, task: int, seat: int) -> None:
     """Note what a robot does after a task."""
     visits[task, seat].next = robots[robot].next
     visits[task, seat].here = robots[robot].here
@@ -210,7 +210,7 @@ def remember_visit(robots, robot, visits, task, seat):  # type: ignore[no-untype
 
 
 @kernel
-def recall_visit(robots, robot, visits, task, seat):  # type: ignore[no-untyped-def]
+def recall_visit(robots: Array, robot: int, visits: Array, task: int, seat: int) -> None:
     """Put before a robot what it does after a task."""
     robots[robot].next = visits[task, seat].next
     robots[robot].here = visits[task, seat].here

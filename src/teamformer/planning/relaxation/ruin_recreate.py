@@ -6,6 +6,8 @@ removals" (Transportation Science 2020), here with crews that wait for one anoth
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from teamformer.jit import entry, kernel, needs_compiling
@@ -19,6 +21,11 @@ from teamformer.planning.relaxation.plan import (
 )
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
+from teamformer.rules.arrays import Array
+
+if TYPE_CHECKING:
+    from teamformer.planning.relaxation.insertion import Desk
+    from teamformer.planning.relaxation.plan import Plan, Timing
 
 NEARBY, STRETCH = 0.5, 0.3
 """How often tasks in one area, or done around one time, are torn out; else any tasks."""
@@ -82,7 +89,18 @@ def is_compiled() -> bool:
 
 
 @entry
-def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, temperature):  # type: ignore[no-untyped-def]
+def _anneal(
+    problem: Relaxed,
+    plan: Plan,
+    best: Plan,
+    spare: Array,
+    timing: Timing,
+    desk: Desk,
+    torn: Array,
+    costs: Array,
+    rounds: int,
+    temperature: float,
+) -> None:
     """Ruin and recreate for a number of rounds.
 
     `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both.
@@ -101,7 +119,7 @@ def _anneal(problem, plan, best, spare, timing, desk, torn, costs, rounds, tempe
 
 
 @kernel
-def ruin(problem, plan, timing, desk, torn):  # type: ignore[no-untyped-def]
+def ruin(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, torn: Array) -> Any:
     """Take tasks out of a plan; list them, and those that had no crew; return how many."""
     first = _choose_first(problem, plan, timing, desk)
     wanted = 1 + draw_below(desk.random, min(LARGEST_RUIN, len(plan.size)))
@@ -118,7 +136,7 @@ def ruin(problem, plan, timing, desk, torn):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _choose_first(problem, plan, timing, desk):  # type: ignore[no-untyped-def]
+def _choose_first(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk) -> int:
     """Choose any task, or every other time one that the makespan hangs on."""
     chosen = draw_below(desk.random, len(plan.size))
     if draw(desk.random) < 0.5:
@@ -135,7 +153,7 @@ def _choose_first(problem, plan, timing, desk):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _tear_nearby(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
+def _tear_nearby(plan: Plan, desk: Desk, first: int, wanted: int) -> None:
     """Take out tasks around one, most but not all of the nearest."""
     for nearby in range(desk.near.shape[1]):
         if wanted > 1 and draw(desk.random) < 0.6:
@@ -144,7 +162,7 @@ def _tear_nearby(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _tear_stretch(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
+def _tear_stretch(plan: Plan, desk: Desk, first: int, wanted: int) -> None:
     """Take out tasks that are done around the same time as one."""
     at = 0
     while at < plan.placed[0] and plan.order[at] != first:
@@ -155,7 +173,7 @@ def _tear_stretch(plan, desk, first, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _close_gaps(plan, torn):  # type: ignore[no-untyped-def]
+def _close_gaps(plan: Plan, torn: Array) -> int:
     """Drop tasks without a crew from the order and list them; return how many."""
     kept = 0
     for position in range(plan.placed[0]):
@@ -173,7 +191,9 @@ def _close_gaps(plan, torn):  # type: ignore[no-untyped-def]
 
 
 @entry
-def recreate(problem, plan, timing, desk, torn, count):  # type: ignore[no-untyped-def]
+def recreate(
+    problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, torn: Array, count: int
+) -> Any:
     """Put tasks back, in random order; return the cost of the plan."""
     for last in range(count - 1, 0, -1):
         other = draw_below(desk.random, last + 1)
@@ -186,7 +206,7 @@ def recreate(problem, plan, timing, desk, torn, count):  # type: ignore[no-untyp
 
 
 @entry
-def cost_of(problem, plan, timing):  # type: ignore[no-untyped-def]
+def cost_of(problem: Relaxed, plan: Plan, timing: Timing) -> float:
     """Return what the search minimises, in steps of makespan."""
     makespan, walked, late = start_tasks(problem, plan, timing)
     undone = late + len(plan.size) - plan.placed[0]

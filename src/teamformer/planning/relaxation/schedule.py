@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +21,10 @@ from teamformer.planning.relaxation.plan import (
     start_tasks,
 )
 from teamformer.planning.relaxation.problem import FAR, Relaxed
+from teamformer.rules.arrays import Array
+
+if TYPE_CHECKING:
+    from teamformer.planning.relaxation.plan import Timing
 
 
 @dataclass(frozen=True)
@@ -93,7 +98,7 @@ def make_plan(problem: Relaxed, order: Sequence[int], crews: Sequence[Sequence[i
 
 
 @entry
-def decode(problem, ranking, plan, timing):  # type: ignore[no-untyped-def]
+def decode(problem: Relaxed, ranking: Array, plan: Plan, timing: Timing) -> Any:
     """Give each task in turn the crew that can be there first; return the makespan.
 
     Of those that come until there are enough, the first are sent away again if they can be spared:
@@ -122,7 +127,7 @@ def decode(problem, ranking, plan, timing):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _sort_by_arrival(robots, steps, cells, task, pick):  # type: ignore[no-untyped-def]
+def _sort_by_arrival(robots: Array, steps: Array, cells: Array, task: int, pick: Array) -> None:
     arrival = np.empty(len(robots), np.int64)
     for robot in range(len(robots)):
         arrival[robot] = arrival_at(robots, steps, cells, robot, task)
@@ -131,7 +136,7 @@ def _sort_by_arrival(robots, steps, cells, task, pick):  # type: ignore[no-untyp
 
 
 @entry
-def _take_first(robots, problem, pick, spare, task):  # type: ignore[no-untyped-def]
+def _take_first(robots: Array, problem: Relaxed, pick: Array, spare: Array, task: int) -> int:
     """Keep in `pick`, sorted by arrival, the first that cover a task; return how many, or 0.
 
     `spare` is left with what they have beyond what the task needs.
@@ -154,7 +159,7 @@ def _take_first(robots, problem, pick, spare, task):  # type: ignore[no-untyped-
 
 
 @kernel
-def _drop_lost(robots, counts, pick, size, spare, end):  # type: ignore[no-untyped-def]
+def _drop_lost(robots: Array, counts: Array, pick: Array, size: int, spare: Array, end: int) -> int:
     """Send away robots that will be missing at the end; return how many are left."""
     kept = 0
     for seat in range(size):

@@ -6,6 +6,8 @@ nothing (Dueck and Scheuer 1990), which needs no fraction and no logarithm.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from teamformer.jit import entry
@@ -14,6 +16,11 @@ from teamformer.planning.relaxation.plan import copy_plan, empty_plan, empty_tim
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.ruin_recreate import recreate, ruin
 from teamformer.planning.relaxation.schedule import Schedule, read_schedule
+from teamformer.rules.arrays import Array
+
+if TYPE_CHECKING:
+    from teamformer.planning.relaxation.insertion import Desk
+    from teamformer.planning.relaxation.plan import Plan, Timing
 
 STEP = 5
 """What a step of makespan costs, for each robot; a step that a robot walks costs 1."""
@@ -33,7 +40,16 @@ def search_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> Schedule 
 
 
 @entry
-def _search(problem, plan, best, spare, timing, desk, torn, rounds):  # type: ignore[no-untyped-def]
+def _search(
+    problem: Relaxed,
+    plan: Plan,
+    best: Plan,
+    spare: Array,
+    timing: Timing,
+    desk: Desk,
+    torn: Array,
+    rounds: int,
+) -> None:
     """Ruin and recreate; begins with nothing placed, so that the first round places everything."""
     cost, lowest = np.int64(2**62), np.int64(2**62)
     hot = HOT * STEP * len(timing.robots)
@@ -51,7 +67,7 @@ def _search(problem, plan, best, spare, timing, desk, torn, rounds):  # type: ig
 
 
 @entry
-def _cost(problem, plan, timing):  # type: ignore[no-untyped-def]
+def _cost(problem: Relaxed, plan: Plan, timing: Timing) -> Any:
     makespan, walked, late = start_tasks(problem, plan, timing)
     undone = late + len(plan.size) - plan.placed[0]
     return np.int64(makespan) * STEP * len(timing.robots) + walked + undone * UNDONE

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,7 +35,7 @@ def next_symbols(spelling: str, tokens: Spelled, spelled: Array) -> Next:
 
 
 @entry
-def _mark(is_full, tokens, spelled, found):  # type: ignore[no-untyped-def]
+def _mark(is_full: bool, tokens: Spelled, spelled: Array, found: Any) -> None:
     for row in range(len(spelled)):
         if is_full:
             last = _last(spelled[row], 1)
@@ -52,7 +52,7 @@ def _mark(is_full, tokens, spelled, found):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _last(spelled, sign):  # type: ignore[no-untyped-def]
+def _last(spelled: Array, sign: int) -> int:
     """Return the last capability that counts by this sign, or -1."""
     for cap in range(len(spelled) - 1, -1, -1):
         if spelled[cap] * sign > 0:
@@ -61,7 +61,9 @@ def _last(spelled, sign):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _mark_targets(is_full, tokens, row, spelled, last, found):  # type: ignore[no-untyped-def]
+def _mark_targets(
+    is_full: bool, tokens: Spelled, row: int, spelled: Array, last: int, found: Any
+) -> None:
     """Mark what goes on to counts that can be named: to maintain, or to join a team."""
     caps, end = len(spelled), found.is_legal.shape[1] - 1
     for target in range(tokens.can_join.shape[1]):
@@ -84,7 +86,7 @@ def _mark_targets(is_full, tokens, row, spelled, last, found):  # type: ignore[n
 
 
 @kernel
-def _mark_splits(tokens, row, spelled, last, is_legal):  # type: ignore[no-untyped-def]
+def _mark_splits(tokens: Spelled, row: int, spelled: Array, last: int, is_legal: Array) -> None:
     """Mark what goes on to fewer counts into which some robot fits, when all are spelled."""
     caps = len(spelled)
     for cap in range(caps):
@@ -104,7 +106,7 @@ def _mark_splits(tokens, row, spelled, last, is_legal):  # type: ignore[no-untyp
 
 
 @kernel
-def _first_beyond(profile, spelled):  # type: ignore[no-untyped-def]
+def _first_beyond(profile: Array, spelled: Array) -> int:
     """Return the first capability of which a robot has more than is spelled; their number: none."""
     for cap in range(len(spelled)):
         if profile[cap] > spelled[cap]:
@@ -113,7 +115,7 @@ def _first_beyond(profile, spelled):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _mark_drops(tokens, row, spelled, last, is_legal):  # type: ignore[no-untyped-def]
+def _mark_drops(tokens: Spelled, row: int, spelled: Array, last: int, is_legal: Array) -> None:
     """Mark what can be dropped so that some robot still stays."""
     caps = len(spelled)
     own = tokens.team_counts[row, 0]
@@ -133,7 +135,9 @@ def _mark_drops(tokens, row, spelled, last, is_legal):  # type: ignore[no-untype
 
 
 @kernel
-def _mark_drops_around(profile, own, spelled, last, is_legal):  # type: ignore[no-untyped-def]
+def _mark_drops_around(
+    profile: Array, own: Array, spelled: Array, last: int, is_legal: Array
+) -> None:
     """Mark what can be dropped so that one kind of robot stays."""
     caps = len(spelled)
     for cap in range(caps):

@@ -96,7 +96,7 @@ def _with_counts(features: Array, counts: Array) -> Array:
 
 
 @kernel
-def _set_of(counts):  # type: ignore[no-untyped-def]
+def _set_of(counts: Array) -> int:
     """Return which capabilities there are, as bits."""
     bits = 0
     for cap in range(len(counts)):
@@ -106,7 +106,7 @@ def _set_of(counts):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _mark_legal(view, is_legal):  # type: ignore[no-untyped-def]
+def _mark_legal(view: View, is_legal: Array) -> None:
     sets = is_legal.shape[1] // 2
     left = np.empty(view.counts.shape[1], dtype=np.int64)
     for row in range(len(is_legal)):
@@ -125,7 +125,7 @@ def _mark_legal(view, is_legal):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _somebody_stays(view, row, off, left):  # type: ignore[no-untyped-def]
+def _somebody_stays(view: View, row: int, off: int, left: Array) -> bool:
     """Say whether some member fits into what is left when one of each of a set goes."""
     for cap in range(len(left)):
         left[cap] = view.counts[row, cap] - ((off >> cap) & 1)
@@ -134,7 +134,7 @@ def _somebody_stays(view, row, off, left):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _write_wanted(view, action, sets, wanted):  # type: ignore[no-untyped-def]
+def _write_wanted(view: View, action: Array, sets: int, wanted: Array) -> None:
     for row in range(len(wanted)):
         if action[row] >= sets:
             off = action[row] - sets

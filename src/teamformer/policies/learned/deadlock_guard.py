@@ -51,7 +51,7 @@ class DeadlockGuard:
 
 
 @entry
-def _watch(view, tasks, waited, is_overdue):  # type: ignore[no-untyped-def]
+def _watch(view: View, tasks: Array, waited: Array, is_overdue: Array) -> None:
     for row in range(len(is_overdue)):
         w = view.world[row]
         seen = _hash_open_tasks(view, row)
@@ -64,7 +64,7 @@ def _watch(view, tasks, waited, is_overdue):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _hash_open_tasks(view, row):  # type: ignore[no-untyped-def]
+def _hash_open_tasks(view: View, row: int) -> np.int64:
     """Return a number for the set of open tasks in sight, whatever their order.
 
     Only the first ones in the shared order count, which every team sees whatever its assignment.
@@ -78,7 +78,7 @@ def _hash_open_tasks(view, row):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _mix(number):  # type: ignore[no-untyped-def]
+def _mix(number: np.uint64) -> np.uint64:
     """Return a number as if by chance (splitmix64; Steele, Lea and Flood, OOPSLA 2014)."""
     number *= np.uint64(0x9E3779B97F4A7C15)
     number = (number ^ (number >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -87,7 +87,7 @@ def _mix(number):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _patience(view, row):  # type: ignore[no-untyped-def]
+def _patience(view: View, row: int) -> float:
     """Return how many steps a team waits, from the places that it sees."""
     left = right = view.place[row, 0]
     low = high = view.place[row, 1]

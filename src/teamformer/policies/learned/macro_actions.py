@@ -49,7 +49,7 @@ def wanted_counts(view: View, choice: Array) -> Array:
 
 
 @entry
-def _mark_legal(view, scripted, is_legal):  # type: ignore[no-untyped-def]
+def _mark_legal(view: View, scripted: Array, is_legal: Array) -> None:
     kept = np.zeros(view.counts.shape[1], dtype=np.int32)
     for row in range(len(is_legal)):
         is_legal[row, FOLLOW] = True
@@ -62,7 +62,7 @@ def _mark_legal(view, scripted, is_legal):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _can_choose(view, row, choice, kept):  # type: ignore[no-untyped-def]
+def _can_choose(view: View, row: int, choice: int, kept: Array) -> bool:
     if choice == MAINTAIN:
         return True
     if JOIN <= choice < SPLIT:
@@ -74,7 +74,7 @@ def _can_choose(view, row, choice, kept):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _are_equal(counts, others):  # type: ignore[no-untyped-def]
+def _are_equal(counts: Array, others: Array) -> bool:
     for cap in range(len(counts)):
         if counts[cap] != others[cap]:
             return False
@@ -82,7 +82,7 @@ def _are_equal(counts, others):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _write_wanted(view, choices, wanted):  # type: ignore[no-untyped-def]
+def _write_wanted(view: View, choices: Array, wanted: Array) -> None:
     kept = np.zeros(view.counts.shape[1], dtype=np.int32)
     for row in range(len(wanted)):
         if choices[row] != FOLLOW:
@@ -90,7 +90,7 @@ def _write_wanted(view, choices, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_row(view, row, choice, kept, wanted):  # type: ignore[no-untyped-def]
+def _write_row(view: View, row: int, choice: int, kept: Array, wanted: Array) -> None:
     if JOIN <= choice < SPLIT:
         for cap in range(len(wanted)):
             wanted[cap] = view.counts[row, cap] + view.seen_counts[row, choice - JOIN, cap]
@@ -101,7 +101,7 @@ def _write_row(view, row, choice, kept, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def keep_for(view, row, choice, kept):  # type: ignore[no-untyped-def]
+def keep_for(view: View, row: int, choice: int, kept: Array) -> bool:
     """Write what a team keeps by a choice that joins nobody; say whether there is such a choice."""
     column = choice - SPLIT
     columns = view.task_number.shape[1]
@@ -122,7 +122,7 @@ def keep_for(view, row, choice, kept):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _parts(view, row, kept):  # type: ignore[no-untyped-def]
+def _parts(view: View, row: int, kept: Array) -> bool:
     """Say whether somebody goes and some member fits into what is kept, as a split has to."""
     anybody_goes = False
     for cap in range(len(kept)):

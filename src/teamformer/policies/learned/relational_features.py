@@ -64,7 +64,7 @@ def relate(view: View) -> Relations:
 
 
 @entry
-def _fill(view, scripted, relations):  # type: ignore[no-untyped-def]
+def _fill(view: View, scripted: Array, relations: Relations) -> None:
     caps = view.counts.shape[1]
     kept = np.zeros(caps, dtype=np.int32)
     for row in range(len(view.slot)):
@@ -76,7 +76,7 @@ def _fill(view, scripted, relations):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _cells_between(view, row, here, there):  # type: ignore[no-untyped-def]
+def _cells_between(view: View, row: int, here: Array, there: Array) -> float:
     """Return the Manhattan distance in cells, 0 in the same place."""
     away_x, away_y = abs(here[0] - there[0]), abs(here[1] - there[1])
     if away_x * away_x + away_y * away_y <= view.arrival_radius[row] ** 2:
@@ -85,18 +85,18 @@ def _cells_between(view, row, here, there):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _distance(view, row, here, there):  # type: ignore[no-untyped-def]
+def _distance(view: View, row: int, here: Array, there: Array) -> float:
     return min(_cells_between(view, row, here, there), FARTHEST) / FARTHEST
 
 
 @kernel
-def _nearness(view, row, here, there):  # type: ignore[no-untyped-def]
+def _nearness(view: View, row: int, here: Array, there: Array) -> float:
     """Return a distance that tells the last cells apart."""
     return min(_cells_between(view, row, here, there), NEAR) / NEAR
 
 
 @kernel
-def _share(have, extra, needs):  # type: ignore[no-untyped-def]
+def _share(have: Array, extra: Array, needs: Array) -> float:
     """Return which share of the needs two teams cover together."""
     covered = needed = 0
     for cap in range(len(needs)):
@@ -106,7 +106,7 @@ def _share(have, extra, needs):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _surplus(have, needs):  # type: ignore[no-untyped-def]
+def _surplus(have: Array, needs: Array) -> float:
     """Return which share of a team's counts a task does not need."""
     beyond = total = 0
     for cap in range(len(needs)):
@@ -116,7 +116,7 @@ def _surplus(have, needs):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _overlap(have, other):  # type: ignore[no-untyped-def]
+def _overlap(have: Array, other: Array) -> float:
     """Return which share of a team's counts another has too."""
     both = total = 0
     for cap in range(len(have)):
@@ -126,7 +126,7 @@ def _overlap(have, other):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _column_of_task(view, row, task):  # type: ignore[no-untyped-def]
+def _column_of_task(view: View, row: int, task: int) -> int:
     """Return where a task stands in the row's view, or NOBODY."""
     if task != NOBODY:
         for column in range(view.task_number.shape[1]):
@@ -136,7 +136,7 @@ def _column_of_task(view, row, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _relate_tasks(view, relations, row, kept):  # type: ignore[no-untyped-def]
+def _relate_tasks(view: View, relations: Relations, row: int, kept: Array) -> None:
     caps = view.counts.shape[1]
     have = view.counts[row]
     for column in range(min(TASKS, view.task_number.shape[1])):
@@ -172,7 +172,7 @@ def _relate_tasks(view, relations, row, kept):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _relate_helpers(view, out, row, task, needs):  # type: ignore[no-untyped-def]
+def _relate_helpers(view: View, out: Array, row: int, task: int, needs: Array) -> None:
     """Say who else in sight heads for the task, and what they bring together."""
     helpers = here = covered = with_me = total = 0
     for other in range(view.seen_slot.shape[1]):
@@ -195,7 +195,7 @@ def _relate_helpers(view, out, row, task, needs):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _relate_rest(view, out, row, column, kept):  # type: ignore[no-untyped-def]
+def _relate_rest(view: View, out: Array, row: int, column: int, kept: Array) -> None:
     """Say what those could do who would leave if only what the task needs stayed."""
     alone = useful = 0
     for other in range(view.task_number.shape[1]):
@@ -213,7 +213,7 @@ def _relate_rest(view, out, row, column, kept):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _relate_ways(view, out, row, column, kept):  # type: ignore[no-untyped-def]
+def _relate_ways(view: View, out: Array, row: int, column: int, kept: Array) -> None:
     """Say what way those save who go straight to what comes after the task if it needs them."""
     here, task = view.place[row], view.task_place[row, column]
     for other in range(view.task_number.shape[1]):
@@ -238,7 +238,7 @@ def _relate_ways(view, out, row, column, kept):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _relate_script(view, scripted, relations, row):  # type: ignore[no-untyped-def]
+def _relate_script(view: View, scripted: Array, relations: Relations, row: int) -> None:
     """Say whom the script would join, whose crew others are in, and what kind of fleet this is."""
     own = relations.own[row]
     own[Own.HAS_CREWS] = view.has_crews[row]
@@ -258,7 +258,7 @@ def _relate_script(view, scripted, relations, row):  # type: ignore[no-untyped-d
 
 
 @kernel
-def _relate_teams(view, relations, row):  # type: ignore[no-untyped-def]
+def _relate_teams(view: View, relations: Relations, row: int) -> None:
     have = view.counts[row]
     own = _column_of_task(view, row, view.task[row])
     pair = pair_by_slot(view, row, False, True)
@@ -304,7 +304,7 @@ def _relate_teams(view, relations, row):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _share_alone(have, needs):  # type: ignore[no-untyped-def]
+def _share_alone(have: Array, needs: Array) -> float:
     covered = needed = 0
     for cap in range(len(needs)):
         needed += needs[cap]
@@ -313,7 +313,7 @@ def _share_alone(have, needs):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _relate_union(view, out, row, have, theirs):  # type: ignore[no-untyped-def]
+def _relate_union(view: View, out: Array, row: int, have: Array, theirs: Array) -> None:
     """Say how many tasks in view the two could do together and neither alone."""
     gained = shared = 0
     adds = False
@@ -335,7 +335,7 @@ def _relate_union(view, out, row, have, theirs):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _relate_self(view, relations, row):  # type: ignore[no-untyped-def]
+def _relate_self(view: View, relations: Relations, row: int) -> None:
     out = relations.own[row]
     here = joinable = seen = lower = 0
     for other in range(view.seen_slot.shape[1]):
@@ -369,7 +369,7 @@ def _relate_self(view, relations, row):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _relate_parts(view, relations, row, kept):  # type: ignore[no-untyped-def]
+def _relate_parts(view: View, relations: Relations, row: int, kept: Array) -> None:
     """Say which share of the tasks in view each part could do alone after the wholesale splits."""
     out = relations.own[row]
     out[Own.CAN_HALVE] = relations.is_legal[row, HALVE]
@@ -381,7 +381,7 @@ def _relate_parts(view, relations, row, kept):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _share_done_by_rest(view, row, kept):  # type: ignore[no-untyped-def]
+def _share_done_by_rest(view: View, row: int, kept: Array) -> float:
     tasks = done = 0
     for column in range(view.task_number.shape[1]):
         if view.task_number[row, column] == NOBODY:

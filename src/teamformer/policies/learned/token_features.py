@@ -102,7 +102,7 @@ def _zeros(*shape: int) -> Array:
 
 
 @entry
-def _fill(view, tokens):  # type: ignore[no-untyped-def]
+def _fill(view: View, tokens: Spelled) -> None:
     box = np.zeros(4)
     for row in range(len(view.slot)):
         _find_box(view, row, box)
@@ -120,7 +120,7 @@ def _fill(view, tokens):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _find_box(view, row, box):  # type: ignore[no-untyped-def]
+def _find_box(view: View, row: int, box: Array) -> None:
     """Write the middle and half the longer side of the box around all places in view."""
     left = right = view.place[row, 0]
     low = high = view.place[row, 1]
@@ -135,7 +135,7 @@ def _find_box(view, row, box):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_place(view, row, place, box, out):  # type: ignore[no-untyped-def]
+def _write_place(view: View, row: int, place: Array, box: Array, out: Array) -> None:
     """Write a place, as seen by a team, into the first eight features."""
     away_x = (place[0] - view.place[row, 0]) / view.unit[row]
     away_y = (place[1] - view.place[row, 1]) / view.unit[row]
@@ -154,7 +154,7 @@ def _write_place(view, row, place, box, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_own(view, tokens, row, box):  # type: ignore[no-untyped-def]
+def _write_own(view: View, tokens: Spelled, row: int, box: Array) -> None:
     out = tokens.teams[row, 0]
     _write_place(view, row, view.place[row], box, out)
     lower = here = 0
@@ -178,7 +178,7 @@ def _write_own(view, tokens, row, box):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_team(view, tokens, row, other, box):  # type: ignore[no-untyped-def]
+def _write_team(view: View, tokens: Spelled, row: int, other: int, box: Array) -> None:
     column = other + 1
     out = tokens.teams[row, column]
     _write_place(view, row, view.seen_place[row, other], box, out)
@@ -199,7 +199,7 @@ def _write_team(view, tokens, row, other, box):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _compare_union(view, row, other, out):  # type: ignore[no-untyped-def]
+def _compare_union(view: View, row: int, other: Array, out: Array) -> None:
     """Say for what a seen team is of use."""
     useful = completed = 0
     for column in range(view.task_number.shape[1]):
@@ -222,7 +222,7 @@ def _compare_union(view, row, other, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_task(view, tokens, row, column, box):  # type: ignore[no-untyped-def]
+def _write_task(view: View, tokens: Spelled, row: int, column: int, box: Array) -> None:
     out = tokens.tasks[row, column]
     _write_place(view, row, view.task_place[row, column], box, out)
     task = view.task_number[row, column]
@@ -252,7 +252,7 @@ def _write_task(view, tokens, row, column, box):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _share_together(view, row, column, task):  # type: ignore[no-untyped-def]
+def _share_together(view: View, row: int, column: int, task: int) -> float:
     """Return which share of a task's needs the team covers with those seen heading there."""
     total = covered = 0
     for cap in range(view.counts.shape[1]):
@@ -266,7 +266,7 @@ def _share_together(view, row, column, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_members(view, tokens, row):  # type: ignore[no-untyped-def]
+def _write_members(view: View, tokens: Spelled, row: int) -> None:
     """Write what the robots of a team need to stay in it."""
     kinds = 0
     for member in range(view.first_member[row], view.first_member[row + 1]):
@@ -287,7 +287,7 @@ def _write_members(view, tokens, row):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _is_new_kind(view, tokens, row, member, kinds):  # type: ignore[no-untyped-def]
+def _is_new_kind(view: View, tokens: Spelled, row: int, member: int, kinds: int) -> bool:
     for kind in range(kinds):
         is_same = True
         for cap in range(view.counts.shape[1]):

@@ -9,6 +9,7 @@ import numpy as np
 from teamformer.jit import entry, kernel
 from teamformer.model import Scenario
 from teamformer.policies.scripted.pairing import pair_by_slot
+from teamformer.rules.arrays import Array
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
@@ -36,7 +37,7 @@ class Heuristic:
 
 
 @entry
-def _decide(view, wanted):  # type: ignore[no-untyped-def]
+def _decide(view: View, wanted: Array) -> None:
     for row in range(len(wanted)):
         if view.is_serving[row]:
             continue
@@ -47,7 +48,7 @@ def _decide(view, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _join_at_task(view, row, wanted):  # type: ignore[no-untyped-def]
+def _join_at_task(view: View, row: int, wanted: Array) -> None:
     other = pair_by_slot(view, row, True, False)
     if other != NOBODY:
         for cap in range(len(wanted)):
@@ -55,7 +56,7 @@ def _join_at_task(view, row, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _keep_first_half(view, row, wanted):  # type: ignore[no-untyped-def]
+def _keep_first_half(view: View, row: int, wanted: Array) -> None:
     first = view.first_member[row]
     for cap in range(len(wanted)):
         wanted[cap] = 0

@@ -10,6 +10,7 @@ from teamformer.jit import entry, kernel
 from teamformer.model import Scenario
 from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.policies.scripted.pairing import is_partner, pair_by_slot
+from teamformer.rules.arrays import Array
 from teamformer.rules.coverage import fills_gap
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision
@@ -50,7 +51,7 @@ class Script(JoinFitting):
 
 
 @entry
-def _decide(view, wanted):  # type: ignore[no-untyped-def]
+def _decide(view: View, wanted: Array) -> None:
     most = np.zeros(view.counts.shape[1], dtype=np.int32)
     for row in range(len(wanted)):
         if view.is_serving[row]:
@@ -65,7 +66,7 @@ def _decide(view, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _find_most_needed(view, row, most):  # type: ignore[no-untyped-def]
+def _find_most_needed(view: View, row: int, most: Array) -> None:
     """Write how much of each capability any one task in view needs at most; one beyond them may."""
     for cap in range(len(most)):
         most[cap] = 1
@@ -74,7 +75,7 @@ def _find_most_needed(view, row, most):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _fitting(view, row, most):  # type: ignore[no-untyped-def]
+def _fitting(view: View, row: int, most: Array) -> int:
     """Return the column of the team to pair off with, else of the first that fits, or NOBODY."""
     pair = pair_by_slot(view, row, False, False)
     if pair != NOBODY and _fits(view, row, pair, most) and not _part(view, row, pair):
@@ -87,7 +88,7 @@ def _fitting(view, row, most):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _part(view, row, other):  # type: ignore[no-untyped-def]
+def _part(view: View, row: int, other: int) -> bool:
     """Say whether two teams have different tasks and each can do its own alone."""
     mine, theirs = view.task[row], view.seen_task[row, other]
     if mine == theirs or min(mine, theirs) == NOBODY:
@@ -104,7 +105,7 @@ def _part(view, row, other):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _fits(view, row, other, most):  # type: ignore[no-untyped-def]
+def _fits(view: View, row: int, other: int, most: Array) -> bool:
     """Say whether another team brings something needed, and nothing beyond that."""
     is_useful = False
     for cap in range(len(most)):
@@ -117,7 +118,7 @@ def _fits(view, row, other, most):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _missing_here(view, row):  # type: ignore[no-untyped-def]
+def _missing_here(view: View, row: int) -> int:
     """Return the first team with the same assignment that brings what is missing at the task."""
     for other in range(view.seen_slot.shape[1]):
         if not is_partner(view, row, other, True, False):

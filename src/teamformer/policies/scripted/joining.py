@@ -9,6 +9,7 @@ import numpy as np
 from teamformer.jit import entry, kernel
 from teamformer.model import Scenario
 from teamformer.policies.scripted.pairing import is_partner, pair_by_slot
+from teamformer.rules.arrays import Array
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
@@ -79,7 +80,7 @@ class JoinUseful:
 
 
 @entry
-def _decide(view, wanted, only_mates):  # type: ignore[no-untyped-def]
+def _decide(view: View, wanted: Array, only_mates: bool) -> None:
     lacks = np.empty(view.counts.shape[1], dtype=np.bool_)
     for row in range(len(wanted)):
         if view.is_serving[row] or (only_mates and not view.is_at_task[row]):
@@ -94,7 +95,7 @@ def _decide(view, wanted, only_mates):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _mark_lacks(view, row, lacks):  # type: ignore[no-untyped-def]
+def _mark_lacks(view: View, row: int, lacks: Array) -> None:
     """Mark the capabilities of which a task in view needs more than the team has."""
     lacks[:] = False
     for task in range(view.task_number.shape[1]):
@@ -103,7 +104,7 @@ def _mark_lacks(view, row, lacks):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _first_useful(view, row, lacks, only_mates):  # type: ignore[no-untyped-def]
+def _first_useful(view: View, row: int, lacks: Array, only_mates: bool) -> int:
     for other in range(view.seen_slot.shape[1]):
         is_possible = is_partner(view, row, other, only_mates, only_mates)
         if is_possible and _is_useful(view, row, other, lacks):
@@ -112,7 +113,7 @@ def _first_useful(view, row, lacks, only_mates):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _is_useful(view, row, other, lacks):  # type: ignore[no-untyped-def]
+def _is_useful(view: View, row: int, other: int, lacks: Array) -> bool:
     for cap in range(len(lacks)):
         if lacks[cap] and view.seen_counts[row, other, cap] > 0:
             return True
@@ -120,7 +121,7 @@ def _is_useful(view, row, other, lacks):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _join_on_the_way(view, wanted):  # type: ignore[no-untyped-def]
+def _join_on_the_way(view: View, wanted: Array) -> None:
     """Let teams that join nobody else join the first of their crew here that shares a task."""
     for row in range(len(wanted)):
         is_free = not view.is_serving[row] and (wanted[row] == view.counts[row]).all()
@@ -133,7 +134,7 @@ def _join_on_the_way(view, wanted):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _share_a_task(view, row, other):  # type: ignore[no-untyped-def]
+def _share_a_task(view: View, row: int, other: int) -> bool:
     """Say whether the task of one of two teams needs something of the other one too.
 
     The earlier of two tasks of a crew needs nothing of a team that has the later one next. So if

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.jit import kernel
 from teamformer.sim.arrays import NOBODY
 
+if TYPE_CHECKING:
+    from teamformer.sim.view import View
+
 
 @kernel
-def pair_by_slot(view, row, for_same_task, only_mates):  # type: ignore[no-untyped-def]
+def pair_by_slot(view: View, row: int, for_same_task: bool, only_mates: bool) -> int:
     """Return the column of the team that pairs off with this one, or NOBODY.
 
     Teams in one place pair off in the order of their slots, first with second, third with fourth.
@@ -30,7 +35,7 @@ def pair_by_slot(view, row, for_same_task, only_mates):  # type: ignore[no-untyp
 
 
 @kernel
-def is_partner(view, row, other, for_same_task, only_mates):  # type: ignore[no-untyped-def]
+def is_partner(view: View, row: int, other: int, for_same_task: bool, only_mates: bool) -> bool:
     """Say whether a seen team stands here and can be joined, and heads for the same task.
 
     Both but the first may be asked for or not: the same task, and the same crew.

@@ -7,12 +7,15 @@ no capability.
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.sim.arrays import CREWS, NOBODY, Array, Worlds, world_at
+
+if TYPE_CHECKING:
+    from teamformer.sim.arrays import World
 
 OPEN_TASKS = 16
 """How many of the open tasks the critic sees, first ones first."""
@@ -92,7 +95,9 @@ def global_state_of(worlds: Worlds) -> GlobalState:
 
 
 @entry
-def _fill(worlds, teams, is_team, tasks, is_task, about):  # type: ignore[no-untyped-def]
+def _fill(
+    worlds: Worlds, teams: Array, is_team: Array, tasks: Array, is_task: Array, about: Array
+) -> None:
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
         shown = min(is_task.shape[1], world.count.open)
@@ -107,13 +112,13 @@ def _fill(worlds, teams, is_team, tasks, is_task, about):  # type: ignore[no-unt
 
 
 @kernel
-def _away(world, team, task):  # type: ignore[no-untyped-def]
+def _away(world: World, team: int, task: int) -> float:
     away = abs(world.teams[team].x - world.tasks[task].x)
     return min(away + abs(world.teams[team].y - world.tasks[task].y), FARTHEST) / FARTHEST
 
 
 @kernel
-def _share(world, team, task):  # type: ignore[no-untyped-def]
+def _share(world: World, team: int, task: int) -> float:
     covered = needed = 0
     for cap in range(world.has.shape[1]):
         needed += world.needs[task, cap]
@@ -122,7 +127,7 @@ def _share(world, team, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_team(world, out, team, shown):  # type: ignore[no-untyped-def]
+def _write_team(world: World, out: Array, team: int, shown: int) -> None:
     task, counts, alone, here = world.teams[team].task, 0, 0, 0
     for cap in range(world.has.shape[1]):
         counts += world.has[team, cap]
@@ -149,7 +154,7 @@ def _write_team(world, out, team, shown):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _write_task(world, out, position):  # type: ignore[no-untyped-def]
+def _write_task(world: World, out: Array, position: int) -> None:
     task, needed, assigned = world.order[position], 0, 0
     nearest, nearest_able, best, best_assigned = 1.0, 1.0, 0.0, 0.0
     for cap in range(world.has.shape[1]):
@@ -177,13 +182,13 @@ def _write_task(world, out, position):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _between(world, task, other):  # type: ignore[no-untyped-def]
+def _between(world: World, task: int, other: int) -> float:
     away = abs(world.tasks[task].x - world.tasks[other].x)
     return min(away + abs(world.tasks[task].y - world.tasks[other].y), FARTHEST) / FARTHEST
 
 
 @kernel
-def _write_world(world, out, shown):  # type: ignore[no-untyped-def]
+def _write_world(world: World, out: Array, shown: int) -> None:
     teams = largest = 0
     for team in range(world.rules.robots):
         teams += world.teams[team].size > 0
@@ -204,7 +209,7 @@ def _write_world(world, out, shown):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _longest_way(world, shown):  # type: ignore[no-untyped-def]
+def _longest_way(world: World, shown: int) -> float:
     """Return the longest way along the open tasks of one crew; without crews, of all."""
     longest = 0.0
     for first in range(shown):

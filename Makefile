@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test test-all wheel clean
+.PHONY: run test test-all test-real wheel clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --html --out out/
@@ -28,6 +28,9 @@ wheel: $(VENV)/dev.stamp  ## one that brings compiled kernels, checked: a first 
 	PYTHONPATH=build/installed NUMBA_CACHE_DIR=build/first-run \
 		$(BIN)/python -m teamformer.cli run examples/warehouse.yaml
 	test -z "$$(find build/first-run -name '*.nbc')"
+
+test-real: $(VENV)/dev.stamp  ## processes, and vehicles of others where a broker and they are there
+	$(BIN)/pytest -q tests/fleet/test_vda5050.py tests/fleet/test_commands.py
 
 $(VENV)/run.stamp: pyproject.toml
 	$(PYTHON) -m venv $(VENV)

@@ -55,6 +55,7 @@ HOMES = {
     "rich": ("cli.py", "commands/", "bench/"),
     "yaml": ("scenarios/",),
     "msgspec": ("fleet/", "commands/agent.py"),
+    "paho": ("fleet/bodies/vda5050.py",),
     "zenoh": ("fleet/transports/zenoh_mesh.py",),
     "matplotlib": (
         "bench/report/figures.py",

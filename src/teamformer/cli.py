@@ -471,7 +471,7 @@ def fleet(
 def agent(
     scenario: ScenarioPath,
     robot: Annotated[str, typer.Option(help="whose mind it is, by name")],
-    body: Annotated[str, typer.Option(help="sim or module:Class")] = "sim",
+    body: Annotated[str, typer.Option(help="sim, vda5050:URL or module:Class")] = "sim",
     listen: Annotated[str | None, typer.Option(help="own endpoint: tcp/127.0.0.1:7447")] = None,
     connect: Annotated[
         list[str] | None, typer.Option(help="endpoint of another; again for more")

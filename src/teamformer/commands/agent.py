@@ -94,11 +94,16 @@ def _body_maker(name: str, mission: Any, robot: int) -> Callable[[Any], Any]:
     kind, _, rest = name.partition(":")
     if kind == "sim":
         return lambda transport: _simulated(transport, robot)
+    if kind == "vda5050":
+        require_extra("paho")
+        from teamformer.fleet.bodies.vda5050 import Vda5050Body
+
+        return lambda _: Vda5050Body(rest, mission, robot)
     try:
         make = getattr(importlib.import_module(kind), rest)
     except (ImportError, AttributeError, ValueError) as error:
         raise TeamformerError(
-            f"--body {name}: cannot be loaded: {error}", "use sim or module:Class"
+            f"--body {name}: cannot be loaded: {error}", "use sim, vda5050:URL or module:Class"
         ) from None
     return lambda _: make(mission, robot)
 

@@ -1,0 +1,234 @@
+"""A vehicle that speaks VDA5050 2.0 over MQTT: commands become orders, states become reports.
+
+A leg is an order of two nodes, where the vehicle is and where it is to go; it is sent again until
+the vehicle's state shows it, and the order before is cancelled first. Serving is an instant action.
+A task counts as done when the vehicle has finished that action.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any
+from urllib.parse import urlparse
+
+from paho.mqtt import client as mqtt
+from paho.mqtt.enums import CallbackAPIVersion
+
+from teamformer.errors import TeamformerError
+from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.mission import Mission
+from teamformer.model import Place
+
+VERSION = "2.0.0"
+
+SERVE = "serve"
+"""The action that a vehicle must know; its parameters are `task`, `team` and `duration`."""
+
+AGAIN = 1.5
+"""Seconds until what a vehicle does not show is sent once more."""
+
+NEAR = 0.3
+"""Metres from its goal at which a vehicle that has nothing more to drive is there."""
+
+KEEPALIVE = 15  # seconds
+
+
+class Vda5050Body:
+    """One vehicle; `url` is mqtt://HOST:PORT/INTERFACE/MANUFACTURER/SERIAL?map=ID."""
+
+    def __init__(self, url: str, mission: Mission, robot: int) -> None:
+        address = urlparse(url)
+        parts = [part for part in address.path.split("/") if part]
+        if address.scheme != "mqtt" or not address.hostname or len(parts) != 3:
+            raise TeamformerError(
+                f"--body vda5050:{url} is no address of a vehicle",
+                "write vda5050:mqtt://HOST:PORT/INTERFACE/MANUFACTURER/SERIAL?map=ID",
+            )
+        self._interface, self._manufacturer, self._serial = parts
+        self._map = address.query.removeprefix("map=") or "map"
+        self._tasks = {task.key: task for task in mission.tasks}
+        self._lock = threading.Lock()
+        self._state: Mapping[str, Any] = {}
+        self._headers: dict[str, int] = {}
+        self._taken = 0
+        self._command = Command()
+        self._run = f"{robot}-{time.time_ns() // 1_000_000:x}"  # so that no order is an earlier one
+        self._action = ""  # the service at hand
+        self._sent: dict[str, float] = {}  # when each order or action was last sent
+        self._client = mqtt.Client(CallbackAPIVersion.VERSION2, f"teamformer-{self._run}")
+        self._client.on_connect = self._on_connect
+        self._client.on_message = self._on_message
+        host, port = address.hostname, address.port or 1883
+        try:
+            self._client.connect(host, port, KEEPALIVE)
+        except OSError as error:
+            raise TeamformerError(
+                f"no broker at {host}:{port}: {error}", "start it, or name another one"
+            ) from None
+        self._client.loop_start()
+
+    def command(self, command: Command) -> None:
+        """Take up a command; it is pursued whenever there is news of the vehicle."""
+        with self._lock:
+            if command.serve and not self._command.serve:
+                self._action = f"{self._run}-{command.leg}-{time.time_ns() // 1_000_000:x}"
+            self._command = command
+            self._pursue()
+
+    def report(self) -> Report | None:
+        """Return what the newest state says; None before the first, or while it is off line."""
+        with self._lock:
+            at = self._position()
+            if at is None:
+                return None
+            self._pursue()
+            leg = self._command.leg if self._is_on_it() else -1
+            return Report(*self._place(at), leg, self._is_served(), False, self._taken)
+
+    def close(self) -> None:
+        """Cancel what the vehicle has to do, and leave the broker."""
+        with self._lock:
+            if self._is_driving():
+                self._send_action("cancelOrder", f"{self._run}-end", {})
+        time.sleep(0.2)  # until that is out
+        self._client.disconnect()
+        self._client.loop_stop()
+
+    def _on_connect(self, client: mqtt.Client, *_: Any) -> None:
+        for topic in ("state", "connection"):
+            client.subscribe(self._topic(topic), qos=1)
+
+    def _on_message(self, _client: mqtt.Client, _data: Any, message: mqtt.MQTTMessage) -> None:
+        """Take in a state or a connection; what is no JSON object is left."""
+        try:
+            content = json.loads(message.payload)
+        except ValueError:
+            return
+        if not isinstance(content, dict):
+            return
+        with self._lock:
+            if message.topic.endswith("/state"):
+                self._state, self._taken = content, self._taken + 1
+            elif content.get("connectionState") != "ONLINE":
+                self._state = {}  # its last will: nothing that it said holds any more
+
+    def _position(self) -> tuple[float, float] | None:
+        at = self._state.get("agvPosition")
+        if not isinstance(at, dict) or not at.get("positionInitialized"):
+            return None
+        x, y = at.get("x"), at.get("y")
+        if isinstance(x, int | float) and isinstance(y, int | float) and x == x and y == y:
+            return float(x), float(y)
+        return None
+
+    def _pursue(self) -> None:
+        """Bring the vehicle from what its state shows to what the command wants, one thing each."""
+        at, command = self._position(), self._command
+        if at is None:
+            return
+        if not self._is_on_it():
+            if self._is_driving():
+                self._once(f"cancel-{command.leg}", self._cancel)
+            elif command.place is not None:
+                goal = command.place
+                self._once(f"order-{command.leg}", lambda: self._drive(at, goal))
+        elif command.serve and self._status_of(self._action) is None:
+            self._once(self._action, self._serve)
+
+    def _once(self, what: str, send: Any) -> None:
+        """Send something now, or again if it was sent some time ago."""
+        now = time.monotonic()
+        if now - self._sent.get(what, float("-inf")) > AGAIN:
+            self._sent[what] = now
+            send()
+
+    def _is_driving(self) -> bool:
+        return bool(self._state.get("nodeStates") or self._state.get("edgeStates"))
+
+    def _is_on_it(self) -> bool:
+        """Say whether the vehicle has taken up the command of this leg."""
+        if self._command.place is None:
+            return not self._is_driving()
+        return bool(self._state.get("orderId") == self._order_id())
+
+    def _order_id(self) -> str:
+        return f"{self._run}-{self._command.leg}"
+
+    def _place(self, at: tuple[float, float]) -> Place:
+        """Return where it is; who has driven its order and is near the goal is there."""
+        goal = self._command.place
+        if goal is None or self._is_driving() or not self._is_on_it():
+            return at
+        is_near = (at[0] - goal[0]) ** 2 + (at[1] - goal[1]) ** 2 <= NEAR**2
+        return goal if is_near else at
+
+    def _is_served(self) -> bool:
+        return self._command.serve and self._status_of(self._action) == "FINISHED"
+
+    def _status_of(self, action: str) -> str | None:
+        for state in self._state.get("actionStates") or ():
+            if isinstance(state, dict) and state.get("actionId") == action:
+                return str(state.get("actionStatus"))
+        return None
+
+    def _drive(self, at: tuple[float, float], goal: Place) -> None:
+        last = str(self._state.get("lastNodeId") or "start")
+        start = self._node(last, 0, at[0], at[1])
+        start["nodePosition"]["allowedDeviationXY"] = 1.0
+        end = self._node(f"{self._order_id()}-goal", 2, goal[0], goal[1])
+        edge = {
+            "edgeId": f"{self._order_id()}-way",
+            "sequenceId": 1,
+            "released": True,
+            "startNodeId": start["nodeId"],
+            "endNodeId": end["nodeId"],
+            "actions": [],
+        }
+        order = {"orderId": self._order_id(), "orderUpdateId": 0}
+        self._publish("order", {**order, "nodes": [start, end], "edges": [edge]})
+
+    def _serve(self) -> None:
+        task = self._tasks.get(self._command.task)
+        parameters = {"task": str(self._command.task), "team": self._command.team, "duration": 0.0}
+        if task is not None:
+            parameters |= {"task": task.name, "duration": task.duration}
+        self._send_action(SERVE, self._action, parameters)
+
+    def _cancel(self) -> None:
+        stamp = time.time_ns() // 1_000_000
+        self._send_action("cancelOrder", f"{self._run}-cancel-{stamp:x}", {})
+
+    def _send_action(self, kind: str, name: str, parameters: Mapping[str, Any]) -> None:
+        action = {
+            "actionType": kind,
+            "actionId": name,
+            "blockingType": "HARD",
+            "actionParameters": [{"key": k, "value": v} for k, v in parameters.items()],
+        }
+        # The text of 2.0 calls the list `actions`, its first schema `instantActions`; vehicles
+        # check for one or the other.
+        self._publish("instantActions", {"actions": [action], "instantActions": [action]})
+
+    def _node(self, name: str, sequence: int, x: float, y: float) -> dict[str, Any]:
+        position = {"x": x, "y": y, "theta": 0.0, "mapId": self._map}
+        node = {"nodeId": name, "sequenceId": sequence, "released": True, "actions": []}
+        return {**node, "nodePosition": position}
+
+    def _topic(self, name: str) -> str:
+        return f"{self._interface}/v2/{self._manufacturer}/{self._serial}/{name}"
+
+    def _publish(self, topic: str, content: Mapping[str, Any]) -> None:
+        self._headers[topic] = self._headers.get(topic, -1) + 1
+        stamp = datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+        header = {
+            "headerId": self._headers[topic],
+            "timestamp": stamp,
+            "version": VERSION,
+            "manufacturer": self._manufacturer,
+            "serialNumber": self._serial,
+        }
+        self._client.publish(self._topic(topic), json.dumps({**header, **content}))

@@ -1,0 +1,108 @@
+"""Agents drive AGVs that others wrote, over a broker that others wrote.
+
+Needs mosquitto, node and `npm install -g vda-5050-lib` (or NODE_PATH with it).
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import pytest
+
+from teamformer.errors import TeamformerError
+from teamformer.fleet.bodies.vda5050 import Vda5050Body
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.process.facts_file import FactsFile
+from teamformer.fleet.process.fleet import free_ports
+from teamformer.model import Robot, Scenario, Task
+from teamformer.plane import Plane
+from teamformer.scenarios.files import write_scenario
+
+AGV = Path(__file__).parent / "virtual_agv.js"
+
+
+def two_vehicles() -> Mission:
+    """Return a lifter and a scanner 10 m apart, with a task for each and one for both."""
+    robots = (Robot("v1", (1.0, 1.0), {"lift": 1}, 2.0), Robot("v2", (11.0, 1.0), {"scan": 1}, 2.0))
+    tasks = (
+        Task("both", (6.0, 4.0), {"lift": 1, "scan": 1}, 2),
+        Task("one", (2.0, 3.0), {"lift": 1}, 1),
+        Task("other", (9.0, 3.0), {"scan": 1}, 1),
+    )
+    return Mission(Scenario("yard", Plane(20.0, 20.0), ("lift", "scan"), robots, tasks))
+
+
+def node_path() -> str | None:
+    """Return where vda-5050-lib is, if it is anywhere."""
+    if shutil.which("node") is None or shutil.which("npm") is None:
+        return None
+    root = subprocess.run(["npm", "root", "-g"], capture_output=True, text=True).stdout.strip()
+    for folder in (*os.environ.get("NODE_PATH", "").split(os.pathsep), root):
+        if folder and (Path(folder) / "vda-5050-lib").is_dir():
+            return folder
+    return None
+
+
+@contextmanager
+def running(*command: str, **env: str) -> Iterator[subprocess.Popen[bytes]]:
+    quiet = subprocess.DEVNULL
+    process = subprocess.Popen(command, stdout=quiet, stderr=quiet, env={**os.environ, **env})
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+@pytest.mark.parametrize(
+    "url", ["", "mqtt://host", "http://h/a/b/c", "mqtt://h/a/b", "mqtt:///a/b/c"]
+)
+def test_what_is_no_address_is_refused(url: str) -> None:
+    with pytest.raises(TeamformerError, match="is no address of a vehicle"):
+        Vda5050Body(url, two_vehicles(), 0)
+
+
+def test_a_broker_that_is_away_is_told() -> None:
+    [port] = free_ports(1)
+    with pytest.raises(TeamformerError, match=f"no broker at 127.0.0.1:{port}"):
+        Vda5050Body(f"mqtt://127.0.0.1:{port}/uagv/acme/v1", two_vehicles(), 0)
+
+
+@pytest.mark.slow
+def test_two_vehicles_do_a_mission(tmp_path: Path) -> None:
+    modules = node_path()
+    if shutil.which("mosquitto") is None or modules is None:
+        pytest.skip("needs mosquitto, node and vda-5050-lib")
+    mission = two_vehicles()
+    write_scenario(mission.scenario, tmp_path / "yard.yaml")
+    broker, *ports = free_ports(3)
+    with ExitStack() as stack:
+        stack.enter_context(running("mosquitto", "-p", str(broker)))
+        time.sleep(2)
+        for robot in mission.scenario.robots:
+            words = ("uagv", "acme", robot.name, *map(str, robot.at))
+            agv = ("node", str(AGV), f"mqtt://127.0.0.1:{broker}", *words)
+            stack.enter_context(running(*agv, NODE_PATH=modules))
+        for number, robot in enumerate(mission.scenario.robots):
+            command = [sys.executable, "-m", "teamformer.cli", "agent", str(tmp_path / "yard.yaml")]
+            command += ["--robot", robot.name, "--listen", f"tcp/127.0.0.1:{ports[number]}"]
+            body = f"mqtt://127.0.0.1:{broker}/uagv/acme/{robot.name}?map=map"
+            command += ["--body", f"vda5050:{body}", "--facts", str(tmp_path / robot.name)]
+            if number:
+                command += ["--connect", f"tcp/127.0.0.1:{ports[0]}"]
+            stack.enter_context(running(*command))
+        files = [FactsFile(tmp_path / f"v{n + 1}", mission.number, n) for n in range(2)]
+        deadline = time.monotonic() + 240
+        done: list[set[int]] = []
+        while time.monotonic() < deadline and done != [{0, 1, 2}, {0, 1, 2}]:
+            time.sleep(1)
+            kept = [file.read() for file in files]
+            done = [set(each.done) if each else set() for each in kept]
+        assert done == [{0, 1, 2}, {0, 1, 2}]

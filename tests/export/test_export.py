@@ -14,9 +14,9 @@ from teamformer.commands.export import export
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
-from teamformer.export.reasons import story_lines
+from teamformer.export.reasons import _why_task, story_lines
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.sim.replay import Ending, Replay, Step, TeamAt, write_replay
+from teamformer.sim.replay import Ending, Replay, SharedPlanMade, Step, TeamAt, write_replay
 
 
 def two_lifters() -> Replay:
@@ -74,6 +74,17 @@ def test_a_robot_says_what_it_did_and_why() -> None:
         ("2-2", "waits at beam", "lacks lift, which a brings"),
     ]
     assert list(story_lines(replay, 1))[-1] == ("6-6", "lost", "")
+
+
+def test_a_shared_plan_says_who_does_what_and_who_took_whose_part() -> None:
+    before = two_lifters()
+    plans = ((0, SharedPlanMade(("start",), ((0,),))),)
+    steps = (replace(before.steps[0], took=((0, 1),)), *before.steps[1:])
+    replay = replace(before, plans=plans, steps=steps)
+    told = [why for _, _, why in story_lines(replay, 0)]
+    assert told[0] == "the plan has a do it"
+    later = list(moments(replay))[2]
+    assert _why_task(replay, later, 0, 0) == "the plan has =b do it"
 
 
 def test_plans_made_anew_say_after_what() -> None:

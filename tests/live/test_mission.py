@@ -10,6 +10,7 @@ from teamformer.errors import TeamformerError
 from teamformer.live.incidents import Incident, LostRobot, NewTask
 from teamformer.live.mission import Mission
 from teamformer.policies import POLICIES
+from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.registry import load_policy
@@ -102,6 +103,9 @@ def test_a_robot_is_lost_once() -> None:
 
 
 def test_who_plans_with_everything_is_not_surprised() -> None:
-    run = mission(policy="central")
+    class KnowsEverything(JoinFitting):
+        needs_everything = True
+
+    run = Mission(mission().scenario, KnowsEverything, "knows-everything", seed=0)
     with pytest.raises(TeamformerError, match="run it under another policy"):
         run.happen(NewTask((0, 0), {"lift": 1}))

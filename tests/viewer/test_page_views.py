@@ -233,3 +233,18 @@ def test_on_a_plane_moments_are_in_seconds(open_page: Opener, dock: Tree) -> Non
     opened.page.keyboard.press("End")
     opened.shown_step()
     assert "30.5 s 61 steps" in opened.page.inner_text("#figures").replace("\n", " ")
+
+
+def test_a_robot_says_what_the_shared_plan_has_it_do(open_page: Opener, dock: Tree) -> None:
+    """The plan is made anew when `late load` appears in 20."""
+    plans = [[0, [["start"], [[0, 1], [0, 3], [2]]]], [20, [["task appeared"], [[0, 3], [1, 2]]]]]
+    orders = [[0, [0, 1, 2]], [20, [1, 2]]]
+    tree = {**dock, "plans": plans, "orders": orders}
+    opened = open_page(tree, "#step=3&robot=r1")
+    assert "Why: the plan has r1, r2 do it together." in opened.details()
+    opened.page.fill("#scrub", "21")
+    told = "Why: the plan has r1, r4 do it together; planned anew after step 20: late load appears."
+    assert told in opened.details()
+    opened.page.fill("#scrub", "32")  # for seam
+    assert "Why: the plan has r2, r3 do it together; planned anew" in opened.details()
+    assert opened.errors == []

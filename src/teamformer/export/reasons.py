@@ -109,6 +109,11 @@ def _why_idle(replay: Replay, moment: Moment, robot: int) -> str:
         for number, task in enumerate(scenario.tasks)
         if task.appears < moment.step and number not in done
     ]
+    plan = _shared_plan(replay, moment)
+    if is_open and plan is not None:
+        parts = [robots for task, robots in plan.items() if task not in done]
+        if not any(robot in robots for robots in parts):
+            return "the plan has nothing left for it"
     can = total(scenario.robots[mate].can for mate in _team(moment, robot))
     useful = [task.name for task in is_open if set(task.needs) & set(can)]
     if not is_open:
@@ -123,6 +128,9 @@ def _why_task(replay: Replay, moment: Moment, robot: int, task: int) -> str:
     step = replay.steps[moment.step - 1]
     if moment.team[robot] in step.named:
         return "its policy named the task itself"
+    plan = _shared_plan(replay, moment)
+    if plan is not None:
+        return _in_plan(replay.scenario, plan.get(task, ()))
     crews = [row for row in replay.crews if row[0] < moment.step]
     if crews:
         for number, crew in enumerate(crews[-1][1], start=1):
@@ -137,10 +145,38 @@ def _why_task(replay: Replay, moment: Moment, robot: int, task: int) -> str:
     return ""
 
 
+def _shared_plan(replay: Replay, moment: Moment) -> dict[int, tuple[int, ...]] | None:
+    """Return who does which task by the shared plan of a step; None without one.
+
+    Like robots may have exchanged their parts since it was made.
+    """
+    plans = [row for row in replay.plans if row[0] < moment.step]
+    if not plans:
+        return None
+    made, plan = plans[-1]
+    order = [tasks for at, tasks in replay.orders if at <= made][-1]
+    played_by = {robot: robot for coalition in plan.coalitions for robot in coalition}
+    for step in replay.steps[made : moment.step - 1]:
+        for one, other in step.took:
+            parts = {robot: part for part, robot in played_by.items()}
+            played_by[parts.get(one, one)], played_by[parts.get(other, other)] = other, one
+    return {
+        task: tuple(played_by[robot] for robot in coalition)
+        for task, coalition in zip(order, plan.coalitions, strict=True)
+    }
+
+
+def _in_plan(scenario: Scenario, robots: tuple[int, ...]) -> str:
+    names = ", ".join(scenario.robots[robot].name for robot in robots)
+    together = " together" if len(robots) > 1 else ""
+    return f"the plan has {names} do it{together}" if robots else ""
+
+
 def _plan(replay: Replay, moment: Moment) -> str:
     """Return when the plan that holds was made, and after what, if not at the start."""
     made = max(
-        (row[0] for row in (*replay.orders, *replay.crews) if row[0] < moment.step), default=0
+        (row[0] for row in (*replay.orders, *replay.crews, *replay.plans) if row[0] < moment.step),
+        default=0,
     )
     if not made:
         return ""

@@ -11,7 +11,7 @@ import contextlib
 import json
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from teamformer.live.incidents import Incident
 from teamformer.live.messages import Message, read_incident, read_message, read_speed
 from teamformer.live.mission import Mission
 from teamformer.scenarios.files import scenario_to_tree, write_scenario
-from teamformer.sim.replay import replay_to_tree, step_to_tree, write_replay
+from teamformer.sim.replay import Replay, replay_to_tree, step_to_tree, write_replay
 
 MOST_WAITING = 500  # messages that a page may be behind before it is let go
 
@@ -196,7 +196,7 @@ class Session:
         record = self.mission.record()
         made = len(record.steps)
         news: Tree = {"at": made, "step": step_to_tree(record.steps[-1])}
-        for key, plans in (("orders", record.orders), ("crews", record.crews)):
+        for key, plans in _plans_of(record):
             latest = [plan for plan in plans if plan[0] == made]
             if latest:
                 news[key] = latest
@@ -221,3 +221,9 @@ class Session:
 def _finite(tree: Tree) -> Tree:
     """Replace infinite radii, which JSON cannot say, by null; the page knows what it means."""
     return {key: None if value == math.inf else value for key, value in tree.items()}
+
+
+def _plans_of(record: Replay) -> Iterator[tuple[str, Sequence[tuple[Any, ...]]]]:
+    """Yield what a record keeps of plans: by key, rows that begin with the steps made."""
+    for key in ("orders", "crews", "plans"):
+        yield key, getattr(record, key)

@@ -45,11 +45,12 @@ class LiveApp extends App {
   }
 
   // A step; one that does not follow the last is of a line that broke, and is told anew.
-  take({ at, step, orders = [], crews = [], end }) {
+  take({ at, step, orders = [], crews = [], plans = [], end }) {
     const { history } = this;
     if (at !== history.last + 1) return;
     history.replay.orders.push(...orders);
     (history.replay.crews ??= []).push(...crews);
+    (history.replay.plans ??= []).push(...plans);
     this.steps.push(step);
     history.grow(step, end);
     this.follow();

@@ -13,6 +13,8 @@ function reasonForTask(history, team, step) {
   const { steps } = history.replay;
   const named = steps.slice(Math.max(0, step - 1), step).some((it) => it.named?.includes(team.slot));
   if (named) return "its policy named the task itself";
+  const plan = sharedPlanAt(history, step);
+  if (plan) return reasonInPlan(history, plan, task);
   const crew = crewOf(history, team.slot, step);
   if (crew) {
     const rank = crew.left.indexOf(task);
@@ -25,10 +27,41 @@ function reasonForTask(history, team, step) {
   return `${ordinal(rank)} in the order that everybody shares, the first it was sent to`;
 }
 
+// The shared plan that holds: {made, reasons, coalitions}, these by task; null without one. Like
+// robots may have exchanged their parts since it was made.
+function sharedPlanAt({ replay }, step) {
+  const latest = (replay.plans ?? []).findLast(([made]) => made <= step);
+  if (!latest) return null;
+  const [made, [reasons, planned]] = latest;
+  const [, order] = replay.orders.findLast(([at]) => at <= made);
+  const parts = new Map();
+  for (const { took = [] } of replay.steps.slice(made, step)) {
+    for (const [one, other] of took) {
+      const [mine, theirs] = [parts.get(one) ?? one, parts.get(other) ?? other];
+      parts.set(one, theirs).set(other, mine);
+    }
+  }
+  const playedBy = new Map([...parts].map(([robot, part]) => [part, robot]));
+  const robotsOf = (robots) => robots.map((robot) => playedBy.get(robot) ?? robot);
+  return { made, reasons, coalitions: new Map(order.map((task, at) => [task, robotsOf(planned[at])])) };
+}
+
+function reasonInPlan({ scenario }, { coalitions }, task) {
+  const robots = coalitions.get(task);
+  if (!robots) return "";
+  const names = listRobots(scenario, robots);
+  return robots.length > 1 ? `the plan has ${names} do it together` : `the plan has ${names} do it`;
+}
+
 // Who has no assignment: whether anything is left that its robots could help with.
-function reasonForRest({ scenario, doneAt }, team, step) {
+function reasonForRest(history, team, step) {
+  const { scenario, doneAt } = history;
   const open = scenario.tasks.filter(({ appears }, task) => appears <= step && doneAt[task] > step);
   if (!open.length) return "no task is open";
+  const plan = sharedPlanAt(history, step);
+  const isWanted = ([task, robots]) =>
+    doneAt[task] > step && robots.some((robot) => team.robots.includes(robot));
+  if (plan && ![...plan.coalitions].some(isWanted)) return "the plan has nothing left for it";
   const useful = open.filter(({ needs }) => needs.some(([cap]) => team.counts.has(cap)));
   if (!useful.length) return "no open task needs what it brings";
   const names = useful.slice(0, MANY).map(({ name }) => name);
@@ -40,13 +73,14 @@ function reasonForRest({ scenario, doneAt }, team, step) {
 function planText(history, step) {
   const made = latestPlan(history, step);
   if (!made) return "";
-  const causes = causesIn(history, made);
+  const causes = causesIn(history, made) || (sharedPlanAt(history, step)?.reasons ?? []).join(", ");
   const when = describeMoment(history.scenario.world, made);
   return `planned anew ${history.scenario.world.isPlane ? "at" : "after"} ${when}${causes ? `: ${causes}` : ""}`;
 }
 
 function latestPlan({ replay }, step) {
-  const plans = [...(replay.orders ?? []), ...(replay.crews ?? [])].map(([made]) => made);
+  const kept = [replay.orders, replay.crews, replay.plans];
+  const plans = kept.flatMap((rows) => rows ?? []).map(([made]) => made);
   return Math.max(0, ...plans.filter((made) => made <= step));
 }
 

@@ -54,11 +54,11 @@ def robot_kinds(scenario: Scenario, problem: Relaxed, start: Array, needs: Array
     return [kind for kind in kinds if kind is not None]
 
 
-def legs_of_kinds(problem: Relaxed) -> int:
-    """Return how many legs there are from stop to stop, for all kinds of robots together."""
+def size_of_kinds(problem: Relaxed) -> tuple[int, int]:
+    """Return how many kinds of robots there are, and how many legs for all of them together."""
     first = [int(robots[0]) for robots in _alike(problem)]
     stops = (problem.counts[first] @ problem.needs.T > 0).sum(axis=1)  # (kinds,)
-    return int((stops.astype(np.int64) ** 2).sum())
+    return len(first), int((stops.astype(np.int64) ** 2).sum())
 
 
 def joining_steps(scenario: Scenario, problem: Relaxed) -> Array:

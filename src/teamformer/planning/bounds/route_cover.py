@@ -20,7 +20,7 @@ import numpy.typing as npt
 from teamformer.model import Grid, Scenario
 from teamformer.planning.bounds.makespan import earliest_formed, one_for_each_place
 from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look_ahead
-from teamformer.planning.bounds.robot_kinds import legs_of_kinds, robot_kinds
+from teamformer.planning.bounds.robot_kinds import robot_kinds, size_of_kinds
 from teamformer.planning.bounds.route_mix import RouteMix
 from teamformer.planning.relaxation.problem import FAR, Relaxed
 
@@ -34,6 +34,9 @@ QUICK, LARGEST = 1e8, 4e8
 
 PRIZES = 10**9
 """What all prizes add up to."""
+
+BUILDING = 2e6
+"""What it costs to list the stops of a kind of robots, in the same unit."""
 
 GROWTH = 4
 """How much more there is to look at with the next memory."""
@@ -61,8 +64,8 @@ def raise_by_routes(
     Every better bound is offered as it is proven. `problem` is the scenario's. Nothing is tried
     that has more to look at in one go than `largest`. Returns the best bound.
     """
-    legs = legs_of_kinds(problem)
-    if legs * 2 ** MEMORIES[0] * bound > largest:
+    kinds, legs = size_of_kinds(problem)
+    if BUILDING * kinds + legs * 2 ** MEMORIES[0] * bound > largest:
         return bound
     cover = RouteCover(scenario, problem)
     for memory in MEMORIES:

@@ -16,6 +16,7 @@ from teamformer.planning.teams.solve import first_search
 from teamformer.policies.central.plan_from_play import plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.central.policy import Central
+from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
@@ -80,6 +81,17 @@ def test_never_slower_than_joining_all_and_never_faster_than_its_bound(seed: int
         assert tally.status == "completed"
         assert tally.illegal_decisions == 0
         assert plan.solution.bound <= plan.bound <= tally.steps == plan.makespan <= other.steps
+
+
+def test_never_slower_than_the_shared_plan() -> None:
+    rng = np.random.default_rng(3)
+    scenarios = [generate(Spec(robots=6, tasks=8, requirements=2), rng) for _ in range(3)]
+    planned = [replace(scenario, allocation="plan") for scenario in scenarios]
+    tallies = run_trials(planned, Central(time_limit=0.0))
+    shared = run_trials(planned, FollowPlan())
+    for tally, other in zip(tallies, shared, strict=True):
+        assert tally.status == "completed"
+        assert tally.steps <= other.steps
 
 
 def test_worlds_that_lose_robots_end_all_the_same() -> None:

@@ -25,6 +25,7 @@ from teamformer.planning.teams.solve import (
 from teamformer.policies.central.plan_from_play import plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.protocol import Policy
+from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll, JoinCrew
 from teamformer.sim.arrays import NEVER, NOBODY, Array
@@ -69,9 +70,9 @@ class CentralPlan:
 
     `solution` is the relaxed schedule, in which joining is free; no policy is faster than `bound`.
     `makespan` is what the plan takes under the step rules, None if it does not end. `played_by`
-    says where the plan comes from: `search` (with forming counted), `schedule` (the relaxed one)
-    or a simple rule. `curve` holds each improvement as (seconds, makespan). `is_first` says that
-    there was no time to improve the first plan.
+    says where the plan comes from: `search` (with forming counted), `schedule` (the relaxed one),
+    `plan` (the shared one) or a simple rule. `curve` holds each improvement as (seconds,
+    makespan). `is_first` says that there was no time to improve the first plan.
     """
 
     solution: Solution
@@ -94,7 +95,7 @@ def plan_centrally(
     search = _start(scenario, seed)
     if search is not None:
         plays.add("search", _player(scenario, search.best))
-    for name, rule in (("join-all", JoinAll()), ("heuristic", Heuristic())):
+    for name, rule in _simple_rules(scenario):
         plays.add(name, rule, most_seconds=SIMPLE * max(1.0, time_limit))
     if search is None or time_limit == 0:
         solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
@@ -118,6 +119,12 @@ def _start(scenario: Scenario, seed: int) -> TeamSearch | None:
     if (earliest_starts(problem) >= FAR).any():
         return None
     return first_search(problem, scenario, seed)
+
+
+def _simple_rules(scenario: Scenario) -> list[tuple[str, Policy]]:
+    """Return rules that the plan must not be slower than; a shared plan is made by now."""
+    rules: list[tuple[str, Policy]] = [("join-all", JoinAll()), ("heuristic", Heuristic())]
+    return [("plan", FollowPlan()), *rules] if scenario.allocation == "plan" else rules
 
 
 def _follow(name: str, scenario: Scenario, rule: Policy, search: TeamSearch, plays: _Plays) -> None:

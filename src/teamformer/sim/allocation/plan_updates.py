@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -28,9 +29,32 @@ def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario]) -> None:
     reasons = np.zeros(len(scenarios), np.int32)
     _find_reasons(worlds, reasons)
     for w in np.flatnonzero(reasons).tolist():
-        old = None if reasons[w] & START else _read_plan(worlds, w)
-        _write_plan(worlds, w, plan_mission(scenarios[w], facts_of(worlds, w, scenarios[w]), old))
+        facts = facts_of(worlds, w, scenarios[w])
+        if reasons[w] & START:
+            plan = _first_plan(_Same(scenarios[w]), facts)
+        else:
+            plan = plan_mission(scenarios[w], facts, _read_plan(worlds, w))
+        _write_plan(worlds, w, plan)
     follow_shared_plans(worlds, reasons != 0)
+
+
+class _Same:
+    """A scenario that equals itself only, so that what was planned for it can be kept."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.scenario is self.scenario
+
+    def __hash__(self) -> int:
+        return id(self.scenario)
+
+
+@lru_cache(maxsize=16)
+def _first_plan(same: _Same, facts: Facts) -> SharedPlan:
+    """Return the plan at a start, kept for who plays the scenario again, as planners do."""
+    return plan_mission(same.scenario, facts, None)
 
 
 @entry

@@ -18,8 +18,9 @@ def blocked_worlds(
     """Return the worlds, of many in which anything may have happened before, that do not end."""
     rng = np.random.default_rng(seed)
     blocked = []
-    for _ in range(count // 500):
-        worlds = [random_world(rng, is_plane=is_plane) for _ in range(500)]
+    together = min(count, 500)
+    for _ in range(count // together):
+        worlds = [random_world(rng, is_plane=is_plane) for _ in range(together)]
         order = str(rng.choice(ORDERS))
         env = TeamFormation([replace(w, allocation=allocation, order=order) for w in worlds])
         for _ in range(int(rng.integers(0, 25))):

@@ -127,13 +127,15 @@ RULES = pytest.mark.parametrize("allocation", ALLOCATIONS)
 @RULES
 def test_nothing_blocks_whatever_happened_before(policy: Policy, allocation: str) -> None:
     """Many worlds, some in a state that random decisions have brought about."""
-    assert blocked_worlds(policy, allocation, count=1500, seed=11) == []
+    count = 200 if allocation == "plan" else 1500  # a plan takes a while
+    assert blocked_worlds(policy, allocation, count, seed=11) == []
 
 
 @POLICIES
 @RULES
 def test_nothing_blocks_on_planes(policy: Policy, allocation: str) -> None:
-    assert blocked_worlds(policy, allocation, count=500, seed=13, is_plane=True) == []
+    count = 50 if allocation == "plan" else 500
+    assert blocked_worlds(policy, allocation, count, seed=13, is_plane=True) == []
 
 
 @pytest.mark.slow

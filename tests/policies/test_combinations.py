@@ -16,7 +16,7 @@ from teamformer.policies.learned.combinations import CombinationCodec, Combined,
 from teamformer.policies.learned.policy import rows_of
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
-from teamformer.train.architectures import FAMILIES
+from teamformer.train.architectures import ARCHITECTURES
 from teamformer.train.evaluation import torch_brain
 from teamformer.train.export.onnx_export import NETWORK_FILE
 
@@ -81,7 +81,7 @@ def test_more_capabilities_than_the_network_has_are_refused() -> None:
 @pytest.fixture(params=["deepset", "gnn"])
 def network(request: pytest.FixtureRequest) -> nn.Module:
     torch.manual_seed(0)
-    made = FAMILIES[request.param].make(4)
+    made = ARCHITECTURES[request.param].make(4)
     with torch.no_grad():
         for weights in made.parameters():
             weights += 0.2 * torch.randn_like(weights)  # scores far apart, as after training
@@ -141,11 +141,11 @@ def test_log_probabilities_are_those_of_the_same_actions_again(network: nn.Modul
 @pytest.mark.parametrize("name", ["deepset", "gnn"])
 def test_onnx_decides_as_torch_over_a_thousand_views(name: str, tmp_path: Path) -> None:
     torch.manual_seed(1)
-    network = FAMILIES[name].make(4)
+    network = ARCHITECTURES[name].make(4)
     with torch.no_grad():
         for weights in network.parameters():
             weights += 0.2 * torch.randn_like(weights)
-    FAMILIES[name].export(network, 4, tmp_path)
+    ARCHITECTURES[name].export(network, 4, tmp_path)
     policy = combining((tmp_path / NETWORK_FILE).read_bytes(), name, 4)
     in_torch, codec, views = torch_brain(network), CombinationCodec(4), 0  # type: ignore[arg-type]
     rng = np.random.default_rng(2)

@@ -115,7 +115,7 @@ def test_only_what_worlds_need_is_called() -> None:
         ([schedule], [plan_worlds]),
         ([paper, crews], [plan_worlds, order_worlds]),
     ):
-        assert orderings_for(TeamFormation(scenarios).worlds) == needed
+        assert orderings_for(TeamFormation(scenarios).worlds, scenarios) == needed
 
 
 def test_a_world_is_ordered_by_its_own_rules_beside_others() -> None:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from teamformer.errors import ReplayError, TeamformerError
 from teamformer.model import LARGEST_NUMBER, Scenario
 from teamformer.plane import Plane
+from teamformer.rules.constants import PLAN_REASONS
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 from teamformer.whole_files import write_whole
@@ -22,8 +23,6 @@ STATUSES = ("completed", "step limit", "infeasible", "interrupted")
 
 LARGEST_COUNT = 2**53
 """Which every reader of JSON keeps exact, the page's too."""
-PLAN_REASONS = ("start", "task appeared", "robot lost", "service broken off")
-"""Why a shared plan is made."""
 
 LARGEST_FILE = 1_000_000_000  # bytes
 """A thousand robots on the move for three thousand steps take 40 MB."""

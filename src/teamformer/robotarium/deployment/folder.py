@@ -28,6 +28,9 @@ from teamformer.whole_files import write_all
 ROOT = Path(__file__).parents[2]
 SHIMS = Path(__file__).parent / "testbed"
 IMPORT = re.compile(r"from teamformer\.([\w.]+) import (\([^)]*\)|[^\n]*)")
+TYPES_ONLY = r"^if TYPE_CHECKING:\n(?: +from [\w.]+ import (?:\([^)]*\)|[^\n(]*)\n)+"
+FOR_TYPES = re.compile(TYPES_ONLY, re.MULTILINE)
+"""Imports for readers and type checkers only; the testbed needs none of them."""
 
 MAIN, WEIGHTS = "main.py", "weights.npy"
 OURS = re.compile(r"tf_\w+\.py")
@@ -54,6 +57,9 @@ def deploy(scenario: Scenario, policy: str, seed: int, folder: Path) -> list[Pat
     policy that has no form for the testbed, and for a folder that holds anything else.
     """
     check_mission(scenario)
+    if scenario.allocation == "plan":
+        hint = "write allocation: crews, or paper, in the scenario"
+        raise TeamformerError("the testbed is too slow for a shared plan: it has no numba", hint)
     if policy not in DEPLOYED:
         hint = f"use {', '.join(DEPLOYED)}"
         raise TeamformerError(f"policy '{policy}' cannot be deployed", hint)
@@ -129,7 +135,7 @@ def _source(name: str) -> str:
     """Return a module's text as the testbed gets it, with imports as they are here."""
     if name in REPLACED:
         return _shim(REPLACED[name])
-    return ROOT.joinpath(*name.split(".")).with_suffix(".py").read_text()
+    return FOR_TYPES.sub("", ROOT.joinpath(*name.split(".")).with_suffix(".py").read_text())
 
 
 def _text(name: str) -> str:

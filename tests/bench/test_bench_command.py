@@ -247,7 +247,7 @@ def test_a_world_of_a_trial_can_be_run_by_itself(
     assert json.loads(capsys.readouterr().out)["makespan"] == row["makespan"]
     assert teamformer("generate", *words, "--force", "--robots", "9") == 2
     assert "--setting says it all" in capsys.readouterr().err
-    assert teamformer("generate", "--setting", "4N", "-o", path) == 2
+    assert teamformer("generate", "--setting", "4N", "--force", "-o", path) == 2
     assert "'4N' is no setting" in capsys.readouterr().err
 
 

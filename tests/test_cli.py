@@ -19,7 +19,7 @@ from teamformer import cli
 from teamformer.model import ALLOCATIONS
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay import read_replay
+from teamformer.sim.replay.reading import read_replay
 
 ROOT = Path(__file__).parent.parent
 FOUR = str(ROOT / "examples" / "four-robots.yaml")

@@ -10,13 +10,14 @@ from typing import Any
 
 import pytest
 
-from teamformer.commands.export import export
+from teamformer.commands.records.export import export
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
 from teamformer.export.reasons import _why_task, story_lines
 from teamformer.model import Grid, Robot, Scenario, Task
-from teamformer.sim.replay import Ending, Replay, SharedPlanMade, Step, TeamAt, write_replay
+from teamformer.sim.replay.record import Ending, Replay, SharedPlanMade, Step, TeamAt
+from teamformer.sim.replay.writing import write_replay
 
 
 def two_lifters() -> Replay:

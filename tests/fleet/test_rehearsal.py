@@ -18,7 +18,8 @@ from teamformer.fleet.rehearsal.rehearse import faults_of, judge, play, set_stag
 from teamformer.fleet.rehearsal.shrink import shrink
 from teamformer.fleet.rehearsal.trace import Trace, Worked
 from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.replay import read_replay, write_replay
+from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.replay.writing import write_replay
 
 ALL_KINDS = {
     *("loss", "twice", "delay", "radio", "junk", "skew", "drift", "lag", "stutter"),

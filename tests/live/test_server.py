@@ -13,7 +13,7 @@ import pytest
 
 from live_server import Served, serving, small_mission
 from teamformer.referee import judge
-from teamformer.sim.replay import read_replay
+from teamformer.sim.replay.reading import read_replay
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
 client = pytest.importorskip("websockets.sync.client")
@@ -186,7 +186,7 @@ def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
 def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
     import socket
 
-    from teamformer.commands.live import Options, live
+    from teamformer.commands.missions.live import Options, live
     from teamformer.errors import TeamformerError
     from teamformer.scenarios.files import write_scenario
 

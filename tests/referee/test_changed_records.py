@@ -15,7 +15,7 @@ from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay import Replay
+from teamformer.sim.replay.record import Replay
 from teamformer.trials.trial import run_trial
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))

@@ -12,7 +12,7 @@ import pytest
 from random_worlds import random_world
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.referee import judge
-from teamformer.sim.replay import Ending, Replay, Step, TeamAt
+from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
 
 ALONE = Scenario(
     name="alone",

@@ -15,7 +15,7 @@ from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
 from teamformer.sim.env import Decision
-from teamformer.sim.replay import Ending, Replay, Step, TeamAt
+from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
 from teamformer.sim.view import View
 from teamformer.trials.trial import run_trial
 

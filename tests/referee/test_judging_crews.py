@@ -17,7 +17,7 @@ from teamformer.referee.completion import Tasks
 from teamformer.referee.lifecycle import start_fleet
 from teamformer.referee.verdict import Notes
 from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.replay import Crew, Ending, Replay, TeamAt
+from teamformer.sim.replay.record import Crew, Ending, Replay, TeamAt
 from teamformer.trials.recorder import Recorder
 from teamformer.trials.trial import run_trial
 

@@ -11,7 +11,7 @@ from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
-from teamformer.sim.replay import Replay, TeamAt
+from teamformer.sim.replay.record import Replay, TeamAt
 from teamformer.trials.trial import run_trial
 
 FIELD = Scenario(

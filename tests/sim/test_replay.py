@@ -15,16 +15,9 @@ import pytest
 from teamformer.errors import ReplayError, TeamformerError
 from teamformer.model import Grid, Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.sim.replay import (
-    Ending,
-    Replay,
-    Step,
-    TeamAt,
-    read_replay,
-    replay_from_tree,
-    replay_to_tree,
-    write_replay,
-)
+from teamformer.sim.replay.reading import read_replay, replay_from_tree
+from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
+from teamformer.sim.replay.writing import replay_to_tree, write_replay
 
 HALL = Scenario(
     name="hall",

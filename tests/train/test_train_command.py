@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.commands.train import TrainOptions, _as_it_was, train
+from teamformer.commands.policies.train import TrainOptions, _as_it_was, train
 from teamformer.errors import TeamformerError
 from teamformer.train.checkpoint import ABOUT, WEIGHTS, TrainingProgress, load, read_about, save
 from teamformer.train.trainer import _described, make_learner

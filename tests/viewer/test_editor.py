@@ -13,7 +13,7 @@ from live_server import Served, serving_editor
 from teamformer.policies import POLICIES
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay import read_replay
+from teamformer.sim.replay.reading import read_replay
 from teamformer.trials.registry import load_policy
 from teamformer.trials.trial import run_trial
 

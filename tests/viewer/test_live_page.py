@@ -11,7 +11,7 @@ from conftest import Opened
 
 from live_server import Served, serving, small_mission
 from teamformer.referee import judge
-from teamformer.sim.replay import read_replay
+from teamformer.sim.replay.reading import read_replay
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
 

@@ -14,7 +14,7 @@ from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.env import TeamFormation
-from teamformer.sim.replay import replay_to_tree
+from teamformer.sim.replay.writing import replay_to_tree
 from teamformer.trials.recorder import Recorder
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

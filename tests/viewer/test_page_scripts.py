@@ -15,7 +15,7 @@ import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_states
 
 from teamformer.export.moments import moments
-from teamformer.sim.replay import read_replay
+from teamformer.sim.replay.reading import read_replay
 
 PURE = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),

@@ -81,7 +81,7 @@ def main() -> None:
 
 def _play(worlds: Iterable[Scenario], names: Iterable[str]) -> None:
     """Run policies in worlds, as `run` does."""
-    from teamformer.commands.run import ready_policy, watch_trial
+    from teamformer.commands.missions.run import ready_policy, watch_trial
 
     for world in worlds:
         for name in names:

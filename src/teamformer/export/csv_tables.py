@@ -10,7 +10,7 @@ from pathlib import Path
 from teamformer.capabilities import describe
 from teamformer.export.events import events
 from teamformer.export.moments import NOBODY, PHASES, Moment, moments, seconds_a_step
-from teamformer.sim.replay import Replay
+from teamformer.sim.replay.record import Replay
 
 Row = Sequence[object]
 

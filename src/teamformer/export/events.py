@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from teamformer.model import Scenario
-from teamformer.sim.replay import Replay
+from teamformer.sim.replay.record import Replay
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ from teamformer.export.events import events
 from teamformer.export.moments import NOBODY, Moment, moments, seconds_a_step
 from teamformer.model import Grid as GridWorld
 from teamformer.model import Place, Scenario
-from teamformer.sim.replay import Replay
+from teamformer.sim.replay.record import Replay
 
 FRAME = "map"
 UPRIGHT = Quaternion(x=0.0, y=0.0, z=0.0, w=1.0)

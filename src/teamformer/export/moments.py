@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from teamformer.capabilities import covers, total
 from teamformer.model import Place, Scenario
 from teamformer.plane import Plane
-from teamformer.sim.replay import Replay, Step
+from teamformer.sim.replay.record import Replay, Step
 
 NOBODY = -1
 PHASES = ("walking", "waiting", "forming", "serving", "idle", "lost")

@@ -18,7 +18,7 @@ from teamformer.export.moments import (
     moments,
 )
 from teamformer.model import Scenario
-from teamformer.sim.replay import Replay
+from teamformer.sim.replay.record import Replay
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from teamformer.live.incidents import Incident
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.sim.env import Decision, Tally, TeamFormation
-from teamformer.sim.replay import Replay, Step
+from teamformer.sim.replay.record import Replay, Step
 from teamformer.trials.recorder import Recorder
 
 MakePolicy = Callable[[], Policy]

@@ -20,7 +20,8 @@ from teamformer.live.incidents import Incident
 from teamformer.live.messages import Message, read_incident, read_message, read_speed
 from teamformer.live.mission import Mission
 from teamformer.scenarios.files import scenario_to_tree, write_scenario
-from teamformer.sim.replay import Replay, replay_to_tree, step_to_tree, write_replay
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.writing import replay_to_tree, step_to_tree, write_replay
 
 MOST_WAITING = 500  # messages that a page may be behind before it is let go
 

@@ -9,7 +9,7 @@ from teamformer.model import Scenario
 from teamformer.referee.completion import Tasks
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
-from teamformer.sim.replay import Crew, Replay, SharedPlanMade
+from teamformer.sim.replay.record import Crew, Replay, SharedPlanMade
 
 SHARED_OUT = ("crews", "plan")
 """The allocations by which the record says who does what."""

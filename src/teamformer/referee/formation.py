@@ -8,7 +8,7 @@ from teamformer.capabilities import covers, total
 from teamformer.plane import Plane
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
-from teamformer.sim.replay import Step
+from teamformer.sim.replay.record import Step
 
 ROUNDING = 1e-9
 

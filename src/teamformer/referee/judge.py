@@ -20,7 +20,7 @@ from teamformer.referee.lifecycle import judge_ending, judge_orders, start_fleet
 from teamformer.referee.motion import move_team
 from teamformer.referee.teams import Fleet
 from teamformer.referee.verdict import Notes, Verdict
-from teamformer.sim.replay import Replay, Step
+from teamformer.sim.replay.record import Replay, Step
 
 
 def judge(replay: Replay) -> Verdict:

@@ -6,7 +6,7 @@ from teamformer.capabilities import covers, total
 from teamformer.referee.completion import Tasks
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
-from teamformer.sim.replay import Replay
+from teamformer.sim.replay.record import Replay
 
 
 def start_fleet(replay: Replay, notes: Notes) -> Fleet:

@@ -13,7 +13,7 @@ from teamformer.plane import Plane
 from teamformer.sim.allocation.plan_updates import reasons_in
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Tally, TeamFormation
-from teamformer.sim.replay import Crew, Ending, Replay, SharedPlanMade, Step, TeamAt
+from teamformer.sim.replay.record import Crew, Ending, Replay, SharedPlanMade, Step, TeamAt
 
 Groups = dict[int, tuple[int, ...]]
 """The robots of each team, by slot."""

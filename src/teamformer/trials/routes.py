@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from teamformer.planning.coalitions.routes import Route, Stop
-from teamformer.sim.replay import Replay, Step
+from teamformer.sim.replay.record import Replay, Step
 
 
 def routes_of(replay: Replay) -> tuple[Route, ...]:

@@ -12,7 +12,7 @@ from teamformer.model import Scenario
 from teamformer.policies.central.planner import CentralPlan
 from teamformer.policies.protocol import Planner, Policy
 from teamformer.sim.env import Tally, TeamFormation
-from teamformer.sim.replay import Replay
+from teamformer.sim.replay.record import Replay
 from teamformer.trials.recorder import Recorder
 
 

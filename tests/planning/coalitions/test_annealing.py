@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from random_coalitions import is_able, plain_times, random_problem
-from teamformer.planning.coalitions.annealing import CoalitionSearch, schedule_of
 from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.reactive import react
-from teamformer.planning.coalitions.schedule import (
+from teamformer.planning.coalitions.search.annealing import CoalitionSearch, schedule_of
+from teamformer.planning.coalitions.search.schedule import (
     BACK_SUM,
     COST,
     LATE,
@@ -152,7 +152,7 @@ def test_what_nobody_can_do_has_no_plan() -> None:
 
 SCRIPT = """
 from random_coalitions import random_problem
-from teamformer.planning.coalitions.annealing import CoalitionSearch
+from teamformer.planning.coalitions.search.annealing import CoalitionSearch
 for seed in range(3):
     search = CoalitionSearch(random_problem(seed), seed)
     search.begin_anew()

@@ -16,7 +16,7 @@ from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Walked
 from teamformer.model import Grid, Place, Scenario, Task
 from teamformer.plane import DECIMALS
-from teamformer.sim.replay import Ending, Replay, Step, TeamAt
+from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
 
 Teams = dict[int, tuple[int, ...]]
 """The robots of each team, by its lowest."""

@@ -12,7 +12,7 @@ from teamformer.mission_rules import HOME, latest_end
 from teamformer.model import Grid, Place, Scenario
 from teamformer.planning.coalitions.problem import NEVER, CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.routes import MissionPlan, Route, Stop
-from teamformer.planning.coalitions.schedule import CoalitionPlan
+from teamformer.planning.coalitions.search.schedule import CoalitionPlan
 from teamformer.planning.coalitions.solve import Solution
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.coalitions.annealing import is_ready, schedule_of
-from teamformer.planning.coalitions.coalition_choice import arrival, cover, give_way
 from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem
-from teamformer.planning.coalitions.schedule import (
+from teamformer.planning.coalitions.search.annealing import is_ready, schedule_of
+from teamformer.planning.coalitions.search.coalition_choice import arrival, cover, give_way
+from teamformer.planning.coalitions.search.schedule import (
     COST,
     copy_plan,
     empty_plan,
@@ -22,8 +22,8 @@ from teamformer.planning.coalitions.schedule import (
     sum_up,
     time_one,
 )
+from teamformer.planning.coalitions.search.window import REFUSED, empty_desk
 from teamformer.planning.coalitions.solve import Solution
-from teamformer.planning.coalitions.window import REFUSED, empty_desk
 from teamformer.planning.relaxation.insertion import draw_below
 
 FUTURES = 20

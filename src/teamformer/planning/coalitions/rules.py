@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 
-from teamformer.planning.coalitions.annealing import CoalitionSearch, is_compiled
 from teamformer.planning.coalitions.bounds import bound_makespan
 from teamformer.planning.coalitions.problem import CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.reactive import react
+from teamformer.planning.coalitions.search.annealing import CoalitionSearch, is_compiled
 from teamformer.planning.coalitions.solve import Solution, plan_together, solve
 
 Planner = Callable[[CoalitionProblem, float], Solution | None]

@@ -10,11 +10,17 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
-from teamformer.planning.coalitions.annealing import CoalitionSearch, schedule_of
 from teamformer.planning.coalitions.bounds import bound_makespan
 from teamformer.planning.coalitions.cp_sat import is_small, solve_exactly
 from teamformer.planning.coalitions.problem import CoalitionProblem
-from teamformer.planning.coalitions.schedule import COST, LATE, MAKESPAN, CoalitionPlan, Schedule
+from teamformer.planning.coalitions.search.annealing import CoalitionSearch, schedule_of
+from teamformer.planning.coalitions.search.schedule import (
+    COST,
+    LATE,
+    MAKESPAN,
+    CoalitionPlan,
+    Schedule,
+)
 
 SHARED_ROUNDS, CENTRAL_ROUNDS = 200_000, 500_000
 """Rounds of a first annealing; reheated ones have half of them."""

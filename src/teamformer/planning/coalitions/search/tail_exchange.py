@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.jit import kernel
 from teamformer.planning.coalitions.problem import NOBODY
-from teamformer.planning.coalitions.schedule import (
+from teamformer.planning.coalitions.search.schedule import (
     COST,
     hang_tails,
     leave,

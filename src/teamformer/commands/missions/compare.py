@@ -11,7 +11,7 @@ from rich.text import Text
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, print_json, say, wide
-from teamformer.commands.run import (
+from teamformer.commands.missions.run import (
     Changes,
     best_known,
     percent_over,

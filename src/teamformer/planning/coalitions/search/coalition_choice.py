@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.jit import kernel
 from teamformer.planning.coalitions.problem import NOBODY
-from teamformer.planning.coalitions.schedule import leave
+from teamformer.planning.coalitions.search.schedule import leave
 from teamformer.planning.relaxation.insertion import draw_below
 
 BLINK = 16

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from teamformer.commands.console import out, prepare_folder, print_json, say
-from teamformer.commands.rehearse import require_extra
+from teamformer.commands.robots.rehearse import require_extra
 from teamformer.errors import TeamformerError
 from teamformer.mission_rules import rules_not_played
 from teamformer.scenarios.files import read_scenario

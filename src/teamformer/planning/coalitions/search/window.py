@@ -8,9 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.jit import kernel
-from teamformer.planning.coalitions.coalition_choice import pick_earliest, pick_shortest_chain
 from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
-from teamformer.planning.coalitions.schedule import cost_of, hang_tails, leave, time_from
+from teamformer.planning.coalitions.search.coalition_choice import (
+    pick_earliest,
+    pick_shortest_chain,
+)
+from teamformer.planning.coalitions.search.schedule import cost_of, hang_tails, leave, time_from
 
 Flags = npt.NDArray[np.bool_]
 RandomState = npt.NDArray[np.uint64]

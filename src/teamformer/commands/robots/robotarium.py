@@ -15,7 +15,7 @@ from rich.text import Text
 from teamformer.capabilities import describe
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
-from teamformer.commands.run import Changes
+from teamformer.commands.missions.run import Changes
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
 from teamformer.policies.protocol import Policy

@@ -7,7 +7,7 @@ from pathlib import Path
 from teamformer.commands.console import prepare_file, prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
 from teamformer.scenarios.files import write_scenario
-from teamformer.sim.replay import read_replay
+from teamformer.sim.replay.reading import read_replay
 
 
 def export(

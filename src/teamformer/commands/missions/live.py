@@ -10,7 +10,7 @@ from pathlib import Path
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
-from teamformer.commands.run import ready_policy
+from teamformer.commands.missions.run import ready_policy
 from teamformer.errors import TeamformerError
 from teamformer.mission_rules import rules_not_played
 from teamformer.model import Scenario

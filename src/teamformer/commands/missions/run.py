@@ -33,7 +33,8 @@ from teamformer.policies import POLICIES
 from teamformer.policies.central.planner import CentralPlan
 from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay import Replay, replay_to_tree, write_replay
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.registry import load_policy
 from teamformer.trials.suiting import refuse_unknown, suited
 from teamformer.trials.trial import Trial, run_trial

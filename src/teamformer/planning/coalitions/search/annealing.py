@@ -11,10 +11,10 @@ import math
 import numpy as np
 
 from teamformer.jit import entry, kernel, needs_compiling
-from teamformer.planning.coalitions.coalition_choice import pick_earliest
-from teamformer.planning.coalitions.neighbourhood import propose
 from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem
-from teamformer.planning.coalitions.schedule import (
+from teamformer.planning.coalitions.search.coalition_choice import pick_earliest
+from teamformer.planning.coalitions.search.neighbourhood import propose
+from teamformer.planning.coalitions.search.schedule import (
     BACK_SUM,
     COST,
     SPREAD,
@@ -26,8 +26,8 @@ from teamformer.planning.coalitions.schedule import (
     time_one,
     time_plan,
 )
-from teamformer.planning.coalitions.tail_exchange import exchange_tails
-from teamformer.planning.coalitions.window import (
+from teamformer.planning.coalitions.search.tail_exchange import exchange_tails
+from teamformer.planning.coalitions.search.window import (
     REFUSED,
     commit_window,
     empty_desk,

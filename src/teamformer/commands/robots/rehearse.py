@@ -154,7 +154,7 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
     from teamformer.fleet.rehearsal.record import record_of
     from teamformer.fleet.rehearsal.rehearse import faults_of, play
     from teamformer.fleet.rehearsal.trace import Trace
-    from teamformer.sim.replay import write_replay
+    from teamformer.sim.replay.writing import write_replay
 
     faults = faults_of(stage, options.seed, schedule, Knobs(options.loss, options.crashes))
     trace = Trace()

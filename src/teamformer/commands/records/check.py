@@ -1,4 +1,4 @@
-"""`teamformer check` and `teamformer view`: what to do with the record of a trial."""
+"""`teamformer check`: judge the record of a trial by the rules alone."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from teamformer.commands.console import out, prepare_file, print_json, say
+from teamformer.commands.console import out, print_json
 from teamformer.model import Scenario
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay import Replay, read_replay, replay_to_tree
-from teamformer.viewer.html import write_page
+from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.replay.record import Replay
 
 GUARANTEE = "by the rules: every robot's way, every team that formed, every task that was done"
 
@@ -79,15 +79,3 @@ def _difference(name: str, recorded: Any, given: Any) -> str:
         one = next(a.name for a, b in zip(recorded, given, strict=True) if a != b)
         return f"{name} differ, {one} for example"
     return f"{name} differ" if name.endswith("s") else f"the {name} differs"
-
-
-def view(path: Path, page: Path | None, as_json: bool) -> int:
-    """Write the page of a record beside it, or where asked; return the exit status."""
-    page = page or path.with_suffix(".html")
-    prepare_file(page)
-    write_page(replay_to_tree(read_replay(path)), page)
-    if as_json:
-        print_json({"page": str(page)})
-    else:
-        say(f"page: {page}")
-    return 0

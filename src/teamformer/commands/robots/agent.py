@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.commands.rehearse import require_extra
+from teamformer.commands.robots.rehearse import require_extra
 from teamformer.errors import TeamformerError
 from teamformer.mission_rules import rules_not_played
 from teamformer.model import Scenario

@@ -186,7 +186,7 @@ def _table(summaries: list[Summary]) -> Table:
 
 
 def _fly_missions(options: BenchOptions, as_json: bool) -> int:
-    from teamformer.commands.robotarium import fly_missions
+    from teamformer.commands.robots.robotarium import fly_missions
 
     policy = options.policies[0] if options.policies else "teamformer"
     return fly_missions(options.trials or 100, policy, options.seed, options.folder, as_json)

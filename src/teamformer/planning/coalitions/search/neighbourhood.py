@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
-from teamformer.planning.coalitions.coalition_choice import (
+from teamformer.planning.coalitions.problem import NOBODY
+from teamformer.planning.coalitions.search.coalition_choice import (
     count_short,
     cover,
     draw_short,
     is_picked,
 )
-from teamformer.planning.coalitions.problem import NOBODY
-from teamformer.planning.coalitions.window import EARLIEST_COALITION, GIVEN, KEEP, SHORTEST_CHAIN
+from teamformer.planning.coalitions.search.window import (
+    EARLIEST_COALITION,
+    GIVEN,
+    KEEP,
+    SHORTEST_CHAIN,
+)
 from teamformer.planning.relaxation.insertion import draw_below
 
 MOVES, EXCHANGES, REPLACEMENTS, EARLIEST = 30, 40, 60, 80  # percent, one upon the other

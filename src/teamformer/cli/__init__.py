@@ -1,0 +1,54 @@
+"""The command line: verbs and flags; what a verb needs is imported inside it."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+
+from teamformer.cli import missions, policies, records, robots  # noqa: F401  (registers the verbs)
+from teamformer.cli.app import app
+from teamformer.errors import ReaderGoneError, TeamformerError
+
+
+def _open_what_is_closed() -> None:
+    """Have something to write to where the shell was told to close an output (`>&-`)."""
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115  (until the process ends)
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+
+
+def main() -> None:
+    """Run the command line: exit 0 is good, 1 failed, 2 misused."""
+    _open_what_is_closed()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # names need not be text that it can hold
+            stream.reconfigure(errors="backslashreplace")
+    status = _run_verb()
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:  # Python would flush once more at exit, and complain
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(status)
+
+
+def _run_verb() -> int:
+    """Run what the command line says, and return its exit status."""
+    try:
+        app()
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else 0
+    except TeamformerError as error:
+        print(f"error: {error}", file=sys.stderr)
+        if error.hint:
+            print(f"hint: {error.hint}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 1
+    except ReaderGoneError:
+        return 0
+    except OSError as error:  # a disk that fills up while we write, say
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"error: {where}{error.strerror or error}", file=sys.stderr)
+        return 1
+    return 0

@@ -1,0 +1,5 @@
+"""`python -m teamformer.cli`."""
+
+from teamformer.cli import main
+
+main()

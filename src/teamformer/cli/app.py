@@ -1,0 +1,55 @@
+"""The app that verbs are registered with, and the flags that several of them have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    help="Teams of robots that form, split and share out tasks by themselves.",
+)
+
+ScenarioPath = Annotated[Path, typer.Argument(metavar="SCENARIO", help="a scenario file")]
+ReplayPath = Annotated[Path, typer.Argument(metavar="REPLAY", help="a replay.json")]
+AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
+Seed = Annotated[int, typer.Option(min=0, help="of all randomness")]
+Order = Annotated[str | None, typer.Option(help="the shared task order: tsp or schedule")]
+Allocation = Annotated[
+    str | None, typer.Option(help="who heads for which task: paper, nearest or crews")
+]
+StepLimit = Annotated[int | None, typer.Option(min=1, help="give up after so many steps")]
+TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may plan")]
+
+
+def _show_version(is_wanted: bool) -> None:
+    if is_wanted:
+        from importlib.metadata import version
+
+        print(f"teamformer {version('teamformer')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _every_verb(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="show it")
+    ] = False,
+) -> None:
+    """Teams of robots that form, split and share out tasks by themselves."""
+
+
+def is_given(context: typer.Context, name: str) -> bool:
+    """Say whether a flag stands on the command line."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
+
+
+def split_names(names: str) -> tuple[str, ...]:
+    """Return the names that stand with commas between them."""
+    return tuple(name.strip() for name in names.split(",") if name.strip())

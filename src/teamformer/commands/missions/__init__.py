@@ -1,0 +1,1 @@
+"""Verbs on a mission: write one, run it, plan it, watch it."""

@@ -1,0 +1,1 @@
+"""Verbs on policies: list them, measure them, train them."""

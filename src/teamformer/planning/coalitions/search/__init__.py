@@ -1,0 +1,1 @@
+"""Annealing over orders and coalitions: where it stands, what it changes, how it judges."""

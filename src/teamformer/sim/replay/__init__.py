@@ -1,0 +1,1 @@
+"""The record of a trial, and its file (docs/replay.md)."""

@@ -1,0 +1,227 @@
+"""Reading a record's file, which anybody may have written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from teamformer.errors import ReplayError, TeamformerError
+from teamformer.model import Scenario
+from teamformer.plane import Plane
+from teamformer.rules.constants import PLAN_REASONS
+from teamformer.scenarios.file_access import read_text
+from teamformer.scenarios.files import scenario_from_tree
+from teamformer.sim.replay.record import (
+    STATUSES,
+    VERSION,
+    Crew,
+    Ending,
+    Replay,
+    SharedPlanMade,
+    Step,
+    TeamAt,
+)
+from teamformer.sim.replay.values import (
+    DamageError,
+    check_keys,
+    count_of,
+    inside,
+    is_whole,
+    list_of,
+    metres,
+    number_below,
+    number_of,
+    numbers_below,
+    rows_of,
+    short,
+    text_of,
+    whole_number,
+)
+
+LARGEST_FILE = 1_000_000_000  # bytes
+"""A thousand robots on the move for three thousand steps take 40 MB."""
+RUN_AGAIN = "run the scenario again to have it written anew"
+
+STEP_KEYS = tuple(field.name for field in fields(Step))
+ENDING_KEYS = tuple(field.name for field in fields(Ending))
+ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
+REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
+NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in ("crews", "plans"))
+
+
+def read_replay(path: Path) -> Replay:
+    """Read a replay file.
+
+    Raises `ReplayError` saying what is wrong with the file and what to do, `ScenarioError` where
+    the scenario in it is what is wrong.
+    """
+    if path.is_dir():
+        raise ReplayError(
+            f"{path}: this is a folder", f"name the file in it: {path / 'replay.json'}"
+        )
+    try:
+        text = read_text(path, LARGEST_FILE, "`teamformer run SCENARIO --out DIR` writes one")
+    except TeamformerError as error:
+        raise ReplayError(str(error), error.hint) from None
+    return replay_from_tree(_parse(text, str(path)), str(path))
+
+
+def _parse(text: str, source: str) -> Any:
+    try:
+        return json.loads(text, object_pairs_hook=_without_doubles)
+    except DamageError as damage:
+        raise ReplayError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
+    except json.JSONDecodeError as error:
+        is_cut = _is_unfinished(text[error.pos :].strip()) or error.msg.startswith("Unterminated")
+        what = "it breaks off" if is_cut else f"this is not JSON: {error.msg}"
+        raise ReplayError(f"{source}:{error.lineno}: {what}", RUN_AGAIN) from None
+    except (ValueError, RecursionError) as error:
+        is_deep = isinstance(error, RecursionError)
+        what = "lists lie in lists in lists" if is_deep else "a number has thousands of digits"
+        raise ReplayError(f"{source}: this is no replay: {what}", RUN_AGAIN) from None
+
+
+def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Build a mapping; of a key that stands twice two readers might read different values."""
+    tree = dict(pairs)
+    if len(tree) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise DamageError(f"the key {short(twice)} stands twice in one mapping")
+    return tree
+
+
+def _is_unfinished(rest: str) -> bool:
+    """Say whether a parser stumbled over the end: nothing, half a word or half a number."""
+    return any(word.startswith(rest) for word in ("null", "true", "false", "-", "."))
+
+
+def replay_from_tree(tree: Any, source: str) -> Replay:
+    """Build a replay from the tree of its file; `source` names it in errors.
+
+    Raises what `read_replay` raises.
+    """
+    _check_version(tree, source)
+    try:
+        check_keys(tree, REPLAY_KEYS, NEEDED_KEYS)
+        scenario = scenario_from_tree(tree["scenario"], f"{source}: scenario")
+        return _replay(tree, scenario)
+    except DamageError as damage:
+        raise ReplayError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
+
+
+def _check_version(tree: Any, source: str) -> None:
+    if not isinstance(tree, dict) or "teamformer_replay" not in tree:
+        hint = "name the replay.json that `teamformer run` wrote"
+        raise ReplayError(f"{source}: this is not a replay: it has no 'teamformer_replay'", hint)
+    version = tree["teamformer_replay"]
+    if not is_whole(version) or version < 1:
+        what = f"the format version is {short(version)}, not a number from 1 on"
+        raise ReplayError(f"{source}: {what}", RUN_AGAIN)
+    if version > VERSION:
+        what = f"format {short(version)} is newer than {VERSION}"
+        raise ReplayError(f"{source}: {what}", "install a newer teamformer")
+
+
+Coordinate = Callable[[Any], float]
+"""Reads a coordinate: whole on a grid."""
+
+
+def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
+    robots, tasks = len(scenario.robots), len(scenario.tasks)
+    bound = tree["lower_bound"]
+    along = metres if isinstance(scenario.world, Plane) else number_of
+    with inside("orders"):
+        orders = tuple(
+            (count_of(at), numbers_below(order, tasks)) for at, order in rows_of(tree["orders"], 2)
+        )
+    with inside("crews"):
+        crews = tuple(
+            (count_of(at), tuple(_crew(crew, robots, tasks) for crew in list_of(made)))
+            for at, made in rows_of(tree.get("crews", []), 2)
+        )
+    with inside("plans"):
+        plans = tuple(
+            (count_of(at), _plan(made, robots)) for at, made in rows_of(tree.get("plans", []), 2)
+        )
+    with inside("start"):
+        start = tuple(
+            (number_below(slot, robots), numbers_below(members, robots), along(x), along(y))
+            for slot, members, x, y in rows_of(tree["start"], 4)
+        )
+    with inside("end"):
+        end = _ending(tree["end"])
+    return Replay(
+        scenario=scenario,
+        policy=text_of(tree["policy"]),
+        seed=whole_number(tree["seed"]),
+        orders=orders,
+        start=start,
+        steps=tuple(_steps(tree["steps"], robots, tasks, along)),
+        end=end,
+        lower_bound=None if bound is None else count_of(bound),
+        crews=crews,
+        plans=plans,
+    )
+
+
+def _crew(row: Any, robots: int, tasks: int) -> Crew:
+    [[members, listed]] = rows_of([row], 2)
+    return Crew(numbers_below(members, robots), numbers_below(listed, tasks))
+
+
+def _plan(row: Any, robots: int) -> SharedPlanMade:
+    [[reasons, coalitions]] = rows_of([row], 2)
+    for reason in list_of(reasons):
+        if reason not in PLAN_REASONS:
+            raise DamageError(f"the reason is {short(reason)}, not one of {PLAN_REASONS}")
+    return SharedPlanMade(
+        tuple(reasons), tuple(numbers_below(coalition, robots) for coalition in list_of(coalitions))
+    )
+
+
+def _ending(tree: Any) -> Ending:
+    check_keys(tree, ENDING_KEYS, ENDING_KEYS)
+    if tree["status"] not in STATUSES:
+        raise DamageError(f"the status is {short(tree['status'])}, not one of {STATUSES}")
+    blocked = tuple(text_of(name) for name in list_of(tree["blocked_tasks"]))
+    makespan = None if tree["makespan"] is None else count_of(tree["makespan"])
+    counts = {key: count_of(tree[key]) for key in ENDING_COUNTS}
+    return Ending(status=tree["status"], makespan=makespan, blocked_tasks=blocked, **counts)
+
+
+def _steps(trees: Any, robots: int, tasks: int, along: Coordinate) -> Iterator[Step]:
+    for number, tree in enumerate(list_of(trees), start=1):
+        with inside(f"step {number}"):
+            yield _step(tree, robots, tasks, along)
+
+
+def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
+    check_keys(tree, STEP_KEYS)
+    joins, splits = rows_of(tree.get("joins", []), 2), rows_of(tree.get("splits", []), 2)
+    teams, done = rows_of(tree.get("teams", []), 4), rows_of(tree.get("done", []), 2)
+    took = rows_of(tree.get("took", []), 2)
+    return Step(
+        joins=tuple(
+            (number_below(one, robots), number_below(other, robots)) for one, other in joins
+        ),
+        splits=tuple(
+            (numbers_below(stay, robots), numbers_below(leave, robots)) for stay, leave in splits
+        ),
+        lost=numbers_below(tree.get("lost", []), robots),
+        teams=tuple(
+            TeamAt(
+                number_below(slot, robots),
+                along(x),
+                along(y),
+                None if task is None else number_below(task, tasks),
+            )
+            for slot, x, y, task in teams
+        ),
+        done=tuple((number_below(task, tasks), number_below(slot, robots)) for task, slot in done),
+        named=numbers_below(tree.get("named", []), robots),
+        took=tuple((number_below(one, robots), number_below(other, robots)) for one, other in took),
+    )

@@ -1,0 +1,77 @@
+"""The record of a trial: what it began with, what each step changed, how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from teamformer.model import Scenario
+
+VERSION = 1
+STATUSES = ("completed", "step limit", "infeasible", "interrupted")
+
+
+class TeamAt(NamedTuple):
+    """Where a team is after a step and what it heads for."""
+
+    slot: int
+    x: float  # a whole number on a grid
+    y: float
+    task: int | None
+
+
+class Crew(NamedTuple):
+    """A part of the fleet, and the open tasks that are its to do, in order."""
+
+    robots: tuple[int, ...]
+    tasks: tuple[int, ...]
+
+
+class SharedPlanMade(NamedTuple):
+    """A shared plan: why it was made, and who does each open task, in the order then."""
+
+    reasons: tuple[str, ...]
+    coalitions: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """What one step changed; robots, tasks and slots are numbers."""
+
+    joins: tuple[tuple[int, int], ...] = ()  # joiner, partner
+    splits: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...] = ()  # who stays, who leaves
+    lost: tuple[int, ...] = ()
+    teams: tuple[TeamAt, ...] = ()  # whose slot, place or assignment changed
+    done: tuple[tuple[int, int], ...] = ()  # task, team that did it
+    named: tuple[int, ...] = ()  # teams whose decision named their task, where tasks are shared out
+    took: tuple[tuple[int, int], ...] = ()  # like robots that exchanged their parts of the plan
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a trial ended."""
+
+    status: str
+    makespan: int | None
+    steps: int
+    tasks_done: int
+    joins: int
+    splits: int
+    illegal_decisions: int
+    blocked_tasks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A whole trial; scenario, policy and seed determine the rest."""
+
+    scenario: Scenario
+    policy: str
+    seed: int
+    orders: tuple[tuple[int, tuple[int, ...]], ...]  # steps made, open tasks in order
+    start: tuple[tuple[int, tuple[int, ...], float, float], ...]  # slot, robots, x, y
+    steps: tuple[Step, ...]
+    end: Ending
+    lower_bound: int | None = None
+    crews: tuple[tuple[int, tuple[Crew, ...]], ...] = ()  # steps made, crews from then on
+    plans: tuple[tuple[int, SharedPlanMade], ...] = ()  # steps made, the shared plan from then on

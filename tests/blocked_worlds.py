@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from random_worlds import random_decision, random_world
-from teamformer.model import ORDERS, Scenario
+from teamformer.mission_rules import ORDERS
+from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.sim.env import TeamFormation
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.errors import ScenarioError
-from teamformer.model import BLOCKED, FREE, Grid, Place, Robot, Scenario, Task, World
+from teamformer.grid import BLOCKED, FREE, Grid, Place
+from teamformer.model import Robot, Scenario, Task, World
 from teamformer.plane import Plane
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.model import Grid, Place, Robot, Scenario, Task
+from teamformer.grid import Grid, Place
+from teamformer.model import Robot, Scenario, Task
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 

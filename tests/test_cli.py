@@ -16,7 +16,8 @@ from pathlib import Path
 import pytest
 
 from teamformer import cli
-from teamformer.model import ALLOCATIONS
+from teamformer.commands import console
+from teamformer.mission_rules import ALLOCATIONS
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.reading import read_replay
@@ -452,3 +453,12 @@ def test_generate_overwrites_only_by_force(
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert teamformer("--version") == 0
     assert capsys.readouterr().out == f"teamformer {version('teamformer')}\n"
+
+
+def test_where_there_is_no_terminal_there_is_no_bar(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(console, "PATIENCE", -1.0)
+    with console.StepProgress(3) as progress:
+        progress.update(1, 1)
+    assert capsys.readouterr().err == ""

@@ -14,7 +14,17 @@ import teamformer
 
 ROOT = Path(teamformer.__file__).parent
 
-CORE = {"errors", "mission_rules", "model", "capabilities", "plane", "regions", "frame"}
+CORE = {
+    "errors",
+    "mission_rules",
+    "model",
+    "scenario_checks",
+    "grid",
+    "capabilities",
+    "plane",
+    "regions",
+    "frame",
+}
 CORE |= {"jit", "kernel_cache", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim"}
 BELOW_COMMANDS = {

@@ -9,15 +9,8 @@ from typing import Any
 import pytest
 
 from teamformer.errors import ScenarioError
-from teamformer.model import (
-    MOST_WAITING,
-    MOST_WALKING,
-    Grid,
-    Robot,
-    Scenario,
-    Task,
-    default_step_limit,
-)
+from teamformer.grid import Grid
+from teamformer.model import MOST_WAITING, MOST_WALKING, Robot, Scenario, Task, default_step_limit
 
 LIFTER = Robot("a", (0, 0), {"lift": 1})
 SCANNER = Robot("b", (0, 0), {"scan": 1})

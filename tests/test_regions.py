@@ -7,7 +7,7 @@ import pytest
 
 from small_worlds import reachable
 from teamformer import regions as module
-from teamformer.model import BLOCKED, FREE, Grid
+from teamformer.grid import BLOCKED, FREE, Grid
 from teamformer.regions import find_regions, flood
 
 

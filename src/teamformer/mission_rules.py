@@ -11,6 +11,16 @@ from teamformer.errors import Problem
 if TYPE_CHECKING:
     from teamformer.model import Scenario
 
+ORDERS = ("tsp", "schedule")
+NEW_TASKS = ("resolve", "nearest")
+ALLOCATIONS = ("paper", "nearest", "crews", "plan")
+
+WITHOUT_CREWS = ("paper", "nearest")
+"""Those in which every team follows one order, as the paper's networks were made for."""
+
+BEST_ALLOCATION = "plan"
+"""What a scenario file means that says nothing about it."""
+
 TIMES = ("steps", "continuous")
 HOME = "home"
 LONGEST_TIME = 1e9

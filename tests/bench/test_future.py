@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teamformer.model import ALLOCATIONS, ORDERS, Scenario, Task
+from teamformer.mission_rules import ALLOCATIONS, ORDERS
+from teamformer.model import Scenario, Task
 from teamformer.policies import POLICIES
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.env import Decision, TeamFormation

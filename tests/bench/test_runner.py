@@ -16,7 +16,8 @@ from teamformer.bench.runner import TIMED, Request, fits, own_stamp, run_benchma
 from teamformer.bench.store import Store
 from teamformer.bench.suites import Suite
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.named_settings import world_of

@@ -15,7 +15,8 @@ from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
 from teamformer.export.reasons import _why_task, story_lines
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.sim.replay.record import Ending, Replay, SharedPlanMade, Step, TeamAt
 from teamformer.sim.replay.writing import write_replay
 

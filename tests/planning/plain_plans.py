@@ -9,7 +9,8 @@ from itertools import combinations
 import numpy as np
 
 from teamformer.errors import ScenarioError
-from teamformer.model import BLOCKED, FREE, Grid, Place, Robot, Scenario, Task
+from teamformer.grid import BLOCKED, FREE, Grid, Place
+from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.schedule import Schedule
 
 

@@ -8,8 +8,9 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from teamformer.grid import Grid
 from teamformer.jit import entry
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.crews.evaluation import empty_room, walk_list
 from teamformer.planning.crews.plan import plan_crews
 from teamformer.planning.crews.routes import Shared, bits_of, empty_parties, gather_parties

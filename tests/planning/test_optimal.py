@@ -13,7 +13,8 @@ import pytest
 from plain_plans import fastest_makespan, find_faults, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import bound_makespan
 from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.relaxation.solve import solve

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import Relaxed, relax
 from teamformer.planning.teams.plan import TeamPlan, empty_groups, plan_teams, routes_of, time_plan
 from teamformer.scenarios.generate import Spec, generate

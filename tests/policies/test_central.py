@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.teams.plan import TeamPlan, routes_of
 from teamformer.planning.teams.solve import first_search

@@ -11,7 +11,8 @@ from torch import nn
 
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.learned.combinations import CombinationCodec, Combined, combining
 from teamformer.policies.learned.policy import rows_of
 from teamformer.scenarios.generate import Spec, generate

@@ -7,7 +7,8 @@ import itertools
 import pytest
 
 from small_worlds import make, robot, task
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.policies.learned.deadlock_guard import DeadlockGuard, _hash_open_tasks
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import TeamFormation

@@ -17,7 +17,8 @@ from small_worlds import (
     two_robots_one_task,
     two_tasks_two_pairs,
 )
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.sim.env import TeamFormation
 from teamformer.trials.trial import run_trials

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.scripted.join_fitting import JoinFitting, Script
 from teamformer.policies.scripted.joining import JoinAll, JoinCrew
 from teamformer.scenarios.named_settings import world_of

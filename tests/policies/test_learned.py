@@ -11,7 +11,8 @@ import torch
 
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.learned.any_fleet import AnyFleetCodec, any_fleet, teamformer_any
 from teamformer.policies.learned.deadlock_guard import DeadlockGuard
 from teamformer.policies.learned.macro_actions import FOLLOW, MAINTAIN

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.learned.feature_layout import OwnRelation as Own
 from teamformer.policies.learned.feature_layout import TaskRelation as Ahead
 from teamformer.policies.learned.feature_layout import TeamRelation as Team

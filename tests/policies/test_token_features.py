@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.learned.token_features import NEVER_FITS, Spelled, SpellingCodec
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View

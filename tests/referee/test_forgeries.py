@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.referee import judge
 from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from teamformer.errors import ScenarioError
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.robotarium.mission_checks import apart_needed, check_mission, find_problems
 from teamformer.robotarium.random_missions import random_mission

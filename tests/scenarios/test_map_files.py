@@ -13,7 +13,7 @@ import pytest
 
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.frame import Frame
-from teamformer.model import BLOCKED, FREE, Grid
+from teamformer.grid import BLOCKED, FREE, Grid
 from teamformer.scenarios.files import (
     read_scenario,
     scenario_from_tree,

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from teamformer.errors import ScenarioError
+from teamformer.grid import Grid
 from teamformer.mission_rules import rules_not_played
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.files import read_scenario, write_scenario
 from teamformer.sim.env import TeamFormation
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid
+from teamformer.grid import Grid
 from teamformer.scenarios.generate import Spec
 from teamformer.scenarios.named_settings import spec_of, world_of
 

@@ -9,7 +9,8 @@ import pytest
 
 from small_worlds import reachable
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.scenarios.generate import SPAWN_RADIUS, Spec, generate
 
 

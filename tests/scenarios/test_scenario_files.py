@@ -13,7 +13,8 @@ import pytest
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.frame import Frame
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.files import (
     read_scenario,
     scenario_from_tree,

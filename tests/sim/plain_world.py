@@ -7,7 +7,8 @@ from collections import deque
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from teamformer.model import Grid, Place, Scenario
+from teamformer.grid import Grid, Place
+from teamformer.model import Scenario
 from teamformer.plane import Plane
 
 NEVER = 10**9

@@ -17,7 +17,7 @@ from small_worlds import (
     task,
     two_tasks_two_pairs,
 )
-from teamformer.model import Grid
+from teamformer.grid import Grid
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision, TeamFormation

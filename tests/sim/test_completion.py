@@ -19,7 +19,7 @@ from small_worlds import (
     two_robots_one_task,
     walker,
 )
-from teamformer.model import Grid
+from teamformer.grid import Grid
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.env import TeamFormation
 from teamformer.trials.trial import run_trial

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from small_worlds import assignments, make, order_of, play, robot, task
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation

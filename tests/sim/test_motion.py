@@ -9,7 +9,7 @@ import pytest
 
 from random_worlds import random_world
 from small_worlds import done_at, make, places, play, robot, task, two_robots_one_task, walker
-from teamformer.model import FREE, Grid
+from teamformer.grid import FREE, Grid
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.env import TeamFormation

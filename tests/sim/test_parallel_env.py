@@ -15,7 +15,8 @@ from pettingzoo.test import parallel_api_test
 
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.generate import Spec
 from teamformer.sim.parallel_env import TeamFormationParallel
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.teams.shared_plan import plan_mission
 from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.referee.judge import judge

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from random_worlds import random_decision, random_world
-from teamformer.model import Place, Robot, Scenario, Task
+from teamformer.grid import Place
+from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision, TeamFormation

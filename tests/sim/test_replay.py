@@ -13,7 +13,8 @@ from typing import Any
 import pytest
 
 from teamformer.errors import ReplayError, TeamformerError
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.sim.replay.reading import read_replay, replay_from_tree
 from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from small_worlds import done_at, late_task, make, order_of, play, robot, task
-from teamformer.model import Grid
+from teamformer.grid import Grid
 from teamformer.sim.allocation.task_order import order_worlds, orderings_for, plan_worlds
 from teamformer.sim.env import TeamFormation
 

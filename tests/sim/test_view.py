@@ -9,7 +9,8 @@ import pytest
 
 from random_worlds import random_world
 from small_worlds import make, play, robot, service, task, two_apart, two_tasks_two_pairs
-from teamformer.model import Grid, Place, Robot, Scenario, Task
+from teamformer.grid import Grid, Place
+from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import TeamFormation

@@ -8,7 +8,8 @@ import torch
 
 from random_worlds import random_world
 from small_worlds import pair_with_a_task_each_side
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.learned.any_fleet import AnyFleetCodec
 from teamformer.policies.learned.macro_actions import FOLLOW, HALVE
 from teamformer.policies.scripted.joining import JoinUseful

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.model import ALLOCATIONS, ORDERS
+from teamformer.mission_rules import ALLOCATIONS, ORDERS
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.named_settings import spec_of
 from teamformer.scenarios.tree_reader import Reader

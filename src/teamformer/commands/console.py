@@ -85,7 +85,7 @@ def ended_like_ctrl_c() -> Iterator[None]:
 
 
 class StepProgress:
-    """A bar of tasks done that appears once a trial has taken a while."""
+    """A bar of tasks done that appears on a terminal once a trial has taken a while."""
 
     def __init__(self, total: int) -> None:
         self._begun = time.monotonic()
@@ -100,6 +100,8 @@ class StepProgress:
 
     def update(self, steps: int, tasks_done: int) -> None:
         """Show how far the trial is."""
+        if not err.is_terminal:  # a bar that is not drawn still ends its line
+            return
         if not self._bar.live.is_started and time.monotonic() - self._begun > PATIENCE:
             self._bar.start()
         self._bar.update(self._task, completed=tasks_done, steps=steps)

@@ -42,8 +42,9 @@ from foxglove.messages import (
 
 from teamformer.export.events import events
 from teamformer.export.moments import NOBODY, Moment, moments, seconds_a_step
-from teamformer.model import Grid as GridWorld
-from teamformer.model import Place, Scenario
+from teamformer.grid import Grid as GridWorld
+from teamformer.grid import Place
+from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
 
 FRAME = "map"

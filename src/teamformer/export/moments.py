@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from teamformer.capabilities import covers, total
-from teamformer.model import Place, Scenario
+from teamformer.grid import Place
+from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.sim.replay.record import Replay, Step
 

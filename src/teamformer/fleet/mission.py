@@ -8,7 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from teamformer.fleet.messages import TaskFact
-from teamformer.model import Grid, Place, Scenario
+from teamformer.grid import Grid, Place
+from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.scenarios.files import scenario_to_tree
 

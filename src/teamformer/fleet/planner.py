@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from teamformer.errors import ScenarioError
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.mission import Mission
-from teamformer.model import Grid, Place, Robot, Scenario, Task
+from teamformer.grid import Grid, Place
+from teamformer.model import Robot, Scenario, Task
 
 if TYPE_CHECKING:
     from teamformer.planning.teams.annealing import TeamSearch

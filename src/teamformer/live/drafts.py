@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.grid import Grid
 from teamformer.mission_rules import rules_not_played
-from teamformer.model import Grid, Scenario
+from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree
 from teamformer.scenarios.maps.formats import read_map
 from teamformer.scenarios.tree_reader import INFINITE

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from teamformer.capabilities import describe
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.model import Place, Scenario, Task
+from teamformer.grid import Place
+from teamformer.model import Scenario, Task
 
 
 @dataclass(frozen=True)

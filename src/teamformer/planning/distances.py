@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.grid import BLOCKED, Grid, Place
 from teamformer.jit import entry
-from teamformer.model import BLOCKED, Grid, Place
 from teamformer.rules.arrays import Array
 
 UNREACHABLE = np.int32(2**30)

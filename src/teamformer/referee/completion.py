@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 
 from teamformer.capabilities import describe, missing
-from teamformer.model import Grid, Place, Scenario
+from teamformer.grid import Grid, Place
+from teamformer.model import Scenario
 from teamformer.referee.teams import Fleet, RecordedTeam, are_together
 from teamformer.referee.verdict import Notes
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from teamformer.model import Grid, Place, Scenario
+from teamformer.grid import Grid, Place
+from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.referee.motion import MICROMETRES, ROUNDING
 from teamformer.referee.teams import Fleet, RecordedTeam

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from teamformer.model import Grid, Place
+from teamformer.grid import Grid, Place
 from teamformer.plane import Plane
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes

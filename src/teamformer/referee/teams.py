@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from teamformer.capabilities import covers, total
-from teamformer.model import Grid, Place, Scenario, World
+from teamformer.grid import Grid, Place
+from teamformer.model import Scenario, World
 
 
 @dataclass

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.file_access import read_text
 
 LARGEST_FILE = 100_000_000  # bytes

@@ -8,7 +8,8 @@ from functools import lru_cache
 import numpy as np
 
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Place, Robot, Scenario, Task, World
+from teamformer.grid import Grid, Place
+from teamformer.model import Robot, Scenario, Task, World
 from teamformer.plane import Plane
 
 SPAWN_RADIUS = 3

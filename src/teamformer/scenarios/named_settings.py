@@ -13,7 +13,8 @@ import re
 import numpy as np
 
 from teamformer.errors import TeamformerError
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.scenarios.generate import Spec, generate
 
 NAME = re.compile(

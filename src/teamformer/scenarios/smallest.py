@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 
 
 def smallest_scenario() -> Scenario:

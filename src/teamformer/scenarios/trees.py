@@ -11,7 +11,8 @@ from typing import Any
 
 from teamformer.errors import ScenarioError
 from teamformer.frame import Frame
-from teamformer.model import BEST_ALLOCATION, Robot, Scenario, Task, World
+from teamformer.mission_rules import BEST_ALLOCATION
+from teamformer.model import Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
 from teamformer.scenarios.tree_reader import INFINITE, LARGEST_COUNT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world

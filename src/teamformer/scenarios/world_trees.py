@@ -7,7 +7,8 @@ from typing import Any, Literal
 
 from teamformer.errors import TeamformerError
 from teamformer.frame import Frame
-from teamformer.model import BLOCKED, FREE, LARGEST_MAP, Grid, World
+from teamformer.grid import BLOCKED, FREE, LARGEST_MAP, Grid
+from teamformer.model import World
 from teamformer.plane import Plane
 from teamformer.scenarios.maps.formats import read_map, read_origin
 from teamformer.scenarios.tree_reader import Reader

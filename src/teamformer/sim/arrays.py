@@ -16,8 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.errors import ScenarioError
-from teamformer.mission_rules import rules_not_played
-from teamformer.model import ALLOCATIONS, Grid, Place, Scenario
+from teamformer.grid import Grid, Place
+from teamformer.mission_rules import ALLOCATIONS, rules_not_played
+from teamformer.model import Scenario
 from teamformer.plane import DECIMALS, Plane
 from teamformer.planning.distances import UNREACHABLE, blocked_cells, distance_fields
 from teamformer.rules.constants import NOBODY as NOBODY
@@ -35,7 +36,7 @@ RESOLVE, NEAREST = 0, 1
 """What happens to the order when tasks appear: a new tour, or each after its nearest."""
 
 PAPER, NEAREST_ALONE, CREWS, PLAN = 0, 1, 2, 3
-"""Who heads for which task: allocations as in `model.ALLOCATIONS`."""
+"""Who heads for which task: allocations as in `mission_rules.ALLOCATIONS`."""
 
 RULES = np.dtype(
     [

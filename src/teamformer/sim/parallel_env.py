@@ -7,7 +7,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from teamformer.errors import TeamformerError
-from teamformer.model import LARGEST_COUNT, Scenario
+from teamformer.model import Scenario
+from teamformer.scenario_checks import LARGEST_COUNT
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.action_spaces import count_actions, legal_actions, wanted_from_action
 from teamformer.sim.arrays import NOBODY, RUNNING, Array

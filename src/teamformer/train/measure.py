@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from teamformer.model import ALLOCATIONS, Scenario
+from teamformer.mission_rules import ALLOCATIONS
+from teamformer.model import Scenario
 from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.policy import Learned

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from teamformer.model import BLOCKED, FREE, Grid, Scenario
+from teamformer.grid import BLOCKED, FREE, Grid
+from teamformer.model import Scenario
 from teamformer.scenarios.generate import Spec, generate
 
 TRAINING, SELECTION, FINAL = 0, 1, 2

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.model import Grid
+from teamformer.grid import Grid
 from teamformer.policies.learned.autoregressive import Speller, shipped_speller
 from teamformer.policies.learned.token_features import SpellingCodec
 from teamformer.policies.scripted.joining import JoinAll

@@ -14,7 +14,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from teamformer.bench.measurements.caching import measure_caching
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.policies.learned.any_fleet import teamformer_any
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.files import write_scenario

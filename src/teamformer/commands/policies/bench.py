@@ -33,7 +33,7 @@ from teamformer.commands.console import (
     wide,
 )
 from teamformer.errors import TeamformerError
-from teamformer.model import ALLOCATIONS, ORDERS
+from teamformer.mission_rules import ALLOCATIONS, ORDERS
 from teamformer.scenarios.authors import read_worlds
 
 

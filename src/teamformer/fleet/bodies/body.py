@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 from teamformer.fleet.messages import NOBODY
-from teamformer.model import Place
+from teamformer.grid import Place
 
 
 class Command(NamedTuple):

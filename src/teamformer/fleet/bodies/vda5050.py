@@ -21,7 +21,7 @@ from paho.mqtt.enums import CallbackAPIVersion
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.mission import Mission
-from teamformer.model import Place
+from teamformer.grid import Place
 
 VERSION = "2.0.0"
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.messages import NOBODY, TaskFact
 from teamformer.fleet.mission import Mission
-from teamformer.model import Grid, Place
+from teamformer.grid import Grid, Place
 from teamformer.planning.distances import Distances, distance_fields
 
 NEVER = float("inf")

@@ -28,7 +28,7 @@ from teamformer.fleet.rehearsal.trace import (
     Walked,
     Worked,
 )
-from teamformer.model import Grid, Place
+from teamformer.grid import Grid, Place
 
 DRIFT = 0.06
 """The part of a promise by which clocks may differ."""

@@ -13,7 +13,7 @@ from teamformer.fleet.messages import (
     Post,
 )
 from teamformer.fleet.rehearsal.faults import Faults
-from teamformer.model import Place
+from teamformer.grid import Place
 
 FASTEST, SLOWEST = 0.002, 0.02
 """Seconds that a message takes on a good network."""

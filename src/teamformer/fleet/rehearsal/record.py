@@ -14,7 +14,8 @@ from teamformer.fleet.messages import NOBODY
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Walked
-from teamformer.model import Grid, Place, Scenario, Task
+from teamformer.grid import Grid, Place
+from teamformer.model import Scenario, Task
 from teamformer.plane import DECIMALS
 from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from teamformer.model import Place
+from teamformer.grid import Place
 
 
 class Said(NamedTuple):

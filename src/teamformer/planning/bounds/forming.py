@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import FAR, Relaxed
 
 Numbers = npt.NDArray[np.integer[Any]]

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.planning.bounds.prize_routes import Stops, make_stops
 from teamformer.planning.relaxation.problem import FAR, Relaxed
 from teamformer.rules.constants import ROUNDING

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import earliest_formed, one_for_each_place
 from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look_ahead
 from teamformer.planning.bounds.robot_kinds import robot_kinds, size_of_kinds

@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.errors import TeamformerError
+from teamformer.grid import Grid, Place
 from teamformer.mission_rules import HOME, latest_end
-from teamformer.model import Grid, Place, Scenario
+from teamformer.model import Scenario
 from teamformer.planning.coalitions.problem import NEVER, CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.routes import MissionPlan, Route, Stop
 from teamformer.planning.coalitions.search.schedule import CoalitionPlan

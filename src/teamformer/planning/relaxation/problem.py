@@ -19,7 +19,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 from teamformer.rules.constants import FAR as FAR

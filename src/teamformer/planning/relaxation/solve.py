@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Literal
 
-from teamformer.model import Grid, Robot, Scenario, Task
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.bounds.makespan import bound_makespan, earliest_starts
 from teamformer.planning.relaxation.cp_sat import (
     build_circuits,

@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.grid import Grid, Place
 from teamformer.jit import entry, kernel
-from teamformer.model import Grid, Place, World
+from teamformer.model import World
 from teamformer.planning.distances import UNREACHABLE, distance_fields
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import NOBODY

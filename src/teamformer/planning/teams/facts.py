@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.model import Grid, Place, Scenario
+from teamformer.grid import Grid, Place
+from teamformer.model import Scenario
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import (

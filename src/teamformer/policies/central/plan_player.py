@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.model import Grid, Scenario
+from teamformer.grid import Grid
+from teamformer.model import Scenario
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Decision, TeamFormation
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from teamformer.model import Place, Robot, Scenario, Task
+from teamformer.grid import Place
+from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.scenarios.imports.trees import Part, read_json
 

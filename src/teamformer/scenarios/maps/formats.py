@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from teamformer.errors import TeamformerError
 from teamformer.frame import Frame
-from teamformer.model import BLOCKED, FREE, LARGEST_MAP, Grid
+from teamformer.grid import BLOCKED, FREE, LARGEST_MAP, Grid
 from teamformer.scenarios.file_access import read_bytes, read_text
 from teamformer.scenarios.maps.images import Image, read_image
 from teamformer.scenarios.tree_reader import Reader

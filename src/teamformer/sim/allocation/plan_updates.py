@@ -7,8 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from teamformer.grid import Grid
 from teamformer.jit import entry
-from teamformer.model import Grid, Scenario
+from teamformer.model import Scenario
 from teamformer.planning.teams.facts import Facts, SharedPlan
 from teamformer.planning.teams.shared_plan import plan_mission
 from teamformer.rules.constants import PLAN_REASONS

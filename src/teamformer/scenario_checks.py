@@ -1,0 +1,241 @@
+"""What makes a scenario impossible to run, each with its place in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from teamformer.capabilities import covers, describe, missing, total
+from teamformer.errors import Problem
+from teamformer.grid import LARGEST_MAP
+from teamformer.mission_rules import ALLOCATIONS, NEW_TASKS, ORDERS, find_rule_problems
+from teamformer.plane import Plane
+
+if TYPE_CHECKING:
+    from teamformer.model import Robot, Scenario, Task, World
+
+LARGEST_COUNT = 30_000
+"""What all robots together may have of one capability: kernels count in 16 bits."""
+
+LARGEST_NUMBER = 10**9
+"""Of steps, and along an axis; beyond lie slips of the keyboard, and what 32 bits cannot hold."""
+
+
+def find_problems(scenario: Scenario) -> Iterator[Problem]:
+    """Return everything that makes a scenario impossible to run, in file order."""
+    spatial = list(_problems_of_world(scenario.world))
+    spatial = spatial or list(_problems_of_places(scenario))  # a broken map has no places
+    yield from spatial
+    yield from _problems_of_names(scenario)
+    yield from _problems_of_rules(scenario)
+    yield from _problems_of_robots(scenario)
+    yield from _problems_of_totals(scenario)
+    yield from _problems_of_teams(scenario)
+    yield from _problems_of_tasks(scenario, places_are_good=not spatial)
+    yield from find_rule_problems(scenario)
+
+
+def _problems_of_world(world: World) -> Iterator[Problem]:
+    if isinstance(world, Plane):
+        yield from (Problem(("world",), message) for message in world.problems())
+        return
+    yield from (Problem(("world",), m) for m in (world.frame.problems() if world.frame else ()))
+    sides, cells = (world.width, world.height), world.width * world.height
+    if not all(is_whole(side) and side >= 1 for side in sides):
+        size = f"{world.width} x {world.height}"
+        yield Problem(("world",), f"the grid is {size}; make it 1 x 1 or more")
+    elif cells > LARGEST_MAP:
+        yield Problem(("world",), f"the grid has {cells:,} cells; {LARGEST_MAP:,} are possible")
+    if world.rows and {len(row) for row in world.rows} != {world.width}:
+        yield Problem(("world",), f"the rows of the map are not all {world.width} cells long")
+    if world.rows and len(world.rows) != world.height:
+        yield Problem(("world",), f"the map has {len(world.rows)} rows, not {world.height}")
+
+
+def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
+    if not scenario.robots:
+        yield Problem(("robots",), "there is no robot; add one")
+    if not scenario.tasks:
+        yield Problem(("tasks",), "there is no task; add one")
+    lists = {
+        "capabilities": scenario.capabilities,
+        "robots": tuple(robot.name for robot in scenario.robots),
+        "tasks": tuple(task.name for task in scenario.tasks),
+    }
+    for key, names in lists.items():
+        seen: set[str] = set()
+        for number, name in enumerate(names):
+            if name in seen:
+                yield Problem((key, number), f"the name '{name}' is used twice; rename one")
+            seen.add(name)
+
+
+def _problems_of_rules(scenario: Scenario) -> Iterator[Problem]:
+    for key in ("sensing_radius", "join_radius"):
+        radius = getattr(scenario, key)
+        if not radius >= 0:  # NaN too; infinity is allowed, it means everybody
+            yield Problem((key,), f"{key} is {radius}; it must be 0 or more")
+    if scenario.join_radius > scenario.sensing_radius >= 0:
+        yield Problem(
+            ("join_radius",),
+            f"join_radius {scenario.join_radius:g} is larger than sensing_radius "
+            f"{scenario.sensing_radius:g}; a team joins only what it senses, so raise the latter",
+        )
+    if scenario.forming_steps not in (0, 1):
+        yield Problem(("forming_steps",), f"forming_steps is {scenario.forming_steps}; use 0 or 1")
+    limit, where = scenario.step_limit, ("step_limit",)
+    yield from _problems_of_steps(limit, 0, where, "step_limit is", "use 1 or more")
+    for key, known in (("order", ORDERS), ("new_tasks", NEW_TASKS), ("allocation", ALLOCATIONS)):
+        if getattr(scenario, key) not in known:
+            choices = " or ".join(known)
+            yield Problem((key,), f"{key} '{getattr(scenario, key)}' is unknown; use {choices}")
+
+
+def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
+    world = scenario.world
+    groups: dict[str, tuple[Robot | Task, ...]] = {
+        "robots": scenario.robots,
+        "tasks": scenario.tasks,
+    }
+    for key, things in groups.items():
+        for number, thing in enumerate(things):
+            where, what = (key, number, "at"), f"{key[:-1]} '{thing.name}'"
+            x, y = thing.at
+            if not isinstance(world, Plane) and not (is_whole(x) and is_whole(y)):
+                yield Problem(
+                    where, f"{what} is at [{x}, {y}], which is no cell; use whole numbers"
+                )
+            elif not world.is_inside(thing.at):
+                last_x, last_y = world.corner
+                yield Problem(
+                    where,
+                    f"{what} is at [{x}, {y}], outside the map; "
+                    f"x goes from 0 to {last_x} and y from 0 to {last_y}",
+                )
+            elif not world.is_free(thing.at):
+                yield Problem(where, f"{what} is at [{x}, {y}], inside an obstacle; move it")
+
+
+def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
+    for number, robot in enumerate(scenario.robots):
+        where = ("robots", number)
+        yield from _problems_of_counts(
+            robot.can, scenario.capabilities, (*where, "can"), f"robot '{robot.name}' can"
+        )
+        if not 0.001 <= robot.speed <= 1000:  # slower or faster would overflow the step counts
+            yield Problem(
+                (*where, "speed"),
+                f"robot '{robot.name}' has speed {robot.speed:g}; use 0.001 to 1000",
+            )
+        if robot.lost is not None:
+            what = f"robot '{robot.name}' is lost at step"
+            yield from _problems_of_steps(
+                robot.lost, 1, (*where, "lost"), what, "the first step is 1"
+            )
+
+
+def _problems_of_totals(scenario: Scenario) -> Iterator[Problem]:
+    for name, count in total(robot.can for robot in scenario.robots).items():
+        if count > LARGEST_COUNT:
+            yield Problem(
+                ("robots",),
+                f"all robots together have {count} x '{name}'; {LARGEST_COUNT} are possible",
+            )
+
+
+def _problems_of_counts(
+    counts: Mapping[str, int], known: tuple[str, ...], where: tuple[str | int, ...], what: str
+) -> Iterator[Problem]:
+    if not counts:
+        yield Problem(where, f"{what} nothing; name at least one capability")
+    for name, count in counts.items():
+        if name not in known:
+            yield Problem(where, f"{what} '{name}', which is not under capabilities; add it there")
+        if not is_whole(count) or count < 1:
+            yield Problem(where, f"{what} '{name}' {count} times; use 1 or more")
+
+
+def _problems_of_steps(
+    steps: int, least: int, where: tuple[str | int, ...], what: str, advice: str
+) -> Iterator[Problem]:
+    """Return what is wrong with a number of steps; `advice` is for one below the least."""
+    if not steps >= least:  # NaN too
+        yield Problem(where, f"{what} {steps}; {advice}")
+    elif not is_whole(steps) or steps > LARGEST_NUMBER:
+        yield Problem(where, f"{what} {steps}; use a whole number up to {LARGEST_NUMBER:,}")
+
+
+def is_whole(number: float) -> bool:
+    """Say whether a number is finite and has no fraction."""
+    return number - number == 0 and number == int(number)
+
+
+def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
+    seen: set[int] = set()
+    for number, team in enumerate(scenario.teams):
+        where = ("teams", number)
+        if not team:
+            yield Problem(where, "this starting team has no robot; remove it")
+        for robot in team:
+            if not 0 <= robot < len(scenario.robots):
+                yield Problem(where, f"there is no robot number {robot}")
+                continue
+            if robot in seen:
+                name = scenario.robots[robot].name
+                yield Problem(where, f"robot '{name}' is in two starting teams; keep one")
+            seen.add(robot)
+        places = {scenario.robots[r].at for r in team if 0 <= r < len(scenario.robots)}
+        if len(places) > 1:
+            yield Problem(where, "the robots of a starting team must start in the same place")
+
+
+def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Problem]:
+    everybody = total(robot.can for robot in scenario.robots)
+    near = _totals_by_region(scenario) if places_are_good else {}
+    for number, task in enumerate(scenario.tasks):
+        where, what = ("tasks", number), f"task '{task.name}'"
+        yield from _problems_of_counts(
+            task.needs, scenario.capabilities, (*where, "needs"), f"{what} needs"
+        )
+        for key in ("duration", "appears") if scenario.time == "steps" else ("appears",):
+            steps = getattr(task, key)
+            said = f"{what} has {key}"
+            yield from _problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")
+        known = {name: n for name, n in task.needs.items() if name in scenario.capabilities}
+        if not covers(everybody, known):
+            yield Problem((*where, "needs"), _impossible(what, everybody, known))
+        elif places_are_good:
+            have = near.get(scenario.world.region(task.at), {})
+            if not covers(have, known):
+                yield Problem(
+                    (*where, "at"),
+                    f"{what} cannot be reached by robots that bring "
+                    f"{describe(missing(have, known))}; move it or open the map",
+                )
+
+
+def _totals_by_region(scenario: Scenario) -> dict[int, dict[str, int]]:
+    """Add up what the robots in each connected part of the map can do."""
+    robots: dict[int, list[Robot]] = {}
+    for robot in scenario.robots:
+        robots.setdefault(scenario.world.region(robot.at), []).append(robot)
+    return {region: total(r.can for r in members) for region, members in robots.items()}
+
+
+def _impossible(what: str, have: Mapping[str, int], need: Mapping[str, int]) -> str:
+    short = missing(have, need)
+    nobody = [name for name in short if not have.get(name)]
+    if nobody:
+        names, them = _quoted(nobody), "it" if len(nobody) == 1 else "them"
+        return (
+            f"{what} needs {names} but no robot has {them}; "
+            "add such a robot or drop the requirement"
+        )
+    return (
+        f"{what} needs {describe(need)} but all robots together lack {describe(short)}; "
+        "add such a robot or lower the requirement"
+    )
+
+
+def _quoted(names: list[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

@@ -34,7 +34,7 @@ def bench(
     order: Order = None,
     allocation: Allocation = None,
     worlds: Annotated[
-        list[Path] | None, typer.Option(help="files or folders of worlds, for `authors`")
+        list[Path] | None, typer.Option(help="files or folders, for `authors` and `others`")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="folder for rows, tables and figures")] = None,
     workers: Annotated[
@@ -51,7 +51,8 @@ def bench(
 ) -> None:
     """Measure policies on a suite of settings; `speed` times the simulator.
 
-    Suites: fig3 fig4a fig4b fig5a fig5b fig6 fig9 table1, together `paper`; fleet, scale, authors.
+    Suites: fig3 fig4a fig4b fig5a fig5b fig6 fig9 table1, together `paper`; fleet, scale,
+    authors, others.
 
     Run it again with the same folder to go on after an interruption, or for more trials.
     """

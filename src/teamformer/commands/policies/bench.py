@@ -32,6 +32,7 @@ from teamformer.commands.console import (
     say,
     wide,
 )
+from teamformer.commands.policies.bench_others import bench_others
 from teamformer.errors import TeamformerError
 from teamformer.mission_rules import ALLOCATIONS, ORDERS
 from teamformer.scenarios.authors import read_worlds
@@ -61,6 +62,10 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
     """Measure and show; return the exit status."""
     if suite_name == "speed":
         return _measure_speed(as_json)
+    if suite_name == "others":
+        limit = 10.0 if options.time_limit is None else options.time_limit
+        parts = (options.worlds, options.policies, limit, options.folder)
+        return bench_others(*parts, as_json)
     if suite_name == "robotarium":
         return _fly_missions(options, as_json)
     if options.engine not in ENGINES:

@@ -1,0 +1,143 @@
+"""What policies reach on instances of others, and how that compares."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import fmean
+from typing import Any
+
+from teamformer.bench.others.instances import Instance, Published
+from teamformer.errors import TeamformerError
+from teamformer.planning.coalitions.mission import pose_mission
+from teamformer.planning.coalitions.rules import PLANNERS
+
+EQUAL = 1e-3
+"""Makespans that differ by less are the same: published ones are told to three places."""
+
+DIGITS = 6
+"""Places after the point that are written of a makespan."""
+
+MOMENTS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0)
+"""Seconds at which the curve of `central` is told."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a policy reached on an instance; `curve` holds (seconds, makespan)."""
+
+    collection: str
+    instance: str
+    policy: str
+    makespan: float
+    bound: float
+    proven: bool
+    seconds: float
+    time_limit: float
+    curve: tuple[tuple[float, float], ...]
+    published: Published
+
+    @property
+    def best(self) -> float | None:
+        """Return the best published makespan."""
+        return min(self.published.values(), default=None)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A policy's means, and how often it is better than the best published, or worse."""
+
+    policy: str
+    instances: int
+    makespan: float
+    bound: float
+    gap: float  # percent that the makespans are above the bounds, together
+    proven: int
+    wins: int
+    ties: int
+    losses: int
+    seconds: float
+
+
+def measure(instance: Instance, policy: str, time_limit: float) -> Result:
+    """Plan an instance by a policy; `central` has so many seconds."""
+    mission = pose_mission(instance.mission)
+    begun = time.perf_counter()
+    solution = PLANNERS[policy](mission.problem, time_limit)
+    seconds = time.perf_counter() - begun
+    assert solution is not None, "tasks that nobody can do are refused with the scenario"
+    made = mission.tell(solution)
+    return Result(
+        collection=instance.collection,
+        instance=instance.name,
+        policy=policy,
+        makespan=round(made.makespan, DIGITS),
+        bound=round(made.bound, DIGITS),
+        proven=made.is_proven,
+        seconds=round(seconds, 3),
+        time_limit=time_limit,
+        curve=tuple((round(when, 3), round(value, DIGITS)) for when, value in made.curve),
+        published=instance.published,
+    )
+
+
+def result_of(row: dict[str, Any]) -> Result:
+    """Return the result that a row of a file holds; raises `TeamformerError` if it holds none."""
+    try:
+        curve = tuple((float(when), float(value)) for when, value in row["curve"])
+        return Result(**{**row, "curve": curve})
+    except (KeyError, TypeError, ValueError):
+        raise TeamformerError("this row is none of `bench others`") from None
+
+
+def compare(results: Sequence[Result], policy: str) -> Comparison:
+    """Return how a policy did on the instances of one collection."""
+    mine = [result for result in results if result.policy == policy]
+    compared = [(result.makespan, result.best) for result in mine if result.best is not None]
+    bound = {name: _bound_of(results, name) for name in {result.instance for result in mine}}
+    makespan = fmean(result.makespan for result in mine)
+    floor = fmean(bound[result.instance] for result in mine)
+    return Comparison(
+        policy=policy,
+        instances=len(mine),
+        makespan=makespan,
+        bound=floor,
+        gap=100 * (makespan / floor - 1) if floor > 0 else 0.0,
+        proven=sum(result.makespan <= bound[result.instance] for result in mine),
+        wins=sum(reached < best - EQUAL for reached, best in compared),
+        ties=sum(abs(reached - best) <= EQUAL for reached, best in compared),
+        losses=sum(reached > best + EQUAL for reached, best in compared),
+        seconds=fmean(result.seconds for result in mine),
+    )
+
+
+def _bound_of(results: Sequence[Result], instance: str) -> float:
+    """Return the best bound of an instance: only `central` works one out."""
+    return max(result.bound for result in results if result.instance == instance)
+
+
+def published_means(results: Sequence[Result]) -> Published:
+    """Return the mean of each published method that has all instances."""
+    tables = list({result.instance: result.published for result in results}.values())
+    methods = dict.fromkeys(name for table in tables for name in table)
+    return {
+        name: fmean(table[name] for table in tables)
+        for name in methods
+        if all(name in table for table in tables)
+    }
+
+
+def anytime_curve(results: Sequence[Result]) -> list[tuple[float, float]]:
+    """Return the mean makespan that `central` had found at some moments."""
+    planned = [result for result in results if result.policy == "central"]
+    limit = min((result.time_limit for result in planned), default=0.0)
+    return [
+        (moment, fmean(_best_by(result.curve, moment) for result in planned))
+        for moment in MOMENTS
+        if moment <= limit and all(result.curve[0][0] <= moment for result in planned)
+    ]
+
+
+def _best_by(curve: Sequence[tuple[float, float]], moment: float) -> float:
+    return min(makespan for seconds, makespan in curve if seconds <= moment)

@@ -1,0 +1,119 @@
+"""`teamformer bench others`: instances of others, policies of ours, and what is published."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TextIO
+
+from rich.table import Table
+
+from teamformer.bench.others.instances import Instance, read_instances
+from teamformer.bench.others.report import (
+    COLUMNS,
+    collections,
+    results_of,
+    table_of_means,
+    write_report,
+)
+from teamformer.bench.others.results import Result, measure, result_of
+from teamformer.commands.console import Counting, out, prepare_folder, say
+from teamformer.errors import TeamformerError
+from teamformer.planning.coalitions.rules import PLANNERS, is_compiled, warm_up
+from teamformer.whole_files import write_whole
+
+ROWS, REPORT = "rows.jsonl", "report.md"
+
+
+def bench_others(
+    folders: Sequence[Path],
+    policies: Sequence[str],
+    time_limit: float,
+    folder: Path | None,
+    as_json: bool,
+) -> int:
+    """Measure and show; return the exit status."""
+    policies = policies or tuple(PLANNERS)
+    for policy in policies:
+        if policy not in PLANNERS:
+            hint = f"use {', '.join(PLANNERS)}"
+            raise TeamformerError(f"--policies {policy} is unknown here", hint)
+    instances = read_instances(folders)
+    if folder is not None:
+        prepare_folder(folder)
+    known = [] if folder is None else _rows_in(folder / ROWS)
+    results: list[Result] = []
+    try:
+        for result in _measure_all(instances, policies, time_limit, known, folder):
+            results.append(result)
+            if as_json:
+                print(json.dumps(_row(result)), flush=True)
+    except KeyboardInterrupt:
+        kept = f"; {folder / ROWS} has what was measured, run again to go on" if folder else ""
+        say(f"interrupted{kept}")
+        return 1
+    if folder is not None:
+        write_whole(folder / REPORT, write_report(results))
+        say(f"written: {folder / ROWS}, {folder / REPORT}")
+    if not as_json:
+        _show(results)
+    return 0
+
+
+def _measure_all(
+    instances: Sequence[Instance],
+    policies: Sequence[str],
+    time_limit: float,
+    known: Sequence[Result],
+    folder: Path | None,
+) -> Iterator[Result]:
+    """Plan every instance by every policy, but for what was measured before."""
+    before = {(result.instance, result.policy, result.time_limit): result for result in known}
+    if not is_compiled():
+        say("compiling the planner, on the first run only (half a minute, more if busy) ...")
+    warm_up()
+    pairs = [(instance, policy) for instance in instances for policy in policies]
+    file: TextIO | None = None if folder is None else (folder / ROWS).open("a", encoding="utf-8")
+    try:
+        with Counting("plans") as counting:
+            for done, (instance, policy) in enumerate(pairs, 1):
+                result = before.get((instance.name, policy, time_limit))
+                if result is None:
+                    result = measure(instance, policy, time_limit)
+                    if file is not None:
+                        print(json.dumps(_row(result)), file=file, flush=True)
+                yield result
+                counting.update(done, len(pairs))
+    finally:
+        if file is not None:
+            file.close()
+
+
+def _row(result: Result) -> dict[str, object]:
+    return asdict(result)
+
+
+def _rows_in(path: Path) -> list[Result]:
+    """Return what was measured into a folder before."""
+    if not path.exists():
+        return []
+    results = []
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        try:
+            results.append(result_of(json.loads(line)))
+        except (ValueError, TypeError, TeamformerError):
+            hint = "take the line out, or name another folder with --out"
+            message = f"{path}:{number}: this is no row of `bench others`"
+            raise TeamformerError(message, hint) from None
+    return results
+
+
+def _show(results: Sequence[Result]) -> None:
+    for collection in collections(results):
+        table = Table(*COLUMNS, box=None, title=collection, title_justify="left")
+        for row in table_of_means(results_of(results, collection)):
+            table.add_row(*row)
+        out.print(table)
+    say("wins, ties and losses are against the best published makespan of each instance")

@@ -1,0 +1,147 @@
+"""Instances of others, and what is published, as `bench others` reads and compares them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from teamformer.bench.others.instances import read_instances
+from teamformer.bench.others.report import write_report
+from teamformer.bench.others.results import (
+    Result,
+    anytime_curve,
+    compare,
+    published_means,
+    result_of,
+)
+from teamformer.errors import TeamformerError
+from test_cli import teamformer
+from test_plan_command import TREE
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    place = tmp_path / "ral"
+    place.mkdir()
+    for number in (2, 10):
+        (place / f"env_{number}.json").write_text(json.dumps(TREE))
+    (place / "reference.csv").write_text(
+        "env,mine,yours,best_known\n2,12.5,13,12.5\n10,11,nan,11\n"
+    )
+    (place / "theirs.csv").write_text(",makespan,other\n2,14.25,1\n")
+    return place
+
+
+def result(
+    instance: str, policy: str, makespan: float, best: float | None, **more: object
+) -> Result:
+    row = {
+        "collection": "ral",
+        "instance": f"ral/{instance}",
+        "policy": policy,
+        "makespan": makespan,
+        "bound": 0.0,
+        "proven": False,
+        "seconds": 2.0,
+        "time_limit": 5.0,
+        "curve": [],
+        "published": {} if best is None else {"mine": best, "yours": best + 1},
+    }
+    return result_of(row | more)
+
+
+def test_instances_come_with_what_tables_say(folder: Path) -> None:
+    two, ten = read_instances([folder])
+    assert (two.name, ten.name) == ("ral/env_2", "ral/env_10")
+    assert two.published == {"mine": 12.5, "yours": 13.0, "theirs": 14.25}
+    assert (two.best, ten.published, ten.best) == (12.5, {"mine": 11.0}, 11.0)
+
+
+def test_published_means_are_of_methods_that_have_all_instances() -> None:
+    one, two = result("env_2", "plan", 9.0, 8.0), result("env_3", "plan", 9.0, 11.0)
+    assert published_means([one, two]) == {"mine": 9.5, "yours": 10.5}
+    lone = result("env_3", "plan", 9.0, None, published={"yours": 20.0})
+    assert published_means([one, lone]) == {"yours": 14.5}
+
+
+def test_wins_ties_and_losses_are_against_the_best_published() -> None:
+    results = [
+        result("env_1", "central", 11.0, 12.0, bound=11.0, proven=True, seconds=1.0),
+        result("env_2", "central", 12.0005, 12.0, bound=10.0),
+        result("env_3", "central", 13.0, 12.0, bound=11.0),
+        result("env_4", "central", 14.0, None, bound=13.0),
+        result("env_1", "plan", 11.0, 12.0),
+    ]
+    told = compare(results, "central")
+    assert (told.instances, told.wins, told.ties, told.losses) == (4, 1, 1, 1)
+    assert told.makespan == pytest.approx(12.500125)
+    assert (told.bound, told.proven, told.seconds) == (11.25, 1, 1.75)
+    assert told.gap == pytest.approx(100 * (12.500125 / 11.25 - 1))
+    shared = compare(results, "plan")
+    assert (shared.bound, shared.proven) == (11.0, 1)  # what central has proven holds for all
+
+
+def test_the_curve_is_the_mean_of_the_best_so_far() -> None:
+    one = result("env_1", "central", 12.0, None, curve=[[0.4, 13.0], [3.0, 12.0]])
+    two = result("env_2", "central", 11.5, None, curve=[[0.2, 11.5]])
+    assert anytime_curve([one, two]) == [(0.5, 12.25), (1.0, 12.25), (2.0, 12.25), (5.0, 11.75)]
+    late = result("env_3", "central", 10.0, None, curve=[[1.5, 10.0]])
+    assert anytime_curve([one, late])[0] == (2.0, 11.5)
+    assert anytime_curve([result("env_1", "plan", 9.0, None)]) == []
+
+
+def test_the_report_keeps_collections_apart() -> None:
+    other = result("env_1", "plan", 30.0, None, collection="dcmrta")
+    report = write_report([result("env_1", "plan", 9.0, 8.0), other])
+    assert "| plan | 1 | 9.000 |" in report
+    assert "| plan | 1 | 30.000 |" in report
+    assert report.index("## ral") < report.index("## dcmrta")
+    assert "| env_1 | 8.000 |  | 9.000 |" in report
+
+
+def test_the_command_writes_rows_and_goes_on(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    words = ("--worlds", str(folder), "--policies", "plan,reactive", "--out", str(out), "--json")
+    assert teamformer("bench", "others", *words) == 0
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [(row["instance"], row["policy"]) for row in rows] == [
+        ("ral/env_2", "plan"), ("ral/env_2", "reactive"),
+        ("ral/env_10", "plan"), ("ral/env_10", "reactive"),
+    ]  # fmt: skip
+    assert rows[0]["makespan"] == rows[2]["makespan"] > 0
+    kept = (out / "rows.jsonl").read_text()
+    assert [json.loads(line) for line in kept.splitlines()] == rows
+    assert "| env_10 | 11.000 |" in (out / "report.md").read_text()
+
+    (out / "rows.jsonl").write_text("".join(kept.splitlines(keepends=True)[:3]))
+    assert teamformer("bench", "others", *words) == 0
+    again = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert again[:3] == rows[:3]  # seconds too: these were not measured again
+    assert [row["makespan"] for row in again] == [row["makespan"] for row in rows]
+
+    (out / "rows.jsonl").write_text('{"instance": "ral/env_2"}\n')
+    assert teamformer("bench", "others", *words) == 2
+    assert "rows.jsonl:1: this is no row of `bench others`" in capsys.readouterr().err
+
+
+def test_nothing_to_measure_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(TeamformerError, match="there is no instance to measure"):
+        read_instances([tmp_path])
+    assert teamformer("bench", "others") == 2
+    assert "--worlds FOLDER" in capsys.readouterr().err
+    assert teamformer("bench", "others", "--worlds", str(tmp_path / "no")) == 2
+    assert "this is no folder" in capsys.readouterr().err
+    assert teamformer("bench", "others", "--policies", "best") == 2
+    assert "--policies best is unknown here" in capsys.readouterr().err
+
+
+def test_broken_tables_and_folders_of_one_name_are_told(folder: Path, tmp_path: Path) -> None:
+    (folder / "theirs.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(TeamformerError, match=r"theirs\.csv: this is no table of commas"):
+        read_instances([folder])
+    with pytest.raises(TeamformerError, match="two of the folders have one name"):
+        read_instances([folder, tmp_path / "other" / "ral"])

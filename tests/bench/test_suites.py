@@ -19,6 +19,7 @@ SHIPPED = [
     "fig6",
     "fig9",
     "fleet",
+    "missions",
     "paper",
     "scale",
     "table1",
@@ -57,7 +58,7 @@ def test_the_paper_is_its_figures() -> None:
 
 
 def test_the_paper_s_suites_keep_the_paper_s_rules() -> None:
-    for name in set(SHIPPED) - {"fleet"}:
+    for name in set(SHIPPED) - {"fleet", "missions"}:
         assert load_suite(name).rules == {"order": "tsp", "allocation": "paper"}
     assert load_suite("fleet").rules == {"order": "schedule", "allocation": "crews"}
 
@@ -87,6 +88,14 @@ def test_a_suite_of_one_s_own(tmp_path: Path) -> None:
     assert list(cells(suite)) == [("6N5T-C3", "join-all"), ("6N5T-C3-R2", "join-all")]
 
 
+def test_policies_meet_rules_of_their_own() -> None:
+    missions = load_suite("missions")
+    assert missions.rules_for("follow-plan") == {"order": "tsp", "allocation": "plan"}
+    assert missions.rules_for("central") == {"order": "tsp", "allocation": "plan"}
+    assert missions.rules_for("join-crew") == {"order": "tsp", "allocation": "crews"}
+    assert missions.rules_for("heuristic") == {"order": "tsp", "allocation": "paper"}
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
@@ -98,6 +107,15 @@ def test_a_suite_of_one_s_own(tmp_path: Path) -> None:
         ("settings: [4N4T-C4]\npolicies: [a]\ntime_limit: -1\n", "mine.yaml:3: time_limit is -1"),
         ("settings: [4N4T-C4]\npolicies: [a]\nrules: {order: abc}\n", "order is 'abc'; write tsp"),
         ("settings: [4N4T-C4]\npolicies: [a]\nrules: {forming_steps: 2}\n", "up to 1"),
+        (
+            "settings: [4N4T-C4]\npolicies: [a]\npolicy_rules: {a: {order: abc}}\n",
+            "mine.yaml:3: order is 'abc'; write tsp",
+        ),
+        (
+            "settings: [4N4T-C4]\npolicies: [a]\npolicy_rules: {b: {order: tsp}}\n",
+            "policy_rules has no key 'b'",
+        ),
+        ("settings: [real-late]\npolicies: [a]\n", "'real-late' is no setting"),
         ("axes: [4N4T-C4]\npolicies: [a]\n", "mine.yaml:1: axes is a list"),
         ("axes: {speed: [4N4T-C4]}\npolicies: [a]\n", "axes has no key 'speed'"),
         ("parts: [fig3, mine.yaml]\n", "mine.yaml:1: there is no suite 'mine.yaml'"),

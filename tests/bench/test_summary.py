@@ -48,6 +48,20 @@ def test_differences_are_paired_over_worlds_that_both_completed() -> None:
     assert "heuristic" not in summarise(rows)[0].against
 
 
+def test_what_the_planner_is_ahead_is_a_part_of_its_mean() -> None:
+    rows = [
+        *rows_of(SMALL, "central", [10, 20, 30, 90]),
+        *rows_of(SMALL, "follow-plan", [12, 20, 34, None]),
+    ]
+    ours = summarise(rows)[1].to_central
+    assert ours.count == 3
+    assert ours.value == pytest.approx(0.1)  # 2, 0 and 4 steps of 20 on average
+    assert ours.half_width == pytest.approx(4.303 * 0.1 / math.sqrt(3), abs=1e-4)
+    table = summary_table(summarise(rows))
+    assert "| to central |" in table
+    assert "+10.0% (-14.8 to +34.8)" in table
+
+
 def test_gaps_are_means_of_ratios() -> None:
     rows = [
         replace(row, best_known=10, lower_bound=8, list_schedule=9)

@@ -19,7 +19,7 @@ from teamformer.bench.suites import Suite, cells
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
 from teamformer.scenarios.authors import read_worlds
-from teamformer.scenarios.named_settings import spec_of
+from teamformer.scenarios.named_settings import size_of
 from teamformer.trials.registry import BARE, files_of_own
 from teamformer.trials.suiting import knows
 
@@ -61,7 +61,7 @@ class Request:
         return BenchmarkDescription(
             suite=self.suite.name,
             first_seed=self.first_seed,
-            rules=dict(self.suite.rules),
+            rules={**self.suite.rules, **self.suite.policy_rules},
             worlds=stamp.hexdigest()[:12] if self.worlds else "",
         )
 
@@ -157,7 +157,7 @@ def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tupl
             why = f"{policy}: does not fit {setting}; skipped"
         elif policy != AUTHORS:
             player = ready_policy(policy, request.time_limit)  # an unknown name ends it here
-            allocation = str(request.suite.rules.get("allocation", "paper"))
+            allocation = str(request.suite.rules_for(policy).get("allocation", "paper"))
             if not knows(player, allocation):
                 why = f"{policy}: was not made for allocation {allocation}; skipped"
         if not why:
@@ -170,7 +170,7 @@ def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tupl
 def fits(policy: str, setting: str) -> bool:
     """Say whether a policy made for a number of capabilities, `-c4`, can serve a setting."""
     most = re.search(r"-c(\d+)(-|$)", policy)
-    return most is None or spec_of(setting).capabilities <= int(most[1])
+    return most is None or size_of(setting).capabilities <= int(most[1])
 
 
 def _jobs(
@@ -187,7 +187,7 @@ def _jobs(
             request.time_limit,
             "+".join(filter(None, (code, own_stamp(policy)))),
             worlds=request.worlds.get(setting),
-            rules=request.suite.rules,
+            rules=request.suite.rules_for(policy),
         )
         alone = _goes_alone(policy, request)
         groups: dict[tuple[bool, bool], list[int]] = defaultdict(list)
@@ -211,7 +211,7 @@ def _lot_size(setting: str, is_timed: bool, alone: bool) -> int:
         return 1
     if is_timed:
         return TIMED_AT_ONCE
-    return max(1, min(MOST_SIDE_BY_SIDE, MOST_ROBOTS_SIDE_BY_SIDE // spec_of(setting).robots))
+    return max(1, min(MOST_SIDE_BY_SIDE, MOST_ROBOTS_SIDE_BY_SIDE // size_of(setting).robots))
 
 
 def _in_jobs(seeds: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:

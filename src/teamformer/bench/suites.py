@@ -12,12 +12,23 @@ from typing import Any
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.mission_rules import ALLOCATIONS, ORDERS
 from teamformer.scenarios.file_access import read_text
-from teamformer.scenarios.named_settings import spec_of
+from teamformer.scenarios.named_settings import size_of
 from teamformer.scenarios.tree_reader import Reader
 from teamformer.scenarios.yaml.reader import parse
 
 LARGEST_FILE = 1_000_000  # bytes
-KEYS = ("about", "settings", "axes", "parts", "policies", "trials", "time_limit", "rules", "figure")
+KEYS = (
+    "about",
+    "settings",
+    "axes",
+    "parts",
+    "policies",
+    "trials",
+    "time_limit",
+    "rules",
+    "policy_rules",
+    "figure",
+)
 RULES = {"order": ORDERS, "allocation": ALLOCATIONS, "forming_steps": ()}
 AXES = ("robots", "tasks", "capabilities")
 OTHERS = ("speed", "robotarium")
@@ -30,9 +41,9 @@ class Suite:
     """A cross product of settings and policies, or several of them (`parts`).
 
     `policies` of a suite with parts run in each of their settings besides the parts' own. `rules`
-    are fields of every scenario. `axes` are the settings of each curve, by what grows along it.
-    `trials` and `time_limit` (seconds that a planner may take) hold unless the command line says
-    otherwise.
+    are fields of every scenario, `policy_rules` of those that a policy meets. `axes` are the
+    settings of each curve, by what grows along it. `trials` and `time_limit` (seconds that a
+    planner may take) hold unless the command line says otherwise.
     """
 
     name: str
@@ -42,9 +53,14 @@ class Suite:
     trials: int = 50
     time_limit: float = 10.0
     rules: Mapping[str, str | int] = field(default_factory=dict)
+    policy_rules: Mapping[str, Mapping[str, str | int]] = field(default_factory=dict)
     figure: str = "drawn"
     axes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     parts: tuple[Suite, ...] = ()
+
+    def rules_for(self, policy: str) -> dict[str, str | int]:
+        """Return the fields of the scenarios that a policy meets."""
+        return {**self.rules, **self.policy_rules.get(policy, {})}
 
     @property
     def figures(self) -> tuple[Suite, ...]:
@@ -106,7 +122,8 @@ def _read_suite(reader: Reader, value: Any, name: str) -> Suite:
         policies=tuple(reader.names(("policies",), said.get("policies", []))),
         trials=reader.whole(("trials",), said.get("trials", Suite.trials), least=1),
         time_limit=reader.number(("time_limit",), said.get("time_limit", Suite.time_limit)),
-        rules=_rules(reader, said.get("rules", {})),
+        rules=_rules(reader, ("rules",), said.get("rules", {})),
+        policy_rules=_policy_rules(reader, said),
         figure=_one_of(reader, ("figure",), said.get("figure", Suite.figure), FIGURES),
         axes=axes,
         parts=parts,
@@ -137,19 +154,25 @@ def _settings(reader: Reader, where: tuple[str, ...], value: Any) -> tuple[str, 
     names = reader.names(where, value)
     for number, name in enumerate(names):
         try:
-            spec_of(name)
+            size_of(name)
         except TeamformerError as error:
             reader.refuse((*where, number), f"{error}; {error.hint}")
     return tuple(names)
 
 
-def _rules(reader: Reader, value: Any) -> dict[str, str | int]:
-    rules = reader.mapping(("rules",), value, dict.fromkeys(RULES, False))
-    return {key: _rule(reader, ("rules", key), part) for key, part in rules.items()}
+def _rules(reader: Reader, where: tuple[str, ...], value: Any) -> dict[str, str | int]:
+    rules = reader.mapping(where, value, dict.fromkeys(RULES, False))
+    return {key: _rule(reader, (*where, key), part) for key, part in rules.items()}
 
 
-def _rule(reader: Reader, where: tuple[str, str], value: Any) -> str | int:
-    known = RULES[where[1]]
+def _policy_rules(reader: Reader, said: dict[str, Any]) -> dict[str, dict[str, str | int]]:
+    known = dict.fromkeys(reader.names(("policies",), said.get("policies", [])), False)
+    rules = reader.mapping(("policy_rules",), said.get("policy_rules", {}), known)
+    return {name: _rules(reader, ("policy_rules", name), part) for name, part in rules.items()}
+
+
+def _rule(reader: Reader, where: tuple[str, ...], value: Any) -> str | int:
+    known = RULES[where[-1]]
     return _one_of(reader, where, value, known) if known else reader.whole(where, value, 0, 1)
 
 

@@ -12,6 +12,8 @@ from teamformer.bench.statistics import Mean, mean_of, wilson
 BASELINES = ("heuristic", "join-all", "authors-heuristic")
 """What every policy is compared with, world by world."""
 
+CENTRAL = "central"
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -19,7 +21,8 @@ class Summary:
 
     `makespan` is over completed trials only, as the paper has it; `steps` over all, a failure
     counting as its step limit. `against` holds, for each baseline, the difference of makespans
-    over the worlds that both completed. `inference` is the CPU time that deciding took in a trial,
+    over the worlds that both completed; `to_central` is that to `central` as a part of its mean.
+    `inference` is the CPU time that deciding took in a trial,
     `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
     ratios of the makespan to the best known and to the lower bound of the same world, less one;
     they are over worlds that a planner has planned, where there are such. `to_list` is the
@@ -33,6 +36,7 @@ class Summary:
     makespan: Mean
     steps: Mean
     against: Mapping[str, Mean]
+    to_central: Mean
     inference: Mean
     waiting: Mean
     to_best: Mean
@@ -72,6 +76,7 @@ def summarise(rows: Iterable[Row]) -> list[Summary]:
                 for bar in BASELINES
                 if bar != policy and (setting, bar) in makespans
             },
+            share_of(makespans[setting, policy], makespans.get((setting, CENTRAL), {})),
         )
         for setting, policy in cells
     ]
@@ -92,7 +97,18 @@ def differences(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
     return mean_of([ours[world] - theirs[world] for world in ours if world in theirs])
 
 
-def _summary(rows: Sequence[Row], planned: set[int], against: Mapping[str, Mean]) -> Summary:
+def share_of(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
+    """Return the mean of ours less theirs as a part of their mean, over the worlds of both."""
+    shared = [world for world in ours if world in theirs]
+    if not shared:
+        return mean_of([])
+    whole = sum(theirs[world] for world in shared) / len(shared)
+    return mean_of([(ours[world] - theirs[world]) / whole for world in shared])
+
+
+def _summary(
+    rows: Sequence[Row], planned: set[int], against: Mapping[str, Mean], to_central: Mean
+) -> Summary:
     known = [row for row in rows if row.world_seed in planned or not planned]
     alone = [row for row in rows if row.side_by_side == 1]
     done = [row for row in rows if row.makespan is not None]
@@ -104,6 +120,7 @@ def _summary(rows: Sequence[Row], planned: set[int], against: Mapping[str, Mean]
         makespan=_mean(row.makespan for row in done),
         steps=_mean(row.steps for row in rows),
         against=against,
+        to_central=to_central,
         inference=_mean(row.decision_cpu_seconds for row in alone),
         waiting=_mean(row.decision_seconds for row in alone),
         to_best=_mean(_ratio(row.makespan, row.best_known) for row in known),

@@ -64,7 +64,7 @@ def generate(spec: Spec, rng: np.random.Generator, name: str = "generated") -> S
     caps = tuple(f"c{number}" for number in range(1, spec.capabilities + 1))
     dealt = _deal(spec, rng)
     labels = _draw_teams(spec, rng)
-    places = _spawn(spec, rng)
+    places = spawn_places(spec.world, spec.robots, rng)
     robots = tuple(
         Robot(f"r{r + 1}", places[labels[r]], {caps[dealt[r]]: 1}, speed)
         for r in range(spec.robots)
@@ -106,24 +106,23 @@ def _teams(labels: list[int]) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(team) for team in members.values() if len(team) > 1)
 
 
-def _spawn(spec: Spec, rng: np.random.Generator) -> list[Place]:
+def spawn_places(world: World, robots: int, rng: np.random.Generator) -> list[Place]:
     """Return a place for each robot within `SPAWN_RADIUS` of a random point; on maps, of steps."""
-    world = spec.world
-    [(x, y)] = _random_places(world, 1, rng)
+    [(x, y)] = random_places(world, 1, rng)
     if isinstance(world, Plane):
         reach = SPAWN_RADIUS * world.unit
         return _random_points(
             (max(x - reach, 0.0), max(y - reach, 0.0)),
             (min(x + reach, world.width), min(y + reach, world.height)),
-            spec.robots,
+            robots,
             rng,
         )
     if world.rows:
         near = _within_steps(world, (x, y), SPAWN_RADIUS)
-        return [near[i] for i in rng.integers(len(near), size=spec.robots).tolist()]
+        return [near[i] for i in rng.integers(len(near), size=robots).tolist()]
     low = np.maximum((x - SPAWN_RADIUS, y - SPAWN_RADIUS), 0)
     high = np.minimum((x + SPAWN_RADIUS + 1, y + SPAWN_RADIUS + 1), _size(world))
-    return [(to_x, to_y) for to_x, to_y in rng.integers(low, high, (spec.robots, 2)).tolist()]
+    return [(to_x, to_y) for to_x, to_y in rng.integers(low, high, (robots, 2)).tolist()]
 
 
 def _random_points(low: Place, high: Place, count: int, rng: np.random.Generator) -> list[Place]:
@@ -132,7 +131,7 @@ def _random_points(low: Place, high: Place, count: int, rng: np.random.Generator
     return [(x, y) for x, y in points.tolist()]
 
 
-def _random_places(world: World, count: int, rng: np.random.Generator) -> list[Place]:
+def random_places(world: World, count: int, rng: np.random.Generator) -> list[Place]:
     """Return uniformly random free places, all of them connected."""
     if isinstance(world, Plane):
         return _random_points((0.0, 0.0), world.corner, count, rng)
@@ -164,7 +163,7 @@ def _within_steps(world: Grid, place: Place, steps: int) -> list[Place]:
 def _draw_tasks(spec: Spec, present: list[str], rng: np.random.Generator) -> tuple[Task, ...]:
     """Return the tasks, those that come late last; they need only capabilities present."""
     needs = _draw_needs(spec, len(present), rng)
-    places = _random_places(spec.world, len(needs), rng)
+    places = random_places(spec.world, len(needs), rng)
     first, last = spec.late_between
     late = int(rng.integers(first, last + 1)) if spec.late_tasks else 0
     return tuple(

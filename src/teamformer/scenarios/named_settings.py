@@ -4,17 +4,22 @@
 `-tsp` or `-nn` says how these come into the order (a new tour, or after the nearest task), and
 `-30x30` sets the grid. Without it the grid is the paper's: 10 x 10, from 100 robots or tasks on
 20 x 20 (Boehme and Hollinger, ICRA 2026, section V).
+
+`real`, `sparse` and `warehouse` are families of missions that people have; `real-lost` loses one
+robot that can be spared, in `real-arrivals` a fifth of the tasks appear later.
 """
 
 from __future__ import annotations
 
 import re
+from typing import NamedTuple
 
 import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Scenario
+from teamformer.scenarios.families import FAMILIES, draw_mission, split_name
 from teamformer.scenarios.generate import Spec, generate
 
 NAME = re.compile(
@@ -29,11 +34,28 @@ TEST = 3
 """First number of the seeds of test worlds; training uses the lower ones."""
 
 
+class Size(NamedTuple):
+    """How large worlds of a setting are at most."""
+
+    robots: int
+    capabilities: int
+
+
+def size_of(setting: str) -> Size:
+    """Return how large worlds of a setting are; an unknown name raises `TeamformerError`."""
+    found = split_name(setting)
+    if found is not None:
+        return Size(found[0].robots[1], len(found[0].capabilities))
+    spec = spec_of(setting)
+    return Size(spec.robots, spec.capabilities)
+
+
 def spec_of(setting: str) -> Spec:
     """Return what a setting generates; an impossible name raises `TeamformerError`."""
     match = NAME.fullmatch(setting)
     if match is None:
-        hint = "write for example 4N20T-C4, 100N20T-C100-R10, 4N20+20T-C4-nn or 8N20T-C4-30x30"
+        families = ", ".join(FAMILIES)
+        hint = f"write for example 4N20T-C4, 100N20T-C100-R10, 4N20+20T-C4-nn; or {families}"
         raise TeamformerError(f"'{setting}' is no setting", hint)
     said = {key: int(text) for key, text in match.groupdict("0").items() if text.isdigit()}
     side = 20 if max(said["robots"], said["tasks"]) >= MANY else 10
@@ -51,8 +73,14 @@ def spec_of(setting: str) -> Spec:
 def world_of(setting: str, world_seed: int) -> Scenario:
     """Return a test world of a setting; the same seed gives the same one everywhere.
 
-    Settings that differ only in how late tasks are inserted have the same worlds.
+    Settings that differ only in how late tasks are inserted have the same worlds, and so have
+    those of a family but for what happens in them.
     """
+    found = split_name(setting)
+    if found is not None:
+        family, incident = found
+        rng = np.random.default_rng([TEST, world_seed, *setting.partition("-")[0].encode()])
+        return draw_mission(family, rng, f"{setting}, world {world_seed}", incident)
     name = re.sub("-(tsp|nn)$", "", setting)
     rng = np.random.default_rng([TEST, world_seed, *name.encode()])
     return generate(spec_of(setting), rng, f"{setting}, world {world_seed}")

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from teamformer.bench.statistics import Mean
-from teamformer.bench.summary import BASELINES, Summary
+from teamformer.bench.summary import BASELINES, CENTRAL, Summary
 
 HEADERS = (
     "setting",
@@ -27,7 +27,8 @@ EXPLANATION = """\
 `makespan`: mean steps over completed trials ± standard error; `with failures`: over all trials, a
 failure counting as its step limit. `failures`: how many, and the 95% interval of the rate (Wilson).
 `to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
-interval (paired, Student's t). `inference`: CPU seconds that the policy takes in a whole trial,
+interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
+mean. `inference`: CPU seconds that the policy takes in a whole trial,
 mean ± standard deviation, over trials that ran alone, one after the other, one thread each (the
 first 50 of a setting; all others share batches and are not timed). `to best`, `to bound`: how much
 longer than the best makespan known of each world, by whatever policy here, and than what is proven
@@ -45,6 +46,7 @@ def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
         "makespan": plus_minus(summary.makespan, summary.makespan.error),
         "failures": f"{summary.failures} ({100 * low:.1f}-{100 * high:.1f}%)",
         "with failures": number(summary.steps.value),
+        "to central": percent_interval(summary.to_central),
         "inference, s": seconds(summary.inference),
         "to best": percent(summary.to_best),
         "to bound": percent(summary.to_bound),
@@ -60,6 +62,8 @@ def headers_for(summaries: Sequence[Summary]) -> list[str]:
     headers = list(HEADERS)
     if any("authors-heuristic" in summary.against for summary in summaries):
         headers.insert(headers.index("to join-all") + 1, "to authors-heuristic")
+    if any(summary.to_central.count for summary in summaries if summary.policy != CENTRAL):
+        headers.insert(headers.index("inference, s"), "to central")
     return headers
 
 
@@ -103,6 +107,8 @@ def _numbers(summary: Summary) -> dict[str, str | int | float]:
         "inference_seconds_mean": summary.waiting.value,
         "inference_seconds_deviation": summary.waiting.deviation,
         "timed_trials": summary.inference.count,
+        "to_central": summary.to_central.value,
+        "to_central_half_width": summary.to_central.half_width,
         "to_best_known": summary.to_best.value,
         "to_lower_bound": summary.to_bound.value,
         "steps_to_list_schedule": summary.to_list.value,
@@ -155,6 +161,15 @@ def interval(difference: Mean) -> str:
 def percent(mean: Mean) -> str:
     """Return a share as percent."""
     return "" if math.isnan(mean.value) else f"{100 * mean.value:+.0f}%"
+
+
+def percent_interval(mean: Mean) -> str:
+    """Return a share as percent with its 95% interval."""
+    reach = mean.half_width
+    if mean.count == 0 or math.isnan(reach):
+        return percent(mean)
+    low, high = 100 * (mean.value - reach), 100 * (mean.value + reach)
+    return f"{100 * mean.value:+.1f}% ({low:+.1f} to {high:+.1f})"
 
 
 def seconds(mean: Mean) -> str:

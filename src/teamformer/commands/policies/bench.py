@@ -106,7 +106,7 @@ def _measure(request: Request, options: BenchOptions) -> list[Row]:
 def _to_compile(request: Request) -> tuple[set[str], bool, bool]:
     """Return the policies that will run, whether anything is planned, and whether a shared plan."""
     policies = {policy for _, policy in cells(request.suite, request.policies, request.settings)}
-    rules = set(request.suite.rules.values())
+    rules = {rule for policy in policies for rule in request.suite.rules_for(policy).values()}
     is_planned = not rules.isdisjoint({"crews", "schedule", "plan"})
     return policies.difference(request.without), is_planned, "plan" in rules
 
@@ -147,8 +147,11 @@ def _request(suite: Suite, options: BenchOptions) -> Request:
             hint = f"it has {', '.join(suite.settings)}"
             raise TeamformerError(f"suite '{suite.name}' has no setting '{setting}'", hint)
     limit = suite.time_limit if options.time_limit is None else options.time_limit
+    changed = _changed_rules(options)
+    if changed:  # for all policies alike
+        suite = replace(suite, rules={**suite.rules, **changed}, policy_rules={})
     return Request(
-        suite=replace(suite, rules={**suite.rules, **_changed_rules(options)}),
+        suite=suite,
         trials=options.trials or suite.trials,
         first_seed=options.seed,
         time_limit=limit,

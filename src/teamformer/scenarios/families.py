@@ -1,0 +1,225 @@
+"""Random missions of the kinds that people have: families of worlds, and what may happen in them.
+
+Where the paper's worlds give a robot one capability and a task many, here a robot has a few and a
+task needs a few, some of them twice; robots differ in speed, tasks take time, ways are blocked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from teamformer.errors import TeamformerError
+from teamformer.grid import Grid
+from teamformer.mission_rules import BEST_ALLOCATION
+from teamformer.model import Robot, Scenario, Task
+from teamformer.scenarios.generate import random_places, spawn_places
+
+FREE, BLOCKED = ".", "@"
+
+SHELF = (4, 2)
+"""Cells that a shelf of a warehouse takes; aisles two cells wide lie between shelves."""
+AISLE = 2
+
+INCIDENTS = ("lost", "arrivals")
+INCIDENT_STEPS = (5, 60)
+"""In which steps a robot is lost and tasks appear, both included: while the mission runs."""
+ARRIVING = 5
+"""A fifth of the tasks appear later."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """What missions of a kind have in common; ranges include both ends, `shares` add up to 1."""
+
+    robots: tuple[int, int]
+    tasks: tuple[int, int]
+    capabilities: tuple[str, ...]
+    abilities: tuple[float, ...]  # shares of the robots that have 1, 2, ... capabilities
+    needs: tuple[float, ...]  # shares of the tasks that need 1, 2, ... of them
+    twice: float = 0.0  # share of needs for two robots, where there are two
+    slow: float = 0.0  # share of the robots that walk half as fast
+    serving: float = 0.0  # share of the tasks that take time
+    duration: tuple[int, int] = (1, 10)
+    width: tuple[int, int] = (20, 20)
+    height: tuple[int, int] = (20, 20)
+    blocked: float = 0.0  # share of the cells, scattered
+    has_shelves: bool = False
+    sensing_radius: float = 3.0
+
+
+FAMILIES = {
+    "real": Family(
+        robots=(8, 16),
+        tasks=(30, 60),
+        capabilities=("lift", "scan", "weld", "power", "drill", "seal"),
+        abilities=(0.4, 0.4, 0.2),
+        needs=(0.4, 0.4, 0.2),
+        twice=0.25,
+        slow=1 / 3,
+        serving=0.6,
+        blocked=0.1,
+    ),
+    "sparse": Family(
+        robots=(12, 12),
+        tasks=(40, 40),
+        capabilities=tuple(f"c{number}" for number in range(8)),
+        abilities=(1.0,),
+        needs=(1 / 3, 1 / 3, 1 / 3),
+        sensing_radius=1.0,
+    ),
+    "warehouse": Family(
+        robots=(6, 12),
+        tasks=(14, 40),
+        capabilities=("lift", "scan", "weld", "power"),
+        abilities=(0.8, 0.2),
+        needs=(0.5, 0.4, 0.1),
+        twice=0.25,
+        slow=0.15,
+        serving=0.2,
+        duration=(2, 6),
+        width=(18, 36),
+        height=(12, 24),
+        has_shelves=True,
+    ),
+}
+
+
+def draw_mission(
+    family: Family, rng: np.random.Generator, name: str, incident: str | None = None
+) -> Scenario:
+    """Return a random mission; fleets in which nobody can be spared are drawn again.
+
+    With `incident` "lost" one robot is lost at a random step, one that the others can do without;
+    with "arrivals" a fifth of the tasks appear at random steps. The mission itself is the same.
+    """
+    for _ in count():
+        mission, spare = _draw(family, rng, name)
+        if spare:
+            break
+    if incident == "lost":
+        return _lose_one(mission, spare, rng)
+    return mission if incident is None else _let_arrive(mission, rng)
+
+
+def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Scenario, list[int]]:
+    """Return a mission and the robots that can be spared in it."""
+    world = _draw_world(family, rng)
+    robots = _draw_robots(family, world, rng)
+    holders = {cap: sum(cap in robot.can for robot in robots) for cap in family.capabilities}
+    present = [cap for cap in family.capabilities if holders[cap] > 0]
+    tasks = _draw_tasks(family, world, present, holders, rng)
+    most = {cap: max(task.needs.get(cap, 0) for task in tasks) for cap in family.capabilities}
+    spare = [
+        number
+        for number, robot in enumerate(robots)
+        if all(holders[cap] - amount >= most[cap] for cap, amount in robot.can.items())
+    ]
+    mission = Scenario(
+        name=name,
+        world=world,
+        capabilities=family.capabilities,
+        robots=robots,
+        tasks=tasks,
+        sensing_radius=family.sensing_radius,
+        allocation=BEST_ALLOCATION,
+    )
+    return mission, spare
+
+
+def _draw_world(family: Family, rng: np.random.Generator) -> Grid:
+    """Return an empty grid, one with scattered blocked cells, or one with rows of shelves."""
+    width = int(rng.integers(family.width[0], family.width[1] + 1))
+    height = int(rng.integers(family.height[0], family.height[1] + 1))
+    if not family.has_shelves and family.blocked == 0:
+        return Grid(width, height)
+    is_blocked = rng.random((height, width)) < family.blocked  # (height, width)
+    if family.has_shelves:
+        is_blocked |= _shelves(width, height)
+    return Grid(width, height, tuple("".join(np.where(row, BLOCKED, FREE)) for row in is_blocked))
+
+
+def _shelves(width: int, height: int) -> NDArray[np.bool_]:
+    """Return where shelves stand, (height, width): in rows, with aisles around each."""
+    x = (np.arange(width) - AISLE) % (SHELF[0] + AISLE)
+    y = (np.arange(height) - AISLE) % (SHELF[1] + AISLE)
+    in_column = (x < SHELF[0]) & (np.arange(width) >= AISLE) & (np.arange(width) < width - AISLE)
+    in_row = (y < SHELF[1]) & (np.arange(height) >= AISLE) & (np.arange(height) < height - AISLE)
+    return in_row[:, None] & in_column[None, :]
+
+
+def _draw_robots(family: Family, world: Grid, rng: np.random.Generator) -> tuple[Robot, ...]:
+    """Return robots near one another; first every capability is dealt out once, then again."""
+    number = int(rng.integers(family.robots[0], family.robots[1] + 1))
+    places = spawn_places(world, number, rng)
+    deck: list[str] = []
+    robots = []
+    for robot, at in enumerate(places):
+        size = 1 + int(rng.choice(len(family.abilities), p=family.abilities))
+        can: list[str] = []
+        while len(can) < size:
+            if not deck:
+                deck = rng.permutation(family.capabilities).tolist()
+            cap = deck.pop()
+            if cap not in can:
+                can.append(cap)
+        speed = 0.5 if rng.random() < family.slow else 1.0
+        in_order = {cap: 1 for cap in family.capabilities if cap in can}
+        robots.append(Robot(f"r{robot}", at, in_order, speed))
+    return tuple(robots)
+
+
+def _draw_tasks(
+    family: Family,
+    world: Grid,
+    present: list[str],
+    holders: dict[str, int],
+    rng: np.random.Generator,
+) -> tuple[Task, ...]:
+    """Return tasks that need capabilities that are present, some of them two robots with one."""
+    number = int(rng.integers(family.tasks[0], family.tasks[1] + 1))
+    tasks = []
+    for task, at in enumerate(random_places(world, number, rng)):
+        size = min(1 + int(rng.choice(len(family.needs), p=family.needs)), len(present))
+        chosen = rng.permutation(present)[:size].tolist()
+        needs = {
+            cap: 2 if holders[cap] > 1 and rng.random() < family.twice else 1
+            for cap in family.capabilities
+            if cap in chosen
+        }
+        takes_time = rng.random() < family.serving
+        duration = int(rng.integers(family.duration[0], family.duration[1] + 1))
+        tasks.append(Task(f"t{task}", at, needs, duration if takes_time else 0))
+    return tuple(tasks)
+
+
+def _lose_one(mission: Scenario, spare: list[int], rng: np.random.Generator) -> Scenario:
+    number = int(rng.choice(spare))
+    robots = list(mission.robots)
+    robots[number] = replace(robots[number], lost=_draw_step(rng))
+    return replace(mission, robots=tuple(robots))
+
+
+def _let_arrive(mission: Scenario, rng: np.random.Generator) -> Scenario:
+    tasks = list(mission.tasks)
+    for number in rng.permutation(len(tasks))[: len(tasks) // ARRIVING].tolist():
+        tasks[number] = replace(tasks[number], appears=_draw_step(rng))
+    return replace(mission, tasks=tuple(tasks))
+
+
+def _draw_step(rng: np.random.Generator) -> int:
+    return int(rng.integers(INCIDENT_STEPS[0], INCIDENT_STEPS[1] + 1))
+
+
+def split_name(setting: str) -> tuple[Family, str | None] | None:
+    """Return the family and the incident that a setting such as `real-lost` names, if it does."""
+    name, dash, incident = setting.partition("-")
+    if name not in FAMILIES:
+        return None
+    if dash and incident not in INCIDENTS:
+        known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
+        raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")
+    return FAMILIES[name], incident or None

@@ -1,0 +1,92 @@
+"""Families of missions: what their worlds hold, and what happens in them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from teamformer.errors import TeamformerError
+from teamformer.grid import Grid
+from teamformer.model import Scenario
+from teamformer.scenarios.families import FAMILIES, INCIDENT_STEPS
+from teamformer.scenarios.named_settings import size_of, world_of
+
+WORLDS = 60
+
+
+def worlds(setting: str) -> list[Scenario]:
+    return [world_of(setting, seed) for seed in range(WORLDS)]
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_worlds_hold_what_their_family_says(name: str) -> None:
+    family = FAMILIES[name]
+    for world in worlds(name):
+        assert family.robots[0] <= len(world.robots) <= family.robots[1]
+        assert family.tasks[0] <= len(world.tasks) <= family.tasks[1]
+        assert {len(robot.can) for robot in world.robots} <= set(
+            range(1, len(family.abilities) + 1)
+        )
+        assert {task.duration for task in world.tasks} <= {0, *range(1, family.duration[1] + 1)}
+        assert all(robot.lost is None for robot in world.robots)
+        assert all(task.appears == 0 for task in world.tasks)
+        assert isinstance(world.world, Grid)
+    assert size_of(name) == (family.robots[1], len(family.capabilities))
+
+
+def test_shares_are_met_on_average() -> None:
+    """60 worlds of about 12 robots and 45 tasks; each bound is some five standard errors wide."""
+    real = worlds("real")
+    robots = [robot for world in real for robot in world.robots]
+    tasks = [task for world in real for task in world.tasks]
+    slow = sum(robot.speed == 0.5 for robot in robots) / len(robots)
+    assert slow == pytest.approx(1 / 3, abs=0.09)
+    assert sum(task.duration > 0 for task in tasks) / len(tasks) == pytest.approx(0.6, abs=0.05)
+    assert sum(len(task.needs) == 1 for task in tasks) / len(tasks) == pytest.approx(0.4, abs=0.05)
+    grids = [world.world for world in real]
+    cells = "".join(row for grid in grids if isinstance(grid, Grid) for row in grid.rows)
+    assert cells.count("@") / len(cells) == pytest.approx(0.1, abs=0.01)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_others_can_do_without_who_is_lost(name: str) -> None:
+    for plain, world in zip(worlds(name), worlds(f"{name}-lost"), strict=True):
+        lost = [robot for robot in world.robots if robot.lost is not None]
+        assert len(lost) == 1
+        assert lost[0].lost is not None
+        assert INCIDENT_STEPS[0] <= lost[0].lost <= INCIDENT_STEPS[1]
+        for task in world.tasks:
+            for cap, needed in task.needs.items():
+                left = sum(r.can.get(cap, 0) for r in world.robots if r is not lost[0])
+                assert left >= needed
+        robots = tuple(replace(robot, lost=None) for robot in world.robots)
+        assert replace(world, robots=robots, name=plain.name) == plain
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_a_fifth_of_the_tasks_appears_later(name: str) -> None:
+    for plain, world in zip(worlds(name), worlds(f"{name}-arrivals"), strict=True):
+        late = [task.appears for task in world.tasks if task.appears > 0]
+        assert len(late) == len(world.tasks) // 5
+        assert all(INCIDENT_STEPS[0] <= step <= INCIDENT_STEPS[1] for step in late)
+        tasks = tuple(replace(task, appears=0) for task in world.tasks)
+        assert replace(world, tasks=tasks, name=plain.name) == plain
+
+
+def test_shelves_stand_in_rows_with_aisles_between() -> None:
+    for world in worlds("warehouse"):
+        grid = world.world
+        assert isinstance(grid, Grid)
+        assert grid.rows[0] == grid.rows[1] == "." * grid.width
+        assert grid.rows[2].startswith("..@@@@..@@@@..@@")
+        assert [row.startswith("..@@@@") for row in grid.rows[:9]] == [
+            *[False, False, True, True] * 2,
+            False,
+        ]
+
+
+def test_an_unknown_incident_is_refused() -> None:
+    with pytest.raises(TeamformerError, match="'real-stolen' is no setting") as refused:
+        size_of("real-stolen")
+    assert "real-lost, real-arrivals" in refused.value.hint

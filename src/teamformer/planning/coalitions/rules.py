@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from itertools import islice
 
-from teamformer.planning.coalitions.bounds import bound_makespan
+from teamformer.planning.coalitions.bounds.makespan import improving_bounds
 from teamformer.planning.coalitions.problem import CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.reactive import react
 from teamformer.planning.coalitions.search.annealing import CoalitionSearch, is_compiled
@@ -39,4 +40,4 @@ def warm_up() -> None:
     search.begin_anew()
     search.anneal(1, 1, 0, 10, 10)
     react(problem)
-    bound_makespan(problem, 10)
+    list(islice(improving_bounds(problem, lambda: 10), 2))

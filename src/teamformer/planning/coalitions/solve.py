@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
-from teamformer.planning.coalitions.bounds import bound_makespan
+from teamformer.planning.coalitions.bounds.makespan import improving_bounds
 from teamformer.planning.coalitions.cp_sat import is_small, solve_exactly
 from teamformer.planning.coalitions.problem import CoalitionProblem
 from teamformer.planning.coalitions.search.annealing import CoalitionSearch, schedule_of
@@ -207,11 +207,18 @@ def _anneal_by_the_clock(search: CoalitionSearch, annealing: Annealing, best: _B
 
 def _prove_and_search(problem: CoalitionProblem, seed: int, best: _Best) -> None:
     """Work out a bound, prove small problems, and search for the rest of the time."""
-    seconds = PROOF * best.seconds_left
-    best.bound = bound_makespan(problem, best.makespan, seconds)
+    _raise_bound(problem, best, time.perf_counter() + PROOF * best.seconds_left)
     if is_small(problem) and not best.is_over:
         proof = solve_exactly(problem, best.plan, best.bound, PROOF * best.seconds_left)
         best.bound = max(best.bound, proof.bound)
         if proof.plan is not None:
             best.offer(proof.plan, int(schedule_of(problem, proof.plan).total[COST]))
     _search(problem, seed, best)
+
+
+def _raise_bound(problem: CoalitionProblem, best: _Best, deadline: float) -> None:
+    """Raise the bound until a moment, or until it is over."""
+    for bound in improving_bounds(problem, lambda: best.makespan):
+        best.bound = bound
+        if best.is_over or time.perf_counter() > deadline:
+            break

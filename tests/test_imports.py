@@ -25,7 +25,7 @@ CORE = {
     "regions",
     "frame",
 }
-CORE |= {"jit", "kernel_cache", "whole_files"}
+CORE |= {"jit", "kernel_cache", "kernel_compiler", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim"}
 BELOW_COMMANDS = {
     *BELOW_POLICIES,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 import numba as nb
 
 from teamformer.kernel_cache import KernelFiles
+from teamformer.kernel_compiler import Entry, Inner
 
 ROOT = Path(__file__).parent
 IMPORT = re.compile(r"^ *from teamformer\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
@@ -48,26 +50,30 @@ def _content(path: Path) -> bytes:
     return path.read_bytes()
 
 
-def _compile(function: Callable[..., Any], **options: Any) -> Any:
+def _compile(function: Callable[..., Any], kind: type[Any], **options: Any) -> Any:
     """Compile on first use, and keep the result until the function's file or one below changes.
 
     numba looks only at a function's own file, so that code inlined from another file would stay
     as it was; so what is kept is named by all that the file imports.
     """
-    try:
-        compiled = nb.njit(cache=True, nogil=True, **options)(function)
-    except RuntimeError:  # nowhere to write: compile in every process
-        return nb.njit(nogil=True, **options)(function)
+    compiled = nb.njit(nogil=True, pipeline_class=kind.pipeline, **options)(function)
     if hasattr(compiled, "_cache"):  # absent where numba is switched off
-        folder, name = Path(compiled._cache.cache_path), compiled._cache._impl.filename_base
-        stamp = stamp_of(Path(function.__code__.co_filename))
-        compiled._cache._cache_file = KernelFiles(folder, name, stamp)
+        compiled.__class__ = kind
+        with suppress(RuntimeError):  # nowhere to write: compile in every process
+            cache = kind.cache(function)
+            name = kind.prefix + cache._impl.filename_base
+            stamp = stamp_of(Path(function.__code__.co_filename))
+            cache._cache_file = KernelFiles(Path(cache.cache_path), name, stamp)
+            compiled._cache = cache
     return compiled
 
 
 def entry(function: Callable[..., Any]) -> Any:
-    """Compile a function that Python calls."""
-    return _compile(function)
+    """Compile a function that Python calls; other compiled functions may call it too."""
+    compiled = _compile(function, Entry, no_cfunc_wrapper=True)
+    if isinstance(compiled, Entry):
+        compiled.inner = allocating_kernel(function)
+    return compiled
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -75,12 +81,15 @@ def kernel(function: Callable[..., Any]) -> Any:
 
     Without a wrapper for Python and without reference counts it compiles and runs much faster.
     """
-    return _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+    return _compile(function, Inner, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+
+
+def allocating_kernel(function: Callable[..., Any]) -> Any:
+    """Compile a function that only other compiled functions call and that makes arrays."""
+    return _compile(function, Inner, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def needs_compiling(function: Any) -> bool:
     """Say whether calling a compiled function for the first time will take its time."""
-    if not hasattr(function, "_cache"):
-        return False
-    files: KernelFiles = function._cache._cache_file
-    return files.is_empty()
+    files = getattr(getattr(function, "_cache", None), "_cache_file", None)
+    return isinstance(files, KernelFiles) and files.is_empty()

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.rules.arrays import Array
 
 LARGEST_EXACT = 10
@@ -41,7 +41,7 @@ def plan_tour(between: Array, from_start: Array) -> Array:
     return tour
 
 
-@entry
+@allocating_kernel
 def _exact_tour(between: Array, from_start: Array) -> Array:
     """Dynamic programme over subsets: cost[visited, last] is the shortest way there."""
     count = len(from_start)
@@ -63,7 +63,10 @@ def _exact_tour(between: Array, from_start: Array) -> Array:
                     cost[grown, task] = length
                     before[grown, task] = last
     visited = (1 << count) - 1
-    last = int(np.argmin(cost[visited]))
+    last = 0
+    for task in range(count):
+        if cost[visited, task] < cost[visited, last]:
+            last = task
     for position in range(count - 1, -1, -1):
         tour[position] = last
         visited, last = visited & ~(1 << last), before[visited, last]

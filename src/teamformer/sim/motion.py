@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.distances import UNREACHABLE, fill_field
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, ROUNDING
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from teamformer.sim.arrays import World
 
 
-@entry
+@allocating_kernel
 def move_teams(world: World) -> None:
     """Phase 5: teams that maintain walk first, then joiners walk to their partner's new place."""
     for team in range(world.rules.robots):
@@ -54,7 +54,7 @@ def _walk_to_task(world: World, team: int) -> None:
         world.teams[team].x, world.teams[team].y = x, y
 
 
-@entry
+@allocating_kernel
 def _walk_to_partner(world: World, team: int) -> None:
     partner = world.robots[world.teams[team].partner].team
     if world.rules.is_plane:
@@ -64,7 +64,7 @@ def _walk_to_partner(world: World, team: int) -> None:
     _merge_on_the_way(world, team, partner)
 
 
-@entry
+@allocating_kernel
 def _walk_cells_to_partner(world: World, team: int, partner: int) -> None:
     field = field_towards(world, world.teams[partner].x, world.teams[partner].y)
     to_go = field[int(world.teams[team].y), int(world.teams[team].x)]
@@ -182,7 +182,7 @@ def downhill(field: Array, x: float, y: float, goal_x: float, goal_y: float) -> 
     return best_x, best_y
 
 
-@entry
+@allocating_kernel
 def field_towards(world: World, x: float, y: float) -> Array:
     """Return every cell's distance to a place, as (height, width); for partners, who move."""
     if world.rules.has_walls:

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.jit import entry
 from teamformer.model import Scenario
 from teamformer.planning.bounds.forming import raise_for_forming
 from teamformer.planning.bounds.open_paths import (
@@ -142,8 +141,7 @@ def one_for_each_place(problem: Relaxed, tasks: Numbers, start: Numbers) -> Numb
     return kept
 
 
-@entry
-def _are_apart(is_same):  # type: ignore[no-untyped-def]
+def _are_apart(is_same: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     """Choose, in turn, what is not in the same place as anything chosen before, as (tasks,) bool.
 
     On a plane one place may touch two that do not touch each other.

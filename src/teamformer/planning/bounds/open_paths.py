@@ -9,7 +9,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
+from teamformer.rules.arrays import Array
+from teamformer.rules.sorting import sort_indices
 
 Times = npt.NDArray[np.float64]
 
@@ -40,7 +42,7 @@ def bound_paths(legs: Times, ready: Times, most: int, rounds: int) -> Times:
 def span(legs: Times, ready: Times) -> float:
     """Return the weight of the shortest tree over all places and one start, `ready` from each."""
     weight = np.empty(len(ready))
-    _grow_tree(legs, np.zeros(len(ready)), ready, weight, np.empty(len(ready), np.int64))
+    _span(legs, np.zeros(len(ready)), ready, weight, np.empty(len(ready), np.int64))
     return float(weight.sum())
 
 
@@ -64,16 +66,22 @@ def _finish_all(legs, ready, duration):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _grow_tree(legs, penalty, rooted, weight, parent):  # type: ignore[no-untyped-def]
+def _span(legs: Times, penalty: Times, rooted: Times, weight: Times, parent: Array) -> None:
+    _grow_tree(legs, penalty, rooted, weight, parent, np.empty(len(rooted), np.bool_))
+
+
+@kernel
+def _grow_tree(
+    legs: Times, penalty: Times, rooted: Times, weight: Times, parent: Array, is_open: Array
+) -> None:
     """Grow a shortest spanning tree from a root (Prim 1957): each place's parent and leg.
 
     Legs are `legs[i, j] + penalty[i] + penalty[j]`, and `rooted[i]` from the root, whose number
-    is -1.
+    is -1. `is_open` (places,) is room to work in.
     """
     count = len(rooted)
-    is_open = np.ones(count, np.bool_)
-    weight[:] = rooted
-    parent[:] = -1
+    for place in range(count):
+        weight[place], parent[place], is_open[place] = rooted[place], -1, True
     for _ in range(count):
         nearest = -1
         for place in range(count):
@@ -88,7 +96,7 @@ def _grow_tree(legs, penalty, rooted, weight, parent):  # type: ignore[no-untype
 
 
 @entry
-def _ascend(legs, ready, bounds, rounds):  # type: ignore[no-untyped-def]
+def _ascend(legs: Times, ready: Times, bounds: Times, rounds: int) -> None:
     """Raise the bounds by subgradient steps on the penalties, steered by the most paths.
 
     A set of u paths is a forest of u trees plus u beginnings and u endings, in which every place
@@ -98,30 +106,62 @@ def _ascend(legs, ready, bounds, rounds):  # type: ignore[no-untyped-def]
     all penalties, are no longer than any u paths.
     """
     count, most = len(ready), len(bounds)
-    penalty, before = np.zeros(count), np.zeros(count)
-    weight, parent = np.empty(count), np.empty(count, np.int64)
-    rooted = np.full(count, np.inf)
+    penalty, before, surplus = np.empty(count), np.empty(count), np.empty(count)
+    weight, rooted, begin_cost = np.empty(count), np.empty(count), np.empty(count)
+    parent, longest = np.empty(count, np.int64), np.empty(count, np.int64)
+    begins, ends = np.empty(count, np.int64), np.empty(count, np.int64)
+    spare, is_open = np.empty(count, np.int64), np.empty(count, np.bool_)
+    soonest = ready[0]
+    for place in range(count):
+        penalty[place] = before[place] = 0.0
+        rooted[place] = np.inf
+        soonest = min(soonest, ready[place])
+    rooted[0] = 0.0  # the tree grows from place 0, which costs nothing
     stride = 0.0
     for round_ in range(rounds):
-        rooted[0] = 0.0  # the tree grows from place 0, which costs nothing
-        _grow_tree(legs, penalty, rooted, weight, parent)
-        longest = 1 + np.argsort(-weight[1:])
-        begins, ends = np.argsort(ready + penalty), np.argsort(penalty)
-        total = weight.sum() - 2 * penalty.sum()
+        _grow_tree(legs, penalty, rooted, weight, parent, is_open)
+        tree = paid = 0.0
+        for place in range(count):
+            begin_cost[place] = ready[place] + penalty[place]
+            tree += weight[place]
+            paid += penalty[place]
+        total = tree - 2 * paid
+        _sort_backwards(weight, longest, surplus, spare)  # the root comes last: its leg is 0
+        sort_indices(begin_cost, begins, spare)
+        sort_indices(penalty, ends, spare)
         for paths in range(most):
             total += ready[begins[paths]] + penalty[begins[paths]] + penalty[ends[paths]]
             bounds[paths] = max(bounds[paths], total)
-            if paths < len(longest):
+            if paths < count - 1:
                 total -= weight[longest[paths]]
         if round_ == 0:
-            stride = 0.1 * (weight.sum() + ready.min()) / count
-        surplus = np.full(count, -2.0)
-        for place in longest[most - 1 :]:
-            surplus[place] += 1
-            surplus[parent[place]] += 1
-        surplus[begins[:most]] += 1
-        surplus[ends[:most]] += 1
-        step = 0.7 * surplus + 0.3 * before
-        penalty += stride * step
-        before = step
+            stride = 0.1 * (tree + soonest) / count
+        _count_neighbours(surplus, parent, longest, begins, ends, most)
+        for place in range(count):
+            before[place] = 0.7 * surplus[place] + 0.3 * before[place]
+            penalty[place] += stride * before[place]
         stride *= 1 - 4 / rounds
+
+
+@kernel
+def _sort_backwards(weight: Times, order: Array, keys: Times, spare: Array) -> None:
+    """Write places from the longest leg to the shortest, place 0 behind all; `keys` is room."""
+    keys[0] = np.inf
+    for place in range(1, len(weight)):
+        keys[place] = -weight[place]
+    sort_indices(keys, order, spare)
+
+
+@kernel
+def _count_neighbours(
+    surplus: Times, parent: Array, longest: Array, begins: Array, ends: Array, most: int
+) -> None:
+    """Write how many neighbours more than two each place has in the forest of so many paths."""
+    for place in range(len(surplus)):
+        surplus[place] = -2.0
+    for rank in range(most - 1, len(surplus) - 1):
+        surplus[longest[rank]] += 1
+        surplus[parent[longest[rank]]] += 1
+    for rank in range(most):
+        surplus[begins[rank]] += 1
+        surplus[ends[rank]] += 1

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.jit import entry
+from teamformer.jit import allocating_kernel, entry
 
 Array = npt.NDArray[Any]
 
@@ -133,7 +133,7 @@ def look_ahead(stops, prizes, deadline, outlook):  # type: ignore[no-untyped-def
                         then[at, before, onward] = stop * memories + memory
 
 
-@entry
+@allocating_kernel
 def _is_dominated(worth, memory, value):  # type: ignore[no-untyped-def]
     """Say whether a part of a memory is worth as much; `worth` is by memory."""
     part = (memory - 1) & memory

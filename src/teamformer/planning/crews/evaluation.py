@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.relaxation.plan import Array
 from teamformer.rules.constants import ROUNDING
 from teamformer.rules.pairing import pair_off
@@ -34,7 +34,7 @@ class Room(NamedTuple):
     random: Array  # (1,) state of the random numbers
 
 
-@entry
+@allocating_kernel
 def empty_room(shared: Shared, parties: Parties) -> Room:
     """Return room for the walks of any crew."""
     most, tasks = parties.place.shape[1], len(shared.duration)

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.crews.evaluation import walk_list
 from teamformer.planning.crews.moves import change_lists
 from teamformer.planning.crews.routes import gather_parties, replace_list
 from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.planning.relaxation.problem import NOBODY
 from teamformer.rules.arrays import Array
+from teamformer.rules.sorting import sort_indices
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.evaluation import Room
@@ -36,7 +37,7 @@ SCALE, LARGEST = 1024, 8191
 """Makespans are counted in 1024ths of the first one, to eight times that."""
 
 
-@entry
+@allocating_kernel
 def improve_lists(
     shared: Shared,
     lists: CrewRoutes,
@@ -55,7 +56,9 @@ def improve_lists(
         tasks, length = lists.tasks[number], lists.length[number]
         lists.finish[number] = walk_list(shared, parties, number, tasks, length, room)
     near = _nearest_tasks(shared)
-    reference = max(lists.finish.max() - shared.now, 1)
+    reference = np.int64(1)
+    for number in range(len(lists.length)):
+        reference = max(reference, lists.finish[number] - shared.now)
     cost = np.int64(0)
     for number in range(len(lists.length)):
         cost += _weigh(shared, lists.finish[number], reference)
@@ -199,18 +202,23 @@ def _trade(
     return finish, walk_list(shared, parties, other, tasks, length, room)
 
 
-@entry
+@allocating_kernel
 def _nearest_tasks(shared: Shared) -> Array:
     """Return the nearest other tasks of the same region, NOBODY where there are fewer."""
     count = len(shared.duration)
-    near = np.full((count, NEIGHBOURS), NOBODY, dtype=np.int32)
+    near = np.empty((count, NEIGHBOURS), dtype=np.int32)
+    order, spare = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     for task in range(count):
         found = 0
-        for other in np.argsort(shared.ways[task], kind="mergesort"):
+        sort_indices(shared.ways[task], order, spare)
+        for rank in range(count):
+            other = order[rank]
             is_near = shared.task_region[other] == shared.task_region[task]
             if other != task and is_near and found < NEIGHBOURS:
                 near[task, found] = other
                 found += 1
+        for place in range(found, NEIGHBOURS):
+            near[task, place] = NOBODY
     return near
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, kernel
+from teamformer.planning.crews.routes import count_crews
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import covers
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from teamformer.planning.crews.routes import Shared
 
 
-@entry
+@allocating_kernel
 def deal_robots(shared: Shared, crew: Array, in_one_crew: bool) -> None:
     """Deal the robots out into crews, region by region; write each robot's crew.
 
@@ -24,35 +25,49 @@ def deal_robots(shared: Shared, crew: Array, in_one_crew: bool) -> None:
     together. With `in_one_crew` all robots of a region are one crew.
     """
     brings = np.zeros(shared.counts.shape, dtype=np.int64)  # of each company, at its leader
+    everything, regions = 0, 0
     for robot in range(len(crew)):
-        brings[shared.company[robot]] += shared.counts[robot]
+        _add(shared.counts[robot], brings[shared.company[robot]])
+        regions = max(regions, shared.robot_region[robot] + 1)
+        for cap in range(shared.counts.shape[1]):
+            everything += shared.counts[robot, cap]
+    demand = np.empty(shared.counts.shape[1], dtype=np.int64)
+    have = np.empty(shared.counts.shape[1], dtype=np.int64)
     number = 0
-    for region in range(shared.robot_region.max() + 1):
-        demand = _demand_in(shared, region)
+    for region in range(regions):
+        _demand_in(shared, region, demand)
         if in_one_crew:
-            demand[:] = shared.counts.sum()
+            for cap in range(len(demand)):
+                demand[cap] = everything
         is_dealt = False
         while not is_dealt:
-            have = np.zeros(len(demand), dtype=np.int64)
+            for cap in range(len(have)):
+                have[cap] = 0
             chosen = _most_useful(shared, crew, region, brings, demand, have)
             is_dealt = chosen == NOBODY
             while chosen != NOBODY:
                 for robot in range(len(crew)):
                     if shared.company[robot] == chosen:
                         crew[robot] = number
-                have += brings[chosen]
+                _add(brings[chosen], have)
                 chosen = _most_useful(shared, crew, region, brings, demand, have)
             number += not is_dealt
 
 
-@entry
-def _demand_in(shared: Shared, region: int) -> Array:
-    """Return what a crew of a region needs to do any of its tasks, and at least 1 of all."""
-    demand = np.ones(shared.needs.shape[1], dtype=np.int64)
-    for task in range(len(shared.needs)):
-        if shared.task_region[task] == region:
-            demand = np.maximum(demand, shared.needs[task])
-    return demand
+@kernel
+def _add(counts: Array, to: Array) -> None:
+    for cap in range(len(to)):
+        to[cap] += counts[cap]
+
+
+@kernel
+def _demand_in(shared: Shared, region: int, demand: Array) -> None:
+    """Write what a crew of a region needs to do any of its tasks, and at least 1 of all."""
+    for cap in range(len(demand)):
+        demand[cap] = 1
+        for task in range(len(shared.needs)):
+            if shared.task_region[task] == region:
+                demand[cap] = max(demand[cap], shared.needs[task, cap])
 
 
 @kernel
@@ -75,18 +90,26 @@ def _most_useful(
     return best
 
 
-@entry
+@allocating_kernel
 def merge_where_needed(shared: Shared, crew: Array) -> Array:
     """Merge crews until each task can be done by one; return who can do what, (crews, tasks)."""
     is_able = _who_can(shared, crew)
     for task in range(len(shared.needs)):
-        if not is_able[:, task].any():
+        if not _can_any(is_able, task):
             _merge_for(shared, crew, task)
             is_able = _who_can(shared, crew)
     return is_able
 
 
-@entry
+@kernel
+def _can_any(is_able: Array, task: int) -> bool:
+    for number in range(len(is_able)):
+        if is_able[number, task]:
+            return True
+    return False
+
+
+@allocating_kernel
 def _who_can(shared: Shared, crew: Array) -> Array:
     """Return which crew can do which task, (crews, tasks)."""
     has, region = _sum_up(shared, crew)
@@ -98,19 +121,21 @@ def _who_can(shared: Shared, crew: Array) -> Array:
     return is_able
 
 
-@entry
+@allocating_kernel
 def _sum_up(shared: Shared, crew: Array) -> tuple[Any, Any]:
     """Return what each crew has, (crews, caps), and its region, NOBODY for one without robots."""
-    crews = crew.max() + 1
+    crews = count_crews(crew)
     has = np.zeros((crews, shared.needs.shape[1]), dtype=np.int64)
-    region = np.full(crews, NOBODY, dtype=np.int64)
+    region = np.empty(crews, dtype=np.int64)
+    for number in range(crews):
+        region[number] = NOBODY
     for robot in range(len(crew)):
-        has[crew[robot]] += shared.counts[robot]
+        _add(shared.counts[robot], has[crew[robot]])
         region[crew[robot]] = shared.robot_region[robot]
     return has, region
 
 
-@entry
+@allocating_kernel
 def _merge_for(shared: Shared, crew: Array, task: int) -> None:
     """Merge the crews that bring most of what a task needs until they have all of it."""
     has, region = _sum_up(shared, crew)
@@ -126,7 +151,7 @@ def _merge_for(shared: Shared, crew: Array, task: int) -> None:
         assert best != NOBODY  # a task that cannot be done has ended the trial
         first = best if first == NOBODY else first
         region[best] = NOBODY
-        union += has[best]
+        _add(has[best], union)
         for robot in range(len(crew)):
             if crew[robot] == best:
                 crew[robot] = first

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from teamformer.jit import entry
+from teamformer.jit import allocating_kernel, entry
 from teamformer.planning.crews.evaluation import empty_room, walk_list
 from teamformer.planning.crews.local_search import improve_lists
 from teamformer.planning.crews.membership import deal_robots, merge_where_needed
 from teamformer.planning.crews.routes import (
     append_task,
+    count_crews,
     empty_lists,
     empty_parties,
     gather_parties,
@@ -26,6 +27,7 @@ from teamformer.planning.crews.routes import (
 from teamformer.planning.relaxation.problem import NOBODY
 from teamformer.planning.tour import plan_tour
 from teamformer.rules.arrays import Array
+from teamformer.rules.sorting import sort_indices
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.evaluation import Room
@@ -42,24 +44,41 @@ def plan_crews(
     list a task is on, NOBODY for those on none; tasks come in the order they had so far. `rounds`
     is how many changes are tried.
     """
-    is_start = crew.max() == NOBODY
-    if is_start:
-        deal_robots(shared, crew, in_one_crew)
+    if count_crews(crew) == 0:
+        return deal_crews(shared, crew, task_crew, in_one_crew, rounds)
     is_able = merge_where_needed(shared, crew)  # (crews, tasks)
-    parties = empty_parties(shared, crew)
-    for number in range(len(is_able)):
-        gather_parties(shared, parties, crew, number)
+    parties = _gather_all(shared, crew)
     lists = empty_lists(len(is_able), len(task_crew))
     room = empty_room(shared, parties)
-    if is_start:
-        _cut_tour(shared, lists, is_able)
-    else:
-        _keep_lists(shared, lists, parties, is_able, task_crew, room)
-    improve_lists(shared, lists, parties, crew, is_able, room, rounds, is_start)
+    _keep_lists(shared, lists, parties, is_able, task_crew, room)
+    improve_lists(shared, lists, parties, crew, is_able, room, rounds, False)
     return _merge_lists(shared, lists, parties, task_crew, room)
 
 
 @entry
+def deal_crews(
+    shared: Shared, crew: Array, task_crew: Array, in_one_crew: bool, rounds: int
+) -> Array:
+    """Plan crews for the first time, as `plan_crews` does; its own entry, which compiles sooner."""
+    deal_robots(shared, crew, in_one_crew)
+    is_able = merge_where_needed(shared, crew)  # (crews, tasks)
+    parties = _gather_all(shared, crew)
+    lists = empty_lists(len(is_able), len(task_crew))
+    room = empty_room(shared, parties)
+    _cut_tour(shared, lists, is_able)
+    improve_lists(shared, lists, parties, crew, is_able, room, rounds, True)
+    return _merge_lists(shared, lists, parties, task_crew, room)
+
+
+@allocating_kernel
+def _gather_all(shared: Shared, crew: Array) -> Parties:
+    parties = empty_parties(shared, crew)
+    for number in range(count_crews(crew)):
+        gather_parties(shared, parties, crew, number)
+    return parties
+
+
+@allocating_kernel
 def _merge_lists(
     shared: Shared, lists: CrewRoutes, parties: Parties, task_crew: Array, room: Room
 ) -> Array:
@@ -73,10 +92,14 @@ def _merge_lists(
             sequence[count], end[count] = lists.tasks[number, position], room.ends[position]
             task_crew[sequence[count]] = number
             count += 1
-    return sequence[np.argsort(end, kind="mergesort")]
+    order, spare = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    sort_indices(end, order, spare)
+    for rank in range(count):
+        order[rank] = sequence[order[rank]]
+    return order
 
 
-@entry
+@allocating_kernel
 def _cut_tour(shared: Shared, lists: CrewRoutes, is_able: Array) -> None:
     """Give each crew a stretch of a tour through all tasks, and what its crew cannot do to others.
 
@@ -109,7 +132,7 @@ def _cut_tour(shared: Shared, lists: CrewRoutes, is_able: Array) -> None:
         append_task(lists, chosen, task)
 
 
-@entry
+@allocating_kernel
 def _keep_lists(
     shared: Shared,
     lists: CrewRoutes,
@@ -128,7 +151,7 @@ def _keep_lists(
             _insert_where_best(shared, lists, parties, is_able, task, room)
 
 
-@entry
+@allocating_kernel
 def _insert_where_best(
     shared: Shared, lists: CrewRoutes, parties: Parties, is_able: Array, task: int, room: Room
 ) -> None:

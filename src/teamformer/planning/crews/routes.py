@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import NOBODY
 
@@ -67,7 +67,16 @@ def bits_of(counts: Array) -> Array:
     return bits
 
 
-@entry
+@kernel
+def count_crews(crew: Array) -> int:
+    """Return how many crews there are; 0 before robots are dealt out."""
+    crews = 0
+    for robot in range(len(crew)):
+        crews = max(crews, crew[robot] + 1)
+    return crews
+
+
+@allocating_kernel
 def empty_lists(crews: int, tasks: Array) -> CrewRoutes:
     """Return lists with nothing on them."""
     return CrewRoutes(
@@ -107,20 +116,21 @@ def replace_list(lists: CrewRoutes, number: int, tasks: Array, length: int) -> N
         lists.crew[task], lists.position[task] = number, position
 
 
-@entry
+@allocating_kernel
 def empty_parties(shared: Shared, crew: Array) -> Parties:
     """Return room for the parties of all crews."""
-    crews = crew.max() + 1
-    sizes = np.zeros(crews, dtype=np.int64)
+    crews = count_crews(crew)
+    sizes, largest = np.zeros(crews, dtype=np.int64), np.int64(0)
     for robot in range(len(crew)):
         sizes[crew[robot]] += 1
-    shape = (crews, sizes.max())
+        largest = max(largest, sizes[crew[robot]])
+    shape = (crews, largest)
     return Parties(
         np.zeros(crews, dtype=np.int32),
         np.zeros(shape, dtype=np.int32),
         np.zeros(shape, dtype=np.int64),
         np.zeros(shape, dtype=np.float64),
-        np.zeros((crews, sizes.max(), shared.wants.shape[1]), dtype=np.uint64),
+        np.zeros((crews, largest, shared.wants.shape[1]), dtype=np.uint64),
     )
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.planning.relaxation.plan import (
     Array,
     arrival_at,
@@ -92,7 +92,7 @@ def draw_below(random: Array, count: int) -> int:
     return int(draw(random) * count)
 
 
-@entry
+@allocating_kernel
 def insert_task(
     problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, task: int, makespan: int
 ) -> bool:
@@ -118,7 +118,8 @@ def insert_task(
             cost = STEP * max(through, makespan) + through + detour
             if cost < best_cost:
                 best_cost, best_gap, best_size = cost, gap, size
-                desk.best[:size] = pick[:size]
+                for seat in range(size):
+                    desk.best[seat] = pick[seat]
         if gap < plan.placed[0]:
             passed = plan.order[gap]
             end = timing.start[passed] + problem.duration[passed]

@@ -84,13 +84,21 @@ def empty_timing(problem: Relaxed, plan: Plan) -> Timing:
     return timing
 
 
-@entry
-def copy_plan(plan: Plan, into: Plan) -> None:
+def overwrite_plan(plan: Plan, into: Plan) -> None:
     """Overwrite a plan with another."""
-    into.order[:] = plan.order
-    into.placed[:] = plan.placed
-    into.crew[:] = plan.crew
-    into.size[:] = plan.size
+    for array, kept in zip(plan, into, strict=True):
+        kept[:] = array
+
+
+@kernel
+def copy_plan(plan: Plan, into: Plan) -> None:
+    """Overwrite a plan with another, in kernels: loops compile sooner than whole arrays."""
+    into.placed[0] = plan.placed[0]
+    for task in range(len(plan.size)):
+        into.order[task] = plan.order[task]
+        into.size[task] = plan.size[task]
+        for seat in range(plan.crew.shape[1]):
+            into.crew[task, seat] = plan.crew[task, seat]
 
 
 @kernel

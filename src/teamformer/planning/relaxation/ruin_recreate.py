@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.jit import entry, kernel, needs_compiling
+from teamformer.jit import allocating_kernel, entry, kernel, needs_compiling
 from teamformer.planning.relaxation.insertion import draw, draw_below, empty_desk, insert_task
 from teamformer.planning.relaxation.plan import (
     copy_plan,
     empty_plan,
     empty_timing,
     hang_tasks,
+    overwrite_plan,
     start_tasks,
 )
 from teamformer.planning.relaxation.problem import Relaxed
@@ -60,10 +61,10 @@ class Search:
 
     def restart(self, start: Schedule) -> None:
         """Go on from another schedule."""
-        copy_plan(make_plan(self.problem, start.order, start.crews), self._plan)
+        overwrite_plan(make_plan(self.problem, start.order, start.crews), self._plan)
         self._costs[0] = cost_of(self.problem, self._plan, self._timing)
         if self._costs[0] < self._costs[1]:
-            copy_plan(self._plan, self._best)
+            overwrite_plan(self._plan, self._best)
             self._costs[1] = self._costs[0]
 
     def anneal(self, rounds: int, part: float) -> None:
@@ -190,7 +191,7 @@ def _close_gaps(plan: Plan, torn: Array) -> int:
     return count
 
 
-@entry
+@allocating_kernel
 def recreate(
     problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, torn: Array, count: int
 ) -> Any:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.planning.relaxation.insertion import drop_spares
 from teamformer.planning.relaxation.plan import (
     Plan,
@@ -22,6 +22,7 @@ from teamformer.planning.relaxation.plan import (
 )
 from teamformer.planning.relaxation.problem import FAR, Relaxed
 from teamformer.rules.arrays import Array
+from teamformer.rules.sorting import sort_indices
 
 if TYPE_CHECKING:
     from teamformer.planning.relaxation.plan import Timing
@@ -126,16 +127,16 @@ def decode(problem: Relaxed, ranking: Array, plan: Plan, timing: Timing) -> Any:
     return makespan
 
 
-@entry
+@allocating_kernel
 def _sort_by_arrival(robots: Array, steps: Array, cells: Array, task: int, pick: Array) -> None:
-    arrival = np.empty(len(robots), np.int64)
+    arrival, room = np.empty(len(robots), np.int64), np.empty(len(robots), np.int32)
     for robot in range(len(robots)):
         arrival[robot] = arrival_at(robots, steps, cells, robot, task)
         robots[robot].arrival = arrival[robot]
-    pick[:] = np.argsort(arrival, kind="mergesort")
+    sort_indices(arrival, pick, room)
 
 
-@entry
+@allocating_kernel
 def _take_first(robots: Array, problem: Relaxed, pick: Array, spare: Array, task: int) -> int:
     """Keep in `pick`, sorted by arrival, the first that cover a task; return how many, or 0.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
 from teamformer.planning.relaxation.insertion import empty_desk
 from teamformer.planning.relaxation.plan import copy_plan, empty_plan, empty_timing, start_tasks
 from teamformer.planning.relaxation.problem import Relaxed
@@ -66,7 +66,7 @@ def _search(
                 lowest = new
 
 
-@entry
+@kernel
 def _cost(problem: Relaxed, plan: Plan, timing: Timing) -> Any:
     makespan, walked, late = start_tasks(problem, plan, timing)
     undone = late + len(plan.size) - plan.placed[0]

@@ -14,6 +14,7 @@ from teamformer.planning.teams.plan import (
     copy_team_plan,
     empty_groups,
     empty_team_plan,
+    overwrite_team_plan,
     time_plan,
 )
 
@@ -34,11 +35,11 @@ class TeamSearch:
 
     def restart(self, start: TeamPlan) -> None:
         """Go on from another plan."""
-        copy_team_plan(start, self._plan)
+        overwrite_team_plan(start, self._plan)
         cost, _ = time_plan(self.problem, self._plan, self._groups)
         self._costs[0] = cost
         if cost < self._costs[1]:
-            copy_team_plan(start, self._best)
+            overwrite_team_plan(start, self._best)
             self._costs[1] = cost
 
     def anneal(self, rounds: int, part: float, hot: float) -> None:

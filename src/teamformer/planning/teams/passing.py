@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import kernel
 from teamformer.planning.relaxation.problem import NOBODY
 from teamformer.planning.teams.timing import ENDLESS, is_settled, time_plan
 
@@ -10,7 +10,7 @@ ROUNDS = 20
 """How often a plan is timed anew until nothing in it is done by others than planned."""
 
 
-@entry
+@kernel
 def settle(problem, crossings, plan, groups, bench, most):  # type: ignore[no-untyped-def]
     """Time a plan and give all tasks to those who do them; return cost, makespan, if it is settled.
 

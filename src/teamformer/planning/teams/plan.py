@@ -103,12 +103,20 @@ def routes_of(plan: TeamPlan, robots: int) -> list[list[int]]:
     return routes
 
 
-@entry
-def copy_team_plan(plan, into):  # type: ignore[no-untyped-def]
+def overwrite_team_plan(plan: TeamPlan, into: TeamPlan) -> None:
     """Overwrite a plan with another."""
-    into.order[:] = plan.order
-    into.crew[:] = plan.crew
-    into.size[:] = plan.size
+    for array, kept in zip(plan, into, strict=True):
+        kept[:] = array
+
+
+@kernel
+def copy_team_plan(plan: TeamPlan, into: TeamPlan) -> None:
+    """Overwrite a plan with another, in kernels: loops compile sooner than whole arrays."""
+    for place in range(len(plan.order)):
+        into.order[place] = plan.order[place]
+        into.size[place] = plan.size[place]
+        for seat in range(plan.crew.shape[1]):
+            into.crew[place, seat] = plan.crew[place, seat]
 
 
 @entry

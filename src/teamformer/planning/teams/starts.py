@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.planning.crews.plan import plan_crews
+from teamformer.planning.crews.plan import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import FAR, NOBODY, Relaxed
@@ -23,7 +23,7 @@ def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> TeamPlan:
     shared = _shared(problem, company)
     crew = np.full(len(problem.pace), NOBODY, np.int64)
     task_crew = np.full(len(problem.appears), NOBODY, np.int64)
-    sequence = plan_crews(shared, crew, task_crew, False, rounds)
+    sequence = deal_crews(shared, crew, task_crew, False, rounds)
     parties: list[list[set[int]]] = [[] for _ in range(int(crew.max()) + 1)]
     for leader in np.unique(company).tolist():
         together = np.flatnonzero(company == leader)

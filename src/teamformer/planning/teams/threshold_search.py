@@ -10,7 +10,12 @@ from teamformer.planning.relaxation.problem import NOBODY, Relaxed
 from teamformer.planning.teams.crossings import Crossings
 from teamformer.planning.teams.neighbourhood import change_plan, empty_bench, keep, undo
 from teamformer.planning.teams.passing import settle
-from teamformer.planning.teams.plan import TeamPlan, copy_team_plan, empty_team_plan
+from teamformer.planning.teams.plan import (
+    TeamPlan,
+    copy_team_plan,
+    empty_team_plan,
+    overwrite_team_plan,
+)
 from teamformer.planning.teams.timing import ENDLESS, STEP, empty_groups, is_settled, time_plan
 
 
@@ -26,34 +31,25 @@ class ThresholdSearch:
         seed: int = 0,
     ) -> None:
         self.problem, self.crossings = problem, crossings
-        self._plans = [empty_team_plan(problem) for _ in range(3)]
+        self._plan, self._best, self._spare = (empty_team_plan(problem) for _ in range(3))
         self._groups = empty_groups(problem, company, forming_steps)
         self._bench = empty_bench(problem, seed)
         self._costs = np.full(2, ENDLESS, np.int64)
 
     def begin(self, start: TeamPlan) -> int:
         """Go on from a plan; return its cost once it is settled."""
-        plan, best, _ = self._plans
-        copy_team_plan(start, plan)
-        cost, _, _ = settle(self.problem, self.crossings, plan, self._groups, self._bench, ENDLESS)
-        self._costs[0] = cost
-        if cost < self._costs[1]:
-            self._costs[1] = cost
-            copy_team_plan(plan, best)
-        return int(cost)
+        overwrite_team_plan(start, self._plan)
+        self._costs[0] = ENDLESS
+        self._search(self._plan, 0, 0)
+        return int(self._costs[0])
 
     def run(self, rounds: int, hot: float) -> None:
         """Search for some rounds; at first plans may be worse by `hot` steps, in the end none."""
-        search(
-            self.problem,
-            self.crossings,
-            *self._plans,
-            self._groups,
-            self._bench,
-            self._costs,
-            rounds,
-            int(hot * STEP * len(self.problem.appears)),
-        )
+        self._search(self._plan, rounds, int(hot * STEP * len(self.problem.appears)))
+
+    def _search(self, plan: TeamPlan, rounds: int, hot: int) -> None:
+        room = (self._spare, self._groups, self._bench, self._costs)
+        search(self.problem, self.crossings, plan, self._best, *room, rounds, hot)
 
     @property
     def cost(self) -> int:
@@ -63,12 +59,12 @@ class ThresholdSearch:
     @property
     def best(self) -> TeamPlan:
         """Return a copy of the best plan."""
-        return TeamPlan(*(array.copy() for array in self._plans[1]))
+        return TeamPlan(*(array.copy() for array in self._best))
 
     @property
     def ends(self) -> Array:
         """Return the steps in which tasks are done in the best plan, (tasks,)."""
-        time_plan(self.problem, self.crossings, self._plans[1], self._groups, ENDLESS)
+        self._search(self._best, 0, 0)
         return self._groups.end[: len(self.problem.appears)].copy()
 
     @property
@@ -81,9 +77,16 @@ class ThresholdSearch:
 def search(problem, crossings, plan, best, spare, groups, bench, costs, rounds, hot):  # type: ignore[no-untyped-def]
     """Make changes for a number of rounds; keep those that cost at most so much more, ever less.
 
-    `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both.
-    `spare` is room to work in; `hot` is what a change may cost at first.
+    `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both,
+    ENDLESS for a plan that was never timed: it is settled first. `spare` is room to work in; `hot`
+    is what a change may cost at first. Without any round `plan` is timed and stays as it is.
     """
+    if costs[0] == ENDLESS:
+        cost, _, _ = settle(problem, crossings, plan, groups, bench, np.int64(ENDLESS))
+        costs[0] = cost
+        if cost < costs[1]:
+            costs[1] = cost
+            copy_team_plan(plan, best)
     time_plan(problem, crossings, plan, groups, np.int64(ENDLESS))
     _trace(plan, groups, bench)
     for made in range(rounds):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.view import NEXT_TASKS, View
 
@@ -86,7 +86,7 @@ def _mix(number: np.uint64) -> np.uint64:
     return number ^ (number >> np.uint64(31))
 
 
-@entry
+@allocating_kernel
 def _patience(view: View, row: int) -> float:
     """Return how many steps a team waits, from the places that it sees."""
     left = right = view.place[row, 0]

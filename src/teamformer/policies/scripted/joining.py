@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.model import Scenario
 from teamformer.policies.scripted.pairing import is_partner, pair_by_slot
 from teamformer.rules.arrays import Array
@@ -94,7 +94,7 @@ def _decide(view: View, wanted: Array, only_mates: bool) -> None:
                 wanted[row, cap] += view.seen_counts[row, chosen, cap]
 
 
-@entry
+@allocating_kernel
 def _mark_lacks(view: View, row: int, lacks: Array) -> None:
     """Mark the capabilities of which a task in view needs more than the team has."""
     lacks[:] = False

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.crews.plan import plan_crews
 from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.rules.constants import MICROMETRES
@@ -22,7 +22,7 @@ ROUNDS_AGAIN = 300
 """The same when a crew has nothing left to do."""
 
 
-@entry
+@allocating_kernel
 def update_plan(world):  # type: ignore[no-untyped-def]
     """Plan the crews, or only the order, where need be; call it after each step.
 
@@ -102,7 +102,7 @@ def _find_next_tasks(world):  # type: ignore[no-untyped-def]
             position += 1
 
 
-@entry
+@allocating_kernel
 def _plan(world, in_one_crew, rounds):  # type: ignore[no-untyped-def]
     """Plan crews and order from the state that everybody knows."""
     bring_up_to_date(world)
@@ -127,7 +127,7 @@ def _plan(world, in_one_crew, rounds):  # type: ignore[no-untyped-def]
     world.count.plans += 1
 
 
-@entry
+@allocating_kernel
 def _gather_shared(world, robots, tasks):  # type: ignore[no-untyped-def]
     """Return what everybody knows of the robots that are left and of the open tasks."""
     caps = world.needs.shape[1]

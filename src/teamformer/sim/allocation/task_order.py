@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.model import Scenario
 from teamformer.planning.tour import UNLINKED, plan_tour
 from teamformer.sim.allocation.crew_plan import update_plan
@@ -63,7 +63,7 @@ def _has_lists(world):  # type: ignore[no-untyped-def]
     return not is_shared and (world.rules.allocation == CREWS or world.rules.has_schedule)
 
 
-@entry
+@allocating_kernel
 def _order_arrived(world):  # type: ignore[no-untyped-def]
     """Give the tasks that have arrived a place in the tour, or make a new one."""
     if world.rules.new_tasks == NEAREST and world.count.arrived < world.count.open:
@@ -75,7 +75,7 @@ def _order_arrived(world):  # type: ignore[no-untyped-def]
     world.count.plans += 1
 
 
-@entry
+@allocating_kernel
 def _solve_anew(world):  # type: ignore[no-untyped-def]
     """Order the open tasks by a tour from the latest one done, at first from the centroid."""
     x, y = world.rules.start_x, world.rules.start_y

@@ -1,0 +1,195 @@
+"""Compiling each kernel once: what is called is linked in before it is optimised, not after.
+
+numba optimises every function together with all that it calls and makes machine code of it, and
+does the same again for whoever calls it: a kernel five calls deep five times. Here a function that
+only compiled code calls ends as LLVM's own language. Its entry links all of them and makes
+machine code once.
+
+This leans on how numba is made inside, as `kernel_cache.py` does; its version is pinned for that.
+"""
+
+# mypy: disable-error-code="arg-type, attr-defined, call-arg, no-untyped-call"
+# (numba says types of some of its inside, and not these)
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import binding as llvm
+from numba import _dynfunc, types
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
+from numba.core.compiler_machinery import LoweringPass, register_pass
+from numba.core.environment import lookup_environment
+from numba.core.registry import CPUDispatcher
+from numba.core.typed_passes import NativeLowering
+
+ENVIRONMENT = "_ZN08NumbaEnv"
+"""How the name of a global begins that holds what a function needs of the interpreter."""
+
+
+class _InnerLibrary(JITCodeLibrary):
+    """The code of a function that only compiled code calls, with that of all that it calls.
+
+    It is neither optimised nor made machine code of: that is done where it is linked in.
+    """
+
+    def finalize(self) -> None:
+        """Link what is called; nothing can be added after."""
+        self._raise_if_finalized()
+        for library in dict.fromkeys(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        """Return what is kept on disk; there is no object code."""
+        return self.name, "bitcode", self._get_module_for_linking().as_bitcode()
+
+    @classmethod
+    def _unserialize(cls, codegen: Any, state: tuple[str, str, bytes]) -> _InnerLibrary:
+        name, _, bitcode = state
+        library = cls(codegen, name)
+        library._final_module = llvm.parse_bitcode(bitcode)
+        library._finalize_dynamic_globals()
+        library._finalized = True
+        return library
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _TellCallers(LoweringPass):
+    """Make a function that was lowered known to those that call it."""
+
+    _name = "teamformer_tell_callers"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        lowered = state["cr"]
+        token = _token_of(lowered.fndesc, lowered.env, state.library)
+        state.library.finalize()
+        state.targetctx.insert_user_function(token, lowered.fndesc, [state.library])
+        state["cr"] = lowered._replace(cfunc=token)
+        return True
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _BindEnvironments(LoweringPass):
+    """Give inner functions their environments, which are known once there is machine code."""
+
+    _name = "teamformer_bind_environments"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        for variable in state.library._final_module.global_variables:
+            if variable.name.startswith(ENVIRONMENT):
+                environment = lookup_environment(variable.name)
+                if environment is not None:
+                    state.library.codegen.set_env(variable.name, environment)
+        return False
+
+
+class _InnerCompiler(CompilerBase):
+    """Compiles a function that only compiled code calls."""
+
+    def compile_extra(self, func: Any) -> Any:
+        """Lower a function and stop there."""
+        self.state.library = _InnerLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        self.state.flags.no_compile = True
+        return super().compile_extra(func)
+
+    def define_pipelines(self) -> list[Any]:
+        """Return numba's passes and ours."""
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_TellCallers, NativeLowering)
+        passes.finalize()
+        return [passes]
+
+
+class _EntryCompiler(CompilerBase):
+    """Compiles a function that Python calls."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Return numba's passes and ours."""
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_BindEnvironments, NativeLowering)
+        passes.finalize()
+        return [passes]
+
+
+class _InnerFiles(CompileResultCacheImpl):
+    """Reads and writes what is kept of inner functions."""
+
+    def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> CompileResult:
+        kept, fndesc, environment, signature, _, lifted, annotation, reload_init, others = payload
+        for function in reload_init:
+            function()
+        library = _InnerLibrary._unserialize(target_context.codegen(), kept)
+        return CompileResult(
+            typing_context=target_context.typing_context,
+            target_context=target_context,
+            entry_point=_token_of(fndesc, environment, library),
+            typing_error=None,
+            type_annotation=annotation,
+            signature=signature,
+            library=library,
+            objectmode=False,
+            lifted=lifted,
+            fndesc=fndesc,
+            call_helper=None,
+            environment=environment,
+            metadata=None,
+            reload_init=reload_init,
+            referenced_envs=others,
+        )
+
+
+class _InnerCache(FunctionCache):
+    """What is kept of inner functions: LLVM's language, no machine code."""
+
+    _impl_class = _InnerFiles
+
+
+class Inner(CPUDispatcher):
+    """A function that only compiled code calls."""
+
+    pipeline, cache, prefix = _InnerCompiler, _InnerCache, "inner."
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Compile for whole numbers of 64 bits only, whatever a caller has: once, not thrice."""
+        wide = [_widen(kind) for kind in args]
+        return super().get_call_template(wide, {name: _widen(kws[name]) for name in kws})
+
+
+class Entry(CPUDispatcher):
+    """A function that Python calls; compiled code that calls it takes `inner`, which is the same.
+
+    So nothing is made machine code of only to be linked into something else.
+    """
+
+    pipeline, cache, prefix = _EntryCompiler, FunctionCache, ""
+    inner: Inner
+
+    @property
+    def _numba_type_(self) -> types.Dispatcher:
+        return types.Dispatcher(self.inner)
+
+
+def _token_of(fndesc: Any, environment: Any, library: _InnerLibrary) -> Any:
+    """Return what numba knows a compiled function by; it cannot be called."""
+    name = fndesc.qualname.split(".")[-1]
+    told = f"{fndesc.qualname}, for compiled code only"
+    return _dynfunc.make_function(
+        fndesc.lookup_module(), name, told, 0, environment, (library, environment)
+    )
+
+
+def _widen(kind: Any) -> Any:
+    kind = types.unliteral(kind)
+    is_short = isinstance(kind, types.Integer) and kind.signed and kind.bitwidth < 64
+    return types.int64 if is_short else kind

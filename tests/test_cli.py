@@ -403,6 +403,18 @@ def test_on_a_full_disk_the_result_is_shown_and_no_half_record_stays(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_mission_too_large_to_be_planned_soon_runs_under_crews_and_says_so(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("teamformer.planning.teams.shared_plan.MOST_AT_ONCE", 31)  # 4 * (4 + 4)
+    assert teamformer("run", FOUR, "--json", "--policy", "follow-plan") == 0
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["allocation"] == "crews"
+    assert "4 robots and 4 tasks are too many to share a plan soon: crews instead" in shown.err
+    assert teamformer("run", FOUR, "--json", "--allocation", "plan") == 0
+    assert json.loads(capsys.readouterr().out)["allocation"] == "plan"
+
+
 def test_a_network_of_the_paper_runs_under_its_own_allocation_and_its_row_says_so(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -18,8 +18,15 @@ from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.teams.facts import Facts, SharedPlan, situation_of
 from teamformer.planning.teams.plan import plan_teams
-from teamformer.planning.teams.shared_plan import plan_mission
+from teamformer.planning.teams.shared_plan import (
+    Rounds,
+    is_too_large,
+    plan_mission,
+    rounds_for,
+)
+from teamformer.planning.teams.starts import plan_from_crews
 from teamformer.planning.teams.threshold_search import ThresholdSearch
+from teamformer.scenarios.generate import Spec, generate
 
 
 def start_of(scenario: Scenario) -> Facts:
@@ -108,6 +115,40 @@ def test_every_coalition_can_do_its_task(seed: int) -> None:
             assert covers(
                 total(scenario.robots[r].can for r in coalition), scenario.tasks[doing].needs
             )
+
+
+def test_a_plan_is_no_worse_than_what_crews_do() -> None:
+    """As it begins with their lists, some of them longer searched."""
+    rng = np.random.default_rng(7)
+    for _ in range(6):
+        scenario = generate(Spec(robots=8, tasks=12, capabilities=3), rng)
+        situation = situation_of(scenario, start_of(scenario))
+        rounds = rounds_for(situation.problem, is_again=False)
+        crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
+        search = ThresholdSearch(
+            situation.problem, situation.crossings, situation.company, scenario.forming_steps
+        )
+        search.begin(crews)
+        assert plan_mission(scenario, start_of(scenario)).makespan <= search.makespan
+
+
+def test_rounds_become_fewer_as_missions_grow() -> None:
+    def rounds(robots: int, tasks: int, capabilities: int) -> Rounds:
+        rng = np.random.default_rng(0)
+        scenario = generate(Spec(robots, tasks, capabilities, world=Grid(40, 40)), rng)
+        return rounds_for(situation_of(scenario, start_of(scenario)).problem, is_again=False)
+
+    assert rounds(16, 60, 6)[::2] == (90_000, 72_000)
+    assert rounds(20, 100, 4)[::2] == (150_000, 120_000)
+    assert rounds(100, 300, 8).team == 900_000_000_000 // (300 * 300 * 400)
+
+
+def test_only_vast_missions_are_too_large() -> None:
+    tasks = [task(0, 1)]
+    robots = [0] * 330
+    many = tuple(replace(tasks[0], name=f"t{n}") for n in range(3000))
+    assert not is_too_large(replace(corridor(robots, tasks), tasks=many))  # 3000 * 3330 = 9,990,000
+    assert is_too_large(replace(corridor([0] * 340, tasks), tasks=many))
 
 
 def test_a_plan_made_again_is_never_worse_by_its_own_count() -> None:

@@ -29,6 +29,7 @@ from teamformer.mission_rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.planning.teams.shared_plan import is_too_large
 from teamformer.policies import POLICIES
 from teamformer.policies.central.planner import CentralPlan
 from teamformer.policies.protocol import Planner, Policy
@@ -59,13 +60,18 @@ class Changes:
     def suit(self, scenario: Scenario, policy: Policy, name: str) -> Scenario:
         """Return a changed scenario under an allocation that a policy was made for, and say so.
 
-        Raises `TeamformerError` if the command line asks for another.
+        So it is said where crews stand in for a shared plan that would take too long. Raises
+        `TeamformerError` if the command line asks for an allocation that the policy does not know.
         """
         refuse_unknown(policy, name, self.allocation)
         its_own = suited(scenario, policy)
         if its_own is not scenario:
             what = f"allocation {its_own.allocation}, not {scenario.allocation}"
             say(f"{name} was made for {what}, and runs under that")
+        if its_own.allocation == "plan" != self.allocation and is_too_large(its_own):
+            size = f"{len(its_own.robots)} robots and {len(its_own.tasks)} tasks"
+            say(f"{size} are too many to share a plan soon: crews instead; or --allocation plan")
+            return replace(its_own, allocation="crews")
         return its_own
 
 

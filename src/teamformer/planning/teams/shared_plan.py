@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from teamformer.model import Scenario
+from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.facts import Facts, SharedPlan, Situation, situation_of
 from teamformer.planning.teams.plan import TeamPlan
 from teamformer.planning.teams.starts import complete_plan, plan_from_coalitions, plan_from_crews
@@ -21,29 +22,51 @@ HOT = 0.5
 TRIED = 8
 """From each start an eighth of the rounds is searched, and all of them from the best."""
 
+CREWS, COALITIONS = "crews", "coalitions"
+"""What a plan is made from: what crews do, or coalitions that are best where joining is free."""
+
+SEEDS = 4
+"""How often coalitions are looked for, where those are better than crews."""
+
+CREW_SEARCHES = (8, 20)
+"""How long crews are looked for again where they are better, in tenths of the first time."""
+
+MOST_AT_ONCE = 10_000_000
+"""A mission with more tasks times tasks and robots is too large to be planned while one waits."""
+
 SMALLEST_GAIN = 50
 """The part of the steps left that a new plan must gain for anybody to turn round: a fiftieth."""
 
 
 class Rounds(NamedTuple):
-    """How long to search: for lists of crews, without forming counted, and with."""
+    """How long to search: for lists of crews, each time without forming counted, and with."""
 
     crews: int
     relaxed: int
     team: int
 
 
-def rounds_for(robots: int, tasks: int, is_again: bool) -> Rounds:
+def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     """Return the rounds for a mission of a size: fixed, as a clock would not be the same for all.
 
-    A second of one core for 16 robots and 60 tasks, a fifth of that when planned again.
+    A second or two of one core for 16 robots and 60 tasks, a fifth of that when planned again.
     """
+    tasks, robots = len(problem.appears), len(problem.pace)
+    size = tasks * (tasks + robots)
     crews = 1500 * tasks
-    relaxed = max(1, min(3 * tasks * tasks, 18_000_000 // (tasks * (tasks + robots))))
-    team = min(100 * tasks * tasks, 120_000)
+    relaxed = min(3 * tasks * tasks, 18_000_000 // size) // 2
+    team = min(100 * tasks * tasks, max(70_000, 1200 * tasks), 120_000)
+    team = min(team, 900_000_000_000 // (tasks * size))  # what timing a plan takes grows so
+    team = min(team, 1_200_000_000 // (int(problem.needs.sum()) * problem.needs.shape[1]))
     if is_again:
         return Rounds(crews // 5, 1 + relaxed // 5, team // 5)
     return Rounds(crews, relaxed, team)
+
+
+def is_too_large(scenario: Scenario) -> bool:
+    """Say whether a shared plan would take too long to wait for; crews are planned sooner."""
+    tasks = len(scenario.tasks)
+    return tasks * (tasks + len(scenario.robots)) > MOST_AT_ONCE
 
 
 def plan_mission(scenario: Scenario, facts: Facts, old: SharedPlan | None = None) -> SharedPlan:
@@ -54,15 +77,12 @@ def plan_mission(scenario: Scenario, facts: Facts, old: SharedPlan | None = None
     if not facts.open_tasks:
         return SharedPlan((), (), (), "nothing")
     situation = situation_of(scenario, facts)
-    rounds = rounds_for(len(situation.robots), len(situation.tasks), old is not None)
+    rounds = rounds_for(situation.problem, old is not None)
     kept = None if old is None else _kept(situation, old)
-    best, chosen = None, ""
-    for name, start in _starts(situation, rounds, kept):
-        search = _search_from(situation, start)
-        search.run(rounds.team // TRIED, HOT)
-        if best is None or search.cost < best.cost:
-            best, chosen = search, name
-    assert best is not None  # crews can do every task that can be done
+    tried = [_try(situation, rounds, *start) for start in _first_starts(situation, rounds, kept)]
+    kind = min(tried[kept is not None :], key=_cost_of).name
+    tried += [_try(situation, rounds, *start) for start in _more_starts(situation, rounds, kind)]
+    chosen, best = min(tried, key=_cost_of)
     best.run(rounds.team, HOT)
     if kept is not None:
         unchanged = _search_from(situation, kept)
@@ -72,16 +92,46 @@ def plan_mission(scenario: Scenario, facts: Facts, old: SharedPlan | None = None
     return _plan_of(situation, best, chosen)
 
 
-def _starts(
+class _Tried(NamedTuple):
+    name: str
+    search: ThresholdSearch
+
+
+def _cost_of(tried: _Tried) -> int:
+    return tried.search.cost
+
+
+def _try(situation: Situation, rounds: Rounds, name: str, start: TeamPlan) -> _Tried:
+    """Search for a while from a plan."""
+    search = _search_from(situation, start)
+    search.run(rounds.team // TRIED, HOT)
+    return _Tried(name, search)
+
+
+def _first_starts(
     situation: Situation, rounds: Rounds, kept: TeamPlan | None
 ) -> Iterator[tuple[str, TeamPlan]]:
-    """Return the plans that the search begins with, by name."""
+    """Return a plan of each kind that the search begins with, the old one first."""
     if kept is not None:
         yield "old plan", kept
-    yield "crews", plan_from_crews(situation.problem, situation.company, rounds.crews)
-    relaxed = plan_from_coalitions(situation.problem, rounds.relaxed)
-    if relaxed is not None:
-        yield "coalitions", relaxed
+    yield CREWS, plan_from_crews(situation.problem, situation.company, rounds.crews)
+    if rounds.relaxed >= len(situation.tasks):
+        relaxed = plan_from_coalitions(situation.problem, rounds.relaxed)
+        if relaxed is not None:
+            yield COALITIONS, relaxed
+
+
+def _more_starts(situation: Situation, rounds: Rounds, kind: str) -> Iterator[tuple[str, TeamPlan]]:
+    """Return more plans of the better kind: several searches find more than a long one."""
+    if kind == CREWS:
+        for longer in CREW_SEARCHES:
+            crews = rounds.crews * longer // 10
+            yield CREWS, plan_from_crews(situation.problem, situation.company, crews)
+    else:
+        for seed in range(1, SEEDS):
+            relaxed = plan_from_coalitions(situation.problem, rounds.relaxed, seed)
+            if relaxed is not None:
+                yield COALITIONS, relaxed
 
 
 def _search_from(situation: Situation, start: TeamPlan) -> ThresholdSearch:

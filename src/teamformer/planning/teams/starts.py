@@ -75,9 +75,9 @@ def _regions(is_way: Array) -> tuple[Array, Array]:
     return task_region.astype(np.int64), robot_region
 
 
-def plan_from_coalitions(problem: Relaxed, rounds: int) -> TeamPlan | None:
-    """Return the coalitions that are best where joining is free, as teams."""
-    schedule = search_coalitions(problem, rounds)
+def plan_from_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> TeamPlan | None:
+    """Return coalitions that are good where joining is free, as teams."""
+    schedule = search_coalitions(problem, rounds, seed)
     if schedule is None:
         return None
     return plan_teams(problem, schedule.order, [list(crew) for crew in schedule.crews])

@@ -15,22 +15,38 @@ from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import TeamFormation
 
 
+class CoalitionLog:
+    """Who has done which task in a play, in the order in which they were done."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._order: list[int] = []
+        self._coalitions: list[list[int]] = [[] for _ in scenario.tasks]
+
+    def note(self, env: TeamFormation) -> None:
+        """Write down what is done since: every robot of the team that did it took part."""
+        tasks = env.worlds.tasks[0][: len(self._coalitions)]
+        team_of = env.worlds.robots["team"][0]
+        for task in np.flatnonzero(tasks["done_at"] != NOBODY).tolist():
+            if not self._coalitions[task]:
+                self._order.append(task)
+                self._coalitions[task] = np.flatnonzero(team_of == tasks[task]["done_by"]).tolist()
+
+    def plan(self, problem: Relaxed) -> TeamPlan | None:
+        """Return what was done as a plan; None if not everything was."""
+        if not all(self._coalitions):
+            return None
+        return plan_teams(problem, self._order, self._coalitions)
+
+
 def plan_from_play(
     scenario: Scenario, problem: Relaxed, policy: Policy, deadline: float = math.inf
 ) -> TeamPlan | None:
     """Return the plan of a policy's play; None if that does not complete, or not in time.
 
-    Every robot of the team that does a task is in its crew. `problem` is the scenario's;
-    `deadline` is what `time.perf_counter` then shows.
+    `problem` is the scenario's; `deadline` is what `time.perf_counter` then shows.
     """
-    env = TeamFormation([scenario])
-    order: list[int] = []
-    crews: list[list[int]] = [[] for _ in scenario.tasks]
+    env, log = TeamFormation([scenario]), CoalitionLog(scenario)
     while env.is_running[0] and time.perf_counter() < deadline:
         env.step(policy.decide(env.view()))
-        tasks, team_of = env.worlds.tasks[0][: len(crews)], env.worlds.robots["team"][0]
-        for task in np.flatnonzero(tasks["done_at"] != NOBODY).tolist():
-            if not crews[task]:
-                order.append(task)
-                crews[task] = np.flatnonzero(team_of == tasks[task]["done_by"]).tolist()
-    return plan_teams(problem, order, crews) if all(crews) else None
+        log.note(env)
+    return log.plan(problem)

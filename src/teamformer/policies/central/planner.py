@@ -22,7 +22,7 @@ from teamformer.planning.teams.solve import (
     improve,
     plan_from_schedule,
 )
-from teamformer.policies.central.plan_from_play import plan_from_play
+from teamformer.policies.central.plan_from_play import CoalitionLog, plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.follow_plan import FollowPlan
@@ -45,6 +45,9 @@ BOUNDING = 0.2
 AT_ONCE = 5e7
 """What a bound may look at in one go for each second that it has: a tenth of them."""
 
+SIMPLE_RULES: tuple[tuple[str, Policy], ...] = (("join-all", JoinAll()), ("heuristic", Heuristic()))
+"""Rules that the plan must not be slower than."""
+
 SIMPLE = 0.15
 """Share of the time that the play of a simple rule may take."""
 
@@ -53,6 +56,9 @@ CREW_SECONDS = 6e-6
 
 It is not begun with less time left, as it cannot be stopped.
 """
+
+SHARED_SECONDS = 2e-4
+"""What making the shared plan may take, likewise; it cannot be stopped either."""
 
 FOLLOWED: tuple[tuple[str, str, Policy], ...] = (
     ("crews", "crews", JoinCrew()),
@@ -89,13 +95,17 @@ def plan_centrally(
 ) -> CentralPlan:
     """Return the best plan found in `time_limit` seconds; the first one if that is 0.
 
-    Simple rules are played too, so that the plan is never slower than theirs.
+    The shared plan and simple rules are played too, so that the plan is never slower than theirs.
     """
     plays = _Plays(scenario, time.perf_counter(), time_limit)
+    shared = CoalitionLog(scenario)
+    if _has_time_for_shared_plan(scenario, time_limit):
+        plays.add("plan", FollowPlan(), log=shared)  # the first play is never cut short
     search = _start(scenario, seed)
     if search is not None:
         plays.add("search", _player(scenario, search.best))
-    for name, rule in _simple_rules(scenario):
+        _restart(search, shared.plan(search.problem))
+    for name, rule in SIMPLE_RULES:
         plays.add(name, rule, most_seconds=SIMPLE * max(1.0, time_limit))
     if search is None or time_limit == 0:
         solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
@@ -121,10 +131,17 @@ def _start(scenario: Scenario, seed: int) -> TeamSearch | None:
     return first_search(problem, scenario, seed)
 
 
-def _simple_rules(scenario: Scenario) -> list[tuple[str, Policy]]:
-    """Return rules that the plan must not be slower than; a shared plan is made by now."""
-    rules: list[tuple[str, Policy]] = [("join-all", JoinAll()), ("heuristic", Heuristic())]
-    return [("plan", FollowPlan()), *rules] if scenario.allocation == "plan" else rules
+def _has_time_for_shared_plan(scenario: Scenario, time_limit: float) -> bool:
+    """Say whether the scenario has a shared plan, and time to make and play it."""
+    tasks = len(scenario.tasks)
+    seconds = SHARED_SECONDS * tasks * (tasks + len(scenario.robots))
+    return scenario.allocation == "plan" and seconds <= max(1.0, time_limit)
+
+
+def _restart(search: TeamSearch, plan: TeamPlan | None) -> None:
+    """Let a search go on from a plan if there is one."""
+    if plan is not None:
+        search.restart(plan)
 
 
 def _follow(name: str, scenario: Scenario, rule: Policy, search: TeamSearch, plays: _Plays) -> None:
@@ -217,8 +234,16 @@ class _Plays:
         """Return the seconds until it is time for the last plays."""
         return max(0.0, self.limit - self.seconds - MARGIN - 1.5 * self._longest)
 
-    def add(self, name: str, player: PlanPlayer | Policy, most_seconds: float = math.inf) -> None:
+    def add(
+        self,
+        name: str,
+        player: PlanPlayer | Policy,
+        most_seconds: float = math.inf,
+        log: CoalitionLog | None = None,
+    ) -> None:
         """Play a plan or a policy, and keep its decisions if it is the fastest so far.
+
+        What is done is noted in `log`.
 
         Once there is a play to show, others end early: when they are no faster, when time is up,
         or after `most_seconds`.
@@ -232,6 +257,8 @@ class _Plays:
             if self.makespan is not None and self.seconds > end:
                 return
             script.append(_step(env, player))
+            if log is not None:
+                log.note(env)
         tally = env.tally()
         if tally.status == "completed" and tally.steps < most:
             self.makespan, self._played_by, self._script = tally.steps, name, script

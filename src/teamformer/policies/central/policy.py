@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -42,7 +43,8 @@ class Central:
         if everything is None:
             raise ValueError("the central planner has to be given the scenarios")
         seed = int(rng.integers(2**31))
-        _warm_up()
+        for allocation in sorted({scenario.allocation for scenario in everything}):
+            _warm_up(allocation)
         self.plans = [
             plan_centrally(scenario, self.time_limit, seed, self.workers) for scenario in everything
         ]
@@ -62,10 +64,10 @@ class Central:
 
 
 @cache
-def _warm_up() -> None:
+def _warm_up(allocation: str) -> None:
     """Have everything compiled and imported before the clock starts."""
     make_solver(seed=0)
-    scenario = smallest_scenario()
+    scenario = replace(smallest_scenario(), allocation=allocation)
     problem = relax(scenario)
     raise_by_routes(scenario, problem, 0, lambda _: None, lambda: False)
     search = first_search(problem, scenario, seed=0)

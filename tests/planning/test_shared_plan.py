@@ -161,11 +161,8 @@ def test_a_plan_made_again_is_never_worse_by_its_own_count() -> None:
 
 
 HASHED = """
-import numpy as np
-from hashlib import sha256
-from random_worlds import random_world
 from test_shared_plan import hash_of
-print(hash_of(seed=4, worlds=6))
+print(hash_of(seed={seed}, worlds={worlds}))
 """
 
 
@@ -178,14 +175,26 @@ def hash_of(seed: int, worlds: int) -> str:
     return stamp.hexdigest()
 
 
-def test_plans_are_the_same_without_the_compiler_and_in_another_process() -> None:
+def hash_elsewhere(seed: int, worlds: int, **environment: str) -> str:
+    """Return the hash that another process finds."""
     here = Path(__file__).parent
     paths = [str(here), str(here.parent), os.environ.get("PYTHONPATH", "")]
     told = subprocess.run(
-        [sys.executable, "-c", HASHED],
+        [sys.executable, "-c", HASHED.format(seed=seed, worlds=worlds)],
         capture_output=True,
         text=True,
         check=True,
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(paths)},
+        env={**os.environ, **environment, "PYTHONPATH": os.pathsep.join(paths)},
     )
-    assert told.stdout.strip() == hash_of(seed=4, worlds=6)
+    return told.stdout.strip()
+
+
+def test_plans_are_the_same_without_the_compiler_and_in_another_process() -> None:
+    assert hash_elsewhere(4, 6, NUMBA_DISABLE_JIT="1") == hash_of(seed=4, worlds=6)
+
+
+@pytest.mark.slow
+def test_thousands_of_plans_are_the_same_in_other_processes() -> None:
+    ours = hash_of(seed=5, worlds=2000)
+    assert hash_elsewhere(5, 2000, NUMBA_NUM_THREADS="1") == ours
+    assert hash_elsewhere(5, 2000, NUMBA_NUM_THREADS="2", OMP_NUM_THREADS="2") == ours

@@ -108,3 +108,23 @@ def test_forks_and_resets_keep_the_plan() -> None:
     env.reset()
     assert play(env) == ended
     env.close()
+
+
+def test_plans_are_the_same_with_one_thread_and_two() -> None:
+    rng = np.random.default_rng(11)
+    spec = Spec(robots=6, tasks=7, late_tasks=3, capabilities=3, late_between=(2, 6))
+    scenarios = [replace(generate(spec, rng), allocation="plan") for _ in range(6)]
+    policy, played = FollowPlan(), []
+    for threads in (1, 2):
+        with TeamFormation(scenarios, threads=threads) as env:
+            plans = []
+            while env.is_running.any():
+                env.step(policy.decide(env.view()))
+                plans.append((env.worlds.coalition.copy(), env.worlds.order.copy()))
+            played.append((plans, [env.tally(w) for w in range(len(scenarios))]))
+    (one, ended), (two, ended_too) = played
+    assert ended == ended_too
+    assert all(
+        (np.array_equal(a, c) and np.array_equal(b, d))
+        for (a, b), (c, d) in zip(one, two, strict=True)
+    )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from teamformer.errors import ScenarioError
@@ -27,6 +29,18 @@ def random_world(
             return _draw(rng, with_losses, with_arrivals, is_plane)
         except ScenarioError:  # an island, or a task too hard: draw another
             continue
+
+
+def with_precedence_and_windows(scenario: Scenario, rng: np.random.Generator) -> Scenario:
+    """Return a scenario in which some tasks come after others, and some have to wait."""
+    tasks: list[Task] = []
+    for task in scenario.tasks:
+        after = tuple(other.name for other in tasks if rng.random() < 0.3)
+        begin, length = (int(n) for n in rng.integers(0, 25, size=2))
+        between = (begin, begin + task.duration + length + 1) if rng.random() < 0.4 else None
+        tasks.append(replace(task, after=after, between=between))
+    turned = rng.permutation(len(tasks))  # so that tasks come after later ones in the file, too
+    return replace(scenario, tasks=tuple(tasks[k] for k in turned), step_limit=0)
 
 
 def _draw(

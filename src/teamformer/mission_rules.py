@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from teamformer.errors import Problem
 
 if TYPE_CHECKING:
-    from teamformer.model import Scenario
+    from teamformer.model import Scenario, Task
 
 ORDERS = ("tsp", "schedule")
 NEW_TASKS = ("resolve", "nearest")
@@ -57,11 +57,33 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("ends",), f"in steps missions end with the last task; {remedy}")
     if scenario.forming:
         yield Problem(("forming",), f"in steps forming_steps says what forming takes; {remedy}")
+
+
+def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
+    """Return which rules only the step simulator and the planner know; nothing if there are none.
+
+    Robots that are processes of their own, or stand in an arena, refuse such missions.
+    """
+    yield from rules_not_played(scenario)
     for number, task in enumerate(scenario.tasks):
         for key in ("after", "between"):
             if getattr(task, key):
-                message = f"task '{task.name}' has {key}, which is not played in steps; {remedy}"
-                yield Problem(("tasks", number, key), message)
+                message = f"task '{task.name}' has {key}, which only `teamformer run` and"
+                remedy = "`teamformer plan` keep; drop it, or use one of these"
+                yield Problem(("tasks", number, key), f"{message} {remedy}")
+
+
+def opening_step(task: Task) -> int:
+    """Return how many steps have been made when a task may begin, those before it being done.
+
+    Until then nobody heads for it.
+    """
+    return max(task.appears, math.ceil(task.between[0]) if task.between else 0)
+
+
+def is_known_from_start(task: Task) -> bool:
+    """Say whether a task may begin in the first step."""
+    return not task.after and opening_step(task) == 0
 
 
 def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:

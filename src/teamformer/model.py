@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import FREE, Grid, Place
+from teamformer.mission_rules import opening_step
 from teamformer.plane import Plane
 from teamformer.regions import flood
 from teamformer.scenario_checks import find_problems
@@ -115,7 +116,7 @@ def default_step_limit(scenario: Scenario) -> int:
     slowest = min(scenario.world.pace(robot.speed) for robot in scenario.robots)
     walks = 4 * (len(scenario.tasks) + 1) * _longest_walk(scenario)
     waits = sum(task.duration for task in scenario.tasks)
-    latest = max(task.appears for task in scenario.tasks)
+    latest = max(opening_step(task) for task in scenario.tasks)
     forming = 4 * (len(scenario.tasks) + 1) * len(scenario.robots)
     steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(forming, MOST_FORMING)
     return steps + min(math.ceil(waits + latest), MOST_WAITING)

@@ -9,7 +9,7 @@ import pytest
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid
-from teamformer.mission_rules import rules_not_played
+from teamformer.mission_rules import rules_not_played, rules_of_simulated_missions
 from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.files import read_scenario, write_scenario
 from teamformer.sim.env import TeamFormation
@@ -60,7 +60,6 @@ def test_a_circle_is_found_behind_others() -> None:
         ({}, "missions in continuous time are not played in steps"),
         ({"time": "steps"}, "in steps missions end with the last task"),
         ({"time": "steps", "ends": None}, "in steps forming_steps says what forming takes"),
-        ({"time": "steps", "ends": None, "forming": 0}, "task 'y' has after"),
     ],
 )
 def test_the_simulator_refuses_what_it_does_not_play(changes: dict[str, object], told: str) -> None:
@@ -68,6 +67,15 @@ def test_the_simulator_refuses_what_it_does_not_play(changes: dict[str, object],
     mission = replace(MISSION, tasks=tasks, **changes)  # type: ignore[arg-type]
     with pytest.raises(ScenarioError, match=told):
         TeamFormation([mission])
+
+
+def test_precedence_and_windows_are_played_but_not_by_robots_of_their_own() -> None:
+    tasks = (replace(MISSION.tasks[0], duration=2), MISSION.tasks[1])
+    mission = replace(MISSION, tasks=tasks, time="steps", ends=None, forming=0)
+    assert list(rules_not_played(mission)) == []
+    told = [problem.message for problem in rules_of_simulated_missions(mission)]
+    remedy = "which only `teamformer run` and `teamformer plan` keep; drop it, or use one of these"
+    assert told == [f"task 'y' has {key}, {remedy}" for key in ("after", "between")]
 
 
 def test_usual_missions_are_played() -> None:

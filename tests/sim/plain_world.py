@@ -49,7 +49,8 @@ class PlainWorld:
         self.s = scenario
         self.steps = 0
         self.done: dict[int, int] = {}
-        self.open = [k for k, task in enumerate(scenario.tasks) if task.appears == 0]
+        self.known: set[int] = set()
+        self.open = self.release()
         world = scenario.world
         self.here = world.arrival_radius if isinstance(world, Plane) else 0.0
         self.fields = (
@@ -85,6 +86,19 @@ class PlainWorld:
     def is_same(self, one: Place, other: Place) -> bool:
         return apart_squared(one, other) <= self.here**2
 
+    def release(self) -> list[int]:
+        """Make known what may begin now: its time has come, and all before it is done."""
+        done = {self.s.tasks[task].name for task in self.done}
+        news = [
+            k
+            for k, task in enumerate(self.s.tasks)
+            if k not in self.known
+            and set(task.after) <= done
+            and self.steps >= max(task.appears, task.between[0] if task.between else 0)
+        ]
+        self.known.update(news)
+        return news
+
     # One step. `wanted` is a list of counts for each slot; `order` is the shared order.
 
     def step(self, wanted: dict[int, list[int]], order: list[int]) -> None:
@@ -100,7 +114,7 @@ class PlainWorld:
         any_lost = self.lose()
         self.complete()
         self.steps += 1
-        news = [k for k, task in enumerate(self.s.tasks) if task.appears == self.steps]
+        news = self.release()
         self.open += news
         if news or any_lost:
             for team in self.teams.values():

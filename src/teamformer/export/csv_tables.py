@@ -11,6 +11,7 @@ from teamformer.capabilities import describe
 from teamformer.export.events import events
 from teamformer.export.moments import NOBODY, PHASES, Moment, moments, seconds_a_step
 from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.task_times import NEVER, opening_steps
 
 Row = Sequence[object]
 
@@ -41,12 +42,13 @@ def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
 def _tasks(replay: Replay) -> Iterable[Row]:
     yield ("task", "needs", "x", "y", "duration", "appears", "done_in_step", "done_by")
     done = {event.task: event for event in events(replay) if event.kind == "done"}
+    opens = opening_steps(replay)
     for number, task in enumerate(replay.scenario.tasks):
         event = done.get(number)
         who = "" if event is None else ", ".join(_name(replay, robot) for robot in event.robots)
         when = "" if event is None else event.step
-        needs = describe(task.needs)
-        yield (task.name, needs, *task.at, task.duration, task.appears, when, who)
+        needs, known = describe(task.needs), "" if opens[number] == NEVER else opens[number]
+        yield (task.name, needs, *task.at, task.duration, known, when, who)
 
 
 def _events(replay: Replay) -> Iterable[Row]:

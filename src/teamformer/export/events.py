@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.task_times import opening_steps
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class Event:
 def events(replay: Replay) -> Iterator[Event]:
     """Yield the events of a record."""
     members = {slot: tuple(robots) for slot, robots, _, _ in replay.start}
+    opens = opening_steps(replay)
     for number, step in enumerate(replay.steps, start=1):
         for stay, leave in step.splits:
             members.pop(min(*stay, *leave))
@@ -53,8 +55,8 @@ def events(replay: Replay) -> Iterator[Event]:
             yield Event(number, "lost", (robot,))
         for task, slot in step.done:
             yield Event(number, "done", members[slot], task)
-        for late, wanted in enumerate(replay.scenario.tasks):
-            if wanted.appears == number:
+        for late, opened in enumerate(opens):
+            if opened == number:
                 yield Event(number, "appears", task=late)
     yield Event(len(replay.steps), replay.end.status)
 

@@ -46,6 +46,7 @@ from teamformer.grid import Grid as GridWorld
 from teamformer.grid import Place
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.task_times import done_steps, opening_steps
 
 FRAME = "map"
 UPRIGHT = Quaternion(x=0.0, y=0.0, z=0.0, w=1.0)
@@ -54,22 +55,32 @@ GOLDEN_ANGLE = 0.381966  # of a turn
 BLOCKED = 255
 
 
+Span = tuple[int, int]
+"""Steps made when a task became known, and the step in which it was done."""
+
+
 def write_mcap(replay: Replay, path: Path) -> int:
     """Write a record as MCAP, over what is there; return how many messages it has."""
     context = foxglove.Context()
     channels = _Channels(context)
     length = seconds_a_step(replay.scenario)
     log = {step: [e for e in events(replay) if e.step == step] for step in _event_steps(replay)}
-    done = {event.task: event.step for event in events(replay) if event.kind == "done"}
+    spans = list(zip(opening_steps(replay), _ends(replay), strict=True))
     with foxglove.open_mcap(path, allow_overwrite=True, context=context):
         channels.map(replay.scenario)
         for moment in moments(replay):
             time = round(moment.step * length * NANOSECONDS)
             channels.frames(replay.scenario, moment, time)
-            channels.scene(replay.scenario, moment, done, time)
+            channels.scene(replay.scenario, moment, spans, time)
             for event in log.get(moment.step, ()):
                 channels.log(event.text(replay.scenario), event.kind == "lost", time)
     return channels.count
+
+
+def _ends(replay: Replay) -> list[int]:
+    """Return the step in which each task was done, or one after the last."""
+    done = done_steps(replay)
+    return [done.get(task, len(replay.steps) + 1) for task in range(len(replay.scenario.tasks))]
 
 
 def _event_steps(replay: Replay) -> set[int]:
@@ -127,11 +138,9 @@ class _Channels:
         self._frames.log(FrameTransforms(transforms=transforms), log_time=time)
         self.count += 1
 
-    def scene(
-        self, scenario: Scenario, moment: Moment, done: dict[int | None, int], time: int
-    ) -> None:
+    def scene(self, scenario: Scenario, moment: Moment, spans: Sequence[Span], time: int) -> None:
         """Log tasks and robots as things to see."""
-        entities = [*_tasks(scenario, moment, done, time), *_robots(scenario, moment, time)]
+        entities = [*_tasks(scenario, moment, spans, time), *_robots(scenario, moment, time)]
         self._scene.log(SceneUpdate(entities=entities), log_time=time)
         self.count += 1
 
@@ -144,13 +153,13 @@ class _Channels:
 
 
 def _tasks(
-    scenario: Scenario, moment: Moment, done: dict[int | None, int], time: int
+    scenario: Scenario, moment: Moment, spans: Sequence[Span], time: int
 ) -> Iterator[SceneEntity]:
     size = _unit(scenario)
-    for number, task in enumerate(scenario.tasks):
-        if task.appears > moment.step:
+    for number, (task, (opens, ends)) in enumerate(zip(scenario.tasks, spans, strict=True)):
+        if opens > moment.step:
             continue
-        is_done = done.get(number, moment.step + 1) <= moment.step
+        is_done = ends <= moment.step
         box = CubePrimitive(
             pose=_pose(task.at),
             size=Vector3(x=0.8 * size, y=0.8 * size, z=0.05 * size),

@@ -11,6 +11,7 @@ from teamformer.grid import Place
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.sim.replay.record import Replay, Step
+from teamformer.sim.replay.task_times import opening_steps
 
 NOBODY = -1
 PHASES = ("walking", "waiting", "forming", "serving", "idle", "lost")
@@ -52,6 +53,7 @@ class _State:
                 self.team[robot] = slot
             self._at[slot], self._task[slot] = (x, y), NOBODY
         self._serving: dict[int, set[int]] = {}  # task -> robots that began it
+        self._opens = opening_steps(replay)
         self._is_done = [False] * len(self._scenario.tasks)
 
     def moment(self, number: int, phase: list[str]) -> Moment:
@@ -135,7 +137,7 @@ class _State:
                 del self._serving[task]
         slots = sorted(set(self.team) - {NOBODY})
         for task, wanted in enumerate(self._scenario.tasks):
-            if wanted.duration == 0 or self._is_done[task] or wanted.appears >= number:
+            if wanted.duration == 0 or self._is_done[task] or self._opens[task] >= number:
                 continue
             if task not in self._serving:
                 able = next((slot for slot in slots if self._covers(slot, task)), NOBODY)

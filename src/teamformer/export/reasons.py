@@ -19,6 +19,7 @@ from teamformer.export.moments import (
 )
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.task_times import opening_steps
 
 
 @dataclass(frozen=True)
@@ -100,14 +101,14 @@ def _why_waiting(scenario: Scenario, moment: Moment, robot: int, task: int) -> s
 
 
 def _why_idle(replay: Replay, moment: Moment, robot: int) -> str:
-    scenario = replay.scenario
+    scenario, opens = replay.scenario, opening_steps(replay)
     done = {
         event.task for event in events(replay) if event.kind == "done" and event.step <= moment.step
     }
     is_open = [
         task
         for number, task in enumerate(scenario.tasks)
-        if task.appears < moment.step and number not in done
+        if opens[number] < moment.step and number not in done
     ]
     plan = _shared_plan(replay, moment)
     if is_open and plan is not None:

@@ -104,7 +104,7 @@ def check_assignments(
     scenario = fleet.scenario
     if scenario.allocation not in SHARED_OUT:
         return
-    is_news = any_lost or any(task.appears == steps_made for task in scenario.tasks)
+    is_news = any_lost or steps_made in tasks.openings()
     for slot, team in sorted(fleet.teams.items()):
         due = None if team.due in tasks.done else team.due
         if is_news and due not in team.services:
@@ -119,7 +119,7 @@ def _name(fleet: Fleet, task: int | None) -> str:
     return "nothing" if task is None else f"task {fleet.scenario.tasks[task].name}"
 
 
-def judge_crews(replay: Replay, done: dict[int, int], notes: Notes) -> None:
+def judge_crews(replay: Replay, tasks: Tasks, notes: Notes) -> None:
     """Check that crews are planned when they must be, and share out robots and open tasks."""
     scenario = replay.scenario
     for allocation, made in (("crews", replay.crews), ("plan", replay.plans)):
@@ -127,12 +127,12 @@ def judge_crews(replay: Replay, done: dict[int, int], notes: Notes) -> None:
             notes.note(f"the record has {allocation}, and the scenario has none")
     orders = dict(replay.orders)
     if scenario.allocation == "crews":
-        _check_moments(replay, done, {steps for steps, _ in replay.crews}, "crews", notes)
+        _check_moments(replay, tasks, {steps for steps, _ in replay.crews}, "crews", notes)
         for steps, crews in replay.crews:
             left = _robots_left(scenario, steps)
             _check_crews(replay, steps, crews, left, orders.get(steps, ()), notes)
     if scenario.allocation == "plan":
-        _check_moments(replay, done, {steps for steps, _ in replay.plans}, "plan", notes)
+        _check_moments(replay, tasks, {steps for steps, _ in replay.plans}, "plan", notes)
         for steps, plan in replay.plans:
             _check_plan(replay, steps, plan, orders.get(steps, ()), notes)
 
@@ -142,18 +142,12 @@ def _robots_left(scenario: Scenario, steps: int) -> set[int]:
     return set(range(len(scenario.robots))) - lost
 
 
-def _check_moments(
-    replay: Replay, done: dict[int, int], made: set[int], what: str, notes: Notes
-) -> None:
+def _check_moments(replay: Replay, tasks: Tasks, made: set[int], what: str, notes: Notes) -> None:
     """Check that crews or plans are made at the start, when tasks appear, when robots are lost."""
     scenario, last = replay.scenario, len(replay.steps) - 1
     losses = {robot.lost for robot in scenario.robots if robot.lost is not None}
-    for steps in sorted({0, *(task.appears for task in scenario.tasks), *losses} - made):
-        any_open = any(
-            task.appears <= steps and done.get(number, steps + 1) > steps
-            for number, task in enumerate(scenario.tasks)
-        )
-        if steps <= last and any_open:
+    for steps in sorted({0, *tasks.openings(), *losses} - made):
+        if steps <= last and tasks.open_after(steps):
             are = "is no" if what == "plan" else "are no"
             notes.note(f"there {are} {what} from after {steps} steps")
 

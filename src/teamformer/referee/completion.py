@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 
 from teamformer.capabilities import describe, missing
@@ -43,11 +44,48 @@ class Tasks:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
         self.done: dict[int, int] = {}  # task -> step
+        self._number = {task.name: number for number, task in enumerate(scenario.tasks)}
         self._places = _Places(scenario)
+
+    def opens_after(self, task: int) -> int | None:
+        """Return how many steps are made when a task becomes known; None if it never does.
+
+        That is when it appears, its window begins and all that it comes after is done.
+        """
+        wanted = self.scenario.tasks[task]
+        before = [self.done.get(self._number[name]) for name in wanted.after]
+        if None in before:
+            return None
+        begin = 0 if wanted.between is None else math.ceil(wanted.between[0])
+        return max([wanted.appears, begin, *(step for step in before if step is not None)])
 
     def is_open(self, task: int, steps_made: int) -> bool:
         """Say whether a task is known once so many steps are made, and undone."""
-        return task not in self.done and self.scenario.tasks[task].appears <= steps_made
+        opens = self.opens_after(task)
+        return task not in self.done and opens is not None and opens <= steps_made
+
+    def open_after(self, steps_made: int) -> set[int]:
+        """Return the tasks that were known and undone once so many steps were made."""
+        return {
+            task
+            for task in range(len(self.scenario.tasks))
+            if (opens := self.opens_after(task)) is not None
+            and opens <= steps_made < self.done.get(task, steps_made + 1)
+        }
+
+    def lateness(self) -> dict[str, float]:
+        """Return by how many steps tasks were done after their window, for those that were."""
+        late = {}
+        for task, step in self.done.items():
+            wanted = self.scenario.tasks[task]
+            if wanted.between is not None and step > wanted.between[1]:
+                late[wanted.name] = step - wanted.between[1]
+        return late
+
+    def openings(self) -> set[int]:
+        """Return after how many steps tasks have become known."""
+        steps = (self.opens_after(task) for task in range(len(self.scenario.tasks)))
+        return {step for step in steps if step is not None}
 
     def complete(self, fleet: Fleet, recorded: dict[int, int], step: int, notes: Notes) -> None:
         """Work out what is done in a step and compare it with the record, task -> slot."""
@@ -111,7 +149,10 @@ class Tasks:
     def _why_not(self, fleet: Fleet, task: int, slot: int, step: int) -> str:
         wanted = self.scenario.tasks[task]
         if not self.is_open(task, step - 1):
-            return f"it appears after {wanted.appears} steps"
+            opens = self.opens_after(task)
+            if opens is None:
+                return f"it comes after {', '.join(wanted.after)}"
+            return f"it appears after {opens} steps"
         team = fleet.teams.get(slot)
         if team is None:
             return f"there is no team of robot {self.scenario.robots[slot].name} as its lowest"

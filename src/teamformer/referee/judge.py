@@ -38,11 +38,11 @@ def judge(replay: Replay) -> Verdict:
         check_headway(fleet, ways, notes)
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
-    judge_orders(replay, tasks.done, notes)
-    judge_crews(replay, tasks.done, notes)
+    judge_orders(replay, tasks, notes)
+    judge_crews(replay, tasks, notes)
     judge_ending(replay, fleet, tasks, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
-    return Verdict(findings, len(replay.steps), len(tasks.done))
+    return Verdict(findings, len(replay.steps), len(tasks.done), tasks.lateness())
 
 
 def _judge_step(

@@ -23,24 +23,20 @@ def start_fleet(replay: Replay, notes: Notes) -> Fleet:
     return fleet
 
 
-def judge_orders(replay: Replay, done: dict[int, int], notes: Notes) -> None:
+def judge_orders(replay: Replay, tasks: Tasks, notes: Notes) -> None:
     """Check that each shared order holds exactly the tasks that are known and undone then.
 
     There is one at the start, and one whenever tasks have appeared.
     """
     last = len(replay.steps)
     made = {steps for steps, _ in replay.orders}
-    for steps in sorted({0, *(task.appears for task in replay.scenario.tasks)} - made):
+    for steps in sorted({0, *tasks.openings()} - made):
         if steps <= last:
             notes.note(f"there is no order from after {steps} steps, when tasks appeared")
     for steps in sorted(made - set(range(last + 1))):
         notes.note(f"there is an order from after {steps} steps, but only {last} were made")
     for steps, order in replay.orders:
-        known = {
-            number
-            for number, task in enumerate(replay.scenario.tasks)
-            if task.appears <= steps and done.get(number, steps + 1) > steps
-        }
+        known = tasks.open_after(steps)
         if set(order) != known or len(order) != len(known):
             notes.note(f"the order made after {steps} steps is not one of the open tasks")
 

@@ -22,6 +22,8 @@ class Verdict:
     findings: tuple[Finding, ...]
     steps: int
     tasks_done: int
+    late: dict[str, float] = field(default_factory=dict)
+    """By how many steps tasks were done after their window, which breaks no rule."""
 
     @property
     def is_legal(self) -> bool:

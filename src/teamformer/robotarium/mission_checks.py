@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from teamformer.errors import Problem, ScenarioError
-from teamformer.mission_rules import rules_not_played
+from teamformer.mission_rules import rules_of_simulated_missions
 from teamformer.model import Scenario, Task
 from teamformer.plane import Plane
 from teamformer.robotarium.control.ring_slots import FROM_WALLS, SPACING, ring_radius
@@ -27,7 +27,7 @@ def check_mission(scenario: Scenario) -> None:
 
 def find_problems(scenario: Scenario) -> Iterator[Problem]:
     """Return what is wrong, with the distance needed."""
-    yield from rules_not_played(scenario)
+    yield from rules_of_simulated_missions(scenario)
     world = scenario.world
     if not isinstance(world, Plane) or (world.width, world.height) != (WIDTH, HEIGHT):
         size = f"plane: [{WIDTH:g}, {HEIGHT:g}], step: 0.99"

@@ -17,7 +17,12 @@ import numpy.typing as npt
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid, Place
-from teamformer.mission_rules import ALLOCATIONS, rules_not_played
+from teamformer.mission_rules import (
+    ALLOCATIONS,
+    is_known_from_start,
+    opening_step,
+    rules_not_played,
+)
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS, Plane
 from teamformer.planning.distances import UNREACHABLE, blocked_cells, distance_fields
@@ -130,7 +135,8 @@ TASK = np.dtype(
         ("x", np.float64),
         ("y", np.float64),
         ("duration", np.int32),  # steps
-        ("appears", np.int32),  # steps made when it becomes known
+        ("appears", np.int32),  # steps made when it becomes known, if it awaits no other
+        ("awaits", np.int32),  # how many tasks that it comes after are undone
         ("region", np.int32),
         ("next_here", np.int32),  # the next task in the same cell
         ("rank", np.int32),  # place in the order while open
@@ -162,6 +168,7 @@ class Worlds(NamedTuple):
     brings: Array  # (worlds, robots, caps) counts of each robot
     has: Array  # (worlds, robots, caps) counts of each team
     needs: Array  # (worlds, tasks, caps)
+    precedes: Array  # (worlds, tasks, tasks) which are done before which, or (worlds, 0, 0)
     demand: Array  # (worlds, caps) open tasks that need each capability
     order: Array  # (worlds, tasks) open tasks in order, the first count.open of them
     blocked: Array  # (worlds, height, width), or (worlds, 0, 0) if no world has walls
@@ -188,6 +195,7 @@ if TYPE_CHECKING:
         brings: Array
         has: Array
         needs: Array
+        precedes: Array
         demand: Array
         order: Array
         blocked: Array
@@ -217,6 +225,7 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.brings[w],
         worlds.has[w],
         worlds.needs[w],
+        worlds.precedes[w],
         worlds.demand[w],
         worlds.order[w],
         worlds.blocked[w],
@@ -255,6 +264,8 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     caps = max(len(s.capabilities) for s in scenarios)
     cells = max(width * height for width, height, _ in map(_cells_of, scenarios))
     maps = [s.world for s in scenarios if isinstance(s.world, Grid) and s.world.rows]
+    has_precedence = any(task.after for s in scenarios for task in s.tasks)
+    precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
     has_plan = any(s.allocation == "plan" for s in scenarios)
     walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
     worlds = Worlds(
@@ -267,6 +278,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         brings=np.zeros((count, robots, caps), dtype=np.int16),
         has=np.zeros((count, robots, caps), dtype=np.int16),
         needs=np.zeros((count, tasks, caps), dtype=np.int16),
+        precedes=np.zeros(precedes, dtype=np.bool_),
         demand=np.zeros((count, caps), dtype=np.int32),
         order=np.full((count, tasks), NOBODY, dtype=np.int32),
         blocked=np.ones((count, *walls), dtype=np.bool_),
@@ -372,14 +384,17 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
 
 def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario) -> None:
     cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
+    number_of = {task.name: k for k, task in enumerate(scenario.tasks)}
     width, height, cells_per_length = _cells_of(scenario)
     for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
         task, record = scenario.tasks[k], worlds.tasks[w, k]
         record["x"], record["y"] = task.at
         record["duration"] = task.duration
-        record["appears"] = task.appears
+        record["appears"], record["awaits"] = opening_step(task), len(task.after)
+        for name in task.after:
+            worlds.precedes[w, number_of[name], k] = True
         record["region"] = scenario.world.region(task.at)
-        record["is_open"] = task.appears == 0
+        record["is_open"] = is_known_from_start(task)
         column, row = (int(along * cells_per_length) for along in task.at)
         cell = worlds.cells[w, min(row, height - 1) * width + min(column, width - 1)]
         record["next_here"], cell["first_task"] = cell["first_task"], k

@@ -78,6 +78,17 @@ def _finish(world: World, team: int, task: int, step: int) -> None:
     world.count.done += 1
     for cap in range(world.has.shape[1]):
         world.demand[cap] -= world.needs[task, cap] > 0
+    for other in range(world.precedes.shape[0]):
+        if world.precedes[task, other]:
+            _await_one_less(world, other, step)
+
+
+@kernel
+def _await_one_less(world: World, task: int, step: int) -> None:
+    """Have a task appear as soon as it may, if the one done was the last that it came after."""
+    world.tasks[task].awaits -= 1
+    if world.tasks[task].awaits == 0:
+        world.tasks[task].appears = max(world.tasks[task].appears, step)
 
 
 @kernel
@@ -116,7 +127,7 @@ def release_tasks(world: World, steps_made: int) -> bool:
     """Make known the tasks that appear now, at the end of the order; say whether any do."""
     arrived = 0
     for task in range(world.rules.tasks):
-        if world.tasks[task].appears == steps_made:
+        if world.tasks[task].appears == steps_made and world.tasks[task].awaits == 0:
             world.tasks[task].is_open = True
             world.order[world.count.open] = task
             world.count.open += 1

@@ -69,7 +69,8 @@ class Recorder:
                 took=_exchanges(robots["took"]),
             )
         )
-        if (tasks["appears"] == steps).any() or self._plans < self._env.worlds.count["plans"][0]:
+        appears = (tasks["appears"] == steps) & (tasks["awaits"] == 0)
+        if appears.any() or self._plans < self._env.worlds.count["plans"][0]:
             self._write_order(steps)
         self._before = after  # last: only now does the step count as written down
 

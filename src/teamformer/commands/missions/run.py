@@ -35,6 +35,7 @@ from teamformer.policies.central.planner import CentralPlan
 from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.task_times import lateness
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.registry import load_policy
 from teamformer.trials.suiting import refuse_unknown, suited
@@ -216,6 +217,7 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
         "splits": end.splits,
         "illegal_decisions": end.illegal_decisions,
         "blocked_tasks": list(end.blocked_tasks),
+        "late": lateness(replay),
         "decision_seconds": round(trial.decision_seconds, 6),
         "total_seconds": round(trial.total_seconds, 6),
         "best_known": best_known,
@@ -246,6 +248,8 @@ def _show(trial: Trial) -> None:
     if len(scenario.tasks) <= LONGEST_TABLE:
         out.print(_task_table(replay))
     out.print(_verdict(replay), style="green" if end.status == "completed" else "red")
+    for task, steps in lateness(replay).items():
+        out.print(f"late: {task} by {steps:g} steps", markup=False, style="red")
     if lost := _losses(replay):
         out.print(f"lost: {lost}", markup=False, style="red")
     if trial.plan is not None:

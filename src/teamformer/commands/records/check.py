@@ -22,7 +22,8 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
     With a scenario's file, the record must be one of that scenario, too.
     """
     replay = read_replay(path)
-    findings = [{"step": f.step, "message": f.message} for f in judge(replay).findings]
+    verdict = judge(replay)
+    findings = [{"step": f.step, "message": f.message} for f in verdict.findings]
     if scenario is not None:
         findings += [
             {"step": 0, "message": f"the record is of another scenario than {scenario}: {how}"}
@@ -35,6 +36,7 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
                 "legal": not findings,
                 "status": replay.end.status,
                 "findings": findings,
+                "late": verdict.late,
                 "scenario_compared": scenario is not None,
                 "claimed": claimed,
             }
@@ -42,6 +44,8 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
         return 1 if findings else 0
     for finding in findings:
         out.print(finding["message"], markup=False)
+    for task, by in verdict.late.items():
+        out.print(f"late: {task} by {by:g} steps, which is allowed", markup=False)
     steps, tasks = len(replay.steps), replay.end.tasks_done
     if findings:
         out.print(f"not legal: {len(findings)} findings in {steps} steps", style="red")

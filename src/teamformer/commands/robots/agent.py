@@ -11,7 +11,7 @@ from typing import Any
 
 from teamformer.commands.robots.rehearse import require_extra
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import rules_not_played
+from teamformer.mission_rules import rules_of_simulated_missions
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 
@@ -42,7 +42,7 @@ def agent(path: Path, options: Options) -> int:
     from teamformer.fleet.transports.transport import check_endpoints, read_secret
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
-    scenario = read_scenario(path, rules_not_played)
+    scenario = read_scenario(path, rules_of_simulated_missions)
     robot = _number_of(scenario, options.robot)
     secret = read_secret(options.key)
     endpoints = [*([options.listen] if options.listen else []), *options.connect]

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 from teamformer.commands.console import out, prepare_folder, print_json, say
 from teamformer.commands.robots.rehearse import require_extra
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import rules_not_played
+from teamformer.mission_rules import rules_of_simulated_missions
 from teamformer.scenarios.files import read_scenario
 
 
@@ -45,7 +45,7 @@ def fleet(path: Path, options: Options, as_json: bool) -> int:
     from teamformer.fleet.mission import Mission, seconds_a_step
     from teamformer.fleet.process.fleet import LocalFleet
 
-    scenario = read_scenario(path, rules_not_played)
+    scenario = read_scenario(path, rules_of_simulated_missions)
     if options.folder is not None:
         prepare_folder(options.folder)
     mission = Mission(scenario, seconds_a_step(scenario, options.pace))
@@ -93,7 +93,7 @@ def add(path: Path, added: Added, as_json: bool) -> int:
     from teamformer.fleet.transports.transport import check_endpoints, read_secret
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
-    scenario = read_scenario(path, rules_not_played)
+    scenario = read_scenario(path, rules_of_simulated_missions)
     mission = Mission(scenario, seconds_a_step(scenario, added.pace))
     x, y = _place(added.at)
     if not scenario.world.is_free((x, y)):

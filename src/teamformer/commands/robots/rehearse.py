@@ -12,7 +12,7 @@ from typing import Any
 
 from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import rules_not_played
+from teamformer.mission_rules import rules_of_simulated_missions
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 
@@ -39,7 +39,7 @@ def rehearse(path: Path, options: Options, as_json: bool) -> int:
     from teamformer.fleet.mission import Mission, seconds_a_step
     from teamformer.fleet.rehearsal.rehearse import set_stage
 
-    scenario = read_scenario(path, rules_not_played)
+    scenario = read_scenario(path, rules_of_simulated_missions)
     if options.folder is not None:
         if options.schedule is None:
             raise TeamformerError("--out is for one schedule", "say which with --schedule K")

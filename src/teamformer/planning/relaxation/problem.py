@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.grid import Grid
+from teamformer.mission_rules import opening_step
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
@@ -66,7 +67,7 @@ def relax(scenario: Scenario) -> Relaxed:
         needs=count_table([task.needs for task in tasks], scenario.capabilities),
         able=able_robots(counts),
         duration=np.array([task.duration for task in tasks], dtype=np.int32),
-        appears=np.array([task.appears for task in tasks], dtype=np.int32),
+        appears=np.array([opening_step(task) for task in tasks], dtype=np.int32),
         lost=np.array([FAR if r.lost is None else r.lost for r in robots], dtype=np.int32),
         ready=np.zeros(len(robots), dtype=np.int32),
     )

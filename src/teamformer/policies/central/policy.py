@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.relaxation.cp_sat import make_solver
@@ -42,6 +43,8 @@ class Central:
         """Plan every scenario."""
         if everything is None:
             raise ValueError("the central planner has to be given the scenarios")
+        for scenario in everything:
+            _refuse_precedence(scenario)
         seed = int(rng.integers(2**31))
         for allocation in sorted({scenario.allocation for scenario in everything}):
             _warm_up(allocation)
@@ -61,6 +64,17 @@ class Central:
                 wanted[row, : len(counts)] = counts  # others in the batch may know more
         self._steps[np.unique(view.world)] += 1
         return Decision(wanted, named)
+
+
+def _refuse_precedence(scenario: Scenario) -> None:
+    """Refuse tasks that come after others, which schedules in steps know nothing of."""
+    for task in scenario.tasks:
+        if task.after:
+            raise TeamformerError(
+                f"{scenario.name}: task '{task.name}' comes after others, which central does not "
+                "plan in steps",
+                "run another policy, or write time: continuous and use `teamformer plan`",
+            )
 
 
 @cache

@@ -160,6 +160,7 @@ function stepTaker(history) {
     recordStep(history, state, change, step);
     keepServices(state, change, step);
     recordCompletions(history, state, change, step);
+    if (change.done) openNextTasks(history, arrivals, step);
     for (const task of arrivals.get(step) ?? []) {
       history.events.push({ step, kind: "appears", task });
     }
@@ -170,9 +171,22 @@ function stepTaker(history) {
 function arrivalsByStep(scenario) {
   const arrivals = new Map();
   scenario.tasks.forEach(({ appears }, task) => {
-    if (appears > 0) arrivals.set(appears, [...(arrivals.get(appears) ?? []), task]);
+    if (appears > 0) addArrival(arrivals, appears, task);
   });
   return arrivals;
+}
+
+function addArrival(arrivals, step, task) {
+  arrivals.set(step, [...(arrivals.get(step) ?? []), task]);
+}
+
+// Tasks become known when the last task that they are after is done.
+function openNextTasks({ scenario, doneAt }, arrivals, step) {
+  scenario.tasks.forEach((task, number) => {
+    if (task.appears < Infinity || task.after.some((other) => doneAt[other] > step)) return;
+    task.appears = Math.max(task.opens, step);
+    addArrival(arrivals, task.appears, number);
+  });
 }
 
 function recordStep(history, state, change, step) {

@@ -3,6 +3,8 @@
 function readScenario(tree) {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
   const tasks = tree.tasks.map((task) => readTask(task, numbers));
+  const numberOf = new Map(tasks.map(({ name }, number) => [name, number]));
+  for (const task of tasks) task.after = task.after.map((name) => numberOf.get(name));
   const scenario = {
     name: tree.name || "unnamed scenario",
     capabilities: tree.capabilities,
@@ -19,13 +21,18 @@ function readScenario(tree) {
   return scenario;
 }
 
-function readTask({ name, at, needs, duration, appears }, numbers) {
+// `appears` is when a task becomes known, in steps made; Infinity until all that it is after is done.
+function readTask({ name, at, needs, duration, appears, after, between }, numbers) {
+  const opens = Math.max(appears ?? 0, Math.ceil(between?.[0] ?? 0));
   return {
     name,
     at,
     needs: readCounts(needs, numbers),
     duration: duration ?? 0,
-    appears: appears ?? 0,
+    opens,
+    appears: after?.length ? Infinity : opens,
+    after: after ?? [],
+    due: between?.[1] ?? Infinity,
   };
 }
 

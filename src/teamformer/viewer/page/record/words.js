@@ -99,15 +99,22 @@ function describeShares(history, robot, step) {
   return text.join(", ") || "not yet begun";
 }
 
+function describeLateness({ scenario, doneAt }, task) {
+  const late = doneAt[task] - scenario.tasks[task].due;
+  return late > 0 ? `, late by ${describeSpan(scenario.world, late)}` : "";
+}
+
 function describeStanding(history, task, scene) {
   const { scenario } = history;
   const { step } = scene;
-  const { appears, duration } = scenario.tasks[task];
+  const { after, appears, duration } = scenario.tasks[task];
   switch (standingOf(history, task, step)) {
     case "hidden":
-      return `appears after ${describeMoment(scenario.world, appears)}`;
+      return appears < Infinity
+        ? `appears after ${describeMoment(scenario.world, appears)}`
+        : `comes after ${after.map((other) => scenario.tasks[other].name).join(", ")}`;
     case "done":
-      return `done ${describeWhen(scenario.world, history.doneAt[task])}`;
+      return `done ${describeWhen(scenario.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "served": {
       const made = step - serviceOf(history, task, step).from;
       return `under way, ${describePart(scenario.world, made, duration)}`;

@@ -1,0 +1,32 @@
+"""When the tasks of a record became known, and which were done too late."""
+
+from __future__ import annotations
+
+from teamformer.mission_rules import latest_end, opening_step
+from teamformer.sim.replay.record import Replay
+
+NEVER = 2**30
+
+
+def done_steps(replay: Replay) -> dict[int, int]:
+    """Return the step in which each task was done, by number."""
+    return {
+        task: number for number, step in enumerate(replay.steps, start=1) for task, _ in step.done
+    }
+
+
+def opening_steps(replay: Replay) -> list[int]:
+    """Return how many steps were made when each task became known; NEVER if it did not."""
+    tasks, done = replay.scenario.tasks, done_steps(replay)
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    return [
+        max([opening_step(task), *(done.get(number_of[name], NEVER) for name in task.after)])
+        for task in tasks
+    ]
+
+
+def lateness(replay: Replay) -> dict[str, float]:
+    """Return by how many steps tasks were done after their window, by name, for those that were."""
+    tasks, done = replay.scenario.tasks, done_steps(replay)
+    by = {tasks[task].name: step - latest_end(tasks[task].between) for task, step in done.items()}
+    return {name: steps for name, steps in by.items() if steps > 0}

@@ -128,6 +128,33 @@ def test_real_instances_of_hetero_mrta(
     assert row["makespan"] == pytest.approx(hetero_mrta_makespan(tree, routes(row)), abs=1e-6)
 
 
+CTAS_D_ROUTES = {  # of CTAS-D on env_0, as HeteroMRTA's authors publish them (Apache-2.0)
+    "r0": (12, 7, 1, 3),
+    "r1": (11, 16, 13, 8),
+    "r2": (4, 19, 18, 6, 15, 2),
+    "r3": (11, 5, 3),
+    "r4": (16, 8),
+    "r5": (12, 18, 6, 14, 0),
+    "r6": (4, 19, 6, 14, 2),
+    "r7": (11, 16, 17, 9),
+    "r8": (10, 5, 13, 8),
+    "r9": (10, 7, 14),
+    "r10": (5, 1, 3),
+    "r11": (16, 8),
+    "r12": (4, 19, 18, 6, 14, 0),
+    "r13": (16, 17, 15, 2),
+    "r14": (),
+}
+
+
+@needs_data
+def test_the_rules_give_the_makespan_that_is_published_for_ctas_d() -> None:
+    """They publish it to six places."""
+    tree = json.loads((OTHERS / "ral" / "env_0.json").read_text())
+    named = {robot: [f"t{task}" for task in tasks] for robot, tasks in CTAS_D_ROUTES.items()}
+    assert hetero_mrta_makespan(tree, named) == pytest.approx(27.845170, abs=5e-7)
+
+
 @needs_data
 def test_real_instances_of_dcmrta(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = OTHERS / "dcmrta" / "env_0"

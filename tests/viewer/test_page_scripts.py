@@ -104,6 +104,26 @@ def two_robots(steps: list[Tree], needs: Any = ("lift",), duration: int = 0) -> 
     }
 
 
+STANDINGS = """(tree) => {
+  const history = frames(tree);
+  const standing = (step) => describeStanding(history, 0, sceneAt(history, step));
+  const appeared = history.events.filter(({kind}) => kind === "appears");
+  return [[0, 1, 4].map(standing), appeared.map(({step, task}) => [step, task])];
+}"""
+
+
+def test_tasks_after_others_appear_when_those_are_done_and_may_be_late(scripts: Any) -> None:
+    tree = two_robots([{"done": [[1, 0]]}, {}, {}, {"done": [[0, 0]]}])
+    first = {"name": "first", "at": [3, 3], "needs": ["lift"]}
+    [last] = tree["scenario"]["tasks"]
+    tree["scenario"]["tasks"] = [last | {"after": ["first"], "between": [0, 3]}, first]
+    standings, appeared = scripts.evaluate(STANDINGS, tree)
+    assert standings == [
+        "comes after first", "open, nobody assigned", "done in step 4, late by 1 step"
+    ]  # fmt: skip
+    assert appeared == [[1, 0]]
+
+
 @pytest.mark.parametrize("y_axis", ["up", "down"])
 def test_distances_go_around_walls(scripts: Any, y_axis: str) -> None:
     world = {"rows": [".@.", ".@.", "..."], "y_axis": y_axis}

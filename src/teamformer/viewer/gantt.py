@@ -46,7 +46,8 @@ def gantt_page(plan: Mapping[str, Any]) -> str:
 def _summary(plan: Mapping[str, Any]) -> str:
     late = "".join(f"; {task} is late by {by:g}" for task, by in plan["late"].items())
     proof = ", which no plan beats" if plan["proven"] else ""
-    return f"Over at {plan['makespan']:g}{proof}; no plan is over before {plan['bound']:g}{late}."
+    over = f"Over at {plan['makespan']:g}{proof}; no plan is over before {plan['bound']:g}{late}."
+    return f"{over} Lines are ways, pale bars waits; the dashed line is the bound."
 
 
 def _drawing(plan: Mapping[str, Any]) -> str:

@@ -29,8 +29,9 @@ from teamformer.planning.relaxation.insertion import draw_below
 FUTURES = 20
 """How often the rest is played out for each task that a robot may take."""
 
-MOST_PLAYED = 60
-"""With more tasks open than this, each is played out once."""
+MANY_OPEN = 20
+"""With more tasks open than this each is played out less often, once at the least: a future takes
+longer then, and there are more of them."""
 
 
 def react(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
@@ -56,7 +57,7 @@ def _react(problem, schedule, best, desk, futures, noise):  # type: ignore[no-un
         robot = _first_free(problem, schedule, position)
         if robot == NOBODY:
             return False
-        most = futures if tasks - position <= MOST_PLAYED else 1
+        most = max(1, min(futures, futures * MANY_OPEN**2 // (tasks - position) ** 2))
         for task in range(tasks):
             if not _helps(problem, schedule, robot, task):
                 continue

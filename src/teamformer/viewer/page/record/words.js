@@ -110,9 +110,9 @@ function describeStanding(history, task, scene) {
   const { after, appears, duration } = scenario.tasks[task];
   switch (standingOf(history, task, step)) {
     case "hidden":
-      return appears < Infinity
-        ? `appears after ${describeMoment(scenario.world, appears)}`
-        : `comes after ${after.map((other) => scenario.tasks[other].name).join(", ")}`;
+      return after.length
+        ? `comes after ${after.map((other) => scenario.tasks[other].name).join(", ")}`
+        : `appears after ${describeMoment(scenario.world, appears)}`;
     case "done":
       return `done ${describeWhen(scenario.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "served": {

@@ -99,6 +99,26 @@ def test_missions_in_steps_are_planned_too(capsys: pytest.CaptureFixture[str]) -
     assert all(stop["arrive"] <= stop["start"] <= stop["end"] for stop in stops)
 
 
+LATE = """
+teamformer: 1
+world: {grid: [9, 1]}
+capabilities: [a]
+robots: [{name: r, at: [0, 0], can: [a]}]
+tasks:
+  - {name: near, at: [2, 0], needs: [a], between: [7.5, 9]}
+  - {name: far, at: [6, 0], needs: [a], between: [0, 4]}
+"""
+
+
+def test_plans_in_steps_wait_for_windows_and_tell_who_is_late(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """To `far` in 6 steps, then 4 back to `near` from step 8 on, when it becomes known."""
+    (tmp_path / "late.yaml").write_text(LATE)
+    row = plan(tmp_path / "late.yaml", capsys, "--time-limit", "1")
+    assert (row["makespan"], row["late"]) == (12, {"near": 3, "far": 2})
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [

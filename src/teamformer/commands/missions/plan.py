@@ -17,6 +17,7 @@ from teamformer.planning.coalitions.routes import MissionPlan, Route
 from teamformer.planning.coalitions.rules import PLANNERS, is_compiled, warm_up
 from teamformer.policies.central.policy import Central
 from teamformer.scenarios.files import read_scenario
+from teamformer.sim.replay.task_times import lateness
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
 from teamformer.viewer.gantt import write_gantt
@@ -104,12 +105,13 @@ def _plan_steps(
     end, bound = trial.replay.end, trial.replay.lower_bound or 0
     if end.makespan is None:
         return None
+    number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
     return MissionPlan(
         makespan=end.makespan,
         bound=bound,
         is_proven=end.makespan <= bound,
         routes=routes_of(trial.replay),
-        late={},
+        late={number_of[name]: by for name, by in lateness(trial.replay).items()},
         curve=() if trial.plan is None else trial.plan.curve,
     )
 

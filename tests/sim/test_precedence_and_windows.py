@@ -72,7 +72,7 @@ def test_the_referee_finds_what_was_done_too_early() -> None:
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
 def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
     rng = np.random.default_rng(5)
-    for _ in range(60):
+    for _ in range(40):
         scenario = with_precedence_and_windows(random_world(rng, is_plane=is_plane), rng)
         scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
         env, twin = TeamFormation([scenario]), PlainWorld(scenario)

@@ -52,14 +52,37 @@ def assert_alike(one: tuple[View, Decision], other: tuple[View, Decision]) -> No
     assert np.array_equal(one[1].wanted, other[1].wanted)
 
 
-@pytest.mark.parametrize("setting", ["4N20+20T-C4-tsp", "4N20+20T-C4-nn"])
-@pytest.mark.parametrize("policy", FITTING)
-@pytest.mark.parametrize(("order", "allocation"), [*itertools.product(ORDERS, ALLOCATIONS)])
+SETTINGS = ("4N20+20T-C4-tsp", "4N20+20T-C4-nn")
+RULES = [*itertools.product(SETTINGS, ORDERS, ALLOCATIONS)]
+
+
+@pytest.mark.parametrize(("setting", "order", "allocation"), RULES)
 def test_another_future_changes_nothing_before_it(
+    setting: str, order: str, allocation: str
+) -> None:
+    check_another_future("join-fitting", setting, order, allocation, seeds=1)
+
+
+@pytest.mark.parametrize("allocation", ["paper", "plan"])
+@pytest.mark.parametrize("policy", FITTING)
+def test_no_policy_knows_of_the_future(policy: str, allocation: str) -> None:
+    assert len(FITTING) >= 3
+    check_another_future(policy, SETTINGS[0], ORDERS[0], allocation, seeds=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("policy", FITTING)
+@pytest.mark.parametrize(("setting", "order", "allocation"), RULES)
+def test_no_policy_knows_of_the_future_under_any_rules(
     policy: str, setting: str, order: str, allocation: str
 ) -> None:
-    assert len(FITTING) >= 3
-    for seed in range(2):
+    check_another_future(policy, setting, order, allocation, seeds=2)
+
+
+def check_another_future(
+    policy: str, setting: str, order: str, allocation: str, seeds: int
+) -> None:
+    for seed in range(seeds):
         scenario = replace(world_of(setting, seed), order=order, allocation=allocation)
         appears = scenario.tasks[-1].appears
         steps = appears + 1  # the view after `appears` steps is the first to know

@@ -38,7 +38,7 @@ def legal_wishes(view: View, row: int) -> set[tuple[int, ...]]:
 def test_probabilities_of_all_legal_decisions_sum_to_one(spelling: str) -> None:
     network = wild_network(spelling)
     checked = 0
-    for view, _ in random_views(40, 1):
+    for view, _ in random_views(15, 1):
         tokens = CODEC.encode(view)
         has_choice = CODEC.has_choice(view, tokens)
         for row in range(len(view.slot)):
@@ -51,14 +51,14 @@ def test_probabilities_of_all_legal_decisions_sum_to_one(spelling: str) -> None:
             assert log_prob.min() > -1e6
             assert entropy.min() >= -1e-6
             checked += len(wishes)
-    assert checked > 500
+    assert checked > 150
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_sampled_decisions_are_legal_and_as_likely_as_evaluated(spelling: str) -> None:
     network, generator = wild_network(spelling), torch.Generator().manual_seed(1)
     teams, changed = 0, 0
-    for view, env in random_views(80, 2, worlds=40):
+    for view, env in random_views(30, 2, worlds=20):
         tokens = CODEC.encode(view)
         with torch.no_grad():
             action, log_prob = network.act(tensors(tokens), generator)
@@ -69,7 +69,7 @@ def test_sampled_decisions_are_legal_and_as_likely_as_evaluated(spelling: str) -
         before = illegal_decisions(env)
         env.step(Decision(wanted))
         assert illegal_decisions(env) == before
-    assert teams > 7000
+    assert teams > 1200
     assert changed > teams / 4
 
 

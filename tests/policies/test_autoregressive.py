@@ -119,9 +119,9 @@ def _spell_on(spelled: Array, is_legal: Array, rng: np.random.Generator) -> None
 
 
 def test_random_decisions_are_never_illegal() -> None:
-    """Spellings at random, more than 10,000 views: robots of several capabilities among them."""
+    """Spellings at random: robots of several capabilities among them."""
     rng, teams, changed = np.random.default_rng(15), 0, 0
-    for number, (view, env) in enumerate(random_views(70, 16, worlds=60)):
+    for number, (view, env) in enumerate(random_views(20, 16, worlds=40)):
         tokens = CODEC.encode(view)
         spelling = SPELLINGS[number % 2]
         wanted = _wish_at_random(spelling, tokens, rng)
@@ -129,8 +129,8 @@ def test_random_decisions_are_never_illegal() -> None:
         before = illegal_decisions(env)
         env.step(Decision(CODEC.decode(view, wanted)))
         assert illegal_decisions(env) == before
-    assert teams > 10_000
-    assert changed > 5000
+    assert teams > 1500
+    assert changed > 700
 
 
 def _wish_at_random(spelling: str, tokens: Spelled, rng: np.random.Generator) -> Array:

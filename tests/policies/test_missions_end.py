@@ -25,8 +25,9 @@ def test_all_learned_policies_are_here() -> None:
 @pytest.mark.parametrize("name", LEARNED)
 def test_nothing_blocks(name: str, allocation: str) -> None:
     policy = load_policy(name, POLICIES)
-    assert blocked_worlds(policy, allocation, count=250, seed=21) == []
-    assert blocked_worlds(policy, allocation, count=250, seed=22, is_plane=True) == []
+    count = 5 if allocation == "plan" else 25  # a plan takes a while
+    assert blocked_worlds(policy, allocation, count, seed=21) == []
+    assert blocked_worlds(policy, allocation, count, seed=22, is_plane=True) == []
 
 
 @pytest.mark.slow

@@ -243,7 +243,7 @@ def without_future(scenario: Scenario, known_until: int) -> Scenario:
 def test_no_view_depends_on_the_future_of_random_worlds() -> None:
     rng = np.random.default_rng(8)
     changed = 0
-    for _ in range(120):
+    for _ in range(40):
         scenario, known_until = random_world(rng), int(rng.integers(1, 8))
         other = without_future(scenario, known_until)
         changed += scenario != other
@@ -258,7 +258,7 @@ def test_no_view_depends_on_the_future_of_random_worlds() -> None:
                 for agent, observation in seen[0].items()
             }
             seen = [env.step(answers)[0] for env in worlds]
-    assert changed > 40
+    assert changed > 13
 
 
 @pytest.mark.parametrize("code", EXAMPLES)

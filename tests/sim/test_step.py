@@ -127,14 +127,14 @@ RULES = pytest.mark.parametrize("allocation", ALLOCATIONS)
 @RULES
 def test_nothing_blocks_whatever_happened_before(policy: Policy, allocation: str) -> None:
     """Many worlds, some in a state that random decisions have brought about."""
-    count = 200 if allocation == "plan" else 1500  # a plan takes a while
+    count = 30 if allocation == "plan" else 150  # a plan takes a while
     assert blocked_worlds(policy, allocation, count, seed=11) == []
 
 
 @POLICIES
 @RULES
 def test_nothing_blocks_on_planes(policy: Policy, allocation: str) -> None:
-    count = 50 if allocation == "plan" else 500
+    count = 10 if allocation == "plan" else 50
     assert blocked_worlds(policy, allocation, count, seed=13, is_plane=True) == []
 
 

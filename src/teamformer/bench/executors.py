@@ -6,15 +6,20 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Generator, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
+from queue import Empty, SimpleQueue
 from typing import Any, Protocol
 
 from teamformer.bench.jobs import Job, run_job
 from teamformer.bench.rows import Row
 from teamformer.errors import TeamformerError
+
+ANSWERED = 0.1
+"""Seconds after which Ctrl-C is answered at the latest."""
 
 AT_HAND = 4
 """Jobs that wait for each worker on a cluster."""
@@ -45,32 +50,70 @@ def run_in_processes(jobs: Sequence[Job], workers: int) -> Batches:
         yield from run_here(jobs)
         return
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, context, _begin_worker)
+    finished: SimpleQueue[Future[list[Row]]] = SimpleQueue()
+    with _noted_ctrl_c() as pressed:
+        pool = ProcessPoolExecutor(workers, context, _begin_worker)
+        try:
+            with _held_back_ctrl_c():
+                for job in jobs:
+                    pool.submit(run_job, job).add_done_callback(finished.put)
+            for _ in jobs:
+                yield _wait_for(finished, pressed).result()
+        except BrokenProcessPool:
+            hint = "was memory short? rows so far are kept: run the same again, fewer --workers"
+            raise TeamformerError("a worker process died", hint) from None
+        finally:
+            _end_workers(pool)
+
+
+@contextmanager
+def _noted_ctrl_c() -> Iterator[list[int]]:
+    """Note Ctrl-C instead of raising wherever the process is; after one, ignore all others.
+
+    An exception in the midst of anything, inside a lock of the pool for example, leaves what nobody
+    can clear away, and a second one comes while the first is being cleared away. Yields a list that
+    has an entry once Ctrl-C was pressed.
+    """
+    pressed: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield pressed
+        return
+    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
     try:
-        for done in as_completed([pool.submit(run_job, job) for job in jobs]):
-            yield done.result()
-    except BrokenProcessPool:
-        hint = "was memory short? rows so far are kept: run the same again, with fewer --workers"
-        raise TeamformerError("a worker process died", hint) from None
+        yield pressed
     finally:
-        _end_workers(pool)
+        if not pressed:
+            signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _held_back_ctrl_c() -> Iterator[None]:
+    """Have Ctrl-C wait, and processes that are started meanwhile never hear of it."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _wait_for(finished: SimpleQueue[Future[list[Row]]], pressed: list[int]) -> Any:
+    """Return the next job that is done; raise KeyboardInterrupt once Ctrl-C was pressed."""
+    while not pressed:
+        with suppress(Empty):
+            return finished.get(timeout=ANSWERED)
+    raise KeyboardInterrupt
 
 
 def _end_workers(pool: ProcessPoolExecutor) -> None:
-    """End all processes, whatever they are at; a second Ctrl-C does not get in between."""
-    is_main = threading.current_thread() is threading.main_thread()
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if is_main else None
+    """End all processes, whatever they are at."""
     pool.shutdown(wait=False, cancel_futures=True)
     for child in multiprocessing.active_children():
         child.terminate()
     pool.shutdown()
-    if handler is not None:
-        signal.signal(signal.SIGINT, handler)
 
 
 def _begin_worker() -> None:
-    """Leave Ctrl-C to the parent, and end with it however it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """End with the parent however it ends."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()

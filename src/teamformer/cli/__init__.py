@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import os
+import signal
 import sys
+from types import FrameType
 
 from teamformer.cli import missions, policies, records, robots  # noqa: F401  (registers the verbs)
 from teamformer.cli.app import app
@@ -20,15 +22,26 @@ def _open_what_is_closed() -> None:
 def main() -> None:
     """Run the command line: exit 0 is good, 1 failed, 2 misused."""
     _open_what_is_closed()
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt_once)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # names need not be text that it can hold
             stream.reconfigure(errors="backslashreplace")
     status = _run_verb()
+    was_pressed = signal.getsignal(signal.SIGINT) not in (before, _interrupt_once)
+    signal.signal(signal.SIGINT, signal.SIG_IGN if was_pressed else before)
     try:
         sys.stdout.flush()
     except BrokenPipeError:  # Python would flush once more at exit, and complain
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.exit(status)
+
+
+def _interrupt_once(number: int, frame: FrameType | None) -> None:
+    """End what is done at the first Ctrl-C; a second would end it in the midst of clearing away."""
+    signal.signal(signal.SIGINT, lambda *_: None)
+    raise KeyboardInterrupt
 
 
 def _run_verb() -> int:

@@ -80,6 +80,7 @@ HOMES = {
     "onnx": ("train/export/",),
     "starlette": ("live/server.py",),
     "uvicorn": ("live/server.py",),
+    "ruamel": ("live/comments.py",),
     "foxglove": ("export/mcap_file.py",),
     "PIL": ("robotarium/draw.py", "scenarios/maps/images.py"),
 }

@@ -27,7 +27,8 @@ class Robot:
     """A robot: where it starts, what it can do, how fast it is.
 
     `speed` is in cells a step, on a plane in metres a second. `lost` is the step from which the
-    robot counts for nothing (the first step of a trial is step 1); None means never.
+    robot counts for nothing (the first step of a trial is step 1); None means never. `back` is the
+    step from which it is there again, where it was lost and alone; None means never.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Robot:
     can: Mapping[str, int]
     speed: float = 1.0
     lost: int | None = None
+    back: int | None = None
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from teamformer.capabilities import covers, describe, missing, total
@@ -132,6 +132,16 @@ def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
             yield from _problems_of_steps(
                 robot.lost, 1, (*where, "lost"), what, "the first step is 1"
             )
+        if robot.back is not None:
+            yield from _problems_of_return(robot, robot.back, (*where, "back"))
+
+
+def _problems_of_return(robot: Robot, back: int, where: tuple[str | int, ...]) -> Iterator[Problem]:
+    if robot.lost is None:
+        yield Problem(where, f"robot '{robot.name}' is back but never lost; add lost or drop back")
+        return
+    what = f"robot '{robot.name}' is lost at step {robot.lost} and back at step"
+    yield from _problems_of_steps(back, robot.lost + 1, where, what, "it must be back later")
 
 
 def _problems_of_totals(scenario: Scenario) -> Iterator[Problem]:
@@ -191,7 +201,7 @@ def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
 
 def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Problem]:
     everybody = total(robot.can for robot in scenario.robots)
-    near = _totals_by_region(scenario) if places_are_good else {}
+    near = totals_by_region(scenario.world, scenario.robots) if places_are_good else {}
     for number, task in enumerate(scenario.tasks):
         where, what = ("tasks", number), f"task '{task.name}'"
         yield from _problems_of_counts(
@@ -214,12 +224,12 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
                 )
 
 
-def _totals_by_region(scenario: Scenario) -> dict[int, dict[str, int]]:
-    """Add up what the robots in each connected part of the map can do."""
-    robots: dict[int, list[Robot]] = {}
-    for robot in scenario.robots:
-        robots.setdefault(scenario.world.region(robot.at), []).append(robot)
-    return {region: total(r.can for r in members) for region, members in robots.items()}
+def totals_by_region(world: World, robots: Iterable[Robot]) -> dict[int, dict[str, int]]:
+    """Add up what the robots that start in each connected part of a map can do."""
+    around: dict[int, list[Robot]] = {}
+    for robot in robots:
+        around.setdefault(world.region(robot.at), []).append(robot)
+    return {region: total(r.can for r in members) for region, members in around.items()}
 
 
 def _impossible(what: str, have: Mapping[str, int], need: Mapping[str, int]) -> str:

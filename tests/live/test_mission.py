@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from teamformer.errors import TeamformerError
-from teamformer.live.incidents import Incident, LostRobot, NewTask
+from teamformer.live.incidents import Incident, LostRobot, NewTask, RobotBack
 from teamformer.live.mission import Mission
 from teamformer.policies import POLICIES
 from teamformer.policies.scripted.join_fitting import JoinFitting
@@ -100,6 +100,25 @@ def test_a_robot_is_lost_once() -> None:
     run.step()
     with pytest.raises(TeamformerError, match="was lost in step 1 already"):
         run.happen(LostRobot(name))
+
+
+def test_a_lost_robot_is_brought_back_and_lost_no_more() -> None:
+    run = mission()
+    name = run.scenario.robots[0].name
+    with pytest.raises(TeamformerError, match=f"robot '{name}' is not lost"):
+        run.happen(RobotBack(name))
+    run.happen(LostRobot(name))
+    run.step()
+    assert run.tally().status == "infeasible"
+    run.happen(RobotBack(name))
+    assert run.step().back == (0,)
+    with pytest.raises(TeamformerError, match="is back since step 2"):
+        run.happen(RobotBack(name))
+    with pytest.raises(TeamformerError, match="a mission holds one loss of a robot"):
+        run.happen(LostRobot(name))
+    play(run, {})
+    assert run.tally().status == "completed"
+    assert judge(run.record()).findings == ()
 
 
 def test_who_plans_with_everything_is_not_surprised() -> None:

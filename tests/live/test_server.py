@@ -106,7 +106,7 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
         page.ask(do="what_if", robot="r2")
         guess = page.hear("what_if")
         assert (guess["without"], guess["text"]) == (13, "robot r2 lost")
-        page.ask(do="happen", robot="r2")
+        page.ask(do="happen", lost="r2")
         assert page.hear("incident")["record"]["scenario"]["robots"][1]["lost"] == 5
         page.ask(do="happen", task={"at": [3, 1], "needs": ["lift"], "name": "extra"})
         page.hear("incident")
@@ -130,8 +130,8 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
         ('{"do": "explode"}', "the message has no 'do'"),
         ('{"do": "speed", "speed": "fast"}', "speed must be a number from 0.1 to 1000"),
         ('{"do": "speed", "speed": NaN}', "speed must be a number from 0.1 to 1000"),
-        ('{"do": "happen"}', "an incident needs 'robot'"),
-        ('{"do": "happen", "robot": "r9"}', "there is no robot 'r9'"),
+        ('{"do": "happen"}', "an incident needs 'lost' or 'back'"),
+        ('{"do": "happen", "lost": "r9"}', "there is no robot 'r9'"),
         ('{"do": "happen", "task": {"at": [5, 1], "needs": ["lift"]}}', "inside an obstacle"),
         ('{"do": "happen", "task": {"at": [1, 1], "needs": ["fly"]}}', "not under capabilities"),
         ('{"do": "happen", "task": {"at": [1.5, 1], "needs": ["lift"]}}', "write a whole number"),

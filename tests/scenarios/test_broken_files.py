@@ -149,6 +149,8 @@ CASES = [
     ("speed: 0.5", "speed: 0", 7, "robot 'b' has speed 0; use 0.001 to 1000"),
     ("speed: 0.5", "speed: 1e-320", 7, "robot 'b' has speed"),
     ("speed: 0.5", "lost: 0", 7, "robot 'b' is lost at step 0; the first step is 1"),
+    ("speed: 0.5", "lost: 4, back: 4", 7, "robot 'b' is lost at step 4 and back at step 4; it"),
+    ("speed: 0.5", "back: 4", 7, "robot 'b' is back but never lost; add lost or drop back"),
     ("sensing_radius: 1", "join_radius: 2", 10, "join_radius 2 is larger than sensing_radius 1"),
     ("sensing_radius: 1", "order: random", 10, "order 'random' is unknown; use"),
 ]  # fmt: skip

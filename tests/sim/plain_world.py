@@ -65,6 +65,7 @@ class PlainWorld:
         self.list_of: list[int] = []  # tasks
         self.coalitions: dict[int, set[int]] = {}  # by task; under a shared plan they are given
         self.joins = self.splits = self.illegal = 0
+        self.lost_at: dict[int, Place] = {}
 
     def has(self, team: PlainTeam) -> list[int]:
         return self.sum_of(team.robots)
@@ -112,11 +113,12 @@ class PlainWorld:
             self.allocate(slot, order)
         self.move(walkers)
         any_lost = self.lose()
+        any_back = self.come_back()
         self.complete()
         self.steps += 1
         news = self.release()
         self.open += news
-        if news or any_lost:
+        if news or any_lost or any_back:
             for team in self.teams.values():
                 if team.task not in team.serving:
                     team.task, team.is_detour = None, False
@@ -357,9 +359,16 @@ class PlainWorld:
             slot = next(s for s, t in self.teams.items() if robot in t.robots)
             team = self.teams.pop(slot)
             team.robots.remove(robot)
+            self.lost_at[robot] = team.at
             if team.robots:
                 self.teams[team.robots[0]] = team
         return bool(lost)
+
+    def come_back(self) -> bool:
+        back = [r for r in self.lost_at if self.s.robots[r].back == self.steps + 1]
+        for robot in back:
+            self.teams[robot] = PlainTeam([robot], self.lost_at[robot])
+        return bool(back)
 
     def complete(self) -> None:
         step = self.steps + 1

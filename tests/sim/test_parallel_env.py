@@ -225,7 +225,7 @@ def test_the_future_and_the_distance_cannot_be_seen() -> None:
 
 
 def without_future(scenario: Scenario, known_until: int) -> Scenario:
-    """Return the scenario with other late tasks, and without losses, after some step."""
+    """Return the scenario with other late tasks, and without losses and returns, after a step."""
     last = scenario.tasks[0]
     tasks = tuple(
         replace(task, at=last.at, needs=last.needs, duration=7, appears=task.appears + 3)
@@ -233,11 +233,16 @@ def without_future(scenario: Scenario, known_until: int) -> Scenario:
         else task
         for task in scenario.tasks
     )
-    robots = tuple(
-        replace(robot, lost=None) if robot.lost and robot.lost > known_until else robot
-        for robot in scenario.robots
-    )
+    robots = tuple(robot_without_future(robot, known_until) for robot in scenario.robots)
     return replace(scenario, tasks=tasks, robots=robots)
+
+
+def robot_without_future(robot: Robot, known_until: int) -> Robot:
+    if robot.lost and robot.lost > known_until:
+        return replace(robot, lost=None, back=None)
+    if robot.back and robot.back > known_until:
+        return replace(robot, back=robot.back + 2)
+    return robot
 
 
 def test_no_view_depends_on_the_future_of_random_worlds() -> None:

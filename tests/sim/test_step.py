@@ -87,11 +87,13 @@ def check_promises(env: TeamFormation, was_done: np.ndarray) -> None:
     worlds = env.worlds
     for w in range(len(env.scenarios)):
         slots = worlds.robots["team"][w]
-        sizes, lost = worlds.teams["size"][w], worlds.robots["lost"][w]
+        sizes = worlds.teams["size"][w]
+        lost, back = worlds.robots["lost"][w], worlds.robots["back"][w]
         alive = np.flatnonzero(slots != NOBODY)
         assert sizes.sum() == len(alive)
         count = worlds.rules["robots"][w]
-        assert ((slots[:count] == NOBODY) == (lost[:count] <= worlds.count["steps"][w])).all()
+        steps = worlds.count["steps"][w]
+        assert ((slots == NOBODY) == ((lost <= steps) & (steps < back)))[:count].all()
         for slot in np.flatnonzero(sizes):
             members = np.flatnonzero(slots == slot)
             assert members[0] == slot

@@ -38,8 +38,8 @@ def wait_for(opened: Opened, selector: str, text: str) -> None:
     opened.wait_until(f"document.querySelector('{selector}')?.textContent.includes({text!r})", 30)
 
 
-def step_to(opened: Opened, step: int) -> None:
-    for number in range(1, step + 1):
+def step_to(opened: Opened, step: int, begun: int = 0) -> None:
+    for number in range(begun + 1, step + 1):
         opened.page.keyboard.press("ArrowRight")
         opened.wait_until(f"window.teamformer.last === {number}")
 
@@ -70,6 +70,9 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     page.click(".row >> text=r1")
     page.click("text=Lose r1")
     wait_for(opened, "#incidents", "4: robot r1 lost")
+    step_to(opened, 6, begun=4)
+    page.click("text=Bring r1 back")
+    wait_for(opened, "#incidents", "6: robot r1 back")
     page.keyboard.press(" ")
     wait_for(opened, "#status", "Completed")
     page.click("#mission >> text=Save")
@@ -77,7 +80,7 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     record = read_replay(tmp_path / "out" / "replay.json")
     assert judge(record).findings == ()
     assert record.scenario.tasks[-1].name == "extra"
-    assert record.scenario.robots[0].lost == 5
+    assert (record.scenario.robots[0].lost, record.scenario.robots[0].back) == (5, 7)
     assert page.inner_text("#figures").split("\n")[1] == "4 of 4"
 
 

@@ -19,8 +19,8 @@ from teamformer.scenarios.authors import read_world
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, Tally
-from teamformer.sim.list_schedule import list_schedule
 from teamformer.sim.view import View
+from teamformer.trials.list_schedule import list_schedule
 from teamformer.trials.registry import load_policy
 from teamformer.trials.trial import run_trials
 

@@ -30,13 +30,15 @@ def write_tables(replay: Replay, folder: Path) -> tuple[Path, ...]:
 
 def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
     """Yield each robot with the steps it spent in each phase."""
-    yield ("robot", "capabilities", "speed", "x", "y", "lost_in_step", *PHASES)
+    yield ("robot", "capabilities", "speed", "x", "y", "lost_in_step", "back_in_step", *PHASES)
     lost = {robot: n for n, step in enumerate(replay.steps, start=1) for robot in step.lost}
+    back = {robot: n for n, step in enumerate(replay.steps, start=1) for robot in step.back}
     for number, robot in enumerate(replay.scenario.robots):
         steps = Counter(moment.phase[number] for moment in seen[1:])
         spent = [steps[phase] for phase in PHASES]
         can = describe(robot.can)
-        yield (robot.name, can, robot.speed, *robot.at, lost.get(number, ""), *spent)
+        away = (lost.get(number, ""), back.get(number, ""))
+        yield (robot.name, can, robot.speed, *robot.at, *away, *spent)
 
 
 def _tasks(replay: Replay) -> Iterable[Row]:

@@ -15,7 +15,7 @@ class Event:
     """Something that happened in a step: who did it, and to which task if to one."""
 
     step: int
-    kind: str  # appears, splits, joins, lost, done, or how the trial ended
+    kind: str  # appears, splits, joins, lost, back, done, or how the trial ended
     robots: tuple[int, ...] = ()
     task: int | None = None
 
@@ -29,6 +29,8 @@ class Event:
             return f"{task} done by {names}"
         if self.kind == "lost":
             return f"{names} lost"
+        if self.kind == "back":
+            return f"{names} back"
         if self.kind in ("splits", "joins"):
             return f"{names} {'part' if self.kind == 'splits' else 'are one team'}"
         return self.kind
@@ -53,6 +55,9 @@ def events(replay: Replay) -> Iterator[Event]:
             if rest:
                 members[min(rest)] = rest
             yield Event(number, "lost", (robot,))
+        for robot in step.back:
+            members[robot] = (robot,)
+            yield Event(number, "back", (robot,))
         for task, slot in step.done:
             yield Event(number, "done", members[slot], task)
         for late, opened in enumerate(opens):

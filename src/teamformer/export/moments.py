@@ -65,6 +65,8 @@ class _State:
         was_at, was_for = list(self._place), self.moment(number, []).task
         forming = self._form(step)
         self._lose(step.lost)
+        for robot in step.back:
+            self.team[robot] = robot
         for slot, x, y, task in step.teams:
             self._at[slot], self._task[slot] = (x, y), NOBODY if task is None else task
         for robot, slot in enumerate(self.team):
@@ -74,7 +76,7 @@ class _State:
         self._serve(step, number)
         phases = []
         for robot, slot in enumerate(self.team):
-            if slot == NOBODY:
+            if slot == NOBODY or robot in step.back:
                 phases.append(LOST)
             elif robot in forming:
                 phases.append(FORMING)

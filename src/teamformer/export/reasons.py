@@ -184,7 +184,7 @@ def _plan(replay: Replay, moment: Moment) -> str:
     causes = [
         event.text(replay.scenario)
         for event in events(replay)
-        if event.step == made and event.kind in ("appears", "lost")
+        if event.step == made and event.kind in ("appears", "lost", "back")
     ]
     return f"planned anew after step {made}{': ' if causes else ''}{', '.join(causes)}"
 

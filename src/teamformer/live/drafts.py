@@ -12,6 +12,7 @@ from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import Grid
+from teamformer.live.comments import rewrite
 from teamformer.mission_rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree
@@ -82,16 +83,21 @@ def open_draft(name: str, text: str) -> Tree:
     return _plain({"name": Path(name).stem} | tree.value)
 
 
-def write_draft(tree: Mapping[str, Any], name: object, folder: Path) -> Path:
-    """Write a good draft into a folder, as it is, without defaults that nobody chose."""
+def write_draft(tree: Mapping[str, Any], name: object, folder: Path, opened: str = "") -> Path:
+    """Write a good draft into a folder, as it is, without defaults that nobody chose.
+
+    `opened` is the text of the YAML file that it comes from, whose comments are kept.
+    """
     if not isinstance(name, str) or not FILE_NAME.fullmatch(name):
         raise TeamformerError(
             "name a file in the folder, such as mission.yaml: letters, digits, '-', '_' and a dot"
         )
     read_draft(tree)
     path = folder / name
-    is_json = path.suffix == ".json"
-    text = json.dumps(tree, indent=1, ensure_ascii=False) if is_json else writer.to_text(dict(tree))
+    if path.suffix == ".json":
+        text = json.dumps(tree, indent=1, ensure_ascii=False)
+    else:
+        text = (opened and rewrite(opened, tree)) or writer.to_text(dict(tree))
     try:
         folder.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")

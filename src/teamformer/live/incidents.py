@@ -40,14 +40,14 @@ class LostRobot:
 
     def apply(self, scenario: Scenario, steps: int) -> Scenario:
         """Return the scenario in which the robot is lost in the step after `steps`."""
-        number = next((r for r, it in enumerate(scenario.robots) if it.name == self.robot), None)
-        if number is None:
-            raise TeamformerError(f"there is no robot '{self.robot}'")
+        number = _number_of(scenario, self.robot)
         robot = scenario.robots[number]
         if robot.lost is not None and robot.lost <= steps:
-            raise TeamformerError(f"robot '{self.robot}' was lost in step {robot.lost} already")
+            once = "; a mission holds one loss of a robot" if robot.back is not None else ""
+            when = f"was lost in step {robot.lost} already"
+            raise TeamformerError(f"robot '{self.robot}' {when}{once}")
         robots = list(scenario.robots)
-        robots[number] = replace(robot, lost=steps + 1)
+        robots[number] = replace(robot, lost=steps + 1, back=None)
         return _checked(scenario, robots=tuple(robots))
 
     def text(self) -> str:
@@ -55,7 +55,37 @@ class LostRobot:
         return f"robot {self.robot} lost"
 
 
-Incident = NewTask | LostRobot
+@dataclass(frozen=True)
+class RobotBack:
+    """A lost robot that is there again from the next step on, where it was lost."""
+
+    robot: str
+
+    def apply(self, scenario: Scenario, steps: int) -> Scenario:
+        """Return the scenario in which the robot is back in the step after `steps`."""
+        number = _number_of(scenario, self.robot)
+        robot = scenario.robots[number]
+        if robot.lost is None or robot.lost > steps:
+            raise TeamformerError(f"robot '{self.robot}' is not lost")
+        if robot.back is not None and robot.back <= steps:
+            raise TeamformerError(f"robot '{self.robot}' is back since step {robot.back}")
+        robots = list(scenario.robots)
+        robots[number] = replace(robot, back=steps + 1)
+        return _checked(scenario, robots=tuple(robots))
+
+    def text(self) -> str:
+        """Return the incident as words."""
+        return f"robot {self.robot} back"
+
+
+Incident = NewTask | LostRobot | RobotBack
+
+
+def _number_of(scenario: Scenario, name: str) -> int:
+    number = next((r for r, robot in enumerate(scenario.robots) if robot.name == name), None)
+    if number is None:
+        raise TeamformerError(f"there is no robot '{name}'")
+    return number
 
 
 def _checked(scenario: Scenario, **changes: object) -> Scenario:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.live.incidents import Incident, LostRobot, NewTask
+from teamformer.live.incidents import Incident, LostRobot, NewTask, RobotBack
 from teamformer.model import Scenario
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 
@@ -41,11 +41,15 @@ def read_speed(message: Message) -> float:
 
 
 def read_incident(message: Message, scenario: Scenario) -> Incident:
-    """Return the incident of a message: `{"robot": NAME}` or `{"task": TREE}`, as in a file."""
-    if isinstance(message.get("robot"), str):
-        return LostRobot(message["robot"])
+    """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}` or `{"task": TREE}`.
+
+    A task is written as in a file.
+    """
+    for key, incident in (("lost", LostRobot), ("back", RobotBack)):
+        if isinstance(message.get(key), str):
+            return incident(message[key])
     if not isinstance(message.get("task"), dict):
-        raise TeamformerError("an incident needs 'robot': a name, or 'task': a mapping")
+        raise TeamformerError("an incident needs 'lost' or 'back': a name, or 'task': a mapping")
     tree = scenario_to_tree(scenario) | {"tasks": [message["task"]]}
     try:
         task = scenario_from_tree(tree).tasks[0]

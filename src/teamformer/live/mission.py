@@ -1,7 +1,7 @@
 """A mission step by step, whose past stays as it was when incidents happen.
 
-An incident changes the scenario: a task that appears now, a robot lost in the next step. The
-changed scenario is then played again up to now with the decisions that were made, so that the
+An incident changes the scenario: a task that appears now, a robot lost or back in the next step.
+The changed scenario is then played again up to now with the decisions that were made, so that the
 record is at every moment what `run` makes of the mission's scenario. Of what was recorded, only
 the assignments after the latest step may change: whoever learns of a task thinks anew.
 """
@@ -110,7 +110,7 @@ def _is_same_past(one: Replay, other: Replay) -> bool:
 
 def _deeds(step: Step) -> tuple[object, ...]:
     """Return what a step did, without what teams then headed for."""
-    return step.joins, step.splits, step.lost, step.done
+    return step.joins, step.splits, step.lost, step.back, step.done
 
 
 def _copied(decision: Decision) -> Decision:

@@ -36,6 +36,7 @@ class Workshop:
         self.lock = asyncio.Lock()
         self._start, self._folder, self._speed = start, folder, speed
         self._draft: Any = EMPTY
+        self._opened = ""  # the text of the YAML file that was opened last
         self._watchers: set[Watcher] = set()
         self._begun = asyncio.Event()
 
@@ -87,9 +88,11 @@ class Workshop:
             if not isinstance(name, str) or not isinstance(text, str):
                 raise TeamformerError("a file has a 'name' and a 'text'")
             tree = await asyncio.to_thread(open_draft, name, text)
+            self._opened = text if name.lower().endswith((".yaml", ".yml")) else ""
             watcher.tell(json.dumps({"kind": "editor", "scenario": tree}))
         elif command == "save":
-            path = write_draft(message.get("scenario") or {}, message.get("name"), self._folder)
+            draft, name = message.get("scenario") or {}, message.get("name")
+            path = write_draft(draft, name, self._folder, self._opened)
             watcher.tell(json.dumps({"kind": "saved", "paths": [str(path)]}))
         elif command == "run":
             scenario = read_draft(message.get("scenario"))

@@ -138,15 +138,19 @@ def judge_crews(replay: Replay, tasks: Tasks, notes: Notes) -> None:
 
 
 def _robots_left(scenario: Scenario, steps: int) -> set[int]:
-    lost = {r for r, robot in enumerate(scenario.robots) if (robot.lost or steps + 1) <= steps}
-    return set(range(len(scenario.robots))) - lost
+    return {
+        number
+        for number, robot in enumerate(scenario.robots)
+        if (robot.lost or steps + 1) > steps or (robot.back or steps + 1) <= steps
+    }
 
 
 def _check_moments(replay: Replay, tasks: Tasks, made: set[int], what: str, notes: Notes) -> None:
-    """Check that crews or plans are made at the start, when tasks appear, when robots are lost."""
+    """Check that crews or plans are made at the start, for new tasks, losses and returns."""
     scenario, last = replay.scenario, len(replay.steps) - 1
-    losses = {robot.lost for robot in scenario.robots if robot.lost is not None}
-    for steps in sorted({0, *tasks.openings(), *losses} - made):
+    changes = ((robot.lost, robot.back) for robot in scenario.robots)
+    news = {steps for pair in changes for steps in pair if steps is not None}
+    for steps in sorted({0, *tasks.openings(), *news} - made):
         if steps <= last and tasks.open_after(steps):
             are = "is no" if what == "plan" else "are no"
             notes.note(f"there {are} {what} from after {steps} steps")
@@ -162,7 +166,8 @@ def _check_plan(
         name = replay.scenario.tasks[task].name
         if len(set(coalition)) != len(coalition) or not set(coalition) <= left:
             notes.note(f"{when} has a robot twice or one that is lost in the coalition of {name}")
-        if not _can_do(replay, Crew(coalition, ()), task):
+        waits = not coalition and not _can_do(replay, Crew(tuple(left), ()), task)
+        if not waits and not _can_do(replay, Crew(coalition, ()), task):
             notes.note(f"{when} has a coalition for task {name} that cannot do it")
 
 
@@ -177,7 +182,9 @@ def _check_crews(
     when = f"the crews made after {steps} steps"
     if sorted(robot for crew in crews for robot in crew.robots) != sorted(left):
         notes.note(f"{when} are not of all robots left, each in one")
-    if sorted(task for crew in crews for task in crew.tasks) != sorted(order):
+    listed = [task for crew in crews for task in crew.tasks]
+    waiting = [task for task in order if not _can_do(replay, Crew(tuple(left), ()), task)]
+    if sorted(listed + waiting) != sorted(order):
         notes.note(f"{when} do not share out the open tasks, each on one list")
     for crew in crews:
         if [task for task in order if task in crew.tasks] != list(crew.tasks):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from teamformer.capabilities import covers, total
 from teamformer.plane import Plane
+from teamformer.referee.motion import move_team
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Step
@@ -97,9 +99,42 @@ def lose_robots(fleet: Fleet, step: Step, due: set[int], notes: Notes) -> None:
     for slot, team in list(fleet.teams.items()) if due else ():
         if team.robots & due:
             del fleet.teams[slot]
+            before = replace(team, robots=set(team.robots))
+            fleet.lost |= dict.fromkeys(team.robots & due, before)
             team.robots -= due
             if team.robots:
                 fleet.put(team)
+
+
+def return_robots(fleet: Fleet, step: Step, number: int, notes: Notes) -> bool:
+    """Put in the robots that are back in this step, alone and where each was lost; say if any is.
+
+    Says where the record differs. Where nobody of a team was left, the record did not say how it
+    went on in that step, and now shows it.
+    """
+    robots = fleet.scenario.robots
+    due = {robot for robot in fleet.lost if robots[robot].back == number}
+    for robot in sorted(due ^ set(step.back)):
+        name, when = robots[robot].name, robots[robot].back
+        if robot in due:
+            notes.note(f"robot {name} is back in this step, and the record does not say so")
+        else:
+            notes.note(f"the record has robot {name} back here, the scenario {when or 'never'}")
+    if len(set(step.back)) < len(step.back):
+        notes.note("the record has a robot back twice")
+    places = {entry.slot: (entry.x, entry.y) for entry in step.teams}
+    for robot in sorted(due):
+        team = fleet.lost.pop(robot)
+        place = places.get(robot, team.at)
+        if team.is_way_told:
+            if place != team.at:
+                where = list(team.at)
+                notes.note(f"robot {robots[robot].name} is not back at {where}, where it was lost")
+        else:
+            move_team(fleet, team, place, notes)
+            team.is_way_told = True  # to the others that were lost with it
+        fleet.put(RecordedTeam({robot}, team.at))
+    return bool(due)
 
 
 def _list(fleet: Fleet, robots: tuple[int, ...]) -> str:

@@ -13,6 +13,7 @@ from teamformer.referee.formation import (
     due_losses,
     join_teams,
     lose_robots,
+    return_robots,
     split_teams,
 )
 from teamformer.referee.headway import Ways, check_headway
@@ -70,6 +71,7 @@ def _judge_step(
     _move(fleet, step, walked, due, notes)
     lists.give_unions(fleet, unions)
     lose_robots(fleet, step, due, notes)
+    any_back = return_robots(fleet, step, number, notes)
     _check_entries(fleet, step, slots, notes)
     recorded: dict[int, int] = {}
     for task, slot in step.done:
@@ -78,7 +80,7 @@ def _judge_step(
         recorded[task] = slot
     tasks.complete(fleet, recorded, number, notes)
     _assign(fleet, tasks, step, number, notes)
-    check_assignments(fleet, tasks, step.named, number, bool(due), notes)
+    check_assignments(fleet, tasks, step.named, number, bool(due) or any_back, notes)
 
 
 def _are_together(fleet: Fleet, pair: tuple[int, int]) -> bool:
@@ -96,7 +98,9 @@ def _move(
     for slot in sorted(apart):
         team = fleet.teams[slot]
         after = _slot_after(team.robots, due) if due else slot
-        move_team(fleet, team, places.get(after, team.at), notes)
+        team.is_way_told = after >= 0
+        if team.is_way_told:
+            move_team(fleet, team, places.get(after, team.at), notes)
     for pair in walking:
         teams = [fleet.teams[slot] for slot in pair]
         slot = _slot_after(teams[0].robots | teams[1].robots, due)

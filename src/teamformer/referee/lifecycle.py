@@ -56,7 +56,7 @@ def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, notes: Notes) -> No
     for name, (said, found) in facts.items():
         if said != found:
             notes.note(f"the record says {name} {said}; it is {found}")
-    blocked = tuple(blocked_tasks(fleet, tasks))
+    blocked = tuple(blocked_tasks(fleet, tasks, len(replay.steps)))
     is_true = {
         "completed": is_completed and makespan == len(replay.steps),
         "step limit": not is_completed and len(replay.steps) == scenario.step_limit,
@@ -75,10 +75,11 @@ def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, notes: Notes) -> No
         notes.note(f"the record says illegal_decisions {end.illegal_decisions}")
 
 
-def blocked_tasks(fleet: Fleet, tasks: Tasks) -> list[str]:
-    """Name the undone tasks that the robots left around them can never cover."""
+def blocked_tasks(fleet: Fleet, tasks: Tasks, steps_made: int) -> list[str]:
+    """Name the undone tasks that the robots left and due back around them can never cover."""
     scenario = fleet.scenario
     left = [robot for team in fleet.teams.values() for robot in team.robots]
+    left += [robot for robot in fleet.lost if (scenario.robots[robot].back or 0) > steps_made]
     around: dict[int, list[int]] = {}
     for robot in left:
         region = scenario.world.region(scenario.robots[robot].at)
@@ -100,7 +101,7 @@ def why_over(fleet: Fleet, tasks: Tasks, steps_made: int, has_lost: bool) -> str
         return "everything was done before"
     if steps_made >= fleet.scenario.step_limit:
         return "the step limit was reached before"
-    if has_lost and blocked_tasks(fleet, tasks):
+    if has_lost and blocked_tasks(fleet, tasks, steps_made):
         return "some tasks could never be done since a robot was lost"
     return ""
 

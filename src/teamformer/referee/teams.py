@@ -27,6 +27,7 @@ class RecordedTeam:
     has_formed: bool = False
     due: int | None = None  # the task that crews' lists give it
     was_serving: bool = False  # when tasks were given
+    is_way_told: bool = True  # False if all its robots were lost in a step, on their way
     met_at: Place | None = None  # where the other one of two that have just joined stood
     services: dict[int, int] = field(default_factory=dict)  # task -> steps left
     counts: dict[str, int] = field(default_factory=dict)
@@ -47,6 +48,7 @@ class Fleet:
     def __init__(self, scenario: Scenario, teams: dict[int, RecordedTeam]) -> None:
         self.scenario = scenario
         self.teams = teams
+        self.lost: dict[int, RecordedTeam] = {}  # robots not back, and the team each was lost from
 
     def covers(self, team: RecordedTeam, task: int) -> bool:
         """Say whether a team has everything that a task needs."""

@@ -46,6 +46,7 @@ ROBOT_KEYS = {
     "can": True,
     "speed": False,
     "lost": False,
+    "back": False,
     "count": False,
 }
 TASK_KEYS = {
@@ -164,6 +165,8 @@ def _robot_to_tree(robot: Robot) -> dict[str, Any]:
         tree["speed"] = robot.speed
     if robot.lost is not None:
         tree["lost"] = robot.lost
+    if robot.back is not None:
+        tree["back"] = robot.back
     return tree
 
 
@@ -220,6 +223,7 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
             can=reader.counts((*where, "can"), keys.get("can", [])),
             speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
             lost=reader.whole((*where, "lost"), keys["lost"]) if "lost" in keys else None,
+            back=reader.whole((*where, "back"), keys["back"]) if "back" in keys else None,
         )
         if "count" not in keys:
             alike = [robot]

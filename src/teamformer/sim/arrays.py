@@ -74,9 +74,11 @@ COUNT = np.dtype(
         ("done", np.int32),
         ("noted", np.int32),  # of these, tasks that the crews know of
         ("plans", np.int32),  # how often the order, the crews or the shared plan were made
-        ("lost", np.int32),  # robots
+        ("lost", np.int32),  # how often robots were lost
+        ("back", np.int32),  # how often robots came back
         ("broken_off", np.int32),  # services
-        ("planned_lost", np.int32),  # robots that the shared plan knows to be lost
+        ("planned_lost", np.int32),  # losses that the shared plan knows of
+        ("planned_back", np.int32),  # returns that it knows of
         ("planned_broken_off", np.int32),  # services that it knows to be broken off
         ("reason", np.int32),  # why the shared plan was made last, in bits
         ("joins", np.int32),
@@ -88,10 +90,13 @@ COUNT = np.dtype(
 )
 ROBOT = np.dtype(
     [
-        ("team", np.int32),  # slot of its team, or NOBODY once lost
+        ("team", np.int32),  # slot of its team, or NOBODY while lost
         ("formed", np.int32),  # the same after this step's formations, before its losses
         ("region", np.int32),  # connected part of the map
         ("lost", np.int32),  # the step it counts for nothing from, or NEVER
+        ("back", np.int32),  # the step it is there again from, or NEVER
+        ("x", np.float64),  # where it was lost
+        ("y", np.float64),
         ("stays", np.bool_),  # in the split being made
         ("crew", np.int32),  # NOBODY once it is known to be lost
         ("next", np.int32),  # its first open task by its crew's list or the shared plan, or NOBODY
@@ -291,7 +296,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         planned=np.zeros((count, robots, caps) if has_plan else (count, 0, 0), dtype=np.int16),
     )
     worlds.robots["team"] = NOBODY
-    worlds.robots["lost"] = NEVER
+    worlds.robots["lost"] = worlds.robots["back"] = NEVER
     worlds.teams["task"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
     worlds.tasks["appears"] = NEVER
@@ -364,6 +369,7 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         record = worlds.robots[w, r]
         record["pace"] = scenario.world.pace(robot.speed)
         record["lost"] = NEVER if robot.lost is None else robot.lost
+        record["back"] = NEVER if robot.back is None else robot.back
         record["region"] = scenario.world.region(robot.at)
         record["spot_x"], record["spot_y"] = robot.at
         for name, count in robot.can.items():

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
 from teamformer.sim.allocation.assignment import can_do_alone
-from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NOBODY, STEP_LIMIT
+from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NEVER, NOBODY, STEP_LIMIT
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
 
 if TYPE_CHECKING:
@@ -139,13 +139,17 @@ def release_tasks(world: World, steps_made: int) -> bool:
 
 
 @kernel
-def is_possible(world: World, task: int) -> bool:
-    """Say whether the robots that are left and can get there cover a task together."""
+def is_possible(world: World, task: int, counts_due: bool) -> bool:
+    """Say whether the robots that are left and can get there cover a task together.
+
+    With those that are due back, if `counts_due`.
+    """
     for cap in range(world.needs.shape[1]):
         short = world.needs[task, cap]
         for robot in range(world.rules.robots):
             is_there = world.robots[robot].region == world.tasks[task].region
-            if short > 0 and is_there and world.robots[robot].team != NOBODY:
+            is_due = counts_due and world.count.steps < world.robots[robot].back < NEVER
+            if short > 0 and is_there and (is_due or world.robots[robot].team != NOBODY):
                 short -= world.brings[robot, cap]
         if short > 0:
             return False
@@ -160,7 +164,7 @@ def judge_status(world: World, any_lost: bool) -> None:
         return
     if any_lost:
         for task in range(world.rules.tasks):
-            if world.tasks[task].done_at == NOBODY and not is_possible(world, task):
+            if world.tasks[task].done_at == NOBODY and not is_possible(world, task, True):
                 world.count.status = INFEASIBLE
                 return
     if world.count.steps >= world.rules.step_limit:

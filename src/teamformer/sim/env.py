@@ -208,6 +208,8 @@ def read_decision(decision: Decision, rows: int, caps: int) -> tuple[Array, Arra
     Raises ValueError where the decision has other rows, fractions, or counts that 16 bits cannot
     hold.
     """
+    if rows == 0 and len(decision.wanted) == 0:  # nobody is left until somebody is back
+        return np.zeros((0, caps), np.int16), np.zeros(0, np.int32)
     task = np.full(rows, NOBODY, np.int32) if decision.task is None else decision.task
     wanted = _whole("wanted", decision.wanted, np.dtype(np.int16))
     named = _whole("task", task, np.dtype(np.int32))

@@ -229,48 +229,6 @@ def _place_of_union(world: World, joiner: int, partner: int, task: int) -> tuple
 
 
 @kernel
-def lose_robots(world: World, step: int) -> bool:
-    """Take the robots that are lost in this step out of their teams; say whether any was."""
-    any_lost = False
-    for robot in range(world.rules.robots):
-        world.robots[robot].formed = world.robots[robot].team
-    for robot in range(world.rules.robots):
-        if world.robots[robot].lost == step and world.robots[robot].team != NOBODY:
-            any_lost = True
-            world.count.lost += 1
-            _take_out(world, robot)
-    return any_lost
-
-
-@kernel
-def _take_out(world: World, robot: int) -> None:
-    """Found the robot's team anew without it, at its new lowest robot; keep all else."""
-    old = world.robots[robot].team
-    world.robots[robot].team = NOBODY
-    slot = NOBODY
-    for member in range(old, world.rules.robots):
-        if world.robots[member].team == old:
-            slot = member
-            break
-    team = world.teams[old]
-    x, y, credit, serves = team.x, team.y, team.credit, team.serves
-    task, is_detour, pursued = team.task, team.is_detour, team.pursued
-    clear_slot(world, old)
-    if slot != NOBODY:
-        clear_slot(world, slot)
-        world.teams[slot].x, world.teams[slot].y = x, y
-        for member in range(slot, world.rules.robots):
-            if world.robots[member].team == old:
-                add_robot(world, slot, member)
-        world.teams[slot].task, world.teams[slot].is_detour = task, is_detour
-        world.teams[slot].serves, world.teams[slot].credit = serves, credit
-        world.teams[slot].pursued = pursued
-    for served in range(world.rules.tasks):
-        if world.tasks[served].server == old:
-            world.tasks[served].server = slot
-
-
-@kernel
 def clear_slot(world: World, slot: int) -> None:
     """Leave no team at a slot."""
     world.teams[slot].size = 0

@@ -11,7 +11,7 @@ from teamformer.model import Scenario
 from teamformer.scenario_checks import LARGEST_COUNT
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.action_spaces import count_actions, legal_actions, wanted_from_action
-from teamformer.sim.arrays import NOBODY, RUNNING, Array
+from teamformer.sim.arrays import NEVER, NOBODY, RUNNING, Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.reward import Reward
 from teamformer.sim.view import View
@@ -102,14 +102,18 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         self._look()
         self._observations |= self._observe()  # the lost keep what they saw last
         status = self._env.tally().status
-        slots = dict(zip(self.possible_agents, self._env.worlds.robots["team"][0], strict=True))
+        robots, steps = self._env.worlds.robots[0], self._env.worlds.count["steps"][0]
+        is_coming = (robots["back"] > steps) & (robots["back"] < NEVER)
+        slots = dict(zip(self.possible_agents, robots["team"], strict=True))
+        is_due = dict(zip(self.possible_agents, is_coming.tolist(), strict=True))
         observations, rewards, terminations, truncations = {}, {}, {}, {}
         for agent in self.agents:
-            is_lost = slots[agent] == NOBODY
+            is_away = slots[agent] == NOBODY
+            is_gone = is_away and not is_due[agent]
             observations[agent] = self._observations[agent]
-            rewards[agent] = 0.0 if is_lost else float(self._env.rewards[0, slots[agent]])
-            terminations[agent] = bool(is_lost or status in ("completed", "infeasible"))
-            truncations[agent] = status == "step limit" and not is_lost
+            rewards[agent] = 0.0 if is_away else float(self._env.rewards[0, slots[agent]])
+            terminations[agent] = bool(is_gone or status in ("completed", "infeasible"))
+            truncations[agent] = status == "step limit" and not is_gone
         infos: Everyone = {agent: {} for agent in self.agents}
         self.agents = [a for a in self.agents if not (terminations[a] or truncations[a])]
         return observations, rewards, terminations, truncations, infos

@@ -14,7 +14,8 @@ from teamformer.sim.completion import (
     judge_status,
     release_tasks,
 )
-from teamformer.sim.formation import form_joins, lose_robots, read_decisions, split_teams
+from teamformer.sim.formation import form_joins, read_decisions, split_teams
+from teamformer.sim.losses import lose_robots, return_robots
 from teamformer.sim.motion import move_teams, place_teams
 from teamformer.sim.reward import reward_teams
 from teamformer.sim.spatial_index import forget_cells, list_teams_by_cell
@@ -89,10 +90,11 @@ def finish_step(world: World, weights: tuple[float, float, float], rewards: Arra
     """Phases 6 and 7, rewards, and what becomes known."""
     step = world.count.steps + 1
     any_lost = lose_robots(world, step)
+    any_back = return_robots(world, step)
     complete_tasks(world, step)
     world.count.steps = step
     reward_teams(world, weights, rewards)
     any_released = release_tasks(world, step)
-    if any_lost or any_released:
+    if any_lost or any_back or any_released:
         drop_assignments(world)
     judge_status(world, any_lost)

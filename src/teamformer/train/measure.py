@@ -22,12 +22,12 @@ from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.scenarios.generate import generate
 from teamformer.scenarios.named_settings import spec_of
 from teamformer.sim.arrays import Array
-from teamformer.sim.list_schedule import list_schedule
 from teamformer.train.checkpoint import load_policy_weights, read_about
 from teamformer.train.evaluation import torch_brain
 from teamformer.train.trainer import make_learner
 from teamformer.train.training_settings import TrainSettings
 from teamformer.train.training_worlds import FINAL
+from teamformer.trials.list_schedule import list_schedule
 from teamformer.trials.trained_folder import load_trained
 from teamformer.trials.trial import run_trials
 

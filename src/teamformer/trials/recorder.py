@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.capabilities import covers, total
-from teamformer.model import Scenario
+from teamformer.capabilities import covers
 from teamformer.plane import Plane
+from teamformer.scenario_checks import totals_by_region
 from teamformer.sim.allocation.plan_updates import reasons_in
 from teamformer.sim.arrays import NOBODY, Array
 from teamformer.sim.env import Tally, TeamFormation
@@ -57,12 +57,14 @@ class Recorder:
         robots, tasks = self._env.worlds.robots[0], self._env.worlds.tasks[0]
         formed = _groups(robots["formed"])
         is_lost = (robots["formed"] != NOBODY) & (robots["team"] == NOBODY)
+        is_back = (robots["formed"] == NOBODY) & (robots["team"] != NOBODY)
         done = np.flatnonzero(tasks["done_at"] == steps)
         self._steps.append(
             Step(
                 joins=self._joins(before.groups, formed),
                 splits=_splits(before.groups, formed, robots["stays"]),
                 lost=tuple(np.flatnonzero(is_lost).tolist()),
+                back=tuple(np.flatnonzero(is_back).tolist()),
                 teams=_changed_teams(before, after, self._along),
                 done=tuple((int(k), int(tasks["done_by"][k])) for k in done),
                 named=self._named(formed),
@@ -154,24 +156,17 @@ class Recorder:
         )
 
     def _blocked_tasks(self) -> tuple[str, ...]:
-        """Name the tasks that the robots left can never do."""
-        left = [robot for robots in self._before.groups.values() for robot in robots]
+        """Name the tasks that the robots left and those due back can never do."""
+        scenario, made = self._scenario, self._before.tally.steps
+        left = {robot for robots in self._before.groups.values() for robot in robots}
+        left |= {r for r, robot in enumerate(scenario.robots) if (robot.back or 0) > made}
+        have = totals_by_region(scenario.world, (scenario.robots[r] for r in left))
         return tuple(
             task.name
-            for k, task in enumerate(self._scenario.tasks)
+            for k, task in enumerate(scenario.tasks)
             if self._env.worlds.tasks["done_at"][0, k] == NOBODY
-            and not _can_be_done(self._scenario, k, left)
+            and not covers(have.get(scenario.world.region(task.at), {}), task.needs)
         )
-
-
-def _can_be_done(scenario: Scenario, task: int, robots: list[int]) -> bool:
-    world, wanted = scenario.world, scenario.tasks[task]
-    near = (
-        scenario.robots[r].can
-        for r in robots
-        if world.region(scenario.robots[r].at) == world.region(wanted.at)
-    )
-    return covers(total(near), wanted.needs)
 
 
 def _groups(slots: Array) -> Groups:

@@ -51,6 +51,8 @@ class _Fleet:
             slot = next(slot for slot, robots in self.members.items() if robot in robots)
             self._regroup([other for other in self.members[slot] if other != robot], [robot])
             del self.members[robot]
+        for robot in step.back:
+            self.members[robot], self.since[robot] = [robot], number
 
     def _of(self, slot: int) -> Iterator[int]:
         """Return the robots of a team; one that lost its lowest robot is listed by its new slot."""

@@ -307,8 +307,10 @@ def _task_table(replay: Replay) -> Table:
 
 def _losses(replay: Replay) -> str:
     """Name the robots that were lost, with their steps; the first ones of many."""
+    back = {robot: n for n, step in enumerate(replay.steps, start=1) for robot in step.back}
     lost = [
         f"{replay.scenario.robots[robot].name} in step {number}"
+        + (f" (back in {back[robot]})" if robot in back else "")
         for number, step in enumerate(replay.steps, start=1)
         for robot in step.lost
     ]
@@ -337,5 +339,7 @@ def completions(replay: Replay) -> list[tuple[int, int, tuple[int, ...]]]:
         if lost:
             left = defaultdict(set, {min(m - lost): m - lost for m in members.values() if m - lost})
             members = dict(left)
+        for robot in step.back:
+            members[robot] = {robot}
         found += [(number, task, tuple(sorted(members[slot]))) for task, slot in step.done]
     return found

@@ -137,7 +137,7 @@ class _Teller:
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
         self._shown = shown
         finished = tuple((self._number[event.task], self._who(event.task)) for event in done)
-        return Step(joins, splits, tuple(lost), rows, finished)
+        return Step(joins, splits, tuple(lost), teams=rows, done=finished)
 
     def _who(self, task: int) -> int:
         """Return the team to show as the one that did a task."""

@@ -4,7 +4,7 @@ Every robot goes its own way from task to task. A task starts at a step not befo
 and not before every robot of its crew is there; it ends `duration` steps later, and its crew stays
 until then. A crew is any set of robots that together have what the task needs. A robot that stays
 in one place may serve all tasks there at once, as a team does. A robot lost at step l serves only
-tasks that end before l. The makespan is the last end.
+tasks that end before l; one that comes back counts as always there. The makespan is the last end.
 
 On a plane, ways are counted in cells that are a small fraction of a step long. They are counted
 from the edge of one place to the edge of the next, so that tasks whose places touch are in the same
@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from teamformer.grid import Grid
 from teamformer.mission_rules import opening_step
-from teamformer.model import Scenario
+from teamformer.model import Robot, Scenario
 from teamformer.plane import Plane
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 from teamformer.rules.constants import FAR as FAR
@@ -68,9 +68,14 @@ def relax(scenario: Scenario) -> Relaxed:
         able=able_robots(counts),
         duration=np.array([task.duration for task in tasks], dtype=np.int32),
         appears=np.array([opening_step(task) for task in tasks], dtype=np.int32),
-        lost=np.array([FAR if r.lost is None else r.lost for r in robots], dtype=np.int32),
+        lost=np.array([_lost_for_good(robot) for robot in robots], dtype=np.int32),
         ready=np.zeros(len(robots), dtype=np.int32),
     )
+
+
+def _lost_for_good(robot: Robot) -> int:
+    """Return the step that a robot is missing from; one that comes back counts as always there."""
+    return FAR if robot.lost is None or robot.back is not None else robot.lost
 
 
 def is_true_relaxation(problem: Relaxed) -> bool:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.capabilities import covers
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
@@ -19,6 +20,7 @@ from teamformer.planning.relaxation.problem import (
     steps_of_cells,
 )
 from teamformer.planning.teams.crossings import Crossings, find_crossings
+from teamformer.scenario_checks import totals_by_region
 
 MOST_CELLS = 20_000
 """Of a plane: how many cells the longest way is counted in."""
@@ -59,6 +61,19 @@ class Situation(NamedTuple):
     crossings: Crossings
     company: Array  # (robots,) the lowest robot of the team that each is in
     forming_steps: int
+
+
+def possible_tasks(scenario: Scenario, facts: Facts) -> tuple[int, ...]:
+    """Return the open tasks that the robots left can do; others wait for one to come back."""
+    left = (scenario.robots[robot] for team in facts.teams for robot in team)
+    have = totals_by_region(scenario.world, left)
+    return tuple(
+        task
+        for task in facts.open_tasks
+        if covers(
+            have.get(scenario.world.region(scenario.tasks[task].at), {}), scenario.tasks[task].needs
+        )
+    )
 
 
 def situation_of(scenario: Scenario, facts: Facts) -> Situation:

@@ -7,11 +7,18 @@ whole numbers. So all robots, on any processor, find the same plan.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.planning.teams.facts import Facts, SharedPlan, Situation, situation_of
+from teamformer.planning.teams.facts import (
+    Facts,
+    SharedPlan,
+    Situation,
+    possible_tasks,
+    situation_of,
+)
 from teamformer.planning.teams.plan import TeamPlan
 from teamformer.planning.teams.starts import complete_plan, plan_from_coalitions, plan_from_crews
 from teamformer.planning.teams.threshold_search import ThresholdSearch
@@ -72,8 +79,10 @@ def is_too_large(scenario: Scenario) -> bool:
 def plan_mission(scenario: Scenario, facts: Facts, old: SharedPlan | None = None) -> SharedPlan:
     """Return the plan from the present on; never worse by its own count than the old one.
 
-    Robots that will be lost and tasks that have not appeared play no part.
+    Robots that will be lost or back and tasks that have not appeared play no part; what the robots
+    that are left cannot do is not in the plan.
     """
+    facts = replace(facts, open_tasks=possible_tasks(scenario, facts))
     if not facts.open_tasks:
         return SharedPlan((), (), (), "nothing")
     situation = situation_of(scenario, facts)

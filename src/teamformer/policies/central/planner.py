@@ -275,13 +275,14 @@ class _Plays:
         is_first: bool = False,
     ) -> CentralPlan:
         """Return the best play; what the search expected in between is in its curve."""
+        script = [line for line in self._script if line]  # nobody decides while nobody is left
         curve: list[tuple[float, int]] = []
         for seconds, steps in sorted(self._curve + searched):
             is_better = not curve or steps < curve[-1][1]
             if is_better and self.makespan is not None and steps >= self.makespan:
                 curve.append((round(seconds, 3), steps))
         return CentralPlan(
-            solution, bound, self.makespan, self._played_by, self._script, tuple(curve), is_first
+            solution, bound, self.makespan, self._played_by, script, tuple(curve), is_first
         )
 
 

@@ -14,6 +14,7 @@ from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.rules.constants import MICROMETRES
 from teamformer.sim.allocation.known_positions import bring_up_to_date, is_needed, note_doers
 from teamformer.sim.arrays import CREWS, NEAREST, NOBODY
+from teamformer.sim.completion import is_possible
 from teamformer.sim.motion import travel
 
 ROUNDS = 1500
@@ -26,19 +27,21 @@ ROUNDS_AGAIN = 300
 def update_plan(world):  # type: ignore[no-untyped-def]
     """Plan the crews, or only the order, where need be; call it after each step.
 
-    Crews are planned at the start, when tasks appear, when robots are lost and when a crew has
-    nothing left to do; an order alone at the start and when tasks appear.
+    Crews are planned at the start, when tasks appear, when robots are lost or back and when a crew
+    has nothing left to do; an order alone at the start and when tasks appear.
     """
     has_crews = world.rules.allocation == CREWS
     any_new, any_done = world.count.arrived > 0, world.count.noted < world.count.done
-    any_lost = _forget_lost(world)
+    is_changed = _forget_lost(world)
+    is_changed |= world.count.back > world.count.planned_back
+    world.count.planned_back = world.count.back
     is_idle = _note_done(world) and has_crews
-    if world.count.open > 0 and (any_new or (has_crews and (any_lost or is_idle))):
-        rounds = ROUNDS if any_new or any_lost else ROUNDS_AGAIN
+    if world.count.open > 0 and (any_new or (has_crews and (is_changed or is_idle))):
+        rounds = ROUNDS if any_new or is_changed else ROUNDS_AGAIN
         if world.rules.new_tasks == NEAREST and any_new and world.count.plans > 0:
             rounds = 0
         _plan(world, not has_crews, rounds * world.count.open)
-    if any_new or any_done or any_lost:
+    if any_new or any_done or is_changed:
         _find_next_tasks(world)
 
 
@@ -104,16 +107,30 @@ def _find_next_tasks(world):  # type: ignore[no-untyped-def]
 
 @allocating_kernel
 def _plan(world, in_one_crew, rounds):  # type: ignore[no-untyped-def]
-    """Plan crews and order from the state that everybody knows."""
+    """Plan crews and order from the state that everybody knows.
+
+    Tasks that wait for a robot to come back are on no crew's list, and last in the order.
+    """
     bring_up_to_date(world)
-    count = world.count.open
+    count = _put_possible_first(world)
     tasks = world.order[:count].copy()
+    world.count.plans += 1
+    if count == 0:
+        for robot in range(world.rules.robots):
+            world.robots[robot].crew = robot if world.robots[robot].team != NOBODY else NOBODY
+        return
     robots = np.array([r for r in range(world.rules.robots) if world.robots[r].team != NOBODY])
     shared = _gather_shared(world, robots, tasks)
     crew = np.empty(len(robots), dtype=np.int64)
     task_crew = np.empty(count, dtype=np.int64)
+    newest = NOBODY
     for index in range(len(robots)):
         crew[index] = world.robots[robots[index]].crew
+        newest = max(newest, crew[index])
+    for index in range(len(robots)):
+        if crew[index] == NOBODY and newest != NOBODY:  # it is back: a crew of its own at first
+            newest += 1
+            crew[index] = newest
     for index in range(count):
         task_crew[index] = world.tasks[tasks[index]].crew
     sequence = plan_crews(shared, crew, task_crew, in_one_crew, rounds)
@@ -124,7 +141,26 @@ def _plan(world, in_one_crew, rounds):  # type: ignore[no-untyped-def]
         world.order[position] = task
         world.tasks[task].crew = task_crew[sequence[position]]
         world.tasks[task].rank = position
-    world.count.plans += 1
+
+
+@kernel
+def _put_possible_first(world):  # type: ignore[no-untyped-def]
+    """Put what the robots that are left can do first in the order; return how many tasks these are.
+
+    What they cannot do keeps its order behind, on nobody's list.
+    """
+    possible = 0
+    for position in range(world.count.open):
+        task = world.order[position]
+        if is_possible(world, task, False):
+            for later in range(position, possible, -1):
+                world.order[later] = world.order[later - 1]
+            world.order[possible] = task
+            possible += 1
+    for position in range(possible, world.count.open):
+        world.tasks[world.order[position]].crew = NOBODY
+        world.tasks[world.order[position]].rank = position
+    return possible
 
 
 @allocating_kernel

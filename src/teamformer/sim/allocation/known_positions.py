@@ -48,6 +48,20 @@ def _leave_behind(world, leader, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def be_alone_from(world, robot, step):  # type: ignore[no-untyped-def]
+    """Note that a robot that was lost is back where that was, a company of its own."""
+    heir = NOBODY
+    for other in range(world.rules.robots):
+        if world.robots[other].company == robot and other != robot:
+            heir = other if heir == NOBODY else heir
+            world.robots[other].company = heir
+    world.robots[robot].company = robot
+    world.robots[robot].spot_x = world.robots[robot].x
+    world.robots[robot].spot_y = world.robots[robot].y
+    world.robots[robot].left_at = step
+
+
+@kernel
 def bring_up_to_date(world):  # type: ignore[no-untyped-def]
     """Move every company on to where it must be by now, on its way to its earliest next task."""
     for leader in range(world.rules.robots):

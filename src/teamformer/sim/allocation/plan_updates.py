@@ -16,7 +16,7 @@ from teamformer.rules.constants import PLAN_REASONS
 from teamformer.sim.allocation.plan_moves import follow_shared_plans
 from teamformer.sim.arrays import NOBODY, PLAN, RUNNING, Array, Worlds, world_at
 
-START, APPEARED, LOST, BROKEN_OFF = 1, 2, 4, 8
+START, APPEARED, LOST, BROKEN_OFF, BACK = 1, 2, 4, 8, 16
 """Why a plan is made, in bits, in the order of `PLAN_REASONS`."""
 
 
@@ -71,10 +71,13 @@ def _find_reasons(worlds, reasons):  # type: ignore[no-untyped-def]
             reasons[w] |= LOST
         if world.count.broken_off > world.count.planned_broken_off:
             reasons[w] |= BROKEN_OFF
+        if world.count.back > world.count.planned_back:
+            reasons[w] |= BACK
         if reasons[w] != 0:
             world.count.reason = reasons[w]
         world.count.arrived = 0
         world.count.planned_lost = world.count.lost
+        world.count.planned_back = world.count.back
         world.count.planned_broken_off = world.count.broken_off
 
 
@@ -106,7 +109,10 @@ def _read_plan(worlds: Worlds, w: int) -> SharedPlan:
 
 
 def _write_plan(worlds: Worlds, w: int, plan: SharedPlan) -> None:
-    """Put a plan into a world; what is being served comes first, with those who serve it."""
+    """Put a plan into a world; what is being served comes first, with those who serve it.
+
+    Tasks that are not in it wait at the end for a robot to come back.
+    """
     coalition, tasks = worlds.coalition[w], worlds.tasks[w]
     served = np.flatnonzero(tasks["is_open"] & (tasks["server"] != NOBODY)).tolist()
     coalition[:] = False
@@ -114,7 +120,9 @@ def _write_plan(worlds: Worlds, w: int, plan: SharedPlan) -> None:
         coalition[task] = worlds.robots["team"][w] == tasks["server"][task]
     for task, robots in zip(plan.order, plan.coalitions, strict=True):
         coalition[task, list(robots)] = True
-    order: Array = np.array([*served, *plan.order], np.int64)
+    planned = [*served, *plan.order]
+    waiting = sorted(set(np.flatnonzero(tasks["is_open"]).tolist()) - set(planned))
+    order: Array = np.array(planned + waiting, np.int64)
     worlds.order[w, : len(order)] = order
     tasks["rank"][order] = np.arange(len(order))
     worlds.count["plans"][w] += 1

@@ -212,6 +212,7 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
             (numbers_below(stay, robots), numbers_below(leave, robots)) for stay, leave in splits
         ),
         lost=numbers_below(tree.get("lost", []), robots),
+        back=numbers_below(tree.get("back", []), robots),
         teams=tuple(
             TeamAt(
                 number_below(slot, robots),

@@ -41,6 +41,7 @@ class Step:
     joins: tuple[tuple[int, int], ...] = ()  # joiner, partner
     splits: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...] = ()  # who stays, who leaves
     lost: tuple[int, ...] = ()
+    back: tuple[int, ...] = ()  # each is a team of its own, where it was lost
     teams: tuple[TeamAt, ...] = ()  # whose slot, place or assignment changed
     done: tuple[tuple[int, int], ...] = ()  # task, team that did it
     named: tuple[int, ...] = ()  # teams whose decision named their task, where tasks are shared out

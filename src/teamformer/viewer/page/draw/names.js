@@ -46,7 +46,7 @@ function namesOfPlace(scenario, task, mates) {
 function drawLostNames(view, taken) {
   const { history, scenario, scene, theme } = view;
   for (const robot of history.lostPlace.keys()) {
-    if (history.lostAt[robot] > scene.step) continue;
+    if (!isLost(history, robot, scene.step)) continue;
     const { x, y, r } = robotSpot(view, robot);
     const name = `${robotName(scenario, robot)}, lost`;
     drawName(view, taken, name, { x, y: y - r - 9 }, theme.bad);

@@ -37,7 +37,7 @@ function groupsByCell(history, scene) {
 function lostByCell(history, step) {
   const cells = new Map();
   for (const [robot, [x, y]] of history.lostPlace) {
-    if (history.lostAt[robot] > step) continue;
+    if (!isLost(history, robot, step)) continue;
     const key = cellKey(x, y);
     cells.set(key, [...(cells.get(key) ?? []), robot]);
   }

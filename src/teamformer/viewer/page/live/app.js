@@ -103,12 +103,15 @@ class LiveApp extends App {
 
   actionsFor(robot) {
     const name = robotName(this.history.scenario, robot);
+    const isGone = isLost(this.history, robot, this.history.last);
+    const [words, incident] = isGone ? [`Bring ${name} back`, { back: name }] : [`Lose ${name}`, { lost: name }];
+    const weighing = isGone ? "What would that gain?" : "What would that cost?";
     return [
       element(
         "div",
         { class: "acts" },
-        act(`Lose ${name}`, () => this.ask({ do: "happen", robot: name }), `lose ${robot}`),
-        act("What would that cost?", () => this.panel.weigh({ robot: name }), `weigh ${robot}`),
+        act(words, () => this.ask({ do: "happen", ...incident }), `${isGone ? "back" : "lose"} ${robot}`),
+        act(weighing, () => this.panel.weigh(incident), `weigh ${robot}`),
       ),
     ];
   }

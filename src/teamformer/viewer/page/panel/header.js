@@ -81,9 +81,9 @@ function statusAt(history, step) {
   return step === 0 ? "at the start" : "under way";
 }
 
-function lostFigure({ scenario, lostPlace, lostAt }, step) {
-  const lost = [...lostPlace.keys()].filter((robot) => lostAt[robot] <= step);
-  return lost.length ? [figure("Lost", listRobots(scenario, lost), "")] : [];
+function lostFigure(history, step) {
+  const lost = [...history.lostPlace.keys()].filter((robot) => isLost(history, robot, step));
+  return lost.length ? [figure("Lost", listRobots(history.scenario, lost), "")] : [];
 }
 
 // Where a record stands, in a line.

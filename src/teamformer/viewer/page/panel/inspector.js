@@ -95,6 +95,7 @@ function lostDetails(app, robot) {
   return [
     heading(app, mark("mark", app.map.theme.lost), name),
     lead(`Lost ${describeWhen(history.scenario.world, history.lostAt[robot])}`),
+    ...(app.actionsFor?.(robot) ?? []),
     ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
   ];
 }

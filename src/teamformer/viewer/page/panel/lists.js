@@ -92,7 +92,7 @@ function eventRow(app, event) {
   };
 }
 
-const EVENT_COLOURS = { join: "accent", split: "muted", lost: "bad", end: "ink" };
+const EVENT_COLOURS = { join: "accent", split: "muted", lost: "bad", back: "good", end: "ink" };
 
 function eventColour({ map }, { kind, task }) {
   return task === undefined ? map.theme[EVENT_COLOURS[kind]] : taskColour(task, map.isDark);

@@ -56,11 +56,11 @@ class Timeline {
     ctx.globalAlpha = 1;
   }
 
-  // Joins, splits and losses, one tick each; those in the same pixel cover each other.
+  // Joins, splits, losses and returns, one tick each; those in the same pixel cover each other.
   drawMarks(ctx, top) {
     const drawn = new Set();
     for (const event of this.app.events) {
-      if (!["join", "split", "lost"].includes(event.kind)) continue;
+      if (!["join", "split", "lost", "back"].includes(event.kind)) continue;
       const x = Math.round(this.x(event.step));
       if (drawn.has(`${x} ${event.kind}`)) continue;
       drawn.add(`${x} ${event.kind}`);

@@ -21,6 +21,7 @@ function frames(recorded) {
     doneAt: scenario.tasks.map(() => Infinity),
     doneBy: scenario.tasks.map(() => NOBODY),
     lostAt: scenario.robots.map(() => Infinity),
+    backAt: scenario.robots.map(() => Infinity), // a robot is lost and back once
     lostPlace: new Map(),
     headings: scenario.robots.map(() => NOBODY), // by slot, the task last headed for
   };
@@ -74,10 +75,11 @@ function putTeam(state, [slot, x, y, task]) {
   state.task[slot] = task ?? NOBODY;
 }
 
-// The order is the replay's own: splits, joins, then losses, then where everybody is.
+// The order is the replay's own: splits, joins, losses, returns, then where everybody is.
 function applyStep(state, step) {
   formTeams(state, step);
   for (const robot of step.lost ?? []) loseRobot(state, robot);
+  for (const robot of step.back ?? []) state.team[robot] = robot;
   placeTeams(state, step);
 }
 
@@ -193,6 +195,7 @@ function recordStep(history, state, change, step) {
   if (change.splits || change.joins) recordFormations(history, state, change, step);
   formTeams(state, change);
   for (const robot of change.lost ?? []) recordLoss(history, state, robot, step);
+  for (const robot of change.back ?? []) recordReturn(history, state, robot, step);
   placeTeams(state, change);
   recordHeadings(history, state, change, step);
 }
@@ -216,6 +219,16 @@ function recordLoss(history, state, robot, step) {
   const mate = state.team.findIndex((other, number) => other === slot && number !== robot);
   loseRobot(state, robot);
   history.events.push({ step, kind: "lost", robot, slot, heir: state.team[mate] ?? NOBODY });
+}
+
+function recordReturn(history, state, robot, step) {
+  history.backAt[robot] = step;
+  state.team[robot] = robot;
+  history.events.push({ step, kind: "back", robot, slot: robot, size: 1 });
+}
+
+function isLost(history, robot, step) {
+  return history.lostAt[robot] <= step && step < history.backAt[robot];
 }
 
 // Teams that lose their assignment and get the same again have not changed their minds.

@@ -25,7 +25,7 @@ function workOutPhases(history, step) {
   const forming = slotsForming(after, history.replay.steps[step - 1]);
   const serving = slotsServing(history, step);
   return Uint8Array.from(after.team, (slot, robot) => {
-    if (slot === NOBODY) return LOST;
+    if (slot === NOBODY || before.team[robot] === NOBODY) return LOST;
     if (forming.has(slot)) return FORMS;
     if (serving.has(slot)) return SERVES;
     const [was, is] = [placeOf(before, robot), placeOf(after, robot)];

@@ -143,9 +143,10 @@ function namesCap(counts, cap) {
 }
 
 // The robots that bring a capability and are not lost.
-function robotsWith({ scenario, lostAt }, cap, step) {
-  const all = scenario.robots.map((_, robot) => robot);
-  return all.filter((robot) => lostAt[robot] > step && namesCap(scenario.robots[robot].can, cap));
+function robotsWith(history, cap, step) {
+  const { robots } = history.scenario;
+  const all = robots.map((_, robot) => robot);
+  return all.filter((robot) => !isLost(history, robot, step) && namesCap(robots[robot].can, cap));
 }
 
 // The tasks that are known, not done and need a capability.

@@ -10,7 +10,7 @@ function robotStory(history, robot) {
   let team = start[0];
   const story = [];
   for (const event of history.events) {
-    if (history.lostAt[robot] < event.step) break;
+    if (event.kind === "back" && event.robot === robot) team = NOBODY;
     const after = slotAfter(event, team, robot);
     if (after === undefined) continue;
     story.push(event);
@@ -32,6 +32,8 @@ function slotAfter(event, team, robot) {
     }
     case "lost":
       return event.slot === team ? (event.robot === robot ? NOBODY : event.heir) : undefined;
+    case "back":
+      return event.robot === robot ? robot : undefined;
     case "heads":
     case "begins":
     case "done":

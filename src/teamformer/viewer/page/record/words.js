@@ -145,6 +145,8 @@ function eventText(history, event) {
       return describeSplit(scenario, event);
     case "lost":
       return `${robotName(scenario, event.robot)} is lost`;
+    case "back":
+      return `${robotName(scenario, event.robot)} is back`;
     case "appears":
       return `${task} appears`;
     case "heads":

@@ -200,3 +200,18 @@ def test_files_are_opened_and_saved_in_the_folder_only(opened: Opened, tmp_path:
     chooser.value.set_files(path)
     wait_for(opened, "#notice", "shift.yaml:2: the file has no key 'nmae'")
     assert page.inner_text("#name") == "shift"
+
+
+def test_a_ros_map_is_opened_with_its_image(opened: Opened, tmp_path: Path) -> None:
+    about = tmp_path / "floor.yaml"
+    about.write_text(
+        "image: floor.pgm\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    picture = tmp_path / "floor.pgm"
+    picture.write_bytes(b"P5 4 2 255\n" + bytes([254, 254, 254, 254, 0, 254, 254, 254]))
+    with opened.page.expect_file_chooser() as chooser:
+        opened.page.click("#mission >> text=Open …")
+    chooser.value.set_files([picture, about])
+    wait_for(opened, "#name", "floor")
+    assert opened.page.input_value("#file-name") == "floor.yaml"

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import tempfile
 from collections.abc import Mapping
-from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +15,10 @@ from teamformer.grid import Grid
 from teamformer.live.comments import rewrite
 from teamformer.mission_rules import rules_not_played
 from teamformer.model import Scenario
-from teamformer.scenarios.files import read_scenario, scenario_from_tree
+from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
 from teamformer.scenarios.maps.formats import read_map
 from teamformer.scenarios.tree_reader import INFINITE
+from teamformer.scenarios.trees import world_to_tree
 from teamformer.scenarios.yaml import reader, writer
 
 Tree = dict[str, Any]
@@ -30,6 +31,10 @@ EMPTY: Tree = {
     "robots": [],
     "tasks": [],
 }
+ROS_MAP = re.compile(r"^(image|resolution):", re.MULTILINE)
+"""What only the description of a ROS map has at its left edge."""
+MOST_CELLS = 100
+"""Along the longer side of a ROS map, whose pixels are small."""
 FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
 
 
@@ -62,25 +67,32 @@ def read_draft(tree: object) -> Scenario:
     return scenario_from_tree(tree)
 
 
-def open_draft(name: str, text: str) -> Tree:
-    """Return the draft in the text of a scenario file, or an empty one on a MovingAI map.
+def open_draft(name: str, text: str, beside: Mapping[str, bytes] | None = None) -> Tree:
+    """Return the draft in the text of a scenario file, or an empty one on a map.
 
-    The tree is as the file has it, without what it left out; a map file that it names is not at
-    hand, so a scenario with one is refused.
+    `beside` holds the other files that were chosen with it, by name: the image of a ROS map, the
+    map that a scenario names. The tree is as the file has it, without what it left out, but with
+    the map in place of its file.
     """
     kind = Path(name).suffix.lower()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"draft{kind}"
         path.write_text(text, encoding="utf-8")
+        for other, content in (beside or {}).items():
+            (Path(folder) / Path(other).name).write_bytes(content)
         try:
-            if kind == ".map":
-                return EMPTY | {"name": Path(name).stem, "world": _world_of(read_map(path))}
-            read_scenario(path)
+            if kind == ".map" or ROS_MAP.search(text):
+                return EMPTY | {"name": Path(name).stem, "world": _world_of(_read_map(path))}
+            scenario = read_scenario(path)
         except TeamformerError as error:
-            raise TeamformerError(str(error).replace(str(path), name), error.hint) from None
+            message = str(error).replace(str(path), name).replace(f"{folder}/", "")
+            raise TeamformerError(message, error.hint) from None
     tree = reader.parse_json(text) if kind == ".json" else reader.parse(text)
     assert isinstance(tree.value, dict)  # or it would have been refused
-    return _plain({"name": Path(name).stem} | tree.value)
+    draft = {"name": Path(name).stem} | tree.value
+    if "map" in draft["world"]:
+        draft["world"] = scenario_to_tree(scenario)["world"]
+    return _plain(draft)
 
 
 def write_draft(tree: Mapping[str, Any], name: object, folder: Path, opened: str = "") -> Path:
@@ -108,12 +120,23 @@ def write_draft(tree: Mapping[str, Any], name: object, folder: Path, opened: str
 
 def _plain(tree: Tree) -> Tree:
     """Return a file's tree in the one form of several that pages and the writer know."""
-    radii = {key: INFINITE for key in ("sensing_radius", "join_radius") if tree.get(key) == inf}
+    radii = {
+        key: INFINITE for key in ("sensing_radius", "join_radius") if tree.get(key) == math.inf
+    }
     world = tree["world"]
     if isinstance(world.get("rows"), str):
         world = world | {"rows": world["rows"].split()}
     return tree | radii | {"world": world}
 
 
+def _read_map(path: Path) -> Grid:
+    """Read a map; one of ROS in cells so large that a page can show them all."""
+    grid = read_map(path)
+    longest = max(grid.width, grid.height)
+    if grid.frame is None or longest <= MOST_CELLS:
+        return grid
+    return read_map(path, grid.frame.cell * math.ceil(longest / MOST_CELLS))
+
+
 def _world_of(grid: Grid) -> Tree:
-    return {"rows": list(grid.rows), "y_axis": grid.y_axis}
+    return dict(world_to_tree(grid))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from base64 import b64decode
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
@@ -38,6 +40,17 @@ def read_speed(message: Message) -> float:
     if not is_number or not SLOWEST <= speed <= FASTEST:  # type: ignore[operator]
         raise TeamformerError(f"speed must be a number from {SLOWEST:g} to {FASTEST:g}")
     return float(speed)  # type: ignore[arg-type]
+
+
+def read_files(message: Message) -> dict[str, bytes]:
+    """Return the files that a message brings besides its own, `{"beside": {NAME: BASE64}}`."""
+    beside = message.get("beside", {})
+    try:
+        return {
+            str(Path(name).name): b64decode(text, validate=True) for name, text in beside.items()
+        }
+    except (AttributeError, TypeError, ValueError):
+        raise TeamformerError("'beside' must hold files by name, in base64") from None
 
 
 def read_incident(message: Message, scenario: Scenario) -> Incident:

@@ -17,7 +17,7 @@ from teamformer.live.drafts import (
     read_draft,
     write_draft,
 )
-from teamformer.live.messages import Message, read_message
+from teamformer.live.messages import Message, read_files, read_message
 from teamformer.live.mission import Mission
 from teamformer.live.session import Session, Watcher
 from teamformer.model import Scenario
@@ -87,7 +87,7 @@ class Workshop:
             name, text = message.get("name"), message.get("text")
             if not isinstance(name, str) or not isinstance(text, str):
                 raise TeamformerError("a file has a 'name' and a 'text'")
-            tree = await asyncio.to_thread(open_draft, name, text)
+            tree = await asyncio.to_thread(open_draft, name, text, read_files(message))
             self._opened = text if name.lower().endswith((".yaml", ".yml")) else ""
             watcher.tell(json.dumps({"kind": "editor", "scenario": tree}))
         elif command == "save":

@@ -65,7 +65,7 @@ def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
     tree: dict[str, Any] = {
         "teamformer": VERSION,
         "name": scenario.name,
-        "world": _world_to_tree(scenario.world),
+        "world": world_to_tree(scenario.world),
         "capabilities": list(scenario.capabilities),
         "robots": [_robot_to_tree(robot) for robot in scenario.robots],
         "tasks": [_task_to_tree(task) for task in scenario.tasks],
@@ -136,7 +136,8 @@ def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
     return tree
 
 
-def _world_to_tree(world: World) -> dict[str, Any]:
+def world_to_tree(world: World) -> dict[str, Any]:
+    """Return a world as it stands in a file that needs no other."""
     if isinstance(world, Plane):
         return {
             "plane": [world.width, world.height],

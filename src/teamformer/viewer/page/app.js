@@ -57,7 +57,7 @@ class App {
   }
 
   // A file that was chosen or dropped.
-  openFile(file, isBeside) {
+  openFiles([file], isBeside) {
     return openRecordFile(this, file, isBeside);
   }
 

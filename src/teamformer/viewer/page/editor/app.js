@@ -193,8 +193,8 @@ class EditorApp extends App {
     return "";
   }
 
-  openFile(file) {
-    this.panel.send(file);
+  openFiles(files) {
+    this.panel.send(files);
   }
 }
 

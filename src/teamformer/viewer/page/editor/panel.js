@@ -142,15 +142,33 @@ class EditorPanel {
   }
 
   openFile() {
-    const field = element("input", { type: "file", accept: ".yaml,.yml,.json,.map" });
-    field.addEventListener("change", () => this.send(field.files[0]));
+    const accept = ".yaml,.yml,.json,.map,.pgm,.png";
+    const field = element("input", { type: "file", accept, multiple: "" });
+    field.addEventListener("change", () => this.send([...field.files]));
     field.click();
   }
 
-  async send(file) {
+  // A scenario or a map, and what it names if that was chosen with it: a map, or a map's image.
+  async send(files) {
+    const read = await Promise.all(files.map(async (file) => ({ file, text: await file.text() })));
+    const isText = ({ file }) => /\.(ya?ml|json|map)$/i.test(file.name);
+    const { file, text } = read.find(isScenario) ?? read.find(isText) ?? read[0];
+    const beside = {};
+    for (const other of files) if (other !== file) beside[other.name] = await inBase64(other);
     this.file.value = file.name.replace(/\.map$/, ".yaml");
-    this.app.ask({ do: "open", name: file.name, text: await file.text() });
+    this.app.ask({ do: "open", name: file.name, text, beside });
   }
+}
+
+function isScenario({ text }) {
+  return /^["{\s]*teamformer\b/m.test(text);
+}
+
+async function inBase64(file) {
+  const bytes = new Uint8Array(await file.arrayBuffer());
+  let text = "";
+  for (let at = 0; at < bytes.length; at += 8192) text += String.fromCharCode(...bytes.subarray(at, at + 8192));
+  return btoa(text);
 }
 
 function labelled(text, field, kind = "") {

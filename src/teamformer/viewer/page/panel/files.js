@@ -19,8 +19,8 @@ function connectFiles(app) {
   addEventListener("drop", (event) => {
     event.preventDefault();
     byId("drop").hidden = true;
-    const [file] = event.dataTransfer.files;
-    if (file) app.openFile(file, isOverRight(event));
+    const files = [...event.dataTransfer.files];
+    if (files.length) app.openFiles(files, isOverRight(event));
   });
 }
 
@@ -31,7 +31,7 @@ function isOverRight({ clientX }) {
 function askForRecord(app, isBeside) {
   byId("menu").open = false;
   const input = element("input", { type: "file", accept: ".json,application/json" });
-  input.addEventListener("change", () => app.openFile(input.files[0], isBeside));
+  input.addEventListener("change", () => app.openFiles([...input.files], isBeside));
   input.click();
 }
 

@@ -4,25 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from teamformer.errors import ScenarioError
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.mission import Mission
 from teamformer.grid import Grid, Place
 from teamformer.model import Robot, Scenario, Task
-
-if TYPE_CHECKING:
-    from teamformer.planning.teams.annealing import TeamSearch
+from teamformer.planning.teams.facts import Facts, SharedPlan
 
 Stop = tuple[int, tuple[int, ...]]
 """A task and its coalition."""
-
-ANNEALINGS = ((0.3, 0.8), (0.7, 0.3))
-"""Shares of the rounds, and how hot each annealing begins, in steps of makespan."""
-
-COOLINGS = 10
-"""Temperatures in each annealing."""
 
 
 class Situation(NamedTuple):
@@ -31,6 +23,7 @@ class Situation(NamedTuple):
     places: Mapping[int, tuple[float, float]]
     tasks: tuple[TaskFact, ...]
     serving: Mapping[int, tuple[int, ...]] = {}
+    old: tuple[Stop, ...] = ()  # the plan before
 
 
 class Planner(Protocol):
@@ -40,48 +33,54 @@ class Planner(Protocol):
         """Return every task with a coalition that can do it, in an order to be kept to."""
 
 
-class TeamPlanner:
-    """Plans with forming counted by annealing, `rounds` of them and always the same ones."""
+class SharedPlanner:
+    """Plans as the simulator's `allocation: plan` does, from what is true now.
 
-    def __init__(self, rounds: int = 10_000, seed: int = 0) -> None:
-        self.rounds = rounds
-        self.seed = seed
+    The plan before is one of the plans that the search begins with, and stays where what would be
+    gained is small.
+    """
 
     def plan(self, mission: Mission, situation: Situation) -> Sequence[Stop]:
-        """Return the best plan found; tasks that are being served come first, as they are."""
-        from teamformer.planning.relaxation.problem import relax
-        from teamformer.planning.teams.solve import first_search
+        """Return the shared plan; tasks that are being served come first, as they are."""
+        from teamformer.planning.teams.shared_plan import plan_mission
 
         robots = sorted(situation.places)
         try:
             scenario = _scenario_of(mission, situation, robots)
         except ScenarioError:  # robots say that they are where they cannot be
             return _one_after_another(mission, situation, robots)
-        search = first_search(relax(scenario), scenario, self.seed)
-        if search is None:
-            return _one_after_another(mission, situation, robots)
-        self._anneal(search, len(situation.tasks))
-        plan = search.best
+        facts = Facts(
+            step=0,
+            open_tasks=tuple(range(len(situation.tasks))),
+            places=tuple(robot.at for robot in scenario.robots),
+            teams=tuple((number,) for number in range(len(robots))),
+            free_at=(0,) * len(robots),
+        )
+        plan = plan_mission(scenario, facts, _old_plan(situation, robots))
         stops = [
-            (
-                situation.tasks[task].key,
-                tuple(sorted(robots[r] for r in plan.crew[task, : plan.size[task]].tolist())),
-            )
-            for task in plan.order.tolist()
+            (situation.tasks[task].key, tuple(robots[number] for number in coalition))
+            for task, coalition in zip(plan.order, plan.coalitions, strict=True)
         ]
         return _serving_first(mission, situation, stops)
 
     def warm_up(self) -> None:
         """Load what planning needs, so that the first plan has not to wait for it."""
-        import_module("teamformer.planning.teams.solve")
+        import_module("teamformer.planning.teams.shared_plan")
 
-    def _anneal(self, search: TeamSearch, tasks: int) -> None:
-        if tasks < 2:
-            return
-        for share, hot in ANNEALINGS:
-            search.restart(search.best)
-            for cooling in range(COOLINGS):
-                search.anneal(int(self.rounds * share) // COOLINGS, cooling / COOLINGS, hot)
+
+def _old_plan(situation: Situation, robots: Sequence[int]) -> SharedPlan | None:
+    """Return what is left of the plan before, in the numbers of the situation."""
+    number = {robot: place for place, robot in enumerate(robots)}
+    place_of = {task.key: place for place, task in enumerate(situation.tasks)}
+    kept = [
+        (place_of[key], tuple(number[robot] for robot in coalition if robot in number))
+        for key, coalition in situation.old
+        if key in place_of
+    ]
+    if not kept:
+        return None
+    order, coalitions = zip(*kept, strict=True)
+    return SharedPlan(order, coalitions, (), "")
 
 
 def _scenario_of(mission: Mission, situation: Situation, robots: Sequence[int]) -> Scenario:

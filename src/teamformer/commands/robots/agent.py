@@ -36,7 +36,7 @@ def agent(path: Path, options: Options) -> int:
     require_extra("zenoh")
     from teamformer.fleet.agent.planning import FleetPlan, first_plan
     from teamformer.fleet.mission import Mission, seconds_a_step
-    from teamformer.fleet.planner import TeamPlanner
+    from teamformer.fleet.planner import SharedPlanner
     from teamformer.fleet.process.facts_file import FactsFile
     from teamformer.fleet.process.loop import AgentProcess
     from teamformer.fleet.transports.transport import check_endpoints, read_secret
@@ -58,7 +58,7 @@ def agent(path: Path, options: Options) -> int:
     if options.plan is not None:
         plan = FleetPlan(_read_plan(options.plan))
     else:
-        plan = first_plan(mission, TeamPlanner(20_000))
+        plan = first_plan(mission, SharedPlanner())
     make_body = _body_maker(options.body, mission, robot)
     transport = ZenohTransport(mission.number, robot, options.listen, options.connect, options.drop)
     try:

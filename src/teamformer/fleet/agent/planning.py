@@ -41,6 +41,11 @@ class FleetPlan:
         keep(self, "live", frozenset(note.live))
         keep(self, "listed", frozenset((*note.order, *note.left_out)))
 
+    @property
+    def stops(self) -> tuple[tuple[int, tuple[int, ...]], ...]:
+        """Return its tasks in order, each with who does it."""
+        return tuple(zip(self.note.order, self.note.coalitions, strict=True))
+
     def coalition(self, key: int) -> tuple[int, ...]:
         """Return who does a task together; nobody if the plan has it not."""
         try:
@@ -129,7 +134,8 @@ class PlanKeeper:
             if words[robot].phase == SERVE and words[robot].goal in knowledge.undone:
                 serving.setdefault(words[robot].goal, []).append(robot)
         tasks = tuple(knowledge.open_tasks())
-        situation = Situation(places, tasks, {k: tuple(r) for k, r in serving.items()})
+        at_work = {key: tuple(robots) for key, robots in serving.items()}
+        situation = Situation(places, tasks, at_work, self.plan.stops)
         epoch = self.plan.note.epoch + 1
         note = make_plan(knowledge.mission, self._planner, situation, epoch, knowledge.me)
         self.plan, self._next = FleetPlan(note), 0

@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,13 +19,10 @@ from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.world import Done
 from teamformer.fleet.messages import NOBODY
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.planner import TeamPlanner
+from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.process.world_server import WorldServer
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 from teamformer.scenarios.files import write_scenario
-
-FIRST_ROUNDS = 20_000
-"""Rounds of search for the plan that ships with the mission."""
 
 PATIENCE = 10.0
 """Seconds that agents have to leave in order before they are ended."""
@@ -51,11 +48,12 @@ class LocalFleet:
         self._mission, self._pace, self._drop = mission, pace, drop
         self._folder, self._tell = folder, tell
         self._agents: list[subprocess.Popen[bytes]] = []
+        self._commands: list[list[str]] = []  # that start them
 
     def run(self, seconds: float) -> FleetResult:
         """Run until all is done or so many seconds have passed."""
         robots = self._mission.scenario.robots
-        plan = first_plan(self._mission, TeamPlanner(FIRST_ROUNDS))
+        plan = first_plan(self._mission, SharedPlanner())
         with TemporaryDirectory(prefix="teamformer-fleet-") as temporary:
             scenario, ship = Path(temporary) / "mission.json", Path(temporary) / "plan"
             write_scenario(self._mission.scenario, scenario)
@@ -65,18 +63,25 @@ class LocalFleet:
             try:
                 server = WorldServer(self._mission, transport, b"")
                 self._tell(f"world at {endpoints[-1]}")
-                for number, robot in enumerate(robots):
-                    self._agents.append(self._start(number, scenario, ship, endpoints))
-                    self._tell(f"agent {robot.name} pid {self._agents[-1].pid}")
+                for number in range(len(robots)):
+                    self._commands.append(self._command(number, scenario, ship, endpoints))
+                    self._agents.append(self._start(number))
                 return self._hold(server, seconds)
             finally:
                 self._end()
                 transport.close()
 
-    def _start(
+    def _start(self, robot: int) -> subprocess.Popen[bytes]:
+        """Start an agent, or start it anew, and say which process it is."""
+        nowhere = subprocess.DEVNULL
+        agent = subprocess.Popen(self._commands[robot], stdin=nowhere, stdout=nowhere)
+        self._tell(f"agent {self._mission.scenario.robots[robot].name} pid {agent.pid}")
+        return agent
+
+    def _command(
         self, robot: int, scenario: Path, ship: Path, endpoints: Sequence[str]
-    ) -> subprocess.Popen[bytes]:
-        """Start an agent; it dials the world and all agents before it."""
+    ) -> list[str]:
+        """Return what starts an agent; it dials the world and all agents before it."""
         name = self._mission.scenario.robots[robot].name
         command = [sys.executable, "-m", "teamformer.cli", "agent", str(scenario)]
         command += ["--robot", name, "--body", "sim", "--listen", endpoints[robot]]
@@ -84,23 +89,24 @@ class LocalFleet:
         command += ["--facts", str(self._folder / f"facts-{robot}")]
         for endpoint in (endpoints[-1], *endpoints[:robot]):
             command += ["--connect", endpoint]
-        return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        return command
 
     def _hold(self, server: WorldServer, seconds: float) -> FleetResult:
         mission, world = self._mission, server.world
-        lost = [
-            (robot, (at.lost - 1) * mission.step)
-            for robot, at in enumerate(mission.scenario.robots)
-            if at.lost is not None
-        ]
+        losses = _moments((robot.lost for robot in mission.scenario.robots), mission.step)
+        returns = _moments((robot.back for robot in mission.scenario.robots), mission.step)
         told: set[int] = set()
         while server.now < seconds and len(world.done) < len(world.tasks):
             for done in server.step():
                 who = ", ".join(mission.scenario.robots[robot].name for robot in done.robots)
                 self._tell(f"{done.at:.2f} s: {world.tasks[done.key].name} done by {who}")
-            for robot, at in lost:
-                if server.now >= at and self._agents[robot].poll() is None:
-                    self._agents[robot].kill()
+            while losses and losses[-1][0] <= server.now:
+                self._agents[losses.pop()[1]].kill()
+            while returns and returns[-1][0] <= server.now:
+                robot = returns.pop()[1]
+                self._agents[robot].wait()
+                self._agents[robot] = self._start(robot)
+                told.discard(robot)
             for robot, agent in enumerate(self._agents):
                 if agent.poll() is not None and robot not in told:
                     told.add(robot)
@@ -124,6 +130,12 @@ class LocalFleet:
             except subprocess.TimeoutExpired:
                 agent.kill()
                 agent.wait()
+
+
+def _moments(steps: Iterable[int | None], length: float) -> list[tuple[float, int]]:
+    """Return the seconds at which steps begin, with the robots that they are of, the last first."""
+    known = ((step, robot) for robot, step in enumerate(steps) if step is not None)
+    return sorted((((step - 1) * length, robot) for step, robot in known), reverse=True)
 
 
 def free_ports(number: int) -> list[int]:

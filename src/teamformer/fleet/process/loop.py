@@ -16,15 +16,12 @@ from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Body, Report
 from teamformer.fleet.messages import Message, Notice, Post
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.planner import TeamPlanner
+from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.transports.transport import Sluice, Transport
 
 LONGEST_WAIT = 0.1
 """Seconds between two ticks at most."""
-
-ROUNDS = 3_000
-"""Rounds of search for a plan that is made on the way."""
 
 FIRST_PLANNERS = 3
 """Robots with the lowest numbers plan first, so they load the planner before they need it."""
@@ -62,7 +59,7 @@ class AgentProcess:
         if report is None:
             return 0
         remembered = self.facts.read() if self.facts else None
-        planner = TeamPlanner(ROUNDS)
+        planner = SharedPlanner()
         if self.robot < FIRST_PLANNERS:
             threading.Thread(target=planner.warm_up, daemon=True).start()
         now = time.monotonic()

@@ -199,7 +199,8 @@ def _draw_crashes(
 ) -> Iterator[Crash]:
     for robot, at in enumerate(mission.scenario.robots):
         if at.lost is not None:
-            yield Crash(robot, (at.lost - 1) * mission.step)
+            back = None if at.back is None else (at.back - 1) * mission.step
+            yield Crash(robot, (at.lost - 1) * mission.step, back, keeps_facts=True)
     robots = [r for r, at in enumerate(mission.scenario.robots) if at.lost is None]
     if number is None:
         number = rng.randint(1, max(1, mission.robots // 2)) if rng.random() < 0.5 else 0

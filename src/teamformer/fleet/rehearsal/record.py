@@ -72,7 +72,7 @@ def _scenario_of(rehearsal: Rehearsal) -> tuple[Scenario, dict[int, int]]:
     number = {task.key: task.key for task in mission.tasks}
     number |= {order.task.key: len(mission.tasks) + k for k, order in enumerate(orders)}
     robots = tuple(
-        replace(robot, lost=_lost_at(faults, k, mission.step))
+        replace(robot, lost=_lost_at(faults, k, mission.step), back=None)
         for k, robot in enumerate(whole.robots)
     )
     scenario = replace(

@@ -10,15 +10,11 @@ from itertools import islice
 
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.planner import TeamPlanner
+from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
 from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
 from teamformer.fleet.rehearsal.trace import Trace
-
-FIRST_ROUNDS = 20_000
-LATER_ROUNDS = 2_000
-"""Rounds of search for the plan that ships with a mission, and for one made on the way."""
 
 SLACK = 300.0
 """Seconds beyond the time that the slowest robot takes alone for every task, one by one."""
@@ -50,7 +46,7 @@ class Verdict:
 
 def set_stage(mission: Mission) -> Stage:
     """Make the plan that ships with a mission, and play it undisturbed."""
-    plan = first_plan(mission, TeamPlanner(FIRST_ROUNDS))
+    plan = first_plan(mission, SharedPlanner())
     _, outcome, _ = play(mission, plan, Faults())
     return Stage(mission, plan, outcome)
 
@@ -60,7 +56,7 @@ def play(
 ) -> tuple[Rehearsal, Outcome, list[str]]:
     """Play one schedule; return it, how it ended and what was promised and not kept."""
     trace = trace or Trace()
-    rehearsal = Rehearsal(mission, TeamPlanner(LATER_ROUNDS), plan, faults, trace)
+    rehearsal = Rehearsal(mission, SharedPlanner(), plan, faults, trace)
     outcome = rehearsal.run(deadline(mission, faults))
     names = set(outcome.blocked_tasks) if outcome.status == "blocked" else set()
     tasks = rehearsal.world.tasks
@@ -107,6 +103,6 @@ def judge_many(
 
 def fails(mission: Mission, faults: Faults) -> bool:
     """Say whether a mission, planned anew, breaks a promise or blocks under a schedule."""
-    plan = first_plan(mission, TeamPlanner(FIRST_ROUNDS))
+    plan = first_plan(mission, SharedPlanner())
     _, outcome, violations = play(mission, plan, faults)
     return bool(violations) or outcome.status == "blocked"

@@ -6,7 +6,6 @@ something new and when it is due, not otherwise.
 
 from __future__ import annotations
 
-import heapq
 import math
 from collections import deque
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from teamformer.fleet.messages import NOBODY, OPERATOR, Beat, Message, Notice, P
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.planner import Planner
+from teamformer.fleet.rehearsal.agenda import Agenda
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.network import RehearsedNetwork
 from teamformer.fleet.rehearsal.trace import (
@@ -84,12 +84,8 @@ class Rehearsal:
         self._drift = faults.drift or (0.0,) * robots
         self._lag = faults.lag or (0.0,) * robots
         self._tick = 0
-        self._agenda: list[int] = []
-        self._planned: set[int] = set()
-        self._letters: dict[int, list[tuple[int, int, Message]]] = {}
-        self._happenings: dict[int, list[tuple[str, int]]] = {}
-        self._wake = [0] * robots
-        self._wakes: dict[int, list[int]] = {}
+        self._agenda = Agenda()
+        self._wake = [0] * robots  # when each is to be ticked next
         self._inbox: list[list[Message]] = [[] for _ in range(robots)]
         self._paused = [0] * robots
         self._saved: list[Remembered | None] = [None] * robots
@@ -120,8 +116,7 @@ class Rehearsal:
         self._put(over, "over", 0)
         status = "blocked"
         while self._agenda:
-            tick = heapq.heappop(self._agenda)
-            self._planned.discard(tick)
+            tick = self._agenda.next_tick()
             if tick > last:
                 break
             self._tick = tick
@@ -132,12 +127,12 @@ class Rehearsal:
         return self._outcome(status)
 
     def _step(self) -> None:
-        tick = self._tick
+        tick, agenda = self._tick, self._agenda
         awake = self._advance()
-        for what, who in self._happenings.pop(tick, ()):
+        for what, who in agenda.happenings.pop(tick, ()):
             awake |= self._happen(what, who)
         self._touched |= awake
-        for sender, receiver, message in self._letters.pop(tick, ()):
+        for sender, receiver, message in agenda.letters.pop(tick, ()):
             if receiver == OPERATOR:
                 self._tell_operators(message)
             elif self.agents[receiver] is not None:
@@ -146,7 +141,7 @@ class Rehearsal:
                     self.trace.events.append(Sent(self.now, sender, receiver, kind))
                 self._inbox[receiver].append(message)
                 awake.add(receiver)
-        for robot in self._wakes.pop(tick, ()):
+        for robot in agenda.wakes.pop(tick, ()):
             if self._wake[robot] == tick:
                 awake.add(robot)
         for robot in sorted(awake):
@@ -246,7 +241,7 @@ class Rehearsal:
 
     def _deliver(self, at: float, sender: int, receiver: int, message: Message) -> None:
         tick = max(self._tick + 1, math.ceil(at / TICK))
-        self._letters.setdefault(tick, []).append((sender, receiver, message))
+        self._agenda.letters[tick].append((sender, receiver, message))
         self._schedule(tick)
 
     def _wake_at(self, robot: int, tick: int) -> None:
@@ -254,13 +249,12 @@ class Rehearsal:
         if self._wake[robot] > self._tick and self._wake[robot] <= tick:
             return
         self._wake[robot] = tick
-        self._wakes.setdefault(tick, []).append(robot)
+        self._agenda.wakes[tick].append(robot)
         self._schedule(tick)
 
     def _schedule(self, tick: int) -> None:
-        if tick not in self._planned and tick > self._tick:
-            self._planned.add(tick)
-            heapq.heappush(self._agenda, tick)
+        if tick > self._tick:
+            self._agenda.visit(tick)
 
     def _start(self, robot: int, remembered: Remembered | None) -> Agent:
         nonce = robot + 1000 * len(self.trace.events)
@@ -277,9 +271,7 @@ class Rehearsal:
     def _plan_happenings(self) -> None:
         faults = self.faults
         for robot in range(self.mission.robots):
-            self._wakes.setdefault(1, []).append(robot)
-            self._wake[robot] = 1
-        self._schedule(1)
+            self._wake_at(robot, 1)
         for number, crash in enumerate(faults.crashes):
             self._put(crash.at, "crash", number)
             if crash.back is not None:
@@ -299,7 +291,7 @@ class Rehearsal:
 
     def _put(self, at: float, what: str, who: int) -> None:
         tick = max(self._tick + 1, math.ceil(at / TICK))
-        self._happenings.setdefault(tick, []).append((what, who))
+        self._agenda.happenings[tick].append((what, who))
         self._schedule(tick)
 
     def _happen(self, what: str, who: int) -> set[int]:

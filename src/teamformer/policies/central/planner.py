@@ -57,6 +57,9 @@ CREW_SECONDS = 6e-6
 It is not begun with less time left, as it cannot be stopped.
 """
 
+FEW_CAPABILITIES = 8
+"""With more, planning crews takes longer in proportion."""
+
 SHARED_SECONDS = 2e-4
 """What making the shared plan may take, likewise; it cannot be stopped either."""
 
@@ -146,8 +149,8 @@ def _restart(search: TeamSearch, plan: TeamPlan | None) -> None:
 
 def _follow(name: str, scenario: Scenario, rule: Policy, search: TeamSearch, plays: _Plays) -> None:
     """Let the search begin at what a rule does; leave it if time is short."""
-    tasks = len(scenario.tasks)
-    if plays.seconds_left < CREW_SECONDS * tasks * (tasks + len(scenario.robots)):
+    tasks, kinds = len(scenario.tasks), max(1.0, len(scenario.capabilities) / FEW_CAPABILITIES)
+    if plays.seconds_left < CREW_SECONDS * kinds * tasks * (tasks + len(scenario.robots)):
         return
     plan = plan_from_play(scenario, search.problem, rule, plays.begun + plays.limit)
     if plan is not None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from teamformer.grid import Grid, Place
 from teamformer.model import Robot, Scenario, Task
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 
 CAPS = ("a", "b", "c")

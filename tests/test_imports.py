@@ -25,7 +25,7 @@ CORE = {
     "regions",
     "frame",
 }
-CORE |= {"jit", "kernel_cache", "kernel_compiler", "whole_files"}
+CORE |= {"jit", "kernels", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim"}
 BELOW_COMMANDS = {
     *BELOW_POLICIES,
@@ -58,8 +58,8 @@ HOMES = {
     "torch": ("nets/", "train/"),
     "safetensors": ("train/",),
     "onnxruntime": ("policies/learned/onnx_sessions.py",),
-    "gymnasium": ("sim/parallel_env.py",),
-    "pettingzoo": ("sim/parallel_env.py",),
+    "gymnasium": ("sim/multi_agent/parallel_env.py",),
+    "pettingzoo": ("sim/multi_agent/parallel_env.py",),
     "typer": ("cli/", "commands/"),
     "click": ("cli/", "commands/"),
     "rich": ("cli/", "commands/", "bench/"),

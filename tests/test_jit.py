@@ -15,7 +15,8 @@ from typing import Any
 import numba as nb
 import pytest
 
-from teamformer import jit, kernel_cache
+from teamformer import jit
+from teamformer.kernels import files
 from teamformer.planning.relaxation import ruin_recreate
 from teamformer.planning.teams import annealing
 
@@ -154,12 +155,13 @@ CALL = """
 import sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
-from teamformer import jit, kernel_cache
-kernel_cache.PACKAGED = Path(sys.argv[2])
+from teamformer import jit
+from teamformer.kernels import files
+files.PACKAGED = Path(sys.argv[2])
 from oracle import reply
 print(jit.needs_compiling(reply), reply())
 """
-AS_THE_WHEEL = {"NUMBA_CPU_NAME": kernel_cache.BASELINE, "NUMBA_CPU_FEATURES": ""}
+AS_THE_WHEEL = {"NUMBA_CPU_NAME": files.BASELINE, "NUMBA_CPU_FEATURES": ""}
 
 
 def call_anew(folder: Path, kept: str, **environment: str) -> str:

@@ -12,8 +12,8 @@ from typing import Any
 
 import numba as nb
 
-from teamformer.kernel_cache import KernelFiles
-from teamformer.kernel_compiler import Entry, Inner
+from teamformer.kernels.compiler import Entry, Inner
+from teamformer.kernels.files import KernelFiles
 
 ROOT = Path(__file__).parent
 IMPORT = re.compile(r"^ *from teamformer\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)

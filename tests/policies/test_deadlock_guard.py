@@ -10,7 +10,7 @@ from small_worlds import make, robot, task
 from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.policies.learned.deadlock_guard import DeadlockGuard, _hash_open_tasks
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.view import View
 

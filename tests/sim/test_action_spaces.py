@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from random_worlds import random_decision, random_world
-from teamformer.sim.action_spaces import (
+from teamformer.sim.env import Decision, TeamFormation
+from teamformer.sim.multi_agent.action_spaces import (
     action_from_wanted,
     count_actions,
     is_legal_action,
@@ -16,7 +17,6 @@ from teamformer.sim.action_spaces import (
     wanted_from_action,
     wanted_from_sequence,
 )
-from teamformer.sim.env import Decision, TeamFormation
 
 
 def test_original_actions_add_or_remove_combinations() -> None:

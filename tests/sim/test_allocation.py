@@ -19,7 +19,7 @@ from small_worlds import (
 )
 from teamformer.grid import Grid
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 
 

@@ -8,7 +8,7 @@ import pytest
 from random_worlds import random_decision, random_world
 from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 
 

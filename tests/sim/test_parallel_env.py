@@ -18,7 +18,7 @@ from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.generate import Spec
-from teamformer.sim.parallel_env import TeamFormationParallel
+from teamformer.sim.multi_agent.parallel_env import TeamFormationParallel
 
 SPEC = Spec(robots=4, tasks=3, capabilities=3, world=Grid(6, 6), step_limit=60)
 
@@ -194,9 +194,9 @@ def test_other_names_of_actions_and_too_many_capabilities_are_refused() -> None:
 
 def test_a_missing_install_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pettingzoo", None)
-    monkeypatch.delitem(sys.modules, "teamformer.sim.parallel_env")
+    monkeypatch.delitem(sys.modules, "teamformer.sim.multi_agent.parallel_env")
     with pytest.raises(TeamformerError) as caught:
-        importlib.import_module("teamformer.sim.parallel_env")
+        importlib.import_module("teamformer.sim.multi_agent.parallel_env")
     assert caught.value.hint == "pip install 'teamformer[env]'"
 
 

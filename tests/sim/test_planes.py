@@ -14,7 +14,7 @@ from random_worlds import random_decision, random_world
 from teamformer.grid import Place
 from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 
 FIELD = Plane(10.0, 10.0)  # steps of a second, places 0.05 m wide

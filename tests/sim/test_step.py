@@ -16,7 +16,7 @@ from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.policies.scripted.joining import JoinAll, JoinCrew
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
 

@@ -12,7 +12,7 @@ from small_worlds import make, play, robot, service, task, two_apart, two_tasks_
 from teamformer.grid import Grid, Place
 from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.view import NEAREST_TEAMS, NEXT_TASKS, View
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from random_worlds import random_decision, random_world
 from small_worlds import late_task, make, play, robot, task, two_robots_one_task
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay.record import Replay, Step, TeamAt
 from teamformer.trials.recorder import Recorder

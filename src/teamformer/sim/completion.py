@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import can_do_alone
-from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NEVER, NOBODY, STEP_LIMIT
+from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NEVER, STEP_LIMIT
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
 
 if TYPE_CHECKING:

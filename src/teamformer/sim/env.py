@@ -13,8 +13,10 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.task_order import orderings_for
-from teamformer.sim.arrays import NOBODY, RUNNING, STATUS_NAMES, Array, Worlds, pack_worlds
+from teamformer.sim.arrays import RUNNING, STATUS_NAMES, Array, Worlds
+from teamformer.sim.packing import pack_worlds
 from teamformer.sim.reward import Reward
 from teamformer.sim.step import finish_worlds, form_worlds, step_worlds
 from teamformer.sim.view import View, fill_views, lay_out_rows, make_view

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.known_positions import be_alone_from
-from teamformer.sim.arrays import NOBODY
 from teamformer.sim.formation import add_robot, clear_slot
 
 if TYPE_CHECKING:

@@ -13,8 +13,7 @@ import numpy as np
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.distances import UNREACHABLE, fill_field
 from teamformer.rules.arrays import Array
-from teamformer.rules.constants import MICROMETRES, ROUNDING
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
 from teamformer.rules.arrays import Array
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from teamformer.jit import kernel
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World

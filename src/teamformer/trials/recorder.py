@@ -9,9 +9,10 @@ import numpy as np
 
 from teamformer.capabilities import covers
 from teamformer.plane import Plane
+from teamformer.rules.constants import NOBODY
 from teamformer.scenario_checks import totals_by_region
 from teamformer.sim.allocation.plan_updates import reasons_in
-from teamformer.sim.arrays import NOBODY, Array
+from teamformer.sim.arrays import Array
 from teamformer.sim.env import Tally, TeamFormation
 from teamformer.sim.replay.record import Crew, Ending, Replay, SharedPlanMade, Step, TeamAt
 

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import FAR, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.rules.constants import FAR
 
 Numbers = npt.NDArray[np.integer[Any]]
 

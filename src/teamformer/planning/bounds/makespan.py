@@ -22,7 +22,8 @@ from teamformer.planning.bounds.open_paths import (
     shortest_path,
     span,
 )
-from teamformer.planning.relaxation.problem import FAR, NOBODY, Relaxed, relax
+from teamformer.planning.relaxation.problem import Relaxed, relax
+from teamformer.rules.constants import FAR, NOBODY
 
 Numbers = npt.NDArray[np.integer[Any]]
 

@@ -17,8 +17,8 @@ import numpy.typing as npt
 from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.planning.bounds.prize_routes import Stops, make_stops
-from teamformer.planning.relaxation.problem import FAR, Relaxed
-from teamformer.rules.constants import ROUNDING
+from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.rules.constants import FAR, ROUNDING
 
 Array = npt.NDArray[Any]
 

@@ -23,7 +23,8 @@ from teamformer.planning.bounds.makespan import earliest_formed, one_for_each_pl
 from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look_ahead
 from teamformer.planning.bounds.robot_kinds import robot_kinds, size_of_kinds
 from teamformer.planning.bounds.route_mix import RouteMix
-from teamformer.planning.relaxation.problem import FAR, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.rules.constants import FAR
 
 Array = npt.NDArray[Any]
 

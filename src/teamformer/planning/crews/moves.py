@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from teamformer.jit import kernel
 from teamformer.planning.relaxation.insertion import draw_below
-from teamformer.planning.relaxation.problem import NOBODY
 from teamformer.rules.arrays import Array
+from teamformer.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.evaluation import Room

@@ -24,9 +24,9 @@ from teamformer.planning.crews.routes import (
     gather_parties,
     insert_task,
 )
-from teamformer.planning.relaxation.problem import NOBODY
 from teamformer.planning.tour import plan_tour
 from teamformer.rules.arrays import Array
+from teamformer.rules.constants import NOBODY
 from teamformer.rules.sorting import sort_indices
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import NOBODY
+from teamformer.rules.constants import NOBODY
 
 WORD = 64
 """Capabilities are kept as bits of words so long."""

@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from teamformer.planning.bounds.makespan import earliest_starts
-from teamformer.planning.relaxation.problem import FAR, Relaxed, Whole
+from teamformer.planning.relaxation.problem import Relaxed, Whole
 from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
+from teamformer.rules.constants import FAR
 
 if TYPE_CHECKING:
     from ortools.sat.python import cp_model

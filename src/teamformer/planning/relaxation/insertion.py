@@ -20,7 +20,8 @@ from teamformer.planning.relaxation.plan import (
     recall_visit,
     serve,
 )
-from teamformer.planning.relaxation.problem import FAR, NOBODY, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.rules.constants import FAR, NOBODY
 
 if TYPE_CHECKING:
     from teamformer.planning.relaxation.plan import Plan, Timing

@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.relaxation.problem import NOBODY, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.rules.constants import NOBODY
 
 Array = npt.NDArray[Any]
 

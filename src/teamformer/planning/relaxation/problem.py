@@ -24,9 +24,7 @@ from teamformer.mission_rules import opening_step
 from teamformer.model import Robot, Scenario
 from teamformer.plane import Plane
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
-from teamformer.rules.constants import FAR as FAR
-from teamformer.rules.constants import MICROMETRES, ROUNDING
-from teamformer.rules.constants import NOBODY as NOBODY
+from teamformer.rules.constants import FAR, MICROMETRES, NOBODY, ROUNDING
 
 Whole = npt.NDArray[np.int32]
 

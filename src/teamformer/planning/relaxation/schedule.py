@@ -20,8 +20,9 @@ from teamformer.planning.relaxation.plan import (
     set_free,
     start_tasks,
 )
-from teamformer.planning.relaxation.problem import FAR, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.rules.arrays import Array
+from teamformer.rules.constants import FAR
 from teamformer.rules.sorting import sort_indices
 
 if TYPE_CHECKING:

@@ -21,9 +21,10 @@ from teamformer.planning.relaxation.cp_sat import (
     make_solver,
     minimise,
 )
-from teamformer.planning.relaxation.problem import FAR, Relaxed, is_true_relaxation, relax
+from teamformer.planning.relaxation.problem import Relaxed, is_true_relaxation, relax
 from teamformer.planning.relaxation.ruin_recreate import Search
 from teamformer.planning.relaxation.schedule import Schedule
+from teamformer.rules.constants import FAR
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 

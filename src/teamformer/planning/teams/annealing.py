@@ -7,7 +7,7 @@ import numpy as np
 from teamformer.jit import entry, kernel, needs_compiling
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.insertion import draw
-from teamformer.planning.relaxation.problem import NOBODY, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.neighbourhood import change_plan, empty_bench, keep, undo
 from teamformer.planning.teams.plan import (
     TeamPlan,
@@ -17,6 +17,7 @@ from teamformer.planning.teams.plan import (
     overwrite_team_plan,
     time_plan,
 )
+from teamformer.rules.constants import NOBODY
 
 COLD = 0.02
 """Temperature at the end of an annealing, in steps of makespan."""

@@ -17,8 +17,8 @@ from teamformer.jit import entry, kernel
 from teamformer.model import World
 from teamformer.planning.distances import UNREACHABLE, distance_fields
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import NOBODY
 from teamformer.planning.steps import next_cell
+from teamformer.rules.constants import NOBODY
 
 MOST_WAYS = 300_000
 """Of more ways than this between places and tasks, what lies on them is not looked at."""

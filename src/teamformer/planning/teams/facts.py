@@ -12,14 +12,9 @@ from teamformer.grid import Grid, Place
 from teamformer.model import Scenario
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import (
-    FAR,
-    Relaxed,
-    able_robots,
-    count_table,
-    steps_of_cells,
-)
+from teamformer.planning.relaxation.problem import Relaxed, able_robots, count_table, steps_of_cells
 from teamformer.planning.teams.crossings import Crossings, find_crossings
+from teamformer.rules.constants import FAR
 from teamformer.scenario_checks import totals_by_region
 
 MOST_CELLS = 20_000

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import FAR, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
 from teamformer.planning.tour import shortest_tour
+from teamformer.rules.constants import FAR
 
 
 def crew_plans(problem: Relaxed) -> list[TeamPlan]:

@@ -9,7 +9,8 @@ import numpy as np
 from teamformer.jit import kernel
 from teamformer.planning.relaxation.insertion import draw, draw_below
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import NOBODY, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.rules.constants import NOBODY
 
 LONGEST_STRETCH = 4
 """How many tasks of a robot in a row are moved at once at most."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
-from teamformer.planning.relaxation.problem import NOBODY
 from teamformer.planning.teams.timing import ENDLESS, is_settled, time_plan
+from teamformer.rules.constants import NOBODY
 
 ROUNDS = 20
 """How often a plan is timed anew until nothing in it is done by others than planned."""

@@ -15,7 +15,8 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import NOBODY, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.rules.constants import NOBODY
 
 LATE = 1e6
 """Steps of makespan that a robot lost before its task's end is worth."""

@@ -9,9 +9,10 @@ import numpy as np
 from teamformer.planning.crews.plan import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import FAR, NOBODY, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.threshold import search_coalitions
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
+from teamformer.rules.constants import FAR, NOBODY
 
 
 def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> TeamPlan:

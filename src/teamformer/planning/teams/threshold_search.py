@@ -6,7 +6,7 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import NOBODY, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.crossings import Crossings
 from teamformer.planning.teams.neighbourhood import change_plan, empty_bench, keep, undo
 from teamformer.planning.teams.passing import settle
@@ -17,6 +17,7 @@ from teamformer.planning.teams.plan import (
     overwrite_team_plan,
 )
 from teamformer.planning.teams.timing import ENDLESS, STEP, empty_groups, is_settled, time_plan
+from teamformer.rules.constants import NOBODY
 
 
 class ThresholdSearch:

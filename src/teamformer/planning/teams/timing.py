@@ -16,9 +16,10 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import NOBODY, Relaxed
+from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.crossings import Crossings
 from teamformer.planning.teams.plan import TeamPlan
+from teamformer.rules.constants import NOBODY
 from teamformer.rules.pairing import pair_off
 
 STEP = 200

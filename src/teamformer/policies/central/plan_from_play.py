@@ -11,7 +11,7 @@ from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
 from teamformer.policies.protocol import Policy
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation
 
 

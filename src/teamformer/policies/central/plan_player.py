@@ -8,7 +8,8 @@ import numpy as np
 
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.sim.arrays import NOBODY, Array
+from teamformer.rules.constants import NOBODY
+from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import earliest_starts, lower_bound
 from teamformer.planning.bounds.route_cover import raise_by_routes
-from teamformer.planning.relaxation.problem import FAR, Relaxed, relax
+from teamformer.planning.relaxation.problem import Relaxed, relax
 from teamformer.planning.relaxation.solve import Solution, solve
 from teamformer.planning.teams.annealing import TeamSearch
 from teamformer.planning.teams.plan import TeamPlan, routes_of
@@ -28,7 +28,8 @@ from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll, JoinCrew
-from teamformer.sim.arrays import NEVER, NOBODY, Array
+from teamformer.rules.constants import FAR, NOBODY
+from teamformer.sim.arrays import NEVER, Array
 from teamformer.sim.env import TeamFormation
 
 Script = list[dict[int, tuple[Array, int]]]

@@ -15,8 +15,8 @@ from teamformer.planning.relaxation.cp_sat import make_solver
 from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.teams.solve import first_search
 from teamformer.policies.central.planner import CentralPlan, plan_centrally
+from teamformer.rules.constants import NOBODY
 from teamformer.scenarios.smallest import smallest_scenario
-from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.policies.scripted.join_fitting import Script
+from teamformer.rules.constants import NOBODY
 from teamformer.rules.splitting import anybody_fits
-from teamformer.sim.arrays import NOBODY, Array
+from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
 
 TEAMS, TASKS = 9, 4

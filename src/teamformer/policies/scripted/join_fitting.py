@@ -11,8 +11,8 @@ from teamformer.model import Scenario
 from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.policies.scripted.pairing import is_partner, pair_by_slot
 from teamformer.rules.arrays import Array
+from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import fills_gap
-from teamformer.sim.arrays import NOBODY
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 

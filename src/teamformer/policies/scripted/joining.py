@@ -10,7 +10,7 @@ from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.model import Scenario
 from teamformer.policies.scripted.pairing import is_partner, pair_by_slot
 from teamformer.rules.arrays import Array
-from teamformer.sim.arrays import NOBODY
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import covers, helps
-from teamformer.sim.arrays import CREWS, NEAREST_ALONE, NOBODY, PLAN
+from teamformer.sim.arrays import CREWS, NEAREST_ALONE, PLAN
 from teamformer.sim.motion import travel, travel_between
 from teamformer.sim.spatial_index import find_near
 

@@ -11,9 +11,9 @@ import numpy as np
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.crews.plan import plan_crews
 from teamformer.planning.crews.routes import Shared, bits_of
-from teamformer.rules.constants import MICROMETRES
+from teamformer.rules.constants import MICROMETRES, NOBODY
 from teamformer.sim.allocation.known_positions import bring_up_to_date, is_needed, note_doers
-from teamformer.sim.arrays import CREWS, NEAREST, NOBODY
+from teamformer.sim.arrays import CREWS, NEAREST
 from teamformer.sim.completion import is_possible
 from teamformer.sim.motion import travel
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
-from teamformer.sim.arrays import CREWS, MIXED, NOBODY, PLAN
+from teamformer.rules.constants import NOBODY
+from teamformer.sim.arrays import CREWS, MIXED, PLAN
 
 
 @kernel

@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import helps
-from teamformer.sim.arrays import NEVER, NOBODY
+from teamformer.sim.arrays import NEVER
 from teamformer.sim.motion import advance, straight_on, travel
 
 

@@ -8,8 +8,9 @@ behind. Teams that wait at a task for one another join, pair by pair in slot ord
 from __future__ import annotations
 
 from teamformer.jit import entry, kernel
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import find_earliest_tasks
-from teamformer.sim.arrays import NOBODY, PLAN, RUNNING, world_at
+from teamformer.sim.arrays import PLAN, RUNNING, world_at
 from teamformer.sim.formation import choose_stayers
 from teamformer.sim.spatial_index import stands_at
 

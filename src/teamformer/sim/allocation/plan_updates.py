@@ -12,9 +12,9 @@ from teamformer.jit import entry
 from teamformer.model import Scenario
 from teamformer.planning.teams.facts import Facts, SharedPlan
 from teamformer.planning.teams.shared_plan import plan_mission
-from teamformer.rules.constants import PLAN_REASONS
+from teamformer.rules.constants import NOBODY, PLAN_REASONS
 from teamformer.sim.allocation.plan_moves import follow_shared_plans
-from teamformer.sim.arrays import NOBODY, PLAN, RUNNING, Array, Worlds, world_at
+from teamformer.sim.arrays import PLAN, RUNNING, Array, Worlds, world_at
 
 START, APPEARED, LOST, BROKEN_OFF, BACK = 1, 2, 4, 8, 16
 """Why a plan is made, in bits, in the order of `PLAN_REASONS`."""

@@ -13,9 +13,10 @@ import numpy as np
 from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.model import Scenario
 from teamformer.planning.tour import UNLINKED, plan_tour
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.crew_plan import update_plan
 from teamformer.sim.allocation.plan_updates import update_shared_plans
-from teamformer.sim.arrays import CREWS, NEAREST, NOBODY, PLAN, RUNNING, Worlds, world_at
+from teamformer.sim.arrays import CREWS, NEAREST, PLAN, RUNNING, Worlds, world_at
 from teamformer.sim.motion import travel, travel_between
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.sim.arrays import CREWS, NOBODY, Array, Worlds, world_at
+from teamformer.rules.constants import NOBODY
+from teamformer.sim.arrays import CREWS, Array, Worlds, world_at
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World

@@ -5,7 +5,7 @@ does the same again for whoever calls it: a kernel five calls deep five times. H
 only compiled code calls ends as LLVM's own language. Its entry links all of them and makes
 machine code once.
 
-This leans on how numba is made inside, as `kernel_cache.py` does; its version is pinned for that.
+This leans on how numba is made inside, as `files.py` does; its version is pinned for that.
 """
 
 # mypy: disable-error-code="arg-type, attr-defined, call-arg, no-untyped-call"

@@ -30,7 +30,7 @@ VERSIONS = f"{numba.__version__}, {llvmlite.__version__}, bounds checked: {IS_CH
 DIGITS = 16
 """Of each of the two hashes in a name."""
 
-PACKAGED = Path(__file__).parent / "compiled"
+PACKAGED = Path(__file__).parents[1] / "compiled"
 BASELINE, ABILITIES = "x86-64-v3", ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
 """The processor that a wheel's files are made for, and what it can; most since 2015 can."""
 

@@ -8,11 +8,16 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
+from teamformer.rules.constants import NOBODY
 from teamformer.scenario_checks import LARGEST_COUNT
 from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.action_spaces import count_actions, legal_actions, wanted_from_action
-from teamformer.sim.arrays import NEVER, NOBODY, RUNNING, Array
+from teamformer.sim.arrays import NEVER, RUNNING, Array
 from teamformer.sim.env import Decision, TeamFormation
+from teamformer.sim.multi_agent.action_spaces import (
+    count_actions,
+    legal_actions,
+    wanted_from_action,
+)
 from teamformer.sim.reward import Reward
 from teamformer.sim.view import View
 

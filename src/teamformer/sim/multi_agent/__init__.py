@@ -1,0 +1,1 @@
+"""The PettingZoo environment: one agent a robot."""

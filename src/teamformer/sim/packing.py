@@ -1,0 +1,206 @@
+"""Scenarios as arrays: a batch of worlds as they stand before the first step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from teamformer.errors import ScenarioError
+from teamformer.grid import Grid, Place
+from teamformer.mission_rules import (
+    ALLOCATIONS,
+    is_known_from_start,
+    opening_step,
+    rules_not_played,
+)
+from teamformer.model import Scenario
+from teamformer.plane import DECIMALS, Plane
+from teamformer.planning.distances import UNREACHABLE, blocked_cells, distance_fields
+from teamformer.rules.constants import NOBODY
+from teamformer.sim.arrays import (
+    CELL,
+    COUNT,
+    NEAREST,
+    NEVER,
+    RESOLVE,
+    ROBOT,
+    RULES,
+    TASK,
+    TEAM,
+    Worlds,
+)
+
+
+def pack_worlds(scenarios: Sequence[Scenario]) -> Worlds:
+    """Lay scenarios out as they stand before the first step, padded to the largest of them.
+
+    Raises `ScenarioError` for missions whose rules are not those of the steps.
+    """
+    problems = [problem for scenario in scenarios for problem in rules_not_played(scenario)]
+    if problems:
+        raise ScenarioError(problems)
+    worlds = _empty_worlds(scenarios)
+    for w, scenario in enumerate(scenarios):
+        _pack_rules(worlds, w, scenario)
+        _pack_robots(worlds, w, scenario)
+        _pack_tasks(worlds, w, scenario)
+        if isinstance(scenario.world, Grid) and scenario.world.rows:
+            _pack_map(worlds, w, scenario.world, [task.at for task in scenario.tasks])
+    return worlds
+
+
+def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
+    count = len(scenarios)
+    robots = max(len(s.robots) for s in scenarios)
+    tasks = max(len(s.tasks) for s in scenarios)
+    caps = max(len(s.capabilities) for s in scenarios)
+    cells = max(width * height for width, height, _ in map(_cells_of, scenarios))
+    maps = [s.world for s in scenarios if isinstance(s.world, Grid) and s.world.rows]
+    has_precedence = any(task.after for s in scenarios for task in s.tasks)
+    precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
+    has_plan = any(s.allocation == "plan" for s in scenarios)
+    walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
+    worlds = Worlds(
+        rules=np.zeros(count, dtype=RULES),
+        count=np.zeros(count, dtype=COUNT),
+        robots=np.zeros((count, robots), dtype=ROBOT),
+        teams=np.zeros((count, robots), dtype=TEAM),
+        tasks=np.zeros((count, tasks), dtype=TASK),
+        cells=np.zeros((count, cells), dtype=CELL),
+        brings=np.zeros((count, robots, caps), dtype=np.int16),
+        has=np.zeros((count, robots, caps), dtype=np.int16),
+        needs=np.zeros((count, tasks, caps), dtype=np.int16),
+        precedes=np.zeros(precedes, dtype=np.bool_),
+        demand=np.zeros((count, caps), dtype=np.int32),
+        order=np.full((count, tasks), NOBODY, dtype=np.int32),
+        blocked=np.ones((count, *walls), dtype=np.bool_),
+        fields=np.full((count, tasks if walls[0] else 0, *walls), UNREACHABLE, dtype=np.int32),
+        near=np.zeros((count, robots), dtype=np.int32),
+        near_key=np.zeros((count, robots), dtype=np.int64),
+        room=np.zeros((count, caps), dtype=np.int32),
+        here=np.zeros((count, tasks), dtype=np.int32),
+        coalition=np.zeros((count, tasks, robots) if has_plan else (count, 0, 0), dtype=np.bool_),
+        planned=np.zeros((count, robots, caps) if has_plan else (count, 0, 0), dtype=np.int16),
+    )
+    worlds.robots["team"] = NOBODY
+    worlds.robots["lost"] = worlds.robots["back"] = NEVER
+    worlds.teams["task"] = NOBODY
+    worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
+    worlds.tasks["appears"] = NEVER
+    for field in ("next_here", "server", "done_at", "done_by", "crew", "waiting"):
+        worlds.tasks[field] = NOBODY
+    worlds.robots["crew"] = worlds.robots["next"] = worlds.robots["took"] = NOBODY
+    return worlds
+
+
+def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
+    width, height, cells_per_length = _cells_of(scenario)
+    plane = scenario.world if isinstance(scenario.world, Plane) else None
+    here = plane.arrival_radius if plane else 0.0
+    rules = {
+        "robots": len(scenario.robots),
+        "tasks": len(scenario.tasks),
+        "width": width,
+        "height": height,
+        "forming_steps": scenario.forming_steps,
+        "step_limit": scenario.step_limit,
+        "new_tasks": NEAREST if scenario.new_tasks == "nearest" else RESOLVE,
+        "allocation": ALLOCATIONS.index(scenario.allocation),
+        "has_schedule": scenario.order == "schedule",
+        "has_walls": bool(scenario.world.rows),
+        "is_plane": plane is not None,
+        "sensing_radius": max(scenario.sensing_radius, here),
+        "join_radius": max(scenario.join_radius, here),
+        "arrival_radius": here,
+        "unit": plane.unit if plane else 1.0,
+        "cells_per_length": cells_per_length,
+    }
+    for name, value in rules.items():
+        worlds.rules[name][w] = value
+    worlds.rules["start_x"][w], worlds.rules["start_y"][w] = _centroid(scenario)
+
+
+def _cells_of(scenario: Scenario) -> tuple[int, int, float]:
+    """Return how many cells across and up, and how many a length; on a plane, to look around.
+
+    There a cell is wider than any finite radius, so that what is near lies in the cells around,
+    and there are no more of them than a few for each robot and task.
+    """
+    world = scenario.world
+    if isinstance(world, Grid):
+        return world.width, world.height, 1.0
+    radii = (scenario.sensing_radius, scenario.join_radius, world.arrival_radius)
+    widest = max((radius for radius in radii if radius < math.inf), default=0.0)
+    most = 4 * (len(scenario.robots) + len(scenario.tasks))
+    area, longest = world.width * world.height, max(world.width, world.height)
+    side = max(1.001 * widest, math.sqrt(area / most), longest / most)
+    return int(world.width / side) + 1, int(world.height / side) + 1, 1 / side
+
+
+def _centroid(scenario: Scenario) -> Place:
+    """Return the place at the robots' centroid; where that is blocked, the nearest robot's."""
+    places = [robot.at for robot in scenario.robots]
+    x = sum(x for x, _ in places) / len(places)
+    y = sum(y for _, y in places) / len(places)
+    if isinstance(scenario.world, Plane):
+        return round(x, DECIMALS), round(y, DECIMALS)
+    cell = (int(x + 0.5), int(y + 0.5))
+    if scenario.world.is_free(cell):
+        return cell
+    return min(places, key=lambda at: (at[0] - x) ** 2 + (at[1] - y) ** 2)
+
+
+def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
+    column = {name: c for c, name in enumerate(scenario.capabilities)}
+    for r, robot in enumerate(scenario.robots):
+        record = worlds.robots[w, r]
+        record["pace"] = scenario.world.pace(robot.speed)
+        record["lost"] = NEVER if robot.lost is None else robot.lost
+        record["back"] = NEVER if robot.back is None else robot.back
+        record["region"] = scenario.world.region(robot.at)
+        record["spot_x"], record["spot_y"] = robot.at
+        for name, count in robot.can.items():
+            worlds.brings[w, r, column[name]] = count
+    kinds: dict[tuple[object, ...], int] = {}
+    for r, robot in enumerate(scenario.robots):
+        kind = (*sorted(robot.can.items()), robot.speed, scenario.world.region(robot.at))
+        worlds.robots["kind"][w, r] = kinds.setdefault(kind, r)
+    for members in scenario.starting_teams:
+        slot, robots = members[0], list(members)
+        team = worlds.teams[w, slot]
+        team["x"], team["y"] = scenario.robots[slot].at
+        team["size"] = len(members)
+        team["pace"] = worlds.robots[w, robots]["pace"].min()
+        worlds.robots["team"][w, robots] = worlds.robots["company"][w, robots] = slot
+        worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
+
+
+def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario) -> None:
+    cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
+    number_of = {task.name: k for k, task in enumerate(scenario.tasks)}
+    width, height, cells_per_length = _cells_of(scenario)
+    for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
+        task, record = scenario.tasks[k], worlds.tasks[w, k]
+        record["x"], record["y"] = task.at
+        record["duration"] = task.duration
+        record["appears"], record["awaits"] = opening_step(task), len(task.after)
+        for name in task.after:
+            worlds.precedes[w, number_of[name], k] = True
+        record["region"] = scenario.world.region(task.at)
+        record["is_open"] = is_known_from_start(task)
+        column, row = (int(along * cells_per_length) for along in task.at)
+        cell = worlds.cells[w, min(row, height - 1) * width + min(column, width - 1)]
+        record["next_here"], cell["first_task"] = cell["first_task"], k
+        for name, count in task.needs.items():
+            worlds.needs[w, k, cap_of[name]] = count
+    known = np.flatnonzero(worlds.tasks["is_open"][w])
+    worlds.order[w, : len(known)] = known
+    worlds.demand[w] = (worlds.needs[w, known] > 0).sum(axis=0)
+    worlds.count["open"][w] = worlds.count["arrived"][w] = len(known)
+
+
+def _pack_map(worlds: Worlds, w: int, grid: Grid, places: Sequence[Place]) -> None:
+    worlds.blocked[w, : grid.height, : grid.width] = blocked_cells(grid)
+    worlds.fields[w, : len(places), : grid.height, : grid.width] = distance_fields(grid, places)

@@ -142,7 +142,7 @@ def _text(name: str) -> str:
     """Return a module's text with flat imports."""
     flat = IMPORT.sub(lambda match: f"from {_flat(match[1])} import {match[2]}", _source(name))
     text = flat.replace("import numba as nb\n", "import tf_jit as nb\n")
-    return text + _shim("arrays.txt") if name == "sim.arrays" else text
+    return text + _shim("packing.txt") if name == "sim.packing" else text
 
 
 def _flat(name: str) -> str:
@@ -157,7 +157,7 @@ def _scenario_text(scenario: Scenario, poses: np.ndarray, seed: int) -> str:
     return (
         '"""The scenario, where its robots start, and the seed."""\n\n'
         "from math import inf\n\n"  # which a radius may be
-        "from tf_model import Grid, Robot, Scenario, Task\nfrom tf_plane import Plane\n\n"
+        "from tf_grid import Grid\nfrom tf_model import Robot, Scenario, Task\nfrom tf_plane import Plane\n\n"
         f"SCENARIO = {scenario!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
     )
 

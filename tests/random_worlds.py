@@ -61,7 +61,7 @@ def _draw(
     together = rng.random() < 0.6
     for r in range(rng.integers(1, 8)):
         lost = int(rng.integers(1, 30)) if with_losses and rng.random() < 0.1 else None
-        back = lost + int(rng.integers(1, 12)) if lost is not None and rng.random() < 0.4 else None
+        back = None if lost is None or lost % 5 > 1 else lost + 1 + 5 * r % 11
         speed = float(rng.choice([1.0, 1.0, 1.0, 0.5, 0.3, 1.7]))
         robots.append(Robot(f"r{r}", home if together else place(), counts(), speed, lost, back))
     tasks = []

@@ -103,7 +103,7 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
         for _ in range(4):
             page.ask(do="step")
             page.hear("step")
-        page.ask(do="what_if", robot="r2")
+        page.ask(do="what_if", lost="r2")
         guess = page.hear("what_if")
         assert (guess["without"], guess["text"]) == (13, "robot r2 lost")
         page.ask(do="happen", lost="r2")

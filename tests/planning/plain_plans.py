@@ -87,11 +87,16 @@ def fastest_makespan(scenario: Scenario) -> int | None:
             for crew in crews[k]:
                 after = list(stays)
                 end = serve(world, world.tasks[k], crew, after)
-                if all(end < (world.robots[r].lost or math.inf) for r in crew):
+                if all(end < last_step(world.robots[r]) for r in crew):
                     extend(left - {k}, after, max(makespan, end))
 
     extend(frozenset(range(len(world.tasks))), [Stay(r.at) for r in world.robots], 0)
     return None if best == math.inf else int(best)
+
+
+def last_step(robot: Robot) -> float:
+    """Return the step that a robot is missing from; who comes back counts as always there."""
+    return math.inf if robot.lost is None or robot.back is not None else robot.lost
 
 
 def serve(world: PlainWorld, task: Task, crew: tuple[int, ...], stays: list[Stay]) -> int:
@@ -112,7 +117,7 @@ def find_faults(scenario: Scenario, schedule: Schedule) -> list[str]:
             faults.append(f"the crew of task {k} is too small")
         if start <= task.appears or end != start + task.duration:
             faults.append(f"task {k} starts at {start} and ends at {end}")
-        if any(end >= (world.robots[r].lost or math.inf) for r in schedule.crews[k]):
+        if any(end >= last_step(world.robots[r]) for r in schedule.crews[k]):
             faults.append(f"task {k} has a lost robot")
     for r, route in enumerate(schedule.routes):
         if sorted(route) != [k for k, crew in enumerate(schedule.crews) if r in crew]:

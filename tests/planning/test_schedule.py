@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
-from plain_plans import PlainWorld, Stay, find_faults, serve
+from plain_plans import PlainWorld, Stay, find_faults, last_step, serve
 from random_worlds import random_world
 from small_worlds import make, robot, task
 from teamformer.model import Scenario
@@ -40,7 +38,7 @@ def first_crew(world: PlainWorld, k: int, stays: list[Stay]) -> list[int]:
     in_turn = sorted(came, key=lambda r: (came[r], r))
     for count, last in enumerate(in_turn, start=1):
         end = max(task.appears + 1, came[last]) + task.duration
-        crew = [r for r in in_turn[:count] if end < (world.robots[r].lost or math.inf)]
+        crew = [r for r in in_turn[:count] if end < last_step(world.robots[r])]
         if world.covers(tuple(crew), task):
             for r in list(crew):
                 without = tuple(other for other in crew if other != r)

@@ -191,7 +191,7 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
         (
             damage("steps", 2, "jions", to=[]),
             "step 3: the key 'jions' means nothing; "
-            "known are joins, splits, lost, teams, done, named, took",
+            "known are joins, splits, lost, back, teams, done, named, took",
         ),
         (damage("steps", 3, "joins", to=[[1]]), "step 4: [1] stands where a list of 2 belongs"),
         (

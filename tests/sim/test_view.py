@@ -162,7 +162,7 @@ def test_nobody_can_join_who_serves() -> None:
 
 
 def with_another_future(scenario: Scenario) -> Scenario:
-    """Change what late tasks are and where, and who is lost when, but not before step 10."""
+    """Change what late tasks are and where, who is lost and back when; not before step 10."""
 
     def change_task(one: Task) -> Task:
         if one.appears < 10:
@@ -171,7 +171,11 @@ def with_another_future(scenario: Scenario) -> Scenario:
         return replace(one, at=scenario.robots[0].at, needs=needs, appears=15)
 
     def change_robot(one: Robot) -> Robot:
-        return one if one.lost is None or one.lost < 10 else replace(one, lost=29)
+        if one.lost is None:
+            return one
+        if one.lost >= 10:
+            return replace(one, lost=29, back=None)
+        return one if one.back is None or one.back < 10 else replace(one, back=one.back + 5)
 
     return replace(
         scenario,

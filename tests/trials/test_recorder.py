@@ -82,6 +82,7 @@ def states_of(replay: Replay) -> list[State]:
             groups.update({robots[0]: robots for robots in split})
         left = (tuple(r for r in robots if r not in step.lost) for robots in groups.values())
         groups = {robots[0]: robots for robots in left if robots}
+        groups |= {robot: (robot,) for robot in step.back}
         stand.update({team.slot: team for team in step.teams})
         states.append({slot: (robots, stand[slot]) for slot, robots in groups.items()})
     return states

@@ -157,7 +157,8 @@ def _scenario_text(scenario: Scenario, poses: np.ndarray, seed: int) -> str:
     return (
         '"""The scenario, where its robots start, and the seed."""\n\n'
         "from math import inf\n\n"  # which a radius may be
-        "from tf_grid import Grid\nfrom tf_model import Robot, Scenario, Task\nfrom tf_plane import Plane\n\n"
+        "from tf_grid import Grid\nfrom tf_model import Robot, Scenario, Task\n"
+        "from tf_plane import Plane\n\n"
         f"SCENARIO = {scenario!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
     )
 

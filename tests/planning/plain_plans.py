@@ -113,14 +113,14 @@ def find_faults(scenario: Scenario, schedule: Schedule) -> list[str]:
     world, faults = PlainWorld(scenario), []
     for k, task in enumerate(world.tasks):
         start, end = schedule.start[k], schedule.end[k]
-        if not world.covers(schedule.crews[k], task):
+        if not world.covers(schedule.coalitions[k], task):
             faults.append(f"the crew of task {k} is too small")
         if start <= task.appears or end != start + task.duration:
             faults.append(f"task {k} starts at {start} and ends at {end}")
-        if any(end >= last_step(world.robots[r]) for r in schedule.crews[k]):
+        if any(end >= last_step(world.robots[r]) for r in schedule.coalitions[k]):
             faults.append(f"task {k} has a lost robot")
     for r, route in enumerate(schedule.routes):
-        if sorted(route) != [k for k, crew in enumerate(schedule.crews) if r in crew]:
+        if sorted(route) != [k for k, crew in enumerate(schedule.coalitions) if r in crew]:
             faults.append(f"robot {r} has route {route}")
         stay = Stay(world.robots[r].at)
         for k in route:

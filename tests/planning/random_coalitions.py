@@ -51,15 +51,15 @@ def plain_times(
     start: dict[int, int] = {}
     late = 0
     for task in plan.order.tolist():
-        crew = plan.crew[task, : plan.size[task]].tolist()
-        there = max(free[r] + int(problem.ways[problem.pace[r], place[r], task]) for r in crew)
-        if len({place[r] for r in crew}) > 1:
+        coalition = plan.coalition[task, : plan.size[task]].tolist()
+        there = max(free[r] + int(problem.ways[problem.pace[r], place[r], task]) for r in coalition)
+        if len({place[r] for r in coalition}) > 1:
             there += int(problem.forming[0])
         ends = [start[o] + int(problem.duration[o]) for o in problem.before[task] if o != NOBODY]
         start[task] = max([there, int(problem.release[task]), *ends])
         end = start[task] + int(problem.duration[task])
         late += max(0, end - int(problem.due[task]))
-        for robot in crew:
+        for robot in coalition:
             place[robot], free[robot] = task, end
     back = [f + int(problem.home[k, p]) for f, k, p in zip(free, problem.kind, place, strict=True)]
     return max(back), sum(back), late, start
@@ -68,8 +68,11 @@ def plain_times(
 def is_able(problem: CoalitionProblem, plan: CoalitionPlan) -> bool:
     """Say whether every coalition brings what its task needs, with nobody in it twice."""
     for task, size in enumerate(plan.size.tolist()):
-        crew = plan.crew[task, :size].tolist()
-        if len(set(crew)) < size or (problem.counts[crew].sum(axis=0) < problem.needs[task]).any():
+        coalition = plan.coalition[task, :size].tolist()
+        if (
+            len(set(coalition)) < size
+            or (problem.counts[coalition].sum(axis=0) < problem.needs[task]).any()
+        ):
             return False
     return True
 
@@ -79,12 +82,12 @@ def all_plans(problem: CoalitionProblem) -> Iterator[CoalitionPlan]:
     tasks, robots = len(problem.needs), len(problem.counts)
     choices = [least_coalitions(problem, task) for task in range(tasks)]
     for order in itertools.permutations(range(tasks)):
-        for crews in itertools.product(*choices):
+        for coalitions in itertools.product(*choices):
             plan = empty_plan(problem)
             plan.order[:] = order
-            for task, crew in enumerate(crews):
-                plan.size[task] = len(crew)
-                plan.crew[task, : len(crew)] = crew
+            for task, coalition in enumerate(coalitions):
+                plan.size[task] = len(coalition)
+                plan.coalition[task, : len(coalition)] = coalition
             yield plan
     assert robots
 
@@ -94,8 +97,8 @@ def least_coalitions(problem: CoalitionProblem, task: int) -> Sequence[tuple[int
     robots = range(len(problem.counts))
     able: list[tuple[int, ...]] = []
     for size in range(1, len(problem.counts) + 1):
-        for crew in itertools.combinations(robots, size):
-            is_enough = (problem.counts[list(crew)].sum(axis=0) >= problem.needs[task]).all()
-            if is_enough and not any(set(one) < set(crew) for one in able):
-                able.append(crew)
+        for coalition in itertools.combinations(robots, size):
+            is_enough = (problem.counts[list(coalition)].sum(axis=0) >= problem.needs[task]).all()
+            if is_enough and not any(set(one) < set(coalition) for one in able):
+                able.append(coalition)
     return able

@@ -74,14 +74,14 @@ def test_a_task_without_anybody_left_to_do_it_leaves_no_schedule() -> None:
 def test_hint_with_spare_robots_is_trimmed() -> None:
     problem = relax(make([robot("ab", 0), robot("a", 0), robot("b", 0)], [task("ab", 3)]))
     plan = make_plan(problem, [0], [[0, 1, 2]])
-    assert plan.crew[0, : plan.size[0]].tolist() == [1, 2]  # the first that can be spared goes
+    assert plan.coalition[0, : plan.size[0]].tolist() == [1, 2]  # the first that can be spared goes
 
 
 def makespan_if_late(problem: Relaxed, schedule: Schedule, late: int, start: int) -> int:
     """Return the makespan when one task may not start before a step."""
     appears = problem.appears.copy()
     appears[late] = start - 1
-    plan = make_plan(problem, schedule.order, schedule.crews)
+    plan = make_plan(problem, schedule.order, schedule.coalitions)
     return int(start_tasks(problem._replace(appears=appears), plan, empty_timing(problem, plan))[0])
 
 
@@ -92,11 +92,11 @@ def test_a_tail_is_what_follows_when_a_task_is_very_late(seed: int) -> None:
         problem = relax(random_world(rng, with_losses=False))
         schedule = search_schedule(problem, seed, rounds=20)
         assert schedule is not None
-        plan = make_plan(problem, schedule.order, schedule.crews)
+        plan = make_plan(problem, schedule.order, schedule.coalitions)
         timing = empty_timing(problem, plan)
         makespan, _, _ = start_tasks(problem, plan, timing)
         hang_tasks(problem, plan, timing)
         assert makespan == (timing.start + timing.tail).max()
-        for late in range(len(schedule.crews)):
+        for late in range(len(schedule.coalitions)):
             end = makespan_if_late(problem, schedule, late, start=1000)
             assert end == 1000 + timing.tail[late]

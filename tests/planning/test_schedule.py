@@ -63,7 +63,7 @@ def test_agrees_with_the_plain_one(seed: int) -> None:
         else:
             assert schedule is not None
             assert find_faults(scenario, schedule) == []
-            assert (list(schedule.start), [len(crew) for crew in schedule.crews]) == plain
+            assert (list(schedule.start), [len(crew) for crew in schedule.coalitions]) == plain
             assert schedule.order == tuple(ranking)
     assert missed < 30
 
@@ -77,6 +77,6 @@ def test_the_crew_that_is_there_first() -> None:
     robots = [robot("a", 0), robot("b", 2), robot("a", 4)]
     schedule = schedule_tasks(relax(make(robots, [task("ab", 3), task("aa", 7)])), [0, 1])
     assert schedule is not None
-    assert schedule.crews == ((1, 2), (0, 2))
+    assert schedule.coalitions == ((1, 2), (0, 2))
     assert schedule.start == (1, 7)
     assert schedule.routes == ((1,), (0,), (0, 1))

@@ -62,7 +62,7 @@ def settled(
     )
     search.begin(plan_teams(situation.problem, order, crews))
     plan = search.best
-    crew = [sorted(plan.crew[k, : plan.size[k]].tolist()) for k in range(len(order))]
+    crew = [sorted(plan.coalition[k, : plan.size[k]].tolist()) for k in range(len(order))]
     return search.ends.tolist(), crew
 
 

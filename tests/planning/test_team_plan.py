@@ -103,7 +103,7 @@ def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]
     ]
     end = [0] * tasks
     for position in plan.order.tolist():
-        crew = set(plan.crew[position, : plan.size[position]].tolist())
+        crew = set(plan.coalition[position, : plan.size[position]].tolist())
         arrivals = []
         for group in together:
             ours = group["robots"] & crew

@@ -169,7 +169,7 @@ def test_a_play_becomes_a_plan(is_plane: bool) -> None:
         plan = plan_from_play(scenario, problem, JoinAll())
         assert plan is not None
         for task, size in enumerate(plan.size.tolist()):
-            has = problem.counts[plan.crew[task, :size]].sum(axis=0)
+            has = problem.counts[plan.coalition[task, :size]].sum(axis=0)
             assert (has >= problem.needs[task]).all()
         assert play(scenario, plan) > 0
 

@@ -44,11 +44,13 @@ def corridor(forming: int = 0) -> CoalitionProblem:
     )
 
 
-def plan_of(problem: CoalitionProblem, order: list[int], crews: list[list[int]]) -> CoalitionPlan:
+def plan_of(
+    problem: CoalitionProblem, order: list[int], coalitions: list[list[int]]
+) -> CoalitionPlan:
     plan = empty_plan(problem)
     plan.order[:] = order
-    for task, crew in enumerate(crews):
-        plan.size[task], plan.crew[task, : len(crew)] = len(crew), crew
+    for task, coalition in enumerate(coalitions):
+        plan.size[task], plan.coalition[task, : len(coalition)] = len(coalition), coalition
     return plan
 
 

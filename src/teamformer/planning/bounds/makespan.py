@@ -97,7 +97,7 @@ def _bound_capability(
     """Bound the makespan by what the robots with one capability have to walk.
 
     One task stands for each place: fewer tasks take no longer, and tasks in one place may be done
-    together. For each task choose one robot of its crew that has the capability; these choices
+    together. For each task choose one robot of its coalition that has the capability; these choices
     cut the tasks into one path for each of u robots. A robot ends its path no sooner than
     the start of its first task, its legs and its services together, so the slowest of u robots
     ends no sooner than the mean; and u is unknown, so the least mean counts.

@@ -127,9 +127,9 @@ class _Circuits:
 
     def hint(self, plan: CoalitionPlan) -> None:
         """Begin at a plan."""
-        for task, crew in enumerate(plan.crew):
+        for task, coalition in enumerate(plan.coalition):
             for robot, does in enumerate(self.does):
-                self.model.add_hint(does[task], robot in crew[: plan.size[task]])
+                self.model.add_hint(does[task], robot in coalition[: plan.size[task]])
 
     def plan_of(self, solver: cp_model.CpSolver) -> CoalitionPlan:
         """Return what the solver found as a plan; tasks in the order in which they start."""
@@ -138,7 +138,7 @@ class _Circuits:
         ends = starts + self.problem.duration
         plan.order[:] = np.lexsort((ends, starts))
         for task in range(len(starts)):
-            crew = [r for r, does in enumerate(self.does) if solver.value(does[task])]
-            plan.size[task] = len(crew)
-            plan.crew[task, : len(crew)] = crew
+            coalition = [r for r, does in enumerate(self.does) if solver.value(does[task])]
+            plan.size[task] = len(coalition)
+            plan.coalition[task, : len(coalition)] = coalition
         return plan

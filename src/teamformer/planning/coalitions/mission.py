@@ -61,16 +61,16 @@ class ContinuousMission:
         end: dict[int, float] = {}
         stops: list[list[Stop]] = [[] for _ in scenario.robots]
         for task in plan.order.tolist():
-            wanted, crew = scenario.tasks[task], plan.crew[task, : plan.size[task]]
-            arrive = free[crew] + self.ways[self.pace[crew], at[crew], task]
+            wanted, coalition = scenario.tasks[task], plan.coalition[task, : plan.size[task]]
+            arrive = free[coalition] + self.ways[self.pace[coalition], at[coalition], task]
             start = max(release_of(scenario, task), *arrive.tolist())
-            if len(set(at[crew].tolist())) > 1:
+            if len(set(at[coalition].tolist())) > 1:
                 start = max(start, float(arrive.max()) + scenario.forming)
             start = max([start, *(end[number_of[name]] for name in wanted.after)])
             end[task] = start + wanted.duration
-            for robot, when in zip(crew.tolist(), arrive.tolist(), strict=True):
+            for robot, when in zip(coalition.tolist(), arrive.tolist(), strict=True):
                 stops[robot].append(Stop(task, when, start, end[task]))
-            at[crew], free[crew] = task, end[task]
+            at[coalition], free[coalition] = task, end[task]
         back = free + self.home[np.arange(len(at)), at]
         late = {t: end[t] - latest_end(scenario.tasks[t].between) for t in sorted(end)}
         return MissionPlan(

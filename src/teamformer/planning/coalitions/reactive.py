@@ -121,7 +121,7 @@ def _do(problem, schedule, desk, task, position):  # type: ignore[no-untyped-def
     plan.order[position] = task
     plan.size[task] = desk.picks[0]
     for seat in range(desk.picks[0]):
-        plan.crew[task, seat] = desk.pick[seat]
+        plan.coalition[task, seat] = desk.pick[seat]
     time_one(problem, schedule, position)
 
 
@@ -132,7 +132,7 @@ def _do_as_in(problem, schedule, best, position):  # type: ignore[no-untyped-def
     plan.order[position] = task
     plan.size[task] = best.size[task]
     for seat in range(best.size[task]):
-        plan.crew[task, seat] = best.crew[task, seat]
+        plan.coalition[task, seat] = best.coalition[task, seat]
     time_one(problem, schedule, position)
 
 

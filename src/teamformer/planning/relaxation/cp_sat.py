@@ -1,7 +1,7 @@
 """The relaxed problem as a constraint model for OR-Tools CP-SAT: one circuit per robot.
 
 A robot's circuit leads from its start through the tasks it visits and back at no cost. All
-robots of a crew share the task's start, so one literal says for all of them that a task is over
+robots of a coalition share the task's start, so one literal says for all that a task is over
 before another begins; a robot that visits both tasks needs it one way or the other.
 """
 
@@ -246,9 +246,9 @@ def minimise(
 def read_solution(circuits: Circuits, value: Callable[[Any], int]) -> Schedule | None:
     """Return the schedule of a solution; `value` says what a variable is in it."""
     starts = [value(start) for start in circuits.start]
-    crews: list[list[int]] = [[] for _ in starts]
+    coalitions: list[list[int]] = [[] for _ in starts]
     for (robot, task), visit in circuits.visits.items():
         if value(visit):
-            crews[task].append(robot)
+            coalitions[task].append(robot)
     order = np.argsort(starts, kind="stable").tolist()
-    return read_schedule(circuits.problem, make_plan(circuits.problem, order, crews))
+    return read_schedule(circuits.problem, make_plan(circuits.problem, order, coalitions))

@@ -1,6 +1,6 @@
-"""One more task for a plan: the gap in the order and the crew that cost least.
+"""One more task for a plan: the gap in the order and the coalition that cost least.
 
-For a gap and a crew the longest chain of steps through the new task is known exactly from
+For a gap and a coalition the longest chain of steps through the new task is known exactly from
 the starts before and the tails after it; the new makespan is that or the old one, whichever is
 longer. So every gap is weighed without timing the plan again.
 """
@@ -52,9 +52,9 @@ class Desk(NamedTuple):
     near: Array  # (tasks, neighbours) other tasks by distance
     asked: Array  # (caps + 1,) ASK: what the task needs, closed by a count of 0
     candidates: Array  # (caps, robots) whom to consider for what is asked
-    pick: Array  # (robots,) the crew for the gap at hand
-    best: Array  # (robots,) the best crew so far
-    spare: Array  # (caps,) what the crew has beyond what is needed
+    pick: Array  # (robots,) the coalition for the gap at hand
+    best: Array  # (robots,) the best coalition so far
+    spare: Array  # (caps,) what the coalition has beyond what is needed
     is_versatile: Array  # (1,) whether some robot brings more than one count of anything
     random: Array  # (1,) state of the random numbers
 
@@ -97,25 +97,25 @@ def draw_below(random: Array, count: int) -> int:
 def insert_task(
     problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, task: int, makespan: int
 ) -> bool:
-    """Put a task into a plan whose tails have just been hung; say whether there is a crew.
+    """Put a task into a plan whose tails have just been hung; say whether there is a coalition.
 
     `makespan` is the plan's without the task.
     """
     _gather_candidates(problem, plan, timing, desk, task)
     robots, asked, candidates = timing.robots, desk.asked, desk.candidates
     counts, pick, random = problem.counts, desk.pick, desk.random
-    steps, cells, visits, crew = problem.steps, problem.cells, timing.visits, plan.crew
+    steps, cells, visits, coalition = problem.steps, problem.cells, timing.visits, plan.coalition
     earliest, duration = problem.appears[task] + 1, problem.duration[task]
     best_cost, best_gap, best_size = np.int64(IMPOSSIBLE), NOBODY, 0
     is_new = True
     for gap in range(plan.placed[0] + 1):
         is_last_chance = best_gap == NOBODY and gap == plan.placed[0]
         if is_last_chance or (is_new and draw(random) >= BLINK):
-            size = _pick_crew(robots, asked, candidates, counts, pick, earliest, duration)
+            size = _pick_coalition(robots, asked, candidates, counts, pick, earliest, duration)
             if desk.is_versatile[0]:
                 count_spares(problem.needs, counts, pick, size, task, desk.spare)
                 size = drop_spares(counts, pick, size, desk.spare)
-            through, detour = _judge_crew(robots, pick, size, earliest, duration)
+            through, detour = _judge_coalition(robots, pick, size, earliest, duration)
             cost = STEP * max(through, makespan) + through + detour
             if cost < best_cost:
                 best_cost, best_gap, best_size = cost, gap, size
@@ -125,7 +125,7 @@ def insert_task(
             passed = plan.order[gap]
             end = timing.start[passed] + problem.duration[passed]
             size = plan.size[passed]
-            is_new = _pass_task(robots, visits, crew, steps, cells, task, passed, size, end)
+            is_new = _pass_task(robots, visits, coalition, steps, cells, task, passed, size, end)
     if best_gap == NOBODY:
         return False
     _place_task(plan, task, best_gap, desk.best, best_size)
@@ -133,14 +133,14 @@ def insert_task(
 
 
 @kernel
-def _place_task(plan: Plan, task: int, gap: int, crew: Array, size: int) -> None:
+def _place_task(plan: Plan, task: int, gap: int, coalition: Array, size: int) -> None:
     for position in range(plan.placed[0], gap, -1):
         plan.order[position] = plan.order[position - 1]
     plan.order[gap] = task
     plan.placed[0] += 1
     plan.size[task] = size
     for seat in range(size):
-        plan.crew[task, seat] = crew[seat]
+        plan.coalition[task, seat] = coalition[seat]
 
 
 @kernel
@@ -174,13 +174,13 @@ def _consider_nearby(
     problem: Relaxed, plan: Plan, robots: Array, desk: Desk, kind: int, task: int, many: int
 ) -> None:
     """Consider robots that serve tasks in the neighbourhood."""
-    asked, candidates, crew = desk.asked, desk.candidates, plan.crew
+    asked, candidates, coalition = desk.asked, desk.candidates, plan.coalition
     counts, cap = problem.counts, desk.asked[kind].cap
     for nearby in range(desk.near.shape[1]):
         other = desk.near[task, nearby]
         for seat in range(plan.size[other]):
-            if counts[crew[other, seat], cap] > 0 and asked[kind].candidates < many:
-                _consider(robots, asked, candidates, kind, crew[other, seat])
+            if counts[coalition[other, seat], cap] > 0 and asked[kind].candidates < many:
+                _consider(robots, asked, candidates, kind, coalition[other, seat])
 
 
 @kernel
@@ -228,7 +228,7 @@ def _leg_without(robots: Array, steps: Array, cells: Array, robot: int) -> int:
 def _pass_task(
     robots: Array,
     visits: Array,
-    crew: Array,
+    coalition: Array,
     steps: Array,
     cells: Array,
     task: int,
@@ -236,10 +236,10 @@ def _pass_task(
     size: int,
     end: int,
 ) -> bool:
-    """Move the gap past a task with its crew; say whether that changed a candidate's lot."""
+    """Move the gap past a task with its coalition; say whether that changed a candidate's lot."""
     is_new = False
     for seat in range(size):
-        robot = crew[passed, seat]
+        robot = coalition[passed, seat]
         if robots[robot].is_candidate:
             serve(robots, steps, cells, robot, passed, end)
             recall_visit(robots, robot, visits, passed, seat)
@@ -249,7 +249,7 @@ def _pass_task(
 
 
 @kernel
-def _pick_crew(
+def _pick_coalition(
     robots: Array,
     asked: Array,
     candidates: Array,
@@ -258,7 +258,7 @@ def _pick_crew(
     ready: Array,
     duration: int,
 ) -> int:
-    """Pick a crew for the gap at hand; return its size, 0 if there is none.
+    """Pick a coalition for the gap at hand; return its size, 0 if there is none.
 
     Scarce capabilities come first; each robot is the one that lengthens the chain least.
     """
@@ -307,7 +307,7 @@ def _pick_robot(
 
 
 @kernel
-def _judge_crew(robots: Array, pick: Array, size: int, earliest: int, duration: int) -> Any:
+def _judge_coalition(robots: Array, pick: Array, size: int, earliest: int, duration: int) -> Any:
     """Return the steps of the longest chain through the task, and the steps more to walk."""
     ready, remains, detour, lost = earliest, 0, 0, FAR
     for seat in range(size):
@@ -322,9 +322,9 @@ def _judge_crew(robots: Array, pick: Array, size: int, earliest: int, duration: 
 
 @entry
 def drop_spares(counts: Array, pick: Array, size: int, spare: Array) -> int:
-    """Send away robots that a crew can do without, the first picked first; return who is left.
+    """Send away robots that a coalition can spare, the first picked first; return who is left.
 
-    `spare` is what the crew has beyond what is needed. No more robots stay than counts are needed.
+    `spare` is what the coalition has beyond what is needed. No more stay than counts are needed.
     """
     kept = 0
     for seat in range(size):
@@ -349,7 +349,7 @@ def _is_needed(counts: Array, robot: int, spare: Array) -> bool:
 def count_spares(
     needs: Array, counts: Array, pick: Array, size: int, task: int, spare: Array
 ) -> None:
-    """Work out what a crew has beyond what a task needs."""
+    """Work out what a coalition has beyond what a task needs."""
     for cap in range(len(spare)):
         spare[cap] = -needs[task, cap]
         for seat in range(size):

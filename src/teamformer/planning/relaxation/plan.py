@@ -1,4 +1,4 @@
-"""A relaxed plan as arrays: the tasks in order with the crew of each, and the steps that follow.
+"""A relaxed plan as arrays: tasks in order, the coalition of each, and the steps that follow.
 
 Times run forwards (when can a task start?) and backwards (how long does what hangs on it take?);
 a task whose start and tail add up to the makespan is critical.
@@ -47,7 +47,7 @@ class Plan(NamedTuple):
 
     order: Array  # (tasks,) a task comes after those that its robots do before it
     placed: Array  # (1,) how many of `order` count
-    crew: Array  # (tasks, width) robots, the first `size` of them
+    coalition: Array  # (tasks, width) robots, the first `size` of them
     size: Array  # (tasks,)
 
 
@@ -57,11 +57,11 @@ class Timing(NamedTuple):
     start: Array  # (tasks,) steps
     tail: Array  # (tasks,) steps from its start to the last end that hangs on it
     robots: Array  # (robots,) ROBOT
-    visits: Array  # (tasks, width) VISIT: what each robot of the crew does after the task
+    visits: Array  # (tasks, width) VISIT: what each robot of the coalition does after the task
 
 
 def empty_plan(problem: Relaxed) -> Plan:
-    """Return a plan without any task; `width` is the largest crew without a spare robot."""
+    """Return a plan without any task; `width` is the largest coalition without a spare robot."""
     robots, tasks = len(problem.pace), len(problem.appears)
     width = min(int(problem.needs.sum(axis=1).max()), robots)
     return Plan(
@@ -79,7 +79,7 @@ def empty_timing(problem: Relaxed, plan: Plan) -> Timing:
         np.zeros(tasks, np.int32),
         np.zeros(tasks, np.int32),
         np.zeros(robots, ROBOT).view(np.recarray),
-        np.zeros(plan.crew.shape, VISIT).view(np.recarray),
+        np.zeros(plan.coalition.shape, VISIT).view(np.recarray),
     )
     timing.robots["pace"], timing.robots["lost"] = problem.pace, problem.lost
     return timing
@@ -98,8 +98,8 @@ def copy_plan(plan: Plan, into: Plan) -> None:
     for task in range(len(plan.size)):
         into.order[task] = plan.order[task]
         into.size[task] = plan.size[task]
-        for seat in range(plan.crew.shape[1]):
-            into.crew[task, seat] = plan.crew[task, seat]
+        for seat in range(plan.coalition.shape[1]):
+            into.coalition[task, seat] = plan.coalition[task, seat]
 
 
 @kernel
@@ -166,10 +166,10 @@ def start_tasks(problem: Relaxed, plan: Plan, timing: Timing) -> tuple[Any, Any,
         task = plan.order[position]
         start = problem.appears[task] + 1
         for seat in range(plan.size[task]):
-            start = max(start, arrival_at(robots, steps, cells, plan.crew[task, seat], task))
+            start = max(start, arrival_at(robots, steps, cells, plan.coalition[task, seat], task))
         end = start + problem.duration[task]
         for seat in range(plan.size[task]):
-            robot = plan.crew[task, seat]
+            robot = plan.coalition[task, seat]
             walked += serve(robots, steps, cells, robot, task, end)
             late += end >= problem.lost[robot]
         timing.start[task] = start
@@ -190,12 +190,12 @@ def hang_tasks(problem: Relaxed, plan: Plan, timing: Timing) -> None:
         task = plan.order[position]
         longest = 0
         for seat in range(plan.size[task]):
-            robot = plan.crew[task, seat]
+            robot = plan.coalition[task, seat]
             remember_visit(robots, robot, visits, task, seat)
             longest = max(longest, _leave_backwards(robots, steps, cells, robot, task))
         timing.tail[task] = problem.duration[task] + longest
         for seat in range(plan.size[task]):
-            robot = plan.crew[task, seat]
+            robot = plan.coalition[task, seat]
             robots[robot].here = max(robots[robot].here, timing.tail[task])
 
 

@@ -1,10 +1,11 @@
 """The relaxed problem: what is left of a scenario when robots join and split at no cost.
 
-Every robot goes its own way from task to task. A task starts at a step not before `appears + 1`
-and not before every robot of its crew is there; it ends `duration` steps later, and its crew stays
-until then. A crew is any set of robots that together have what the task needs. A robot that stays
-in one place may serve all tasks there at once, as a team does. A robot lost at step l serves only
-tasks that end before l; one that comes back counts as always there. The makespan is the last end.
+Every robot goes its own way from task to task. A task starts at a step not before `appears + 1` and
+not before every robot of its coalition is there; it ends `duration` steps later, and its coalition
+stays until then. A coalition is any set of robots that together have what the task needs. A robot
+that stays in one place may serve all tasks there at once, as a team does. A robot lost at step l
+serves only tasks that end before l; one that comes back counts as always there. The makespan is the
+last end.
 
 On a plane, ways are counted in cells that are a small fraction of a step long. They are counted
 from the edge of one place to the edge of the next, so that tasks whose places touch are in the same

@@ -1,7 +1,7 @@
 """The search for a good relaxed plan: tear a few tasks out, put each back where it costs least.
 
 Ruin and recreate with annealing, after Christiaens and Vanden Berghe, "Slack induction by string
-removals" (Transportation Science 2020), here with crews that wait for one another.
+removals" (Transportation Science 2020), here with coalitions that wait for one another.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ WALKED = 0.2
 """Steps of makespan that a step walked is worth, if every robot walks it."""
 
 BROKEN = 1e6
-"""Steps of makespan that a task without a crew, or with a lost robot in it, is worth."""
+"""Steps of makespan that a task without a coalition, or with a lost robot in it, is worth."""
 
 HOT, COLD = 5.0, 0.3
 """Temperatures at the beginning and at the end of an annealing, in steps of makespan."""
@@ -61,7 +61,7 @@ class Search:
 
     def restart(self, start: Schedule) -> None:
         """Go on from another schedule."""
-        overwrite_plan(make_plan(self.problem, start.order, start.crews), self._plan)
+        overwrite_plan(make_plan(self.problem, start.order, start.coalitions), self._plan)
         self._costs[0] = cost_of(self.problem, self._plan, self._timing)
         if self._costs[0] < self._costs[1]:
             overwrite_plan(self._plan, self._best)
@@ -121,7 +121,7 @@ def _anneal(
 
 @kernel
 def ruin(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, torn: Array) -> Any:
-    """Take tasks out of a plan; list them, and those that had no crew; return how many."""
+    """Take tasks out of a plan; list them, and those that had no coalition; return how many."""
     first = _choose_first(problem, plan, timing, desk)
     wanted = 1 + draw_below(desk.random, min(LARGEST_RUIN, len(plan.size)))
     kind = draw(desk.random)
@@ -175,7 +175,7 @@ def _tear_stretch(plan: Plan, desk: Desk, first: int, wanted: int) -> None:
 
 @kernel
 def _close_gaps(plan: Plan, torn: Array) -> int:
-    """Drop tasks without a crew from the order and list them; return how many."""
+    """Drop tasks without a coalition from the order and list them; return how many."""
     kept = 0
     for position in range(plan.placed[0]):
         task = plan.order[position]

@@ -38,7 +38,7 @@ class Schedule:
     """
 
     order: tuple[int, ...]
-    crews: tuple[tuple[int, ...], ...]
+    coalitions: tuple[tuple[int, ...], ...]
     start: tuple[int, ...]
     end: tuple[int, ...]
     routes: tuple[tuple[int, ...], ...]
@@ -52,8 +52,8 @@ class Schedule:
 def schedule_tasks(problem: Relaxed, ranking: Sequence[int]) -> Schedule | None:
     """Return the list schedule of an order of all tasks.
 
-    Each task in turn gets the crew that can be there first. None if robots that will be lost
-    leave a task without a crew.
+    Each task in turn gets the coalition that can be there first. None if robots that will be lost
+    leave a task without a coalition.
     """
     plan = empty_plan(problem)
     decode(problem, np.asarray(ranking, np.int32), plan, empty_timing(problem, plan))
@@ -67,41 +67,43 @@ def read_schedule(problem: Relaxed, plan: Plan) -> Schedule | None:
     _, _, late = start_tasks(problem, plan, timing)
     if late or plan.placed[0] < tasks:
         return None
-    crews = [plan.crew[task, : plan.size[task]].tolist() for task in range(tasks)]
+    coalitions = [plan.coalition[task, : plan.size[task]].tolist() for task in range(tasks)]
     order = plan.order.tolist()
     return Schedule(
         order=tuple(order),
-        crews=tuple(tuple(sorted(crew)) for crew in crews),
+        coalitions=tuple(tuple(sorted(coalition)) for coalition in coalitions),
         start=tuple(timing.start.tolist()),
         end=tuple((timing.start + problem.duration).tolist()),
-        routes=_routes(order, crews, len(problem.pace)),
+        routes=_routes(order, coalitions, len(problem.pace)),
     )
 
 
-def _routes(order: list[int], crews: list[list[int]], robots: int) -> tuple[tuple[int, ...], ...]:
+def _routes(
+    order: list[int], coalitions: list[list[int]], robots: int
+) -> tuple[tuple[int, ...], ...]:
     routes: list[list[int]] = [[] for _ in range(robots)]
     for task in order:
-        for robot in crews[task]:
+        for robot in coalitions[task]:
             routes[robot].append(task)
     return tuple(map(tuple, routes))
 
 
-def make_plan(problem: Relaxed, order: Sequence[int], crews: Sequence[Sequence[int]]) -> Plan:
-    """Return a plan as arrays; robots that a crew can spare are sent away."""
+def make_plan(problem: Relaxed, order: Sequence[int], coalitions: Sequence[Sequence[int]]) -> Plan:
+    """Return a plan as arrays; robots that a coalition can spare are sent away."""
     plan = empty_plan(problem)
     plan.order[:] = order
     plan.placed[0] = len(order)
-    for task, crew in enumerate(crews):
-        pick = np.array(crew, np.int32)
+    for task, coalition in enumerate(coalitions):
+        pick = np.array(coalition, np.int32)
         spare = problem.counts[pick].sum(axis=0, dtype=np.int32) - problem.needs[task]
         plan.size[task] = drop_spares(problem.counts, pick, len(pick), spare)
-        plan.crew[task, : plan.size[task]] = pick[: plan.size[task]]
+        plan.coalition[task, : plan.size[task]] = pick[: plan.size[task]]
     return plan
 
 
 @entry
 def decode(problem: Relaxed, ranking: Array, plan: Plan, timing: Timing) -> Any:
-    """Give each task in turn the crew that can be there first; return the makespan.
+    """Give each task in turn the coalition that can be there first; return the makespan.
 
     Of those that come until there are enough, the first are sent away again if they can be spared:
     they would wait longest. A task that nobody is left to do stays out of the plan.
@@ -117,7 +119,7 @@ def decode(problem: Relaxed, ranking: Array, plan: Plan, timing: Timing) -> Any:
         plan.size[task] = drop_spares(problem.counts, pick, size, spare)
         start = problem.appears[task] + 1
         for seat in range(plan.size[task]):
-            plan.crew[task, seat] = pick[seat]
+            plan.coalition[task, seat] = pick[seat]
             start = max(start, robots[pick[seat]].arrival)
         for seat in range(plan.size[task]):
             serve(robots, steps, cells, pick[seat], task, start + problem.duration[task])

@@ -1,4 +1,4 @@
-"""Changes to a plan with forming counted: tasks move in the order, robots between crews."""
+"""Changes to a plan with forming counted: tasks move in the order, robots between coalitions."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ class Bench(NamedTuple):
 
     near: Array  # (tasks, neighbours) other tasks by distance
     order: Array  # (tasks,) as it was
-    changed: Array  # (tasks,) tasks whose crews have changed
+    changed: Array  # (tasks,) tasks whose coalitions have changed
     changes: Array  # (1,) how many these are
     is_changed: Array  # (tasks,)
-    crew: Array  # (tasks, robots) as they were, in the order of `changed`
+    coalition: Array  # (tasks, robots) as they were, in the order of `changed`
     size: Array  # (tasks,)
     rank: Array  # (tasks,) positions in the order
     moved: Array  # (tasks,) tasks at hand
-    union: Array  # (robots,) a crew at hand
+    union: Array  # (robots,) a coalition at hand
     critical: Array  # (tasks,) the chain of tasks that the makespan hangs on
     length: Array  # (1,) of it
     random: Array  # (1,) state of the random numbers
@@ -51,7 +51,7 @@ def empty_bench(problem: Relaxed, seed: int) -> Bench:
         changed=np.zeros(tasks, np.int32),
         changes=np.zeros(1, np.int32),
         is_changed=np.zeros(tasks, np.bool_),
-        crew=np.zeros((tasks, robots), np.int32),
+        coalition=np.zeros((tasks, robots), np.int32),
         size=np.zeros(tasks, np.int32),
         rank=np.zeros(tasks, np.int32),
         moved=np.zeros(tasks, np.int32),
@@ -97,7 +97,7 @@ def undo(plan, bench):  # type: ignore[no-untyped-def]
         task = bench.changed[place]
         plan.size[task] = bench.size[place]
         for seat in range(bench.size[place]):
-            plan.crew[task, seat] = bench.crew[place, seat]
+            plan.coalition[task, seat] = bench.coalition[place, seat]
         bench.is_changed[task] = False
     bench.changes[0] = 0
 
@@ -120,7 +120,7 @@ def _draw_task(bench):  # type: ignore[no-untyped-def]
 
 @kernel
 def _remember(plan, bench, task):  # type: ignore[no-untyped-def]
-    """Note a task's crew before it changes."""
+    """Note a task's coalition before it changes."""
     if bench.is_changed[task]:
         return
     place = bench.changes[0]
@@ -128,15 +128,15 @@ def _remember(plan, bench, task):  # type: ignore[no-untyped-def]
     bench.changed[place] = task
     bench.size[place] = plan.size[task]
     for seat in range(plan.size[task]):
-        bench.crew[place, seat] = plan.crew[task, seat]
+        bench.coalition[place, seat] = plan.coalition[task, seat]
     bench.changes[0] += 1
 
 
 @kernel
 def seat_of(plan, task, robot):  # type: ignore[no-untyped-def]
-    """Return where a robot sits in a task's crew; NOBODY if it does not."""
+    """Return where a robot sits in a task's coalition; NOBODY if it does not."""
     for seat in range(plan.size[task]):
-        if plan.crew[task, seat] == robot:
+        if plan.coalition[task, seat] == robot:
             return seat
     return NOBODY
 
@@ -144,7 +144,7 @@ def seat_of(plan, task, robot):  # type: ignore[no-untyped-def]
 @kernel
 def _add(plan, bench, task, robot):  # type: ignore[no-untyped-def]
     _remember(plan, bench, task)
-    plan.crew[task, plan.size[task]] = robot
+    plan.coalition[task, plan.size[task]] = robot
     plan.size[task] += 1
 
 
@@ -152,18 +152,18 @@ def _add(plan, bench, task, robot):  # type: ignore[no-untyped-def]
 def _drop(plan, bench, task, seat):  # type: ignore[no-untyped-def]
     _remember(plan, bench, task)
     plan.size[task] -= 1
-    plan.crew[task, seat] = plan.crew[task, plan.size[task]]
+    plan.coalition[task, seat] = plan.coalition[task, plan.size[task]]
 
 
 @kernel
-def is_covered(problem, task, crew, size, without):  # type: ignore[no-untyped-def]
+def is_covered(problem, task, coalition, size, without):  # type: ignore[no-untyped-def]
     """Say whether robots, without the one in a seat, have all that a task needs."""
     for cap in range(problem.needs.shape[1]):
         lacking = problem.needs[task, cap]
         if lacking > 0:
             for seat in range(size):
                 if seat != without:
-                    lacking -= problem.counts[crew[seat], cap]
+                    lacking -= problem.counts[coalition[seat], cap]
             if lacking > 0:
                 return False
     return True
@@ -171,7 +171,7 @@ def is_covered(problem, task, crew, size, without):  # type: ignore[no-untyped-d
 
 @kernel
 def _draw_robot(plan, bench, task):  # type: ignore[no-untyped-def]
-    return plan.crew[task, draw_below(bench.random, plan.size[task])]
+    return plan.coalition[task, draw_below(bench.random, plan.size[task])]
 
 
 @kernel
@@ -215,7 +215,7 @@ def _place_beside(plan, bench, count, beside, after, turned):  # type: ignore[no
 
 @kernel
 def _move_stretch(problem, plan, bench, task, beside):  # type: ignore[no-untyped-def]
-    """Give a few tasks in a row to the crew of another one, beside it."""
+    """Give a few tasks in a row to the coalition of another one, beside it."""
     random = bench.random
     robot = _draw_robot(plan, bench, task)
     most = 1 + draw_below(random, LONGEST_STRETCH) * draw_below(random, 2)
@@ -225,12 +225,12 @@ def _move_stretch(problem, plan, bench, task, beside):  # type: ignore[no-untype
         return False
     for place in range(count):
         moved = bench.moved[place]
-        if not is_covered(problem, moved, plan.crew[beside], plan.size[beside], NOBODY):
+        if not is_covered(problem, moved, plan.coalition[beside], plan.size[beside], NOBODY):
             continue  # these change their turn only
         _remember(plan, bench, moved)
         plan.size[moved] = plan.size[beside]
         for seat in range(plan.size[beside]):
-            plan.crew[moved, seat] = plan.crew[beside, seat]
+            plan.coalition[moved, seat] = plan.coalition[beside, seat]
     return True
 
 
@@ -281,10 +281,10 @@ def _exchange(problem, plan, bench, task):  # type: ignore[no-untyped-def]
             continue
         _remember(plan, bench, doing)
         if seat != NOBODY:
-            plan.crew[doing, seat] = other
+            plan.coalition[doing, seat] = other
         else:
-            plan.crew[doing, other_seat] = robot
-        if not is_covered(problem, doing, plan.crew[doing], plan.size[doing], NOBODY):
+            plan.coalition[doing, other_seat] = robot
+        if not is_covered(problem, doing, plan.coalition[doing], plan.size[doing], NOBODY):
             return False
     return True
 
@@ -316,7 +316,7 @@ def _send_ahead(problem, plan, bench, task):  # type: ignore[no-untyped-def]
         seat = seat_of(plan, doing, robot)
         if seat == NOBODY:
             continue
-        is_spare = is_covered(problem, doing, plan.crew[doing], plan.size[doing], seat)
+        is_spare = is_covered(problem, doing, plan.coalition[doing], plan.size[doing], seat)
         if not is_spare or bench.changes[0] == most:
             break
         _drop(plan, bench, doing, seat)
@@ -331,5 +331,5 @@ def _replace(problem, plan, bench, task):  # type: ignore[no-untyped-def]
     if seat_of(plan, task, other) != NOBODY:
         return False
     _remember(plan, bench, task)
-    plan.crew[task, seat] = other
-    return is_covered(problem, task, plan.crew[task], plan.size[task], NOBODY)
+    plan.coalition[task, seat] = other
+    return is_covered(problem, task, plan.coalition[task], plan.size[task], NOBODY)

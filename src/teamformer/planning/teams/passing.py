@@ -63,7 +63,7 @@ def _hand_over(plan, groups, bench):  # type: ignore[no-untyped-def]
 @kernel
 def _follow(plan, groups, task):  # type: ignore[no-untyped-def]
     for seat in range(plan.size[task]):
-        groups.of[plan.crew[task, seat]] = task
+        groups.of[plan.coalition[task, seat]] = task
 
 
 @kernel
@@ -83,8 +83,8 @@ def _list_spares(plan, groups, bench, task):  # type: ignore[no-untyped-def]
     count = 0
     if task == groups.spare[0]:
         for seat in range(plan.size[task]):
-            if groups.of[plan.crew[task, seat]] == groups.spare[1]:
-                bench.union[count] = plan.crew[task, seat]
+            if groups.of[plan.coalition[task, seat]] == groups.spare[1]:
+                bench.union[count] = plan.coalition[task, seat]
                 count += 1
     return count
 
@@ -94,11 +94,11 @@ def _leave_out(plan, bench, task, spares):  # type: ignore[no-untyped-def]
     """Take the robots in `bench.union` out of a coalition."""
     kept = 0
     for seat in range(plan.size[task]):
-        robot, is_spare = plan.crew[task, seat], False
+        robot, is_spare = plan.coalition[task, seat], False
         for place in range(spares):
             is_spare |= bench.union[place] == robot
         if not is_spare:
-            plan.crew[task, kept] = robot
+            plan.coalition[task, kept] = robot
             kept += 1
     plan.size[task] = kept
 
@@ -118,8 +118,8 @@ def _place_passed(plan, groups, bench, task, filled, is_there):  # type: ignore[
         filled += 1
         plan.size[other] = 0
         for seat in range(plan.size[task]):
-            robot = plan.crew[task, seat]
+            robot = plan.coalition[task, seat]
             if groups.of[robot] == groups.passed_from[other]:
-                plan.crew[other, plan.size[other]] = robot
+                plan.coalition[other, plan.size[other]] = robot
                 plan.size[other] += 1
     return filled

@@ -3,7 +3,7 @@
 Robots that have done a task together are a group and stay one as long as they go the same way. A
 group whose robots part pays one forming for each further way, the way of the earlier task first.
 Groups that meet at a task pair up there, one joining a step, until they are one team. So robots
-that travel along cost nothing, and any order with any able crews is a plan that cannot block.
+that travel along cost nothing, and any order with any able coalitions is a plan that cannot block.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class TeamPlan(NamedTuple):
     """Which tasks are done in what order, by whom."""
 
     order: Array  # (tasks,)
-    crew: Array  # (tasks, robots) the first `size` of them, travellers along included
+    coalition: Array  # (tasks, robots) the first `size` of them, travellers along included
     size: Array  # (tasks,)
 
 
@@ -60,13 +60,15 @@ def empty_team_plan(problem: Relaxed) -> TeamPlan:
     )
 
 
-def plan_teams(problem: Relaxed, order: Sequence[int], crews: Sequence[Sequence[int]]) -> TeamPlan:
-    """Return a plan as arrays; `crews` holds the robots of each task, by its number."""
+def plan_teams(
+    problem: Relaxed, order: Sequence[int], coalitions: Sequence[Sequence[int]]
+) -> TeamPlan:
+    """Return a plan as arrays; `coalitions` holds the robots of each task, by its number."""
     plan = empty_team_plan(problem)
     plan.order[:] = order
-    for task, crew in enumerate(crews):
-        plan.size[task] = len(crew)
-        plan.crew[task, : len(crew)] = crew
+    for task, coalition in enumerate(coalitions):
+        plan.size[task] = len(coalition)
+        plan.coalition[task, : len(coalition)] = coalition
     return plan
 
 
@@ -99,7 +101,7 @@ def routes_of(plan: TeamPlan, robots: int) -> list[list[int]]:
     """Return each robot's tasks in order."""
     routes: list[list[int]] = [[] for _ in range(robots)]
     for task in plan.order.tolist():
-        for robot in plan.crew[task, : plan.size[task]].tolist():
+        for robot in plan.coalition[task, : plan.size[task]].tolist():
             routes[robot].append(task)
     return routes
 
@@ -116,8 +118,8 @@ def copy_team_plan(plan: TeamPlan, into: TeamPlan) -> None:
     for place in range(len(plan.order)):
         into.order[place] = plan.order[place]
         into.size[place] = plan.size[place]
-        for seat in range(plan.crew.shape[1]):
-            into.crew[place, seat] = plan.crew[place, seat]
+        for seat in range(plan.coalition.shape[1]):
+            into.coalition[place, seat] = plan.coalition[place, seat]
 
 
 @entry
@@ -133,7 +135,7 @@ def time_plan(problem, plan, groups):  # type: ignore[no-untyped-def]
         task = plan.order[position]
         end = _meet(problem, plan, groups, task) + problem.duration[task]
         for seat in range(plan.size[task]):
-            robot = plan.crew[task, seat]
+            robot = plan.coalition[task, seat]
             late += end >= problem.lost[robot]
             groups.left[robot] -= 1
             groups.busy[task] += groups.left[robot] > 0
@@ -155,17 +157,17 @@ def _gather_at_start(problem, plan, groups):  # type: ignore[no-untyped-def]
         groups.of[robot] = tasks + groups.company[robot]
     for task in range(tasks):
         for seat in range(plan.size[task]):
-            groups.left[plan.crew[task, seat]] += 1
+            groups.left[plan.coalition[task, seat]] += 1
     for robot in range(len(groups.of)):
         groups.busy[groups.of[robot]] += groups.left[robot] > 0
 
 
 @kernel
 def _meet(problem, plan, groups, task):  # type: ignore[no-untyped-def]
-    """Bring a task's crew together; return the step in which it is one team there."""
+    """Bring a task's coalition together; return the step in which it is one team there."""
     tasks, count = len(plan.order), 0
     for seat in range(plan.size[task]):
-        robot = plan.crew[task, seat]
+        robot = plan.coalition[task, seat]
         group = groups.of[robot]
         if groups.seen[group] != task:
             groups.seen[group] = task

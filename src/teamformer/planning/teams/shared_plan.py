@@ -171,7 +171,7 @@ def _plan_of(situation: Situation, search: ThresholdSearch, start: str) -> Share
     return SharedPlan(
         order=tuple(situation.tasks[task] for task in order),
         coalitions=tuple(
-            tuple(situation.robots[robot] for robot in sorted(plan.crew[task, : plan.size[task]]))
+            tuple(situation.robots[r] for r in sorted(plan.coalition[task, : plan.size[task]]))
             for task in order
         ),
         ends=tuple(int(ends[task]) for task in order),

@@ -73,15 +73,15 @@ def first_search(problem: Relaxed, scenario: Scenario, seed: int) -> TeamSearch 
 
 
 def is_able(problem: Relaxed, plan: TeamPlan) -> bool:
-    """Say whether every crew has what its task needs."""
-    crews = zip(plan.crew, plan.size, strict=True)
-    has = [problem.counts[crew[:size]].sum(axis=0) for crew, size in crews]
+    """Say whether every coalition has what its task needs."""
+    coalitions = zip(plan.coalition, plan.size, strict=True)
+    has = [problem.counts[coalition[:size]].sum(axis=0) for coalition, size in coalitions]
     return all((have >= need).all() for have, need in zip(has, problem.needs, strict=True))
 
 
 def plan_from_schedule(problem: Relaxed, schedule: Schedule) -> TeamPlan:
     """Return the plan in which the robots of each task are those of a relaxed schedule."""
-    return plan_teams(problem, schedule.order, schedule.crews)
+    return plan_teams(problem, schedule.order, schedule.coalitions)
 
 
 def improve(best: BestPlan, search: TeamSearch, deadline: float, annealings: Annealings) -> None:

@@ -81,7 +81,7 @@ def plan_from_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> TeamPl
     schedule = search_coalitions(problem, rounds, seed)
     if schedule is None:
         return None
-    return plan_teams(problem, schedule.order, [list(crew) for crew in schedule.crews])
+    return plan_teams(problem, schedule.order, [list(robots) for robots in schedule.coalitions])
 
 
 def complete_plan(

@@ -132,7 +132,7 @@ def _meet(problem, crossings, plan, groups, task):  # type: ignore[no-untyped-de
     """Bring a task's coalition together and let it do it; return the steps that robots walk."""
     tasks, count, walked = len(plan.order), 0, np.int64(0)
     for seat in range(plan.size[task]):
-        robot = plan.crew[task, seat]
+        robot = plan.coalition[task, seat]
         group = groups.of[robot]
         if groups.seen[group] != task:
             groups.seen[group] = task
@@ -173,7 +173,7 @@ def _meet(problem, crossings, plan, groups, task):  # type: ignore[no-untyped-de
     groups.is_done[task] = True
     groups.size[task] = plan.size[task]
     for seat in range(plan.size[task]):
-        groups.of[plan.crew[task, seat]] = task
+        groups.of[plan.coalition[task, seat]] = task
     if len(crossings.task) > 0:
         _do_what_is_here(problem, crossings, plan, groups, task)
     return walked
@@ -194,7 +194,7 @@ def _is_spare(problem, plan, groups, task, group):  # type: ignore[no-untyped-de
         lacking = problem.needs[task, cap]
         if lacking > 0:
             for seat in range(plan.size[task]):
-                robot = plan.crew[task, seat]
+                robot = plan.coalition[task, seat]
                 if groups.of[robot] != group:
                     lacking -= problem.counts[robot, cap]
             if lacking > 0:
@@ -261,7 +261,7 @@ def _can_do(problem, plan, groups, group, task, other):  # type: ignore[no-untyp
         lacking = problem.needs[other, cap]
         if lacking > 0:
             for seat in range(plan.size[task]):
-                robot = plan.crew[task, seat]
+                robot = plan.coalition[task, seat]
                 if groups.of[robot] == group:
                     lacking -= problem.counts[robot, cap]
             if lacking > 0:
@@ -309,7 +309,7 @@ def _is_crew(plan, groups, group, task, other):  # type: ignore[no-untyped-def]
     if plan.size[task] != plan.size[other]:
         return False
     for seat in range(plan.size[task]):
-        is_of_group = groups.of[plan.crew[task, seat]] == group
-        if not is_of_group or groups.of[plan.crew[other, seat]] != group:
+        is_of_group = groups.of[plan.coalition[task, seat]] == group
+        if not is_of_group or groups.of[plan.coalition[other, seat]] != group:
             return False
     return True

@@ -153,7 +153,7 @@ def construct(problem, schedule, desk):  # type: ignore[no-untyped-def]
             return False
         schedule.plan.size[task] = desk.picks[0]
         for seat in range(desk.picks[0]):
-            schedule.plan.crew[task, seat] = desk.pick[seat]
+            schedule.plan.coalition[task, seat] = desk.pick[seat]
         time_one(problem, schedule, position)
     return True
 

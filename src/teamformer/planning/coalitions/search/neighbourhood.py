@@ -55,7 +55,7 @@ def _draw_position(schedule, desk, task):  # type: ignore[no-untyped-def]
     if draw_below(desk.random, 2) == 0:
         return draw_below(desk.random, tasks)
     seat = draw_below(desk.random, schedule.plan.size[task])
-    robot = schedule.plan.crew[task, seat]
+    robot = schedule.plan.coalition[task, seat]
     if draw_below(desk.random, 2) == 0:
         beside = schedule.last[rank, robot]
     else:
@@ -102,14 +102,14 @@ def _exchange(schedule, desk, task, to):  # type: ignore[no-untyped-def]
 @kernel
 def _replace(problem, schedule, desk, task):  # type: ignore[no-untyped-def]
     """Put a robot of the same kind, or whoever comes first, in the place of a member."""
-    crew, size = schedule.plan.crew[task], schedule.plan.size[task]
+    coalition, size = schedule.plan.coalition[task], schedule.plan.size[task]
     seat = draw_below(desk.random, size)
-    robot = crew[seat]
+    robot = coalition[seat]
     _move(schedule, desk, task, schedule.rank[task], True)
     desk.subject[1] = GIVEN
     desk.picks[0] = size
     for other in range(size):
-        desk.pick[other] = crew[other]
+        desk.pick[other] = coalition[other]
     like = problem.like[problem.kind[robot]]
     count = 0
     while like[count] != NOBODY:

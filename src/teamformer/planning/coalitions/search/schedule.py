@@ -27,7 +27,7 @@ class CoalitionPlan(NamedTuple):
     """Which tasks are done in what order, by whom."""
 
     order: Whole  # (tasks,)
-    crew: Whole  # (tasks, robots) the first `size` of them
+    coalition: Whole  # (tasks, robots) the first `size` of them
     size: Whole  # (tasks,)
 
 
@@ -77,7 +77,7 @@ def empty_schedule(problem: CoalitionProblem) -> Schedule:
 def copy_plan(plan, into):  # type: ignore[no-untyped-def]
     """Overwrite a plan with another."""
     into.order[:] = plan.order
-    into.crew[:] = plan.crew
+    into.coalition[:] = plan.coalition
     into.size[:] = plan.size
 
 
@@ -106,10 +106,10 @@ def time_one(problem, schedule, position):  # type: ignore[no-untyped-def]
     start, there, comes_apart = released(problem, end, task), 0, False
     copy_row(last, position, position + 1)
     for seat in range(schedule.plan.size[task]):
-        robot = schedule.plan.crew[task, seat]
+        robot = schedule.plan.coalition[task, seat]
         place = last[position, robot]
         there = max(there, end[place] + problem.ways[problem.pace[robot], place, task])
-        comes_apart |= place != last[position, schedule.plan.crew[task, 0]]
+        comes_apart |= place != last[position, schedule.plan.coalition[task, 0]]
         last[position + 1, robot] = task
     start = max(start, there + problem.forming[0] * comes_apart)
     schedule.rank[task] = position
@@ -160,13 +160,13 @@ def cost_of(makespan, back_sum, late, robots):  # type: ignore[no-untyped-def]
 @kernel
 def hang_tails(problem, schedule, begin):  # type: ignore[no-untyped-def]
     """Hang tails from a position of the order backwards, and list what the makespan hangs on."""
-    order, crew, size = schedule.plan
+    order, coalition, size = schedule.plan
     tail, after = schedule.tail, schedule.next
     for position in range(begin, -1, -1):
         task = order[position]
         longest = 0
         for seat in range(size[task]):
-            robot = crew[task, seat]
+            robot = coalition[task, seat]
             longest = max(longest, leave(problem, schedule, robot, task, position + 1))
         if problem.after[task, 0] != NOBODY:
             for other in problem.after[task]:
@@ -176,7 +176,7 @@ def hang_tails(problem, schedule, begin):  # type: ignore[no-untyped-def]
         tail[task] = problem.duration[task] + longest
         copy_row(after, position + 1, position)
         for seat in range(size[task]):
-            after[position, crew[task, seat]] = task
+            after[position, coalition[task, seat]] = task
     count = 0
     for task in range(len(order)):
         if schedule.start[task] + tail[task] >= schedule.total[MAKESPAN]:

@@ -18,7 +18,7 @@ def exchange_tails(problem, schedule, desk, limit, allowed):  # type: ignore[no-
     """Try it at a random place; say whether the plan has changed."""
     plan, last = schedule.plan, schedule.last
     task = plan.order[draw_below(desk.random, len(plan.order))]
-    robot = plan.crew[task, draw_below(desk.random, plan.size[task])]
+    robot = plan.coalition[task, draw_below(desk.random, plan.size[task])]
     like, count = problem.like[problem.kind[robot]], 0
     while like[count] != NOBODY:
         count += 1
@@ -44,7 +44,7 @@ def _exchange(plan, position, robot, other):  # type: ignore[no-untyped-def]
     for later in range(position, len(plan.order)):
         task = plan.order[later]
         for seat in range(plan.size[task]):
-            if plan.crew[task, seat] == robot:
-                plan.crew[task, seat] = other
-            elif plan.crew[task, seat] == other:
-                plan.crew[task, seat] = robot
+            if plan.coalition[task, seat] == robot:
+                plan.coalition[task, seat] = other
+            elif plan.coalition[task, seat] == other:
+                plan.coalition[task, seat] = robot

@@ -105,18 +105,18 @@ def _release(problem, schedule, desk, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _serve(problem, desk, task, crew, size, start):  # type: ignore[no-untyped-def]
+def _serve(problem, desk, task, coalition, size, start):  # type: ignore[no-untyped-def]
     """Let a coalition, loaded before, do a task; return when it starts."""
     there, comes_apart = 0, False
     for seat in range(size):
-        robot = crew[seat]
+        robot = coalition[seat]
         way = problem.ways[problem.pace[robot], desk.place[robot], task]
         there = max(there, desk.free[robot] + way)
-        comes_apart |= desk.place[robot] != desk.place[crew[0]]
+        comes_apart |= desk.place[robot] != desk.place[coalition[0]]
     start = max(start, there + problem.forming[0] * comes_apart)
     end = start + problem.duration[task]
     for seat in range(size):
-        robot = crew[seat]
+        robot = coalition[seat]
         desk.place[robot] = task
         desk.free[robot] = end
     desk.end[task] = end
@@ -137,7 +137,7 @@ def _play_window(problem, schedule, desk, limit):  # type: ignore[no-untyped-def
             return False
         if task == desk.subject[0] and desk.subject[1] != KEEP:
             for seat in range(plan.size[task]):
-                _load(schedule, desk, plan.crew[task, seat])
+                _load(schedule, desk, plan.coalition[task, seat])
             if not _pick(problem, schedule, desk, task, start):
                 return False
             for seat in range(desk.picks[0]):
@@ -145,8 +145,8 @@ def _play_window(problem, schedule, desk, limit):  # type: ignore[no-untyped-def
             _serve(problem, desk, task, desk.pick, desk.picks[0], start)
         else:
             for seat in range(plan.size[task]):
-                _load(schedule, desk, plan.crew[task, seat])
-            _serve(problem, desk, task, plan.crew[task], plan.size[task], start)
+                _load(schedule, desk, plan.coalition[task, seat])
+            _serve(problem, desk, task, plan.coalition[task], plan.size[task], start)
         if desk.end[task] > limit:
             return False
     return True
@@ -186,12 +186,12 @@ def _can_leave(problem, schedule, desk, limit):  # type: ignore[no-untyped-def]
 @kernel
 def _play_on(problem, schedule, desk, limit, allowed):  # type: ignore[no-untyped-def]
     """Play what comes after the window, as far as it changes; return the cost of all."""
-    order, crew, size = schedule.plan
+    order, coalition, size = schedule.plan
     tasks, robots, clock = len(order), len(desk.seen), desk.clock[0]
     for position in range(desk.span[1] + 1, tasks):
         task, is_touched = order[position], False
         for seat in range(size[task]):
-            is_touched |= desk.seen[crew[task, seat]] == clock
+            is_touched |= desk.seen[coalition[task, seat]] == clock
         if not is_touched and problem.before[task, 0] != NOBODY:
             for other in problem.before[task]:
                 if other == NOBODY:
@@ -200,9 +200,9 @@ def _play_on(problem, schedule, desk, limit, allowed):  # type: ignore[no-untype
         if not is_touched:
             continue
         for seat in range(size[task]):
-            _load(schedule, desk, crew[task, seat])
+            _load(schedule, desk, coalition[task, seat])
         release = _release(problem, schedule, desk, task)
-        start = _serve(problem, desk, task, crew[task], size[task], release)
+        start = _serve(problem, desk, task, coalition[task], size[task], release)
         if start + schedule.tail[task] > limit:
             return REFUSED
     makespan, back_sum, late = 0, 0, 0
@@ -233,6 +233,6 @@ def commit_window(problem, schedule, desk):  # type: ignore[no-untyped-def]
         task = desk.subject[0]
         plan.size[task] = desk.picks[0]
         for seat in range(desk.picks[0]):
-            plan.crew[task, seat] = desk.pick[seat]
+            plan.coalition[task, seat] = desk.pick[seat]
     time_from(problem, schedule, begin)
     hang_tails(problem, schedule, finish)

@@ -51,6 +51,19 @@ class Rude(Patient):
         return 1 / 0
 
 
+class Slotted:
+    __slots__ = ("needs_everything", "steps")
+
+    def __init__(self):
+        self.needs_everything, self.steps = False, 0
+
+    def begin(self, everything, rng):
+        self.steps = 1
+
+    def decide(self, view):
+        return self.steps / 0
+
+
 class Vague(Patient):
     def decide(self, view):
         return Decision(view.counts + 0.5)
@@ -113,6 +126,7 @@ def test_a_class_of_ones_own(own_module: str) -> None:
     ("name", "message"),
     [
         ("Rude", r"failed at \S*my_own_policies.py:31: ZeroDivisionError: division by zero"),
+        ("Slotted", r"failed at \S*my_own_policies.py:44: ZeroDivisionError: division by zero"),
         ("Patient", r"decide\(\) returned NoneType, not a Decision"),
         ("Vague", r"wanted holds what is no whole number of 16 bits"),
         ("Narrow", r"asks for wanted \(3, 2\) and task \(3,\); the decision has \(3, 1\)"),

@@ -5,9 +5,10 @@ from __future__ import annotations
 import sysconfig
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,10 +25,17 @@ def watch_own(policy: Policy, name: str) -> Policy:
     From then on its `begin` and `decide` raise `TeamformerError` where they raised anything else
     or answered with anything else than a decision for the view. All else of it stays as it is.
     """
-    begin, decide = policy.begin, policy.decide
-    with suppress(AttributeError):  # of a class with slots, which stays as it is
-        object.__setattr__(policy, "begin", partial(_begin, begin, name))
-        object.__setattr__(policy, "decide", partial(_decide, decide, name))
+    watched: dict[str, Callable[..., Any]] = {
+        "begin": partial(_begin, policy.begin, name),
+        "decide": partial(_decide, policy.decide, name),
+    }
+    try:
+        for method, call in watched.items():
+            object.__setattr__(policy, method, call)
+    except AttributeError:  # its class has slots: one below it that has none more
+        kind = type(policy)
+        methods: dict[str, Any] = {key: staticmethod(call) for key, call in watched.items()}
+        policy.__class__ = type(kind.__name__, (kind,), {"__slots__": (), **methods})
     return policy
 
 

@@ -22,7 +22,7 @@ wheel: $(VENV)/dev.stamp  ## one that brings compiled kernels, checked: a first 
 	NUMBA_CACHE_DIR=build/kernels NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= \
 		$(BIN)/python -m teamformer.commands.compiling --everything
 	mkdir src/teamformer/compiled
-	find build/kernels -name '*.nbc' -exec mv {} src/teamformer/compiled/ ';'
+	find build/kernels -name '*.nbc' ! -name 'inner.*' -exec mv {} src/teamformer/compiled/ ';'  # linked in
 	$(BIN)/pip wheel --quiet --no-deps --wheel-dir dist . ; built=$$?; rm -r src/teamformer/compiled; exit $$built
 	$(BIN)/pip install --quiet --no-deps --target build/installed dist/*.whl
 	PYTHONPATH=build/installed NUMBA_CACHE_DIR=build/first-run \

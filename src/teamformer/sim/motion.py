@@ -12,6 +12,7 @@ import numpy as np
 
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.distances import UNREACHABLE, fill_field
+from teamformer.planning.steps import downhill
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
@@ -69,7 +70,7 @@ def _walk_cells_to_partner(world: World, team: int, partner: int) -> None:
     to_go = field[int(world.teams[team].y), int(world.teams[team].x)]
     goal_x, goal_y = world.teams[partner].x, world.teams[partner].y
     for _ in range(_cells_to_walk(world, team, to_go)):
-        x, y = downhill(field, world.teams[team].x, world.teams[team].y, goal_x, goal_y)
+        x, y = _go_downhill(field, world.teams[team].x, world.teams[team].y, goal_x, goal_y)
         world.teams[team].x, world.teams[team].y = x, y
 
 
@@ -152,7 +153,7 @@ def advance(world: World, x: float, y: float, task: int) -> tuple[Any, Any]:
     """Return the next cell on a shortest way from (x, y) to a task that is not there."""
     goal_x, goal_y = world.tasks[task].x, world.tasks[task].y
     if world.rules.has_walls:
-        return downhill(world.fields[task], x, y, goal_x, goal_y)
+        return _go_downhill(world.fields[task], x, y, goal_x, goal_y)
     away_x, away_y = goal_x - x, goal_y - y
     if abs(away_x) >= abs(away_y):
         return x + np.sign(away_x), y
@@ -160,25 +161,14 @@ def advance(world: World, x: float, y: float, task: int) -> tuple[Any, Any]:
 
 
 @kernel
-def downhill(field: Array, x: float, y: float, goal_x: float, goal_y: float) -> Any:
+def _go_downhill(field: Array, x: float, y: float, goal_x: float, goal_y: float) -> Any:
     """Return a neighbouring cell that is one nearer to the goal.
 
     Of several, one on the axis with more left to go, as `advance` does where nothing is in the way.
     """
-    column, row = int(x), int(y)
     along_x = abs(goal_x - x) >= abs(goal_y - y)
-    nearer = field[row, column] - 1
-    best_x, best_y = x, y
-    for side in range(4):
-        to_x = column + (1 if side == 0 else -1 if side == 1 else 0)
-        to_y = row + (1 if side == 2 else -1 if side == 3 else 0)
-        is_inside = 0 <= to_y < field.shape[0] and 0 <= to_x < field.shape[1]
-        if is_inside and field[to_y, to_x] == nearer:
-            if (side < 2) == along_x:
-                return np.float64(to_x), np.float64(to_y)
-            if best_x == x and best_y == y:
-                best_x, best_y = np.float64(to_x), np.float64(to_y)
-    return best_x, best_y
+    column, row = downhill(field, int(x), int(y), along_x)
+    return np.float64(column), np.float64(row)
 
 
 @allocating_kernel

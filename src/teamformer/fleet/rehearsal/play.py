@@ -7,7 +7,6 @@ something new and when it is due, not otherwise.
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
 
 from teamformer.fleet.agent.agent import Agent
@@ -21,6 +20,7 @@ from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.planner import Planner
 from teamformer.fleet.rehearsal.agenda import Agenda
 from teamformer.fleet.rehearsal.faults import Faults
+from teamformer.fleet.rehearsal.late_reports import LateReports
 from teamformer.fleet.rehearsal.network import RehearsedNetwork
 from teamformer.fleet.rehearsal.trace import (
     Accepted,
@@ -82,7 +82,6 @@ class Rehearsal:
         self._network = RehearsedNetwork(self._post, faults, self._deliver)
         self._skew = faults.skew or (0.0,) * robots
         self._drift = faults.drift or (0.0,) * robots
-        self._lag = faults.lag or (0.0,) * robots
         self._tick = 0
         self._agenda = Agenda()
         self._wake = [0] * robots  # when each is to be ticked next
@@ -90,7 +89,10 @@ class Rehearsal:
         self._paused = [0] * robots
         self._saved: list[Remembered | None] = [None] * robots
         self._saved_version = [(-1, -1)] * robots
-        self._reports: list[deque[tuple[float, Report]]] = [deque() for _ in range(robots)]
+        self._reports = [
+            LateReports(lag, faults.stutter, self._network.chance)
+            for lag in faults.lag or (0.0,) * robots
+        ]
         self._touched = set(range(robots))  # whose bodies sense something new
         self._sensed = [self.world.report(robot) for robot in range(robots)]
         self._said: list[tuple[int, ...]] = [()] * robots
@@ -186,21 +188,14 @@ class Rehearsal:
     def _report(self, robot: int) -> Report:
         """Return what the body reports: late, or an older report again, if so it is to be."""
         report = self.world.report(robot)
-        lag, stutter = self._lag[robot], self.faults.stutter
-        if not lag and not stutter:
+        reports = self._reports[robot]
+        if not reports.lag and not self.faults.stutter:
             return report
-        kept = self._reports[robot]
-        if not kept or kept[-1][1][:-1] != report[:-1]:
-            kept.append((self.now, report))
-            self._wake_at(robot, self._tick + max(1, math.ceil(lag / TICK)))
+        if reports.is_news(report):
+            reports.keep(self.now, report)
+            self._wake_at(robot, self._tick + max(1, math.ceil(reports.lag / TICK)))
             self._touched.add(robot)
-        while len(kept) > 2 and kept[1][0] <= self.now - lag:
-            if stutter and self._network.chance(stutter):
-                break
-            kept.popleft()
-        if len(kept) == 2 and kept[1][0] <= self.now - lag:
-            return kept[1][1] if not self._network.chance(stutter) else kept[0][1]
-        return kept[0][1]
+        return reports.at(self.now)
 
     def _save(self, robot: int, agent: Agent, clock: float) -> None:
         if agent.memory_version != self._saved_version[robot]:
@@ -329,7 +324,7 @@ class Rehearsal:
         self.world.revive(robot)
         self._alive_since[robot] = self.now
         self._saved_version[robot] = (-1, -1)
-        self._reports[robot].clear()
+        self._reports[robot].forget()
         self.agents[robot] = self._start(robot, self._saved[robot] if keeps_facts else None)
 
     def _offer(self, number: int) -> set[int]:

@@ -67,7 +67,7 @@ def make_stops(legs: Array, ready: Array, stay: Array, place: Array, memory: int
 
 
 @entry
-def _carry(place, near, bit, carried):  # type: ignore[no-untyped-def]
+def _carry(place: Array, near: Array, bit: Array, carried: Array) -> None:
     """Work out what each stop remembers of another's memory, that other one's place included."""
     count, memory = near.shape
     onward = np.zeros(memory, np.int64)
@@ -93,7 +93,7 @@ def empty_outlook(stops: Stops, deadline: int) -> Outlook:
 
 
 @entry
-def look_ahead(stops, prizes, deadline, outlook):  # type: ignore[no-untyped-def]
+def look_ahead(stops: Stops, prizes: Array, deadline: int, outlook: Outlook) -> None:
     """Work out what can be collected from each time and stop on until the deadline.
 
     `prizes` (stops,) are whole numbers, so that sums are exact. Time runs backwards: what is
@@ -134,7 +134,7 @@ def look_ahead(stops, prizes, deadline, outlook):  # type: ignore[no-untyped-def
 
 
 @allocating_kernel
-def _is_dominated(worth, memory, value):  # type: ignore[no-untyped-def]
+def _is_dominated(worth: Array, memory: int, value: int) -> bool:
     """Say whether a part of a memory is worth as much; `worth` is by memory."""
     part = (memory - 1) & memory
     while memory > 0:
@@ -147,7 +147,7 @@ def _is_dominated(worth, memory, value):  # type: ignore[no-untyped-def]
 
 
 @entry
-def collect(stops, outlook, arrive, deadline, visits):  # type: ignore[no-untyped-def]
+def collect(stops: Stops, outlook: Outlook, arrive: Array, deadline: int, visits: Array) -> int:
     """Return the most that a robot can collect; count its visits on the way.
 
     `arrive` (stops,) is when it can be at each stop first; `visits` (stops,) is overwritten.

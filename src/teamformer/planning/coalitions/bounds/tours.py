@@ -39,7 +39,9 @@ def empty_tables(tasks: int) -> SetTables:
 
 
 @entry
-def narrow_starts(between, duration, first, last, robots, tables):  # type: ignore[no-untyped-def]
+def narrow_starts(
+    between: Ticks, duration: Ticks, first: Ticks, last: Ticks, robots: int, tables: SetTables
+) -> bool:
     """Narrow the times between which tasks start, `first` and `last`; False if nothing is left.
 
     `between` (tasks, tasks) must obey the triangle inequality. Each task is in the tour of one of
@@ -70,7 +72,9 @@ def narrow_starts(between, duration, first, last, robots, tables):  # type: igno
 
 
 @kernel
-def _tour_through(between, duration, first, last, tables, some):  # type: ignore[no-untyped-def]
+def _tour_through(
+    between: Ticks, duration: Ticks, first: Ticks, last: Ticks, tables: SetTables, some: int
+) -> None:
     """Work out whether one tour can do a set of tasks, and when it ends and begins."""
     tables.tours[some] = MANY
     smallest = some & -some
@@ -91,7 +95,9 @@ def _tour_through(between, duration, first, last, tables, some):  # type: ignore
 
 
 @kernel
-def _go_on(between, duration, tables, rest, task):  # type: ignore[no-untyped-def]
+def _go_on(
+    between: Ticks, duration: Ticks, tables: SetTables, rest: int, task: int
+) -> tuple[int, int]:
     """Return when a task can start after a tour through the rest, and must start before one."""
     begin, finish = FAR, -FAR
     if tables.tours[rest] != 1:

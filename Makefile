@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test test-all test-real wheel clean
+.PHONY: run test kernels types planes test-all test-real wheel clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --html --out out/
@@ -10,9 +10,17 @@ run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 test: $(VENV)/dev.stamp  ## everything CI runs
 	$(BIN)/ruff check src tests examples
 	$(BIN)/ruff format --check src tests examples
-	$(BIN)/mypy
-	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest -q -n 0 tests/sim/test_planes.py  # every index, as it runs
+	$(MAKE) --jobs=2 --output-sync kernels types planes
 	$(BIN)/pytest -q -n 2 -m "not slow"
+
+kernels: $(VENV)/dev.stamp  ## compiled once, before two processes of the suite would both compile them
+	$(BIN)/python -m teamformer.commands.compiling --everything > /dev/null
+
+types: $(VENV)/dev.stamp
+	$(BIN)/mypy
+
+planes: $(VENV)/dev.stamp  ## every index checked, as it runs
+	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest -q -n 0 tests/sim/test_planes.py
 
 test-all: $(VENV)/dev.stamp  ## the long tests too
 	$(BIN)/pytest -q -n 2

@@ -9,7 +9,6 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numba as nb
@@ -17,8 +16,7 @@ import pytest
 
 from teamformer import jit
 from teamformer.kernels import files
-from teamformer.planning.relaxation import ruin_recreate
-from teamformer.planning.teams import annealing
+from teamformer.planning.relaxation import threshold
 
 
 def twice(number: int) -> int:
@@ -72,16 +70,15 @@ def test_where_numba_is_off_nothing_needs_compiling() -> None:
     assert not jit.needs_compiling(twice)
 
 
-@pytest.mark.parametrize(("module", "begins"), [(ruin_recreate, "_anneal"), (annealing, "anneal")])
 def test_a_planner_is_compiled_once_its_search_is(
-    module: ModuleType, begins: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path))
-    search_anew = jit.entry(getattr(module, begins).py_func)  # kept in another, empty place
-    monkeypatch.setattr(module, begins, search_anew)
-    assert not module.is_compiled()
+    search_anew = jit.entry(threshold._search.py_func)  # kept in another, empty place
+    monkeypatch.setattr(threshold, "_search", search_anew)
+    assert not threshold.is_compiled()
     monkeypatch.setattr(search_anew._cache._cache_file, "is_empty", lambda: False)
-    assert module.is_compiled()
+    assert threshold.is_compiled()
 
 
 class KilledError(BaseException):

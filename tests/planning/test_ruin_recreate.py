@@ -10,16 +10,14 @@ from random_worlds import random_world
 from small_worlds import make, robot, task
 from teamformer.planning.relaxation.plan import empty_timing, hang_tasks, start_tasks
 from teamformer.planning.relaxation.problem import Relaxed, relax
-from teamformer.planning.relaxation.ruin_recreate import Search
 from teamformer.planning.relaxation.schedule import Schedule, make_plan
+from teamformer.planning.relaxation.threshold import Search
 from teamformer.scenarios.generate import Spec, generate
 
 
 def search_schedule(problem: Relaxed, seed: int, rounds: int) -> Schedule | None:
-    """Return the best schedule of one annealing."""
     search = Search(problem, seed)
-    for made in range(rounds):
-        search.anneal(1, made / rounds)
+    search.run(rounds)
     return search.best
 
 
@@ -58,7 +56,7 @@ def test_never_loses_what_it_starts_from() -> None:
     good = search_schedule(problem, 1, rounds=2000)
     assert good is not None
     search = Search(problem, seed=2, start=good)
-    search.anneal(50, part=0.0)
+    search.run(50)
     assert search.best is not None
     assert search.best.makespan <= good.makespan
 

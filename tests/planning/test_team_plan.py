@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,19 @@ from random_worlds import random_world
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import Relaxed, relax
-from teamformer.planning.teams.plan import TeamPlan, empty_groups, plan_teams, routes_of, time_plan
+from teamformer.planning.teams.crossings import no_crossings
+from teamformer.planning.teams.facts import situation_in_hindsight
+from teamformer.planning.teams.plan import TeamPlan, plan_teams, routes_of
+from teamformer.planning.teams.timing import (
+    ENDLESS,
+    LATE,
+    STEP,
+    STEP_OF_END,
+    STEP_WALKED,
+    Groups,
+    empty_groups,
+    time_plan,
+)
 from teamformer.scenarios.generate import Spec, generate
 
 
@@ -25,11 +39,18 @@ def task(x: int, count: int, duration: int = 0) -> Task:
     return Task(f"t{x}", (x, 0), {"a": count}, duration=duration)
 
 
+def timed(scenario: Scenario, order: list[int], crews: list[list[int]]) -> tuple[int, int, Groups]:
+    """Return cost, makespan and what timing a plan left, nothing being done on the way."""
+    situation = situation_in_hindsight(scenario)
+    groups = empty_groups(situation.problem, situation.company, scenario.forming_steps)
+    plan = plan_teams(situation.problem, order, crews)
+    cost, makespan = time_plan(situation.problem, no_crossings(), plan, groups, ENDLESS)
+    return int(cost), int(makespan), groups
+
+
 def ends(scenario: Scenario, order: list[int], crews: list[list[int]]) -> list[int]:
     """Return the step in which each task is done, by number."""
-    problem = relax(scenario)
-    groups = empty_groups(problem, scenario.starting_teams, scenario.forming_steps)
-    time_plan(problem, plan_teams(problem, order, crews), groups)
+    _, _, groups = timed(scenario, order, crews)
     return groups.end[: len(order)].tolist()
 
 
@@ -56,9 +77,23 @@ def test_going_on_together_is_free_and_parting_is_not() -> None:
     assert ends(corridor([4, 4], tasks, 0), [0, 1, 2], [[0, 1], [0], [1]]) == [1, 5, 4]
 
 
-def test_who_has_nothing_left_to_do_need_not_be_left_behind() -> None:
+def test_who_has_nothing_left_to_do_is_left_behind_at_the_cost_of_a_split() -> None:
     scenario = corridor([4, 4], [task(4, 2), task(8, 1)])
-    assert ends(scenario, [0, 1], [[0, 1], [0]]) == [1, 5]
+    assert ends(scenario, [0, 1], [[0, 1], [0]]) == [1, 6]
+
+
+def test_the_cost_is_of_makespan_ends_and_steps_walked() -> None:
+    # five cells for one robot; ends at 2 and 5
+    cost, makespan, _ = timed(corridor([0], [task(5, 1), task(2, 1)]), [1, 0], [[0], [0]])
+    assert (cost, makespan) == (STEP * 2 * 5 + STEP_OF_END * (2 + 5) + STEP_WALKED * 5, 5)
+
+
+@pytest.mark.parametrize(("lost", "late"), [(5, 1), (6, 0)])
+def test_robots_that_are_lost_before_they_are_done_cost_much(lost: int, late: int) -> None:
+    scenario = corridor([0], [task(5, 1)])
+    robot = replace(scenario.robots[0], lost=lost)
+    _, makespan, _ = timed(replace(scenario, robots=(robot,)), [0], [[0]])
+    assert makespan == 5 + LATE * late
 
 
 def test_three_ways_take_two_splits_the_last_two_at_once() -> None:
@@ -82,13 +117,12 @@ def test_routes_follow_the_order() -> None:
 def test_times_are_those_of_a_slow_twin(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scenario = random_world(rng, with_losses=False) if seed % 2 else generate(Spec(6, 9, 3), rng)
-    problem = relax(scenario)
+    problem = situation_in_hindsight(scenario).problem
     robots, tasks = len(scenario.robots), len(scenario.tasks)
     crews = [rng.permutation(robots)[: rng.integers(1, robots + 1)].tolist() for _ in range(tasks)]
-    plan = plan_teams(problem, rng.permutation(tasks).tolist(), crews)
-    groups = empty_groups(problem, scenario.starting_teams, scenario.forming_steps)
-    _, makespan = time_plan(problem, plan, groups)
-    slow = slow_ends(scenario, problem, plan)
+    order = rng.permutation(tasks).tolist()
+    _, makespan, groups = timed(scenario, order, crews)
+    slow = slow_ends(scenario, problem, plan_teams(problem, order, crews))
     assert groups.end[:tasks].tolist() == slow
     assert makespan == max(slow)
 
@@ -96,7 +130,6 @@ def test_times_are_those_of_a_slow_twin(seed: int) -> None:
 def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]:
     """Time a plan with sets: each group is its robots, where they are, and since when."""
     tasks = len(scenario.tasks)
-    routes = routes_of(plan, len(scenario.robots))
     together = [
         {"robots": set(team), "at": tasks + min(team), "free": 0, "splits": 0}
         for team in scenario.starting_teams
@@ -110,12 +143,10 @@ def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]
             if not ours:
                 continue
             group["robots"] -= crew
-            group["splits"] += any(routes[robot] for robot in group["robots"])
+            group["splits"] += bool(group["robots"])
             pace = min(problem.pace[robot] for robot in ours)
             way = int(problem.steps[pace, problem.cells[position, group["at"]]])
             arrivals.append(group["free"] + group["splits"] * scenario.forming_steps + way)
-        for robot in crew:
-            routes[robot].remove(position)
         step, teams = 0, 0
         while teams != 1 or any(arrival > step for arrival in arrivals):
             if teams > 1:

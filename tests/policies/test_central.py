@@ -12,6 +12,7 @@ from random_worlds import random_world
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.teams.facts import situation_in_hindsight
 from teamformer.planning.teams.plan import TeamPlan, routes_of
 from teamformer.planning.teams.solve import first_search
 from teamformer.policies.central.plan_from_play import plan_from_play
@@ -125,19 +126,20 @@ def test_the_time_limit_is_kept() -> None:
     scenario = generate(Spec(100, 60, 100, world=Grid(20, 20)), np.random.default_rng(2))
     central = Central(time_limit=1.0)
     run_trials([generate(Spec(), np.random.default_rng(0))], central)  # compiles
-    begun = time.perf_counter()
+    begun = time.process_time()  # of two threads; a busy machine makes it less, not more
     central.begin([scenario], np.random.default_rng(0))
-    assert time.perf_counter() - begun < 1.5
+    assert time.process_time() - begun < 2 * 1.25
     assert central.plans[0].makespan is not None
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_a_plan_takes_what_the_search_promised(seed: int) -> None:
+def test_a_plan_takes_no_longer_than_the_search_promised(seed: int) -> None:
+    """It may be done sooner: who has nothing left to do goes where the allocation sends it."""
     scenario = generate(Spec(6, 8, 3), np.random.default_rng(seed))
-    search = first_search(relax(scenario), scenario, seed)
+    search = first_search(situation_in_hindsight(scenario), seed)
     assert search is not None
-    search.anneal(3000, 0.9, hot=0.8)
-    assert play(scenario, search.best) == search.makespan
+    search.run(3000, hot=0.5)
+    assert search.makespan - 1 <= play(scenario, search.best) <= search.makespan
 
 
 def test_robots_that_the_rules_cannot_part_go_on_together() -> None:

@@ -48,10 +48,9 @@ def announce_compiling(
         if is_new and (os.cpu_count() or 1) > 1:
             _compile_beside(next((name for name in names if name != "central"), "join-all"))
     if "central" in names:
-        from teamformer.planning.relaxation import ruin_recreate
-        from teamformer.planning.teams import annealing
+        from teamformer.planning.relaxation import threshold
 
-        if not (ruin_recreate.is_compiled() and annealing.is_compiled()):
+        if needs_compiling(threshold_search.search) or not threshold.is_compiled():
             say("compiling the central planner, on the first run only (half a minute) ...")
 
 

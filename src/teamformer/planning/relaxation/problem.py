@@ -50,12 +50,20 @@ class Relaxed(NamedTuple):
     ready: Whole  # (robots,) the step from which the robot is free; 0 at the start
 
 
+class Future(NamedTuple):
+    """What will happen, in steps."""
+
+    appears: Whole  # (tasks,) as in Relaxed
+    lost: Whole  # (robots,) as in Relaxed
+
+
 def relax(scenario: Scenario) -> Relaxed:
     """Return the relaxed problem of a scenario."""
     robots, tasks = scenario.robots, scenario.tasks
     cells, speed = _ways(scenario)
     no_way = 1 + int(cells[cells < UNREACHABLE].max())
     speeds, pace = np.unique(speed, return_inverse=True)
+    future = future_of(scenario)
     counts = count_table([robot.can for robot in robots], scenario.capabilities)
     return Relaxed(
         cells=np.ascontiguousarray(np.minimum(cells, no_way)),
@@ -66,9 +74,17 @@ def relax(scenario: Scenario) -> Relaxed:
         needs=count_table([task.needs for task in tasks], scenario.capabilities),
         able=able_robots(counts),
         duration=np.array([task.duration for task in tasks], dtype=np.int32),
-        appears=np.array([opening_step(task) for task in tasks], dtype=np.int32),
-        lost=np.array([_lost_for_good(robot) for robot in robots], dtype=np.int32),
+        appears=future.appears,
+        lost=future.lost,
         ready=np.zeros(len(robots), dtype=np.int32),
+    )
+
+
+def future_of(scenario: Scenario) -> Future:
+    """Return when tasks may begin and robots are missing."""
+    return Future(
+        appears=np.array([opening_step(task) for task in scenario.tasks], dtype=np.int32),
+        lost=np.array([_lost_for_good(robot) for robot in scenario.robots], dtype=np.int32),
     )
 
 

@@ -1,6 +1,6 @@
-"""The search for a good relaxed plan: tear a few tasks out, put each back where it costs least.
+"""Changes to a relaxed plan: tear a few tasks out, put each back where it costs least.
 
-Ruin and recreate with annealing, after Christiaens and Vanden Berghe, "Slack induction by string
+Ruin and recreate, after Christiaens and Vanden Berghe, "Slack induction by string
 removals" (Transportation Science 2020), here with coalitions that wait for one another.
 """
 
@@ -8,20 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from teamformer.jit import allocating_kernel, entry, kernel, needs_compiling
-from teamformer.planning.relaxation.insertion import draw, draw_below, empty_desk, insert_task
-from teamformer.planning.relaxation.plan import (
-    copy_plan,
-    empty_plan,
-    empty_timing,
-    hang_tasks,
-    overwrite_plan,
-    start_tasks,
-)
+from teamformer.jit import allocating_kernel, kernel
+from teamformer.planning.relaxation.insertion import draw, draw_below, insert_task
+from teamformer.planning.relaxation.plan import hang_tasks, start_tasks
 from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
 from teamformer.rules.arrays import Array
 
 if TYPE_CHECKING:
@@ -33,90 +23,6 @@ NEARBY, STRETCH = 0.5, 0.3
 
 LARGEST_RUIN = 10
 """At most so many tasks are torn out at a time."""
-
-WALKED = 0.2
-"""Steps of makespan that a step walked is worth, if every robot walks it."""
-
-BROKEN = 1e6
-"""Steps of makespan that a task without a coalition, or with a lost robot in it, is worth."""
-
-HOT, COLD = 5.0, 0.3
-"""Temperatures at the beginning and at the end of an annealing, in steps of makespan."""
-
-
-class Search:
-    """A search: where it stands, the best plan it has seen, and room to work in."""
-
-    def __init__(self, problem: Relaxed, seed: int, start: Schedule | None = None) -> None:
-        self.problem = problem
-        self._plan, self._best, self._spare = (empty_plan(problem) for _ in range(3))
-        self._timing = empty_timing(problem, self._plan)
-        self._desk = empty_desk(problem, seed)
-        self._torn = np.zeros(len(problem.appears), np.int32)
-        self._costs = np.full(2, np.inf)  # of the plan it stands at, of the best
-        if start is None:
-            self.anneal(1, 0.0)  # nothing is placed yet, so this places everything
-        else:
-            self.restart(start)
-
-    def restart(self, start: Schedule) -> None:
-        """Go on from another schedule."""
-        overwrite_plan(make_plan(self.problem, start.order, start.coalitions), self._plan)
-        self._costs[0] = cost_of(self.problem, self._plan, self._timing)
-        if self._costs[0] < self._costs[1]:
-            overwrite_plan(self._plan, self._best)
-            self._costs[1] = self._costs[0]
-
-    def anneal(self, rounds: int, part: float) -> None:
-        """Search for some rounds at the temperature of a part, from 0 to 1, of an annealing."""
-        temperature = HOT * (COLD / HOT) ** part
-        room = (self._spare, self._timing, self._desk, self._torn)
-        _anneal(self.problem, self._plan, self._best, *room, self._costs, rounds, temperature)
-
-    @property
-    def cost(self) -> float:
-        """Return what the best plan costs; it falls whenever a better one is found."""
-        return float(self._costs[1])
-
-    @property
-    def best(self) -> Schedule | None:
-        """Return the best schedule seen, None if each has a task that nobody is left to do."""
-        return read_schedule(self.problem, self._best)
-
-
-def is_compiled() -> bool:
-    """Say whether the search was compiled before, so that a first plan has not to wait for it."""
-    return not needs_compiling(_anneal)
-
-
-@entry
-def _anneal(
-    problem: Relaxed,
-    plan: Plan,
-    best: Plan,
-    spare: Array,
-    timing: Timing,
-    desk: Desk,
-    torn: Array,
-    costs: Array,
-    rounds: int,
-    temperature: float,
-) -> None:
-    """Ruin and recreate for a number of rounds.
-
-    `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both.
-    `spare` and `torn` are room to work in.
-    """
-    for _ in range(rounds):
-        copy_plan(plan, spare)
-        count = ruin(problem, spare, timing, desk, torn)
-        cost = recreate(problem, spare, timing, desk, torn, count)
-        if cost <= costs[0] - temperature * np.log(1.0 - draw(desk.random)):
-            copy_plan(spare, plan)
-            costs[0] = cost
-            if cost < costs[1]:
-                copy_plan(spare, best)
-                costs[1] = cost
 
 
 @kernel
@@ -194,8 +100,8 @@ def _close_gaps(plan: Plan, torn: Array) -> int:
 @allocating_kernel
 def recreate(
     problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, torn: Array, count: int
-) -> Any:
-    """Put tasks back, in random order; return the cost of the plan."""
+) -> None:
+    """Put tasks back, in random order."""
     for last in range(count - 1, 0, -1):
         other = draw_below(desk.random, last + 1)
         torn[last], torn[other] = torn[other], torn[last]
@@ -203,12 +109,3 @@ def recreate(
         makespan, _, _ = start_tasks(problem, plan, timing)
         hang_tasks(problem, plan, timing)
         insert_task(problem, plan, timing, desk, torn[index], makespan)
-    return cost_of(problem, plan, timing)
-
-
-@entry
-def cost_of(problem: Relaxed, plan: Plan, timing: Timing) -> float:
-    """Return what the search minimises, in steps of makespan."""
-    makespan, walked, late = start_tasks(problem, plan, timing)
-    undone = late + len(plan.size) - plan.placed[0]
-    return makespan + WALKED * walked / len(timing.robots) + BROKEN * undone

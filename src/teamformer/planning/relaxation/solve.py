@@ -22,8 +22,8 @@ from teamformer.planning.relaxation.cp_sat import (
     minimise,
 )
 from teamformer.planning.relaxation.problem import Relaxed, is_true_relaxation, relax
-from teamformer.planning.relaxation.ruin_recreate import Search
 from teamformer.planning.relaxation.schedule import Schedule
+from teamformer.planning.relaxation.threshold import HOT, Search
 from teamformer.rules.constants import FAR
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
@@ -41,7 +41,7 @@ MOST_AT_ONCE = 2000
 """Rounds times tasks of searching between two looks at the clock; a few hundredths of a second."""
 
 EARLY = 0.3
-"""Share of the time left for a first annealing; a second one takes the rest."""
+"""Share of the time left for a first cooling down; a second one takes the rest."""
 
 
 @dataclass(frozen=True)
@@ -80,11 +80,12 @@ def solve(
         progress.is_infeasible = True
         return progress.report()
     search = Search(progress.problem, seed, hint)
+    search.run(1)
     progress.offer(search.best)
     progress.raise_bound(bound_makespan(progress.problem))
     if count_arcs(progress.problem) <= LARGEST_MODEL:
         rounds = FIRST_ROUNDS * len(scenario.tasks)
-        _anneal(progress, search, rounds, progress.seconds_left / 2)
+        _cool_down(progress, search, rounds, progress.seconds_left / 2)
     if not progress.is_over():
         _search_and_prove(progress, seed, workers)
     return progress.report()
@@ -148,16 +149,16 @@ class SolverProgress:
         return "optimal" if self.best.makespan <= self.bound else "feasible"
 
 
-def _anneal(progress: SolverProgress, search: Search, rounds: float, seconds: float) -> None:
-    """Anneal once, over so many rounds or seconds, whichever are over first."""
+def _cool_down(progress: SolverProgress, search: Search, rounds: float, seconds: float) -> None:
+    """Search once from hot to cool, over so many rounds or seconds, whichever are over first."""
     begin, made = progress.seconds, 0
     at_once = max(1, MOST_AT_ONCE // len(progress.problem.appears))
     while not progress.is_over():
         part = max(made / rounds, (progress.seconds - begin) / seconds)
         if part >= 1:
             break
-        cost = search.cost
-        search.anneal(at_once, part)
+        cost, heat = search.cost, HOT * (1 - part)
+        search.run(at_once, heat, heat)
         made += at_once
         if search.cost < cost:
             progress.offer(search.best)
@@ -166,10 +167,10 @@ def _anneal(progress: SolverProgress, search: Search, rounds: float, seconds: fl
 def _search_on(progress: SolverProgress, seed: int) -> None:
     """Search until time is up."""
     search = Search(progress.problem, seed, progress.best)
-    _anneal(progress, search, math.inf, EARLY * progress.seconds_left)
+    _cool_down(progress, search, math.inf, EARLY * progress.seconds_left)
     if progress.best:
         search.restart(progress.best)
-    _anneal(progress, search, math.inf, progress.seconds_left)
+    _cool_down(progress, search, math.inf, progress.seconds_left)
 
 
 def _search_and_prove(progress: SolverProgress, seed: int, workers: int) -> None:
@@ -213,5 +214,8 @@ def _compile() -> None:
     robots = tuple(Robot(f"r{r}", (0, 0), {cap: 1}) for r, cap in enumerate("aab"))
     tasks = tuple(Task(f"t{k}", (k, 0), {"a": 1, "b": 1}) for k in range(2))
     problem = relax(Scenario("smallest", Grid(2, 1), ("a", "b"), robots, tasks))
-    Search(problem, seed=0, start=Search(problem, seed=0).best)
+    search = Search(problem, seed=0)
+    search.run(1)
+    if search.best is not None:
+        search.restart(search.best)
     bound_makespan(problem)

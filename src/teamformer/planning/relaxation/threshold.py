@@ -1,7 +1,7 @@
-"""Relaxed coalitions in whole numbers: the same search on every machine gives the same ones.
+"""The search for a good relaxed plan, in whole numbers: the same one on every machine.
 
-Ruin and recreate as in `ruin_recreate`, but worse plans are accepted by a threshold that sinks to
-nothing (Dueck and Scheuer 1990), which needs no fraction and no logarithm.
+Ruin and recreate as in `ruin_recreate`; worse plans are accepted by a threshold that sinks (Dueck
+and Scheuer 1990), which needs no fraction and no logarithm.
 """
 
 from __future__ import annotations
@@ -10,12 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
+from teamformer.jit import entry, needs_compiling
 from teamformer.planning.relaxation.insertion import empty_desk
-from teamformer.planning.relaxation.plan import copy_plan, empty_plan, empty_timing, start_tasks
+from teamformer.planning.relaxation.plan import (
+    copy_plan,
+    empty_plan,
+    empty_timing,
+    overwrite_plan,
+    start_tasks,
+)
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.ruin_recreate import recreate, ruin
-from teamformer.planning.relaxation.schedule import Schedule, read_schedule
+from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
 from teamformer.rules.arrays import Array
 
 if TYPE_CHECKING:
@@ -25,18 +31,58 @@ if TYPE_CHECKING:
 STEP = 5
 """What a step of makespan costs, for each robot; a step that a robot walks costs 1."""
 UNDONE = 10**9
-"""What a task without a coalition costs."""
-HOT = 6
+"""What a task without a coalition, or with a lost robot in it, costs."""
+HOT = 6.0
 """How many steps of makespan a plan may be worse at first."""
+ENDLESS = 2**62
+"""The cost of no plan."""
 
 
-def search_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> Schedule | None:
-    """Return the best relaxed schedule of so many rounds; None if a task cannot be done."""
-    plans = tuple(empty_plan(problem) for _ in range(3))
-    timing, desk = empty_timing(problem, plans[0]), empty_desk(problem, seed)
-    torn = np.zeros(len(problem.appears), np.int32)
-    _search(problem, *plans, timing, desk, torn, rounds)
-    return read_schedule(problem, plans[1])
+class Search:
+    """A search: where it stands, the best plan it has seen, and room to work in."""
+
+    def __init__(self, problem: Relaxed, seed: int, start: Schedule | None = None) -> None:
+        self.problem = problem
+        self._plan, self._best, self._spare = (empty_plan(problem) for _ in range(3))
+        self._timing = empty_timing(problem, self._plan)
+        self._desk = empty_desk(problem, seed)
+        self._torn = np.zeros(len(problem.appears), np.int32)
+        self._costs = np.full(2, ENDLESS, np.int64)  # of the plan it stands at, of the best
+        if start is not None:
+            self.restart(start)
+
+    def restart(self, start: Schedule) -> None:
+        """Go on from another schedule."""
+        overwrite_plan(make_plan(self.problem, start.order, start.coalitions), self._plan)
+        self._costs[0] = cost_of(self.problem, self._plan, self._timing)
+        if self._costs[0] < self._costs[1]:
+            overwrite_plan(self._plan, self._best)
+            self._costs[1] = self._costs[0]
+
+    def run(self, rounds: int, hot: float = HOT, cool: float = 0.0) -> None:
+        """Search for some rounds; plans may be worse by `hot` steps at first, `cool` in the end.
+
+        The first round of a search without a start places everything.
+        """
+        step = STEP * len(self._timing.robots)
+        room = (self._spare, self._timing, self._desk, self._torn, self._costs)
+        heats = (int(hot * step), int(cool * step))
+        _search(self.problem, self._plan, self._best, *room, rounds, *heats)
+
+    @property
+    def cost(self) -> int:
+        """Return what the best plan costs; it falls whenever a better one is found."""
+        return int(self._costs[1])
+
+    @property
+    def best(self) -> Schedule | None:
+        """Return the best schedule seen, None if each has a task that nobody is left to do."""
+        return read_schedule(self.problem, self._best)
+
+
+def is_compiled() -> bool:
+    """Say whether the search was compiled before, so that a first plan has not to wait for it."""
+    return not needs_compiling(_search)
 
 
 @entry
@@ -48,26 +94,33 @@ def _search(
     timing: Timing,
     desk: Desk,
     torn: Array,
+    costs: Array,
     rounds: int,
+    hot: int,
+    cool: int,
 ) -> None:
-    """Ruin and recreate; begins with nothing placed, so that the first round places everything."""
-    cost, lowest = np.int64(2**62), np.int64(2**62)
-    hot = HOT * STEP * len(timing.robots)
+    """Ruin and recreate for a number of rounds.
+
+    `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both.
+    `spare` and `torn` are room to work in; `hot` is what a change may cost at first and `cool` in
+    the end.
+    """
     for made in range(rounds):
         copy_plan(plan, spare)
         count = ruin(problem, spare, timing, desk, torn)
         recreate(problem, spare, timing, desk, torn, count)
-        new = _cost(problem, spare, timing)
-        if made == 0 or new <= cost + hot * (rounds - made) // rounds:
+        cost = cost_of(problem, spare, timing)
+        if cost <= costs[0] + (hot * (rounds - made) + cool * made) // rounds:
             copy_plan(spare, plan)
-            cost = new
-            if new < lowest:
+            costs[0] = cost
+            if cost < costs[1]:
                 copy_plan(spare, best)
-                lowest = new
+                costs[1] = cost
 
 
-@kernel
-def _cost(problem: Relaxed, plan: Plan, timing: Timing) -> Any:
+@entry
+def cost_of(problem: Relaxed, plan: Plan, timing: Timing) -> Any:
+    """Return what the search minimises."""
     makespan, walked, late = start_tasks(problem, plan, timing)
     undone = late + len(plan.size) - plan.placed[0]
     return np.int64(makespan) * STEP * len(timing.robots) + walked + undone * UNDONE

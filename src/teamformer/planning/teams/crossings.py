@@ -61,7 +61,9 @@ def find_crossings(
 
 
 @entry
-def list_crossings(fields, spots, goals, width, height, speeds):  # type: ignore[no-untyped-def]
+def list_crossings(
+    fields: Array, spots: Array, goals: Array, width: int, height: int, speeds: Array
+) -> Crossings:
     """Return the crossings of ways from `spots` (places, 2) to `goals` (tasks, 2).
 
     `fields` (tasks, height, width) holds the distances to each task, or no cells if no cell of
@@ -93,7 +95,10 @@ def list_crossings(fields, spots, goals, width, height, speeds):  # type: ignore
 
 
 @kernel
-def _walk(fields, head, following, spot, goals, task, found, count, is_final, is_same):  # type: ignore[no-untyped-def]
+def _walk(
+    fields: Array, head: Array, following: Array, spot: Array, goals: Array, task: int,
+    found: Crossings, count: int, is_final: bool, is_same: bool,
+) -> int:  # fmt: skip
     """Walk one way; count the tasks on it and, in the end, write them down."""
     x, y = spot[0], spot[1]
     has_walls = fields.shape[1] > 0
@@ -110,7 +115,10 @@ def _walk(fields, head, following, spot, goals, task, found, count, is_final, is
 
 
 @kernel
-def _note(head, following, x, y, task, cells, found, count, is_final):  # type: ignore[no-untyped-def]
+def _note(
+    head: Array, following: Array, x: int, y: int, task: int, cells: int,
+    found: Crossings, count: int, is_final: bool,
+) -> int:  # fmt: skip
     other = head[y, x]
     while other != NOBODY:
         if other != task:

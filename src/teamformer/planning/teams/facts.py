@@ -12,7 +12,13 @@ from teamformer.grid import Grid, Place
 from teamformer.model import Scenario
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.relaxation.problem import Relaxed, able_robots, count_table, steps_of_cells
+from teamformer.planning.relaxation.problem import (
+    Relaxed,
+    able_robots,
+    count_table,
+    future_of,
+    steps_of_cells,
+)
 from teamformer.planning.teams.crossings import Crossings, find_crossings
 from teamformer.rules.constants import FAR
 from teamformer.scenario_checks import totals_by_region
@@ -100,6 +106,20 @@ def situation_of(scenario: Scenario, facts: Facts) -> Situation:
     )
     crossings = find_crossings(scenario.world, spots, places, speeds)
     return Situation(robots, tasks, problem, crossings, company, scenario.forming_steps)
+
+
+def situation_in_hindsight(scenario: Scenario) -> Situation:
+    """Return the start as arrays for who knows what will happen: what appears, who will be lost."""
+    start = Facts(
+        step=0,
+        open_tasks=tuple(range(len(scenario.tasks))),
+        places=tuple(robot.at for robot in scenario.robots),
+        teams=scenario.starting_teams,
+        free_at=(0,) * len(scenario.robots),
+    )
+    situation, future = situation_of(scenario, start), future_of(scenario)
+    problem = situation.problem._replace(appears=future.appears, lost=future.lost)
+    return situation._replace(problem=problem)
 
 
 def _ways(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from teamformer.jit import kernel
 from teamformer.planning.relaxation.insertion import draw, draw_below
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.teams.plan import TeamPlan
 from teamformer.rules.constants import NOBODY
 
 LONGEST_STRETCH = 4
@@ -63,7 +64,7 @@ def empty_bench(problem: Relaxed, seed: int) -> Bench:
 
 
 @kernel
-def change_plan(problem, plan, bench):  # type: ignore[no-untyped-def]
+def change_plan(problem: Relaxed, plan: TeamPlan, bench: Bench) -> bool:
     """Make a random change; say whether it came to anything. `undo` takes it back."""
     random = bench.random
     bench.changes[0] = 0
@@ -89,7 +90,7 @@ def change_plan(problem, plan, bench):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def undo(plan, bench):  # type: ignore[no-untyped-def]
+def undo(plan: TeamPlan, bench: Bench) -> None:
     """Take the last change back."""
     for place in range(len(plan.order)):
         plan.order[place] = bench.order[place]
@@ -103,7 +104,7 @@ def undo(plan, bench):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def keep(bench):  # type: ignore[no-untyped-def]
+def keep(bench: Bench) -> None:
     """Forget how to take the last change back."""
     for place in range(bench.changes[0]):
         bench.is_changed[bench.changed[place]] = False
@@ -111,7 +112,7 @@ def keep(bench):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _draw_task(bench):  # type: ignore[no-untyped-def]
+def _draw_task(bench: Bench) -> Any:
     """Draw a task, every other time one that the makespan hangs on."""
     if bench.length[0] > 0 and draw_below(bench.random, 2) == 0:
         return bench.critical[draw_below(bench.random, bench.length[0])]
@@ -119,7 +120,7 @@ def _draw_task(bench):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _remember(plan, bench, task):  # type: ignore[no-untyped-def]
+def _remember(plan: TeamPlan, bench: Bench, task: int) -> None:
     """Note a task's coalition before it changes."""
     if bench.is_changed[task]:
         return
@@ -133,7 +134,7 @@ def _remember(plan, bench, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def seat_of(plan, task, robot):  # type: ignore[no-untyped-def]
+def seat_of(plan: TeamPlan, task: int, robot: int) -> int:
     """Return where a robot sits in a task's coalition; NOBODY if it does not."""
     for seat in range(plan.size[task]):
         if plan.coalition[task, seat] == robot:
@@ -142,21 +143,21 @@ def seat_of(plan, task, robot):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _add(plan, bench, task, robot):  # type: ignore[no-untyped-def]
+def _add(plan: TeamPlan, bench: Bench, task: int, robot: int) -> None:
     _remember(plan, bench, task)
     plan.coalition[task, plan.size[task]] = robot
     plan.size[task] += 1
 
 
 @kernel
-def _drop(plan, bench, task, seat):  # type: ignore[no-untyped-def]
+def _drop(plan: TeamPlan, bench: Bench, task: int, seat: int) -> None:
     _remember(plan, bench, task)
     plan.size[task] -= 1
     plan.coalition[task, seat] = plan.coalition[task, plan.size[task]]
 
 
 @kernel
-def is_covered(problem, task, coalition, size, without):  # type: ignore[no-untyped-def]
+def is_covered(problem: Relaxed, task: int, coalition: Array, size: int, without: int) -> bool:
     """Say whether robots, without the one in a seat, have all that a task needs."""
     for cap in range(problem.needs.shape[1]):
         lacking = problem.needs[task, cap]
@@ -170,12 +171,14 @@ def is_covered(problem, task, coalition, size, without):  # type: ignore[no-unty
 
 
 @kernel
-def _draw_robot(plan, bench, task):  # type: ignore[no-untyped-def]
+def _draw_robot(plan: TeamPlan, bench: Bench, task: int) -> int:
     return plan.coalition[task, draw_below(bench.random, plan.size[task])]
 
 
 @kernel
-def _gather_route(plan, bench, robot, begin, most, forward):  # type: ignore[no-untyped-def]
+def _gather_route(
+    plan: TeamPlan, bench: Bench, robot: int, begin: int, most: int, forward: bool
+) -> int:
     """Write a robot's next tasks from a position on to `bench.moved`; return how many."""
     count, position = 0, begin
     while 0 <= position < len(plan.order) and count < most:
@@ -187,7 +190,9 @@ def _gather_route(plan, bench, robot, begin, most, forward):  # type: ignore[no-
 
 
 @kernel
-def _place_beside(plan, bench, count, beside, after, turned):  # type: ignore[no-untyped-def]
+def _place_beside(
+    plan: TeamPlan, bench: Bench, count: int, beside: int, after: bool, turned: bool
+) -> bool:
     """Move the first tasks of `bench.moved` in the order to right before or after another."""
     for place in range(count):
         if bench.moved[place] == beside:
@@ -214,7 +219,7 @@ def _place_beside(plan, bench, count, beside, after, turned):  # type: ignore[no
 
 
 @kernel
-def _move_stretch(problem, plan, bench, task, beside):  # type: ignore[no-untyped-def]
+def _move_stretch(problem: Relaxed, plan: TeamPlan, bench: Bench, task: int, beside: int) -> bool:
     """Give a few tasks in a row to the coalition of another one, beside it."""
     random = bench.random
     robot = _draw_robot(plan, bench, task)
@@ -235,7 +240,7 @@ def _move_stretch(problem, plan, bench, task, beside):  # type: ignore[no-untype
 
 
 @kernel
-def _reorder(plan, bench, task, beside):  # type: ignore[no-untyped-def]
+def _reorder(plan: TeamPlan, bench: Bench, task: int, beside: int) -> bool:
     """Move a task in the order: beside one nearby, or beside one of the same robot."""
     random = bench.random
     if draw_below(random, 2) == 0:
@@ -251,7 +256,7 @@ def _reorder(plan, bench, task, beside):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _turn(plan, bench, task, beside):  # type: ignore[no-untyped-def]
+def _turn(plan: TeamPlan, bench: Bench, task: int, beside: int) -> bool:
     """Reverse what a robot does between two tasks (2-opt)."""
     robot = _draw_robot(plan, bench, task)
     if seat_of(plan, beside, robot) == NOBODY:
@@ -268,7 +273,7 @@ def _turn(plan, bench, task, beside):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _exchange(problem, plan, bench, task):  # type: ignore[no-untyped-def]
+def _exchange(problem: Relaxed, plan: TeamPlan, bench: Bench, task: int) -> bool:
     """Let two robots exchange all that they do from a task on."""
     robot = _draw_robot(plan, bench, task)
     other = np.int32(draw_below(bench.random, len(problem.pace)))
@@ -290,7 +295,7 @@ def _exchange(problem, plan, bench, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _send_along(plan, bench, task):  # type: ignore[no-untyped-def]
+def _send_along(plan: TeamPlan, bench: Bench, task: int) -> bool:
     """Let a robot travel along with its fellows of a task until they meet again."""
     robot = _draw_robot(plan, bench, task)
     guide = _draw_robot(plan, bench, task)
@@ -307,7 +312,7 @@ def _send_along(plan, bench, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _send_ahead(problem, plan, bench, task):  # type: ignore[no-untyped-def]
+def _send_ahead(problem: Relaxed, plan: TeamPlan, bench: Bench, task: int) -> bool:
     """Let a robot skip tasks, from one on, that can be done without it."""
     robot = _draw_robot(plan, bench, task)
     most = 1 + draw_below(bench.random, 8)
@@ -324,7 +329,7 @@ def _send_ahead(problem, plan, bench, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _replace(problem, plan, bench, task):  # type: ignore[no-untyped-def]
+def _replace(problem: Relaxed, plan: TeamPlan, bench: Bench, task: int) -> bool:
     """Put another robot into one seat of a task."""
     seat = draw_below(bench.random, plan.size[task])
     other = np.int32(draw_below(bench.random, len(problem.pace)))

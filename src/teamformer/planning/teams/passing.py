@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from teamformer.jit import kernel
 from teamformer.planning.teams.timing import ENDLESS, is_settled, time_plan
 from teamformer.rules.constants import NOBODY
+
+if TYPE_CHECKING:
+    from teamformer.planning.relaxation.problem import Relaxed
+    from teamformer.planning.teams.crossings import Crossings
+    from teamformer.planning.teams.neighbourhood import Bench
+    from teamformer.planning.teams.plan import TeamPlan
+    from teamformer.planning.teams.timing import Groups
 
 ROUNDS = 20
 """How often a plan is timed anew until nothing in it is done by others than planned."""
 
 
 @kernel
-def settle(problem, crossings, plan, groups, bench, most):  # type: ignore[no-untyped-def]
+def settle(
+    problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups, bench: Bench, most: int
+) -> tuple[Any, Any, bool]:
     """Time a plan and give all tasks to those who do them; return cost, makespan, if it is settled.
 
     It is given up when it costs more than `most`.
@@ -26,7 +37,7 @@ def settle(problem, crossings, plan, groups, bench, most):  # type: ignore[no-un
 
 
 @kernel
-def _hand_over(plan, groups, bench):  # type: ignore[no-untyped-def]
+def _hand_over(plan: TeamPlan, groups: Groups, bench: Bench) -> None:
     """Put every task that was passed before the one that its doers went to, or after if there.
 
     Groups are followed as they were when the plan was timed, whoever is handed a task.
@@ -61,13 +72,13 @@ def _hand_over(plan, groups, bench):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _follow(plan, groups, task):  # type: ignore[no-untyped-def]
+def _follow(plan: TeamPlan, groups: Groups, task: int) -> None:
     for seat in range(plan.size[task]):
         groups.of[plan.coalition[task, seat]] = task
 
 
 @kernel
-def _sort_by_start(plan, groups, bench):  # type: ignore[no-untyped-def]
+def _sort_by_start(plan: TeamPlan, groups: Groups, bench: Bench) -> None:
     """Order the tasks in `bench.moved` by their starts, of equals as they are."""
     for position in range(len(plan.order)):
         task, gap = bench.moved[position], position
@@ -78,7 +89,7 @@ def _sort_by_start(plan, groups, bench):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _list_spares(plan, groups, bench, task):  # type: ignore[no-untyped-def]
+def _list_spares(plan: TeamPlan, groups: Groups, bench: Bench, task: int) -> int:
     """List the robots of a task's group that can be spared in `bench.union`; return how many."""
     count = 0
     if task == groups.spare[0]:
@@ -90,7 +101,7 @@ def _list_spares(plan, groups, bench, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _leave_out(plan, bench, task, spares):  # type: ignore[no-untyped-def]
+def _leave_out(plan: TeamPlan, bench: Bench, task: int, spares: int) -> None:
     """Take the robots in `bench.union` out of a coalition."""
     kept = 0
     for seat in range(plan.size[task]):
@@ -104,7 +115,9 @@ def _leave_out(plan, bench, task, spares):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _place_passed(plan, groups, bench, task, filled, is_there):  # type: ignore[no-untyped-def]
+def _place_passed(
+    plan: TeamPlan, groups: Groups, bench: Bench, task: int, filled: int, is_there: bool
+) -> int:
     """Place what was passed on the way to a task, or what is where it is; return the next place."""
     begin = filled
     for other in range(len(plan.order)):

@@ -1,26 +1,26 @@
-"""The central plan with forming counted, improved until time is up."""
+"""The central plan with forming counted: searched from one start after another until time is up."""
 
 from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Iterator
+from itertools import count
 
-from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.schedule import Schedule
-from teamformer.planning.teams.annealing import TeamSearch
+from teamformer.planning.teams.facts import Situation
 from teamformer.planning.teams.initial import crew_plans
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
+from teamformer.planning.teams.shared_plan import HOT, rounds_for
+from teamformer.planning.teams.starts import plan_from_coalitions
+from teamformer.planning.teams.threshold_search import ThresholdSearch
 
-Annealings = tuple[tuple[float, float], ...]
-"""When each annealing ends, as a share of time or rounds, and how hot it begins.
+Starts = Iterator[tuple[TeamPlan, float]]
+"""Plans to search from, one after another, and how hot each search begins, in steps."""
 
-The first starts where the search is, the others at the best plan. Hot ones leave it behind, cool
-ones better it.
-"""
-
-FROM_CREWS: Annealings = ((0.05, 0.8), (0.3, 0.3), (1.0, 0.6))
-FROM_COALITIONS: Annealings = ((0.4, 0.5), (1.0, 0.3))
+HEATS = (2.0, 0.5, 1.0)
+"""How hot searches from the best plan begin: hot ones leave it behind, cool ones better it."""
 
 ROUNDS = 3000
 """Rounds for each pair of tasks; a search that long finds nothing more."""
@@ -32,7 +32,7 @@ MOST_SECONDS_AT_ONCE = 0.05
 class BestPlan:
     """The best plan that any search has found so far, and when it was found."""
 
-    def __init__(self, begun: float, search: TeamSearch) -> None:
+    def __init__(self, begun: float, search: ThresholdSearch) -> None:
         self.plan, self._cost, self.makespan = search.best, search.cost, search.makespan
         self.curve: list[tuple[float, int]] = []
         self.bound = 0
@@ -40,7 +40,7 @@ class BestPlan:
         self._begun = begun
         self._lock = threading.Lock()
 
-    def offer(self, search: TeamSearch) -> None:
+    def offer(self, search: ThresholdSearch) -> None:
         """Take a search's plan if it is better."""
         with self._lock:
             if search.cost >= self._cost:
@@ -65,11 +65,20 @@ class BestPlan:
         return self._is_stopped or self.makespan <= self.bound
 
 
-def first_search(problem: Relaxed, scenario: Scenario, seed: int) -> TeamSearch | None:
+def start_search(situation: Situation, seed: int) -> ThresholdSearch:
+    """Return a search that has not begun."""
+    return ThresholdSearch(
+        situation.problem, situation.crossings, situation.company, situation.forming_steps, seed
+    )
+
+
+def first_search(situation: Situation, seed: int) -> ThresholdSearch | None:
     """Return a search at the best of the first plans; None if a task has too few robots."""
-    starts = [plan for plan in crew_plans(problem) if is_able(problem, plan)]
-    searches = [TeamSearch(problem, scenario, plan, seed) for plan in starts]
-    return min(searches, key=lambda search: search.cost, default=None)
+    search = start_search(situation, seed)
+    starts = [plan for plan in crew_plans(situation.problem) if is_able(situation.problem, plan)]
+    for start in starts:
+        search.begin(start)
+    return search if starts else None
 
 
 def is_able(problem: Relaxed, plan: TeamPlan) -> bool:
@@ -84,33 +93,49 @@ def plan_from_schedule(problem: Relaxed, schedule: Schedule) -> TeamPlan:
     return plan_teams(problem, schedule.order, schedule.coalitions)
 
 
-def improve(best: BestPlan, search: TeamSearch, deadline: float, annealings: Annealings) -> None:
-    """Anneal again and again until the deadline, and offer what is found.
+def from_best(best: BestPlan) -> Starts:
+    """Begin at the best plan that there is by then, again and again."""
+    for turn in count():
+        yield best.plan, HEATS[turn % len(HEATS)]
+
+
+def from_coalitions(problem: Relaxed, best: BestPlan, seed: int) -> Starts:
+    """Begin at coalitions that are good where joining is free and at the best plan, by turns."""
+    rounds = rounds_for(problem, is_again=False).relaxed
+    for turn, (plan, hot) in enumerate(from_best(best)):
+        relaxed = plan_from_coalitions(problem, rounds, seed + turn)
+        if relaxed is not None:
+            yield relaxed, HOT
+        yield plan, hot
+
+
+def improve(best: BestPlan, search: ThresholdSearch, deadline: float, starts: Starts) -> None:
+    """Search from one start after another until the deadline, and offer what is found.
 
     `deadline` is what `time.perf_counter` then shows. Small worlds end earlier.
     """
-    begun, most = time.perf_counter(), ROUNDS * len(search.problem.appears) ** 2
-    made, at_once, begin, end, hot = 0, 1, 0.0, 0.0, 0.0
-    while not best.is_over:
-        passed = _share(made / most, begun, deadline)
-        if passed == 1.0:
-            break
-        if passed >= end:
-            if made > 0:
-                search.restart(best.plan)
-            begin, (end, hot) = passed, next(which for which in annealings if which[0] > passed)
-        seconds = -time.perf_counter()
-        search.anneal(at_once, min(1.0, (passed - begin) / (end - begin)), hot)
+    problem = search.problem
+    rounds, left = rounds_for(problem, is_again=False).team, ROUNDS * len(problem.appears) ** 2
+    while left > 0 and not best.is_over and time.perf_counter() < deadline:
+        start, hot = next(starts)
+        search.begin(start)
+        _search_once(best, search, deadline, min(rounds, left), hot)
+        left -= rounds
+
+
+def _search_once(
+    best: BestPlan, search: ThresholdSearch, deadline: float, rounds: int, hot: float
+) -> None:
+    """Search for some rounds, fewer if time is short, and cool down meanwhile."""
+    begun, made, at_once, passed = time.perf_counter(), 0, 1, 0.0
+    while passed < 1.0 and not best.is_over:
+        at_once = min(at_once, rounds - made)
+        before = time.perf_counter()
+        heat = hot * (1.0 - passed)
+        search.run(at_once, heat, heat * (1.0 - at_once / (rounds - made)))
         best.offer(search)
-        seconds += time.perf_counter()
         made += at_once
-        room = min(MOST_SECONDS_AT_ONCE, max(0.0, deadline - time.perf_counter()))
-        at_once = max(1, min(2 * at_once, int(at_once * room / max(seconds, 1e-7))))
-
-
-def _share(made: float, begun: float, deadline: float) -> float:
-    """Return the share of rounds or of time that has passed, whichever is more; 1 at the end."""
-    now = time.perf_counter()
-    if now >= deadline:
-        return 1.0
-    return min(1.0, max(made, (now - begun) / (deadline - begun)))
+        now = time.perf_counter()
+        passed = max(made / rounds, (now - begun) / max(deadline - begun, 1e-9))
+        room = min(MOST_SECONDS_AT_ONCE, max(0.0, deadline - now))
+        at_once = max(1, min(2 * at_once, int(at_once * room / max(now - before, 1e-7))))

@@ -10,7 +10,7 @@ from teamformer.planning.crews.plan import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.planning.relaxation.threshold import search_coalitions
+from teamformer.planning.relaxation.threshold import Search
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
 from teamformer.rules.constants import FAR, NOBODY
 
@@ -78,7 +78,9 @@ def _regions(is_way: Array) -> tuple[Array, Array]:
 
 def plan_from_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> TeamPlan | None:
     """Return coalitions that are good where joining is free, as teams."""
-    schedule = search_coalitions(problem, rounds, seed)
+    search = Search(problem, seed)
+    search.run(rounds)
+    schedule = search.best
     if schedule is None:
         return None
     return plan_teams(problem, schedule.order, [list(robots) for robots in schedule.coalitions])

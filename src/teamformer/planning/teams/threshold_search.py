@@ -8,7 +8,7 @@ from teamformer.jit import entry, kernel
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.crossings import Crossings
-from teamformer.planning.teams.neighbourhood import change_plan, empty_bench, keep, undo
+from teamformer.planning.teams.neighbourhood import Bench, change_plan, empty_bench, keep, undo
 from teamformer.planning.teams.passing import settle
 from teamformer.planning.teams.plan import (
     TeamPlan,
@@ -16,7 +16,14 @@ from teamformer.planning.teams.plan import (
     empty_team_plan,
     overwrite_team_plan,
 )
-from teamformer.planning.teams.timing import ENDLESS, STEP, empty_groups, is_settled, time_plan
+from teamformer.planning.teams.timing import (
+    ENDLESS,
+    STEP,
+    Groups,
+    empty_groups,
+    is_settled,
+    time_plan,
+)
 from teamformer.rules.constants import NOBODY
 
 
@@ -41,16 +48,17 @@ class ThresholdSearch:
         """Go on from a plan; return its cost once it is settled."""
         overwrite_team_plan(start, self._plan)
         self._costs[0] = ENDLESS
-        self._search(self._plan, 0, 0)
+        self._search(self._plan, 0)
         return int(self._costs[0])
 
-    def run(self, rounds: int, hot: float) -> None:
-        """Search for some rounds; at first plans may be worse by `hot` steps, in the end none."""
-        self._search(self._plan, rounds, int(hot * STEP * len(self.problem.appears)))
+    def run(self, rounds: int, hot: float, cool: float = 0.0) -> None:
+        """Search for some rounds; plans may be worse by `hot` steps at first, `cool` in the end."""
+        step = STEP * len(self.problem.appears)
+        self._search(self._plan, rounds, int(hot * step), int(cool * step))
 
-    def _search(self, plan: TeamPlan, rounds: int, hot: int) -> None:
+    def _search(self, plan: TeamPlan, rounds: int, hot: int = 0, cool: int = 0) -> None:
         room = (self._spare, self._groups, self._bench, self._costs)
-        search(self.problem, self.crossings, plan, self._best, *room, rounds, hot)
+        search(self.problem, self.crossings, plan, self._best, *room, rounds, hot, cool)
 
     @property
     def cost(self) -> int:
@@ -65,7 +73,7 @@ class ThresholdSearch:
     @property
     def ends(self) -> Array:
         """Return the steps in which tasks are done in the best plan, (tasks,)."""
-        self._search(self._best, 0, 0)
+        self._search(self._best, 0)
         return self._groups.end[: len(self.problem.appears)].copy()
 
     @property
@@ -75,12 +83,25 @@ class ThresholdSearch:
 
 
 @entry
-def search(problem, crossings, plan, best, spare, groups, bench, costs, rounds, hot):  # type: ignore[no-untyped-def]
-    """Make changes for a number of rounds; keep those that cost at most so much more, ever less.
+def search(
+    problem: Relaxed,
+    crossings: Crossings,
+    plan: TeamPlan,
+    best: TeamPlan,
+    spare: TeamPlan,
+    groups: Groups,
+    bench: Bench,
+    costs: Array,
+    rounds: int,
+    hot: int,
+    cool: int,
+) -> None:
+    """Make changes for a number of rounds; keep those that cost at most so much more.
 
     `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both,
     ENDLESS for a plan that was never timed: it is settled first. `spare` is room to work in; `hot`
-    is what a change may cost at first. Without any round `plan` is timed and stays as it is.
+    is what a change may cost at first and `cool` in the end. Without any round `plan` is timed and
+    stays as it is.
     """
     if costs[0] == ENDLESS:
         cost, _, _ = settle(problem, crossings, plan, groups, bench, np.int64(ENDLESS))
@@ -91,7 +112,7 @@ def search(problem, crossings, plan, best, spare, groups, bench, costs, rounds, 
     time_plan(problem, crossings, plan, groups, np.int64(ENDLESS))
     _trace(plan, groups, bench)
     for made in range(rounds):
-        allowed = costs[0] + hot * (rounds - made) // rounds
+        allowed = costs[0] + (hot * (rounds - made) + cool * made) // rounds
         if not change_plan(problem, plan, bench):
             undo(plan, bench)
             continue
@@ -115,7 +136,7 @@ def search(problem, crossings, plan, best, spare, groups, bench, costs, rounds, 
 
 
 @kernel
-def _trace(plan, groups, bench):  # type: ignore[no-untyped-def]
+def _trace(plan: TeamPlan, groups: Groups, bench: Bench) -> None:
     """List the tasks that the makespan hangs on, from the last backwards."""
     task = 0
     for other in range(len(plan.order)):

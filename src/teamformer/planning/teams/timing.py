@@ -10,7 +10,7 @@ coalitions is a plan that cannot block.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.crossings import Crossings
 from teamformer.planning.teams.plan import TeamPlan
-from teamformer.rules.constants import NOBODY
+from teamformer.rules.constants import FAR, NOBODY
 from teamformer.rules.pairing import pair_off
 
 STEP = 200
@@ -28,6 +28,8 @@ STEP_OF_END = 30
 """What a step of the end of any task costs: it leads out of plateaus."""
 STEP_WALKED = 1
 """What a step walked by a robot costs, so that nobody trails along without use."""
+LATE = 10_000
+"""Steps of makespan that a robot lost before its task's end is worth."""
 
 ENDLESS = 2**62
 """The cost of a plan that is not timed to its end."""
@@ -38,6 +40,7 @@ class Groups(NamedTuple):
 
     company: Array  # (robots,) the lowest robot of the team it is in at the start
     forming: Array  # (1,) steps that a split costs
+    losses: Array  # (1,) whether robots will be lost, and it is known when
     of: Array  # (robots,) group
     start: Array  # (tasks,) the step in which its service begins
     end: Array  # (groups,) the step in which its last task is done
@@ -66,6 +69,7 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
     return Groups(
         company=company.astype(np.int32),
         forming=np.array([forming_steps], np.int32),
+        losses=np.array([problem.lost.min() < FAR]),
         of=np.zeros(by_robot, np.int32),
         start=np.zeros(by_task, np.int32),
         end=np.zeros(by_group, np.int32),
@@ -89,7 +93,9 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
 
 
 @entry
-def time_plan(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups, most: int):  # type: ignore[no-untyped-def]
+def time_plan(
+    problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups, most: int
+) -> tuple[Any, Any]:
     """Return the cost of a plan, a whole number, and the step in which its last task is done.
 
     It is given up, as ENDLESS, when the makespan alone costs more than `most`. Leaves in `groups`
@@ -106,11 +112,23 @@ def time_plan(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Gr
             if makespan * STEP * tasks > most:
                 return np.int64(ENDLESS), makespan
         total += groups.end[task]
+    if groups.losses[0]:
+        makespan += LATE * _count_late(problem, plan, groups)
     return STEP * tasks * makespan + STEP_OF_END * total + STEP_WALKED * walked, makespan
 
 
 @kernel
-def _gather_at_start(problem, groups):  # type: ignore[no-untyped-def]
+def _count_late(problem: Relaxed, plan: TeamPlan, groups: Groups) -> int:
+    """Return how many robots are lost before the end of a task that they are planned for."""
+    late = 0
+    for task in range(len(plan.order)):
+        for seat in range(plan.size[task]):
+            late += groups.end[task] >= problem.lost[plan.coalition[task, seat]]
+    return late
+
+
+@kernel
+def _gather_at_start(problem: Relaxed, groups: Groups) -> None:
     tasks = len(problem.duration)
     for group in range(len(groups.end)):
         groups.size[group] = groups.splits[group] = 0
@@ -128,7 +146,7 @@ def _gather_at_start(problem, groups):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _meet(problem, crossings, plan, groups, task):  # type: ignore[no-untyped-def]
+def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups, task: int) -> Any:
     """Bring a task's coalition together and let it do it; return the steps that robots walk."""
     tasks, count, walked = len(plan.order), 0, np.int64(0)
     for seat in range(plan.size[task]):
@@ -180,7 +198,9 @@ def _meet(problem, crossings, plan, groups, task):  # type: ignore[no-untyped-de
 
 
 @kernel
-def _note_spare_group(problem, plan, groups, task, count):  # type: ignore[no-untyped-def]
+def _note_spare_group(
+    problem: Relaxed, plan: TeamPlan, groups: Groups, task: int, count: int
+) -> None:
     """Note the last to come of those groups without which a task can be done: it would be."""
     for place in range(count - 1, -1, -1):
         if _is_spare(problem, plan, groups, task, groups.touched[place]):
@@ -189,7 +209,7 @@ def _note_spare_group(problem, plan, groups, task, count):  # type: ignore[no-un
 
 
 @kernel
-def _is_spare(problem, plan, groups, task, group):  # type: ignore[no-untyped-def]
+def _is_spare(problem: Relaxed, plan: TeamPlan, groups: Groups, task: int, group: int) -> bool:
     for cap in range(problem.needs.shape[1]):
         lacking = problem.needs[task, cap]
         if lacking > 0:
@@ -203,14 +223,22 @@ def _is_spare(problem, plan, groups, task, group):  # type: ignore[no-untyped-de
 
 
 @kernel
-def is_settled(groups):  # type: ignore[no-untyped-def]
+def is_settled(groups: Groups) -> bool:
     """Say whether everything in the plan timed last is done by those who are planned for it."""
     is_passed = groups.passes[0] > 0 or groups.too_early[0] != NOBODY
     return not is_passed and groups.spare[0] == NOBODY
 
 
 @kernel
-def _walk(problem, crossings, plan, groups, group, task, leave):  # type: ignore[no-untyped-def]
+def _walk(
+    problem: Relaxed,
+    crossings: Crossings,
+    plan: TeamPlan,
+    groups: Groups,
+    group: int,
+    task: int,
+    leave: int,
+) -> Any:
     """Let the part of a group that leaves walk to a task; return when it is there.
 
     It does what it can do on the way. Leaves in `groups.until` when that is done too.
@@ -248,14 +276,16 @@ def _walk(problem, crossings, plan, groups, group, task, leave):  # type: ignore
 
 
 @kernel
-def _is_stop(speed, cells):  # type: ignore[no-untyped-def]
+def _is_stop(speed: float, cells: int) -> bool:
     """Say whether a team that has left so many cells ago ends a step there."""
     steps = np.ceil(cells / speed - 1e-9)
     return np.floor(steps * speed + 1e-9) == cells
 
 
 @kernel
-def _can_do(problem, plan, groups, group, task, other):  # type: ignore[no-untyped-def]
+def _can_do(
+    problem: Relaxed, plan: TeamPlan, groups: Groups, group: int, task: int, other: int
+) -> bool:
     """Say whether the robots of a group that go to a task can do another one."""
     for cap in range(problem.needs.shape[1]):
         lacking = problem.needs[other, cap]
@@ -270,20 +300,22 @@ def _can_do(problem, plan, groups, group, task, other):  # type: ignore[no-untyp
 
 
 @kernel
-def _do_on_the_way(groups, group, task, other, start, end):  # type: ignore[no-untyped-def]
+def _do_on_the_way(groups: Groups, group: int, task: int, other: int, start: int, end: int) -> None:
     groups.is_done[other] = True
     groups.start[other], groups.end[other] = start, end
     groups.passed_to[other], groups.passed_from[other] = task, group
 
 
 @kernel
-def _note_too_early(groups, group, task, other, step):  # type: ignore[no-untyped-def]
+def _note_too_early(groups: Groups, group: int, task: int, other: int, step: int) -> None:
     groups.too_early[0], groups.too_early[1] = other, task
     groups.too_early[2], groups.too_early[3] = group, step
 
 
 @kernel
-def _do_what_is_here(problem, crossings, plan, groups, task):  # type: ignore[no-untyped-def]
+def _do_what_is_here(
+    problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups, task: int
+) -> None:
     """Let the team that does a task do all else that it can do there, at the same time."""
     start = groups.start[task]
     way = task * len(plan.order) + task
@@ -304,7 +336,7 @@ def _do_what_is_here(problem, crossings, plan, groups, task):  # type: ignore[no
 
 
 @kernel
-def _is_crew(plan, groups, group, task, other):  # type: ignore[no-untyped-def]
+def _is_crew(plan: TeamPlan, groups: Groups, group: int, task: int, other: int) -> bool:
     """Say whether another task is planned for those who do one, all of them from one group."""
     if plan.size[task] != plan.size[other]:
         return False

@@ -18,10 +18,11 @@ class PlanPlayer:
 
     A team whose members have the same next task goes there and joins, pair by pair, the teams
     there that wait for it too. A team whose members part ways splits, those of the earliest task
-    in the plan's order first. Robots with the same capabilities and speed are interchangeable:
-    where the step rules let another one stay than the plan has it, the two exchange their routes.
-    Robots that the rules cannot part go to the earliest task together. So the crew of the
-    earliest open task is always on its way there, and nothing is parted and joined again for ever.
+    in the plan's order first; who has nothing left to do stays behind. Robots with the same
+    capabilities and speed are interchangeable: where the step rules let another one stay than the
+    plan has it, the two exchange their routes. Robots that the rules cannot part go to the earliest
+    task together. So the coalition of the earliest open task is always on its way there, and
+    nothing is parted and joined again for ever.
     """
 
     def __init__(
@@ -62,7 +63,7 @@ class PlanPlayer:
             ways = self._ways(members[slot])
             if serves[slot] > 0 or not ways:
                 continue
-            parted = self._part(members[slot], ways) if len(ways) > 1 else None
+            parted = self._part(members[slot], ways)
             if parted is not None:
                 wanted[slot] = parted
             elif self._is_at(ways[0], x[slot], y[slot]):
@@ -103,12 +104,13 @@ class PlanPlayer:
     def _part(self, robots: list[int], ways: list[int]) -> Array | None:
         """Return the counts to keep so that those of one way, or all others, stay.
 
-        Robots without a way go with the first. None if the rules allow no such split.
+        None if nobody parts, or the rules allow no such split.
         """
         for task in ways:
-            ours = (task, NOBODY) if task == ways[0] else (task,)
-            stay = [robot for robot in robots if self._next(robot) in ours]
+            stay = [robot for robot in robots if self._next(robot) == task]
             rest = [robot for robot in robots if robot not in stay]
+            if not rest:
+                return None
             for part in (stay, rest):
                 wanted: Array = self._counts[part].sum(axis=0, dtype=np.int16)
                 kept = self._stayers(robots, wanted)

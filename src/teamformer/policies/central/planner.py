@@ -6,22 +6,26 @@ import math
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import earliest_starts, lower_bound
 from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.relaxation.problem import Relaxed, relax
 from teamformer.planning.relaxation.solve import Solution, solve
-from teamformer.planning.teams.annealing import TeamSearch
+from teamformer.planning.teams.facts import Situation, situation_in_hindsight
 from teamformer.planning.teams.plan import TeamPlan, routes_of
+from teamformer.planning.teams.shared_plan import HOT
 from teamformer.planning.teams.solve import (
-    FROM_COALITIONS,
-    FROM_CREWS,
     BestPlan,
     first_search,
+    from_best,
+    from_coalitions,
     improve,
     plan_from_schedule,
+    start_search,
 )
+from teamformer.planning.teams.threshold_search import ThresholdSearch
 from teamformer.policies.central.plan_from_play import CoalitionLog, plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.protocol import Policy
@@ -37,7 +41,7 @@ Script = list[dict[int, tuple[Array, int]]]
 
 Curve = tuple[tuple[float, int], ...]
 
-RELAXING = 0.4
+RELAXING = 0.3
 """Share of the time for the relaxed schedule and its proof, on one thread."""
 
 BOUNDING = 0.2
@@ -105,7 +109,8 @@ def plan_centrally(
     shared = CoalitionLog(scenario)
     if _has_time_for_shared_plan(scenario, time_limit):
         plays.add("plan", FollowPlan(), log=shared)  # the first play is never cut short
-    search = _start(scenario, seed)
+    situation = situation_in_hindsight(scenario)
+    search = _start(scenario, situation, seed)
     if search is not None:
         plays.add("search", _player(scenario, search.best))
         _restart(search, shared.plan(search.problem))
@@ -117,7 +122,7 @@ def plan_centrally(
     else:
         for name, allocation, followed in FOLLOWED:
             _follow(name, replace(scenario, allocation=allocation), followed, search, plays)
-        solution, best = _improve(scenario, search, plays, seed, workers)
+        solution, best = _improve(scenario, situation, search, plays, seed, workers)
         plays.add("search", _player(scenario, best.plan))
         bound, searched = best.bound, best.curve
     if time_limit > 0 and solution.schedule is not None:
@@ -127,12 +132,11 @@ def plan_centrally(
     return plays.report(solution, bound, searched, is_first=time_limit == 0)
 
 
-def _start(scenario: Scenario, seed: int) -> TeamSearch | None:
+def _start(scenario: Scenario, situation: Situation, seed: int) -> ThresholdSearch | None:
     """Return a search at a first plan; None if some task can never be done."""
-    problem = relax(scenario)
-    if (earliest_starts(problem) >= FAR).any():
+    if (earliest_starts(relax(scenario)) >= FAR).any():
         return None
-    return first_search(problem, scenario, seed)
+    return first_search(situation, seed)
 
 
 def _has_time_for_shared_plan(scenario: Scenario, time_limit: float) -> bool:
@@ -142,39 +146,46 @@ def _has_time_for_shared_plan(scenario: Scenario, time_limit: float) -> bool:
     return scenario.allocation == "plan" and seconds <= max(1.0, time_limit)
 
 
-def _restart(search: TeamSearch, plan: TeamPlan | None) -> None:
+def _restart(search: ThresholdSearch, plan: TeamPlan | None) -> None:
     """Let a search go on from a plan if there is one."""
     if plan is not None:
-        search.restart(plan)
+        search.begin(plan)
 
 
-def _follow(name: str, scenario: Scenario, rule: Policy, search: TeamSearch, plays: _Plays) -> None:
+def _follow(
+    name: str, scenario: Scenario, rule: Policy, search: ThresholdSearch, plays: _Plays
+) -> None:
     """Let the search begin at what a rule does; leave it if time is short."""
     tasks, kinds = len(scenario.tasks), max(1.0, len(scenario.capabilities) / FEW_CAPABILITIES)
     if plays.seconds_left < CREW_SECONDS * kinds * tasks * (tasks + len(scenario.robots)):
         return
     plan = plan_from_play(scenario, search.problem, rule, plays.begun + plays.limit)
     if plan is not None:
-        search.restart(plan)
+        search.begin(plan)
         plays.add(name, _player(scenario, plan))
 
 
 def _improve(
-    scenario: Scenario, search: TeamSearch, plays: _Plays, seed: int, workers: int
+    scenario: Scenario,
+    situation: Situation,
+    search: ThresholdSearch,
+    plays: _Plays,
+    seed: int,
+    workers: int,
 ) -> tuple[Solution, BestPlan]:
     """Search until it is time for the last plays, from coalitions on one thread.
 
-    The other proves a bound and then searches from crews. The main thread only waits, so that
-    Ctrl-C reaches it.
+    The other proves a bound and then searches on from the best plan. The main thread only waits,
+    so that Ctrl-C reaches it.
     """
     best = BestPlan(plays.begun, search)
     deadline = time.perf_counter() + plays.seconds_left
     with ThreadPoolExecutor(min(workers, 2)) as pool:
-        bounding = pool.submit(_raise_bound, scenario, search.problem, best, deadline)
-        relaxing = pool.submit(_relax_and_search, scenario, search, best, deadline, seed)
+        bounding = pool.submit(_raise_bound, scenario, relax(scenario), best, deadline)
+        relaxing = pool.submit(_relax_and_search, scenario, situation, best, deadline, seed)
         work: list[Future[None]] = [bounding]
         if workers > 1:  # begins when the bound is through
-            work.append(pool.submit(improve, best, search, deadline, FROM_CREWS))
+            work.append(pool.submit(improve, best, search, deadline, from_best(best)))
         try:
             solution = relaxing.result()
             for done in work:
@@ -198,17 +209,17 @@ def _raise_bound(scenario: Scenario, problem: Relaxed, best: BestPlan, deadline:
 
 
 def _relax_and_search(
-    scenario: Scenario, search: TeamSearch, best: BestPlan, deadline: float, seed: int
+    scenario: Scenario, situation: Situation, best: BestPlan, deadline: float, seed: int
 ) -> Solution:
-    """Solve the relaxed problem, then search on from its coalitions."""
+    """Solve the relaxed problem, then search from its coalitions and from others."""
     seconds = RELAXING * max(0.0, deadline - time.perf_counter())
     solution = solve(scenario, seconds, seed=seed, workers=1)
     best.raise_bound(solution.bound)
-    start = best.plan
+    starts = from_coalitions(situation.problem, best, seed)
     if solution.schedule is not None:
-        start = plan_from_schedule(search.problem, solution.schedule)
-    own = TeamSearch(search.problem, scenario, start, seed + 1)
-    improve(best, own, deadline, FROM_COALITIONS)
+        start = plan_from_schedule(situation.problem, solution.schedule)
+        starts = chain([(start, HOT)], starts)
+    improve(best, start_search(situation, seed + 1), deadline, starts)
     return solution
 
 
@@ -252,10 +263,11 @@ class _Plays:
         Once there is a play to show, others end early: when they are no faster, when time is up,
         or after `most_seconds`.
         """
+        env = TeamFormation([self._scenario])
+        env.view()  # the shared plan is made here
         begun = self.seconds
         end = begun + most_seconds if self.limit == 0 else min(begun + most_seconds, self.limit)
         most = NEVER if self.makespan is None else self.makespan
-        env = TeamFormation([self._scenario])
         script: Script = []
         while env.is_running[0] and len(script) < most:
             if self.makespan is not None and self.seconds > end:

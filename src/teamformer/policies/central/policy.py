@@ -13,6 +13,7 @@ from teamformer.model import Scenario
 from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.relaxation.cp_sat import make_solver
 from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.teams.facts import situation_in_hindsight
 from teamformer.planning.teams.solve import first_search
 from teamformer.policies.central.planner import CentralPlan, plan_centrally
 from teamformer.rules.constants import NOBODY
@@ -82,9 +83,8 @@ def _warm_up(allocation: str) -> None:
     """Have everything compiled and imported before the clock starts."""
     make_solver(seed=0)
     scenario = replace(smallest_scenario(), allocation=allocation)
-    problem = relax(scenario)
-    raise_by_routes(scenario, problem, 0, lambda _: None, lambda: False)
-    search = first_search(problem, scenario, seed=0)
+    raise_by_routes(scenario, relax(scenario), 0, lambda _: None, lambda: False)
+    search = first_search(situation_in_hindsight(scenario), seed=0)
     assert search is not None, "the smallest scenario can be done"
-    search.anneal(1, 0.0, 1.0)
+    search.run(1, 0.0)
     plan_centrally(scenario, time_limit=COMPILING)

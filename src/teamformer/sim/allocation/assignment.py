@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import covers, helps
-from teamformer.sim.arrays import CREWS, NEAREST_ALONE, PLAN
+from teamformer.sim.arrays import CREWS, NEAREST_ALONE, PLAN, Array, World
 from teamformer.sim.motion import travel, travel_between
 from teamformer.sim.spatial_index import find_near
 
 
 @kernel
-def allocate_tasks(world, named):  # type: ignore[no-untyped-def]
+def allocate_tasks(world: World, named: Array) -> None:
     """Phase 4, in slot order: tasks that decisions name, and the allocation's for the others.
 
     The part that leaves a team under command waits for its own decision.
@@ -39,7 +41,7 @@ def allocate_tasks(world, named):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def find_earliest_tasks(world):  # type: ignore[no-untyped-def]
+def find_earliest_tasks(world: World) -> None:
     """Find each team's task by crews' lists or the shared plan: the earliest of its robots'."""
     for team in range(world.rules.robots):
         world.teams[team].next = NOBODY
@@ -52,7 +54,7 @@ def find_earliest_tasks(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def contributes_to_any(world, team):  # type: ignore[no-untyped-def]
+def contributes_to_any(world: World, team: int) -> bool:
     """Say whether any open task needs something that the team has."""
     for cap in range(world.has.shape[1]):
         if world.has[team, cap] > 0 and world.demand[cap] > 0:
@@ -61,7 +63,7 @@ def contributes_to_any(world, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def choose_task(world, team):  # type: ignore[no-untyped-def]
+def choose_task(world: World, team: int) -> tuple[Any, bool]:
     """Return the team's task by the shared order, and whether it is a detour.
 
     The first open task in the order that it can contribute to and that nearer teams it senses do
@@ -83,7 +85,7 @@ def choose_task(world, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def contributes(world, team, task):  # type: ignore[no-untyped-def]
+def contributes(world: World, team: int, task: int) -> bool:
     """Say whether a team has something that a task needs, and a way to it."""
     if world.robots[team].region != world.tasks[task].region:
         return False
@@ -91,13 +93,13 @@ def contributes(world, team, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def can_do_alone(world, team, task):  # type: ignore[no-untyped-def]
+def can_do_alone(world: World, team: int, task: int) -> bool:
     """Say whether a team has everything that a task needs."""
     return covers(world.has[team], world.needs[task])
 
 
 @kernel
-def is_covered(world, near, team, task):  # type: ignore[no-untyped-def]
+def is_covered(world: World, near: Array, team: int, task: int) -> bool:
     """Say whether the sensed teams that head for a task and are nearer to it need no help.
 
     Of two that are equally near, the lower slot counts as nearer.
@@ -126,7 +128,7 @@ def is_covered(world, near, team, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _best_detour(world, near, team, position):  # type: ignore[no-untyped-def]
+def _best_detour(world: World, near: Array, team: int, position: int) -> Any:
     """Return the later task to do first, alone, that shortens the tour most; NOBODY if none does.
 
     The tour is the team's way to its next task and on through the order.
@@ -154,7 +156,7 @@ def _best_detour(world, near, team, position):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _nearest_alone(world, near, team, position):  # type: ignore[no-untyped-def]
+def _nearest_alone(world: World, near: Array, team: int, position: int) -> Any:
     """Return the nearest later task of a team that can do all open ones alone; else NOBODY.
 
     NOBODY too if its next one, at `position`, is no farther.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import CREWS, MIXED, PLAN
+from teamformer.sim.arrays import CREWS, MIXED, PLAN, World
 
 
 @kernel
-def name_crews(world):  # type: ignore[no-untyped-def]
+def name_crews(world: World) -> None:
     """Write down each team's crew: that of all its robots, or MIXED."""
     for team in range(world.rules.robots):
         world.teams[team].crew = world.robots[team].crew
@@ -19,7 +19,7 @@ def name_crews(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def are_mates(world, team, other):  # type: ignore[no-untyped-def]
+def are_mates(world: World, team: int, other: int) -> bool:
     """Say whether some robot of a team is in the crew of some robot of another one.
 
     By a shared plan those are mates that have the same task next. Crews must have been named since
@@ -39,7 +39,7 @@ def are_mates(world, team, other):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _has_one_of(world, team, crew):  # type: ignore[no-untyped-def]
+def _has_one_of(world: World, team: int, crew: int) -> bool:
     for robot in range(world.rules.robots):
         if world.robots[robot].team == team and world.robots[robot].crew == crew:
             return True

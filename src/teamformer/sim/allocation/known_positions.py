@@ -6,17 +6,19 @@ the earliest of its next tasks, and waits.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import helps
-from teamformer.sim.arrays import NEVER
+from teamformer.sim.arrays import NEVER, World
 from teamformer.sim.motion import advance, straight_on, travel
 
 
 @kernel
-def is_needed(world, robot, task):  # type: ignore[no-untyped-def]
+def is_needed(world: World, robot: int, task: int) -> bool:
     """Say whether a task needs something that a robot brings, and it can get there."""
     if world.robots[robot].region != world.tasks[task].region:
         return False
@@ -24,7 +26,7 @@ def is_needed(world, robot, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def note_doers(world, task):  # type: ignore[no-untyped-def]
+def note_doers(world: World, task: int) -> None:
     """Note that the robots that have just done a task are there, and are one company."""
     team = world.tasks[task].done_by
     for robot in range(world.rules.robots):
@@ -39,7 +41,7 @@ def note_doers(world, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _leave_behind(world, leader, team):  # type: ignore[no-untyped-def]
+def _leave_behind(world: World, leader: int, team: int) -> None:
     """Make those of a robot's company that are not in its team a company of their own."""
     heir = NOBODY
     for robot in range(world.rules.robots):
@@ -49,7 +51,7 @@ def _leave_behind(world, leader, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def be_alone_from(world, robot, step):  # type: ignore[no-untyped-def]
+def be_alone_from(world: World, robot: int, step: int) -> None:
     """Note that a robot that was lost is back where that was, a company of its own."""
     heir = NOBODY
     for other in range(world.rules.robots):
@@ -63,7 +65,7 @@ def be_alone_from(world, robot, step):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def bring_up_to_date(world):  # type: ignore[no-untyped-def]
+def bring_up_to_date(world: World) -> None:
     """Move every company on to where it must be by now, on its way to its earliest next task."""
     for leader in range(world.rules.robots):
         pace, goal = np.float64(NEVER), np.int32(NOBODY)
@@ -79,7 +81,7 @@ def bring_up_to_date(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _move_company(world, leader, goal, pace):  # type: ignore[no-untyped-def]
+def _move_company(world: World, leader: int, goal: int, pace: float) -> None:
     x, y = world.robots[leader].spot_x, world.robots[leader].spot_y
     if goal != NOBODY:
         length = pace * (world.count.steps - world.robots[leader].left_at)
@@ -91,7 +93,7 @@ def _move_company(world, leader, goal, pace):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _walk(world, x, y, goal, length):  # type: ignore[no-untyped-def]
+def _walk(world: World, x: float, y: float, goal: int, length: float) -> tuple[Any, Any]:
     """Return where one is after so much of the way to a task."""
     if world.rules.is_plane:
         return straight_on(x, y, world.tasks[goal].x, world.tasks[goal].y, length)

@@ -7,16 +7,18 @@ behind. Teams that wait at a task for one another join, pair by pair in slot ord
 
 from __future__ import annotations
 
+from typing import Any
+
 from teamformer.jit import entry, kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import find_earliest_tasks
-from teamformer.sim.arrays import PLAN, RUNNING, world_at
+from teamformer.sim.arrays import PLAN, RUNNING, Array, World, Worlds, world_at
 from teamformer.sim.formation import choose_stayers
 from teamformer.sim.spatial_index import stands_at
 
 
 @entry
-def follow_shared_plans(worlds, is_new):  # type: ignore[no-untyped-def]
+def follow_shared_plans(worlds: Worlds, is_new: Array) -> None:
     """Write what teams are to do next in all worlds with a plan; `is_new` (worlds,) says which."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
@@ -25,7 +27,7 @@ def follow_shared_plans(worlds, is_new):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _follow(world, is_new):  # type: ignore[no-untyped-def]
+def _follow(world: World, is_new: Array) -> None:
     _find_next_tasks(world, is_new)
     find_earliest_tasks(world)
     for position in range(world.count.open):
@@ -45,7 +47,7 @@ def _follow(world, is_new):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _find_next_tasks(world, is_new):  # type: ignore[no-untyped-def]
+def _find_next_tasks(world: World, is_new: Array) -> None:
     """Find each robot's next task, where its last one is done or the plan is new."""
     for robot in range(world.rules.robots):
         world.robots[robot].took = NOBODY
@@ -62,7 +64,7 @@ def _find_next_tasks(world, is_new):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _is_parting(world, team):  # type: ignore[no-untyped-def]
+def _is_parting(world: World, team: int) -> bool:
     """Say whether a team's robots have different next tasks."""
     task = world.robots[team].next
     for robot in range(team + 1, world.rules.robots):
@@ -72,7 +74,7 @@ def _is_parting(world, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _join_who_waits(world, team):  # type: ignore[no-untyped-def]
+def _join_who_waits(world: World, team: int) -> None:
     """Let a team at its task be joined by the next in slot order that is there too."""
     task = world.teams[team].next
     if task == NOBODY or not stands_at(world, team, task):
@@ -87,7 +89,7 @@ def _join_who_waits(world, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _part(world, team):  # type: ignore[no-untyped-def]
+def _part(world: World, team: int) -> None:
     """Choose the counts to keep so that the robots of one way stay, or all others.
 
     Ways are looked at in the plan's order. Members stay in robot order while they fit, so it may
@@ -108,7 +110,7 @@ def _part(world, team):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _next_way(world, team, task):  # type: ignore[no-untyped-def]
+def _next_way(world: World, team: int, task: int) -> Any:
     """Return the way of a team's robots that comes after one in the plan's order, or NOBODY."""
     found = NOBODY
     for robot in range(team, world.rules.robots):
@@ -122,13 +124,13 @@ def _next_way(world, team, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _is_meant_to_stay(world, robot, task, leaves):  # type: ignore[no-untyped-def]
+def _is_meant_to_stay(world: World, robot: int, task: int, leaves: bool) -> bool:
     """Say whether a robot is of the way of a task, or of another if that one leaves."""
     return (world.robots[robot].next == task) != leaves
 
 
 @kernel
-def _want_way(world, team, task, leaves):  # type: ignore[no-untyped-def]
+def _want_way(world: World, team: int, task: int, leaves: bool) -> None:
     """Write the counts of those who are meant to stay."""
     for cap in range(world.has.shape[1]):
         world.planned[team, cap] = 0
@@ -139,7 +141,7 @@ def _want_way(world, team, task, leaves):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _are_alike(world, team, task, leaves):  # type: ignore[no-untyped-def]
+def _are_alike(world: World, team: int, task: int, leaves: bool) -> bool:
     """Say whether as many robots of each kind stay as are meant to."""
     more = world.near_key  # (robots,) by kind
     for robot in range(world.rules.robots):
@@ -156,7 +158,7 @@ def _are_alike(world, team, task, leaves):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _exchange(world, team, task, leaves):  # type: ignore[no-untyped-def]
+def _exchange(world: World, team: int, task: int, leaves: bool) -> None:
     """Let robots that stay take the parts of like ones that are meant to, and the other way round.
 
     Each does so at most once, as one that is meant to stay then stays.
@@ -175,7 +177,7 @@ def _exchange(world, team, task, leaves):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _swap_parts(world, robot, other):  # type: ignore[no-untyped-def]
+def _swap_parts(world: World, robot: int, other: int) -> None:
     for position in range(world.count.open):
         task = world.order[position]
         part = world.coalition[task, robot]

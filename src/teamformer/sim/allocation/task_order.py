@@ -16,7 +16,7 @@ from teamformer.planning.tour import UNLINKED, plan_tour
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.crew_plan import update_plan
 from teamformer.sim.allocation.plan_updates import update_shared_plans
-from teamformer.sim.arrays import CREWS, NEAREST, PLAN, RUNNING, Worlds, world_at
+from teamformer.sim.arrays import CREWS, NEAREST, PLAN, RUNNING, World, Worlds, world_at
 from teamformer.sim.motion import travel, travel_between
 
 
@@ -38,7 +38,7 @@ def orderings_for(worlds: Worlds, scenarios: Sequence[Scenario]) -> list[Callabl
 
 
 @entry
-def plan_worlds(worlds):  # type: ignore[no-untyped-def]
+def plan_worlds(worlds: Worlds) -> None:
     """Bring crews and order up to date in every world that goes on and plans them."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
@@ -48,7 +48,7 @@ def plan_worlds(worlds):  # type: ignore[no-untyped-def]
 
 
 @entry
-def order_worlds(worlds):  # type: ignore[no-untyped-def]
+def order_worlds(worlds: Worlds) -> None:
     """Bring the order up to date in every other world that goes on."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
@@ -59,13 +59,13 @@ def order_worlds(worlds):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _has_lists(world):  # type: ignore[no-untyped-def]
+def _has_lists(world: World) -> bool:
     is_shared = world.rules.allocation == PLAN
     return not is_shared and (world.rules.allocation == CREWS or world.rules.has_schedule)
 
 
 @allocating_kernel
-def _order_arrived(world):  # type: ignore[no-untyped-def]
+def _order_arrived(world: World) -> None:
     """Give the tasks that have arrived a place in the tour, or make a new one."""
     if world.rules.new_tasks == NEAREST and world.count.arrived < world.count.open:
         _insert_after_nearest(world)
@@ -77,7 +77,7 @@ def _order_arrived(world):  # type: ignore[no-untyped-def]
 
 
 @allocating_kernel
-def _solve_anew(world):  # type: ignore[no-untyped-def]
+def _solve_anew(world: World) -> None:
     """Order the open tasks by a tour from the latest one done, at first from the centroid."""
     x, y = world.rules.start_x, world.rules.start_y
     latest = 0
@@ -97,7 +97,7 @@ def _solve_anew(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _insert_after_nearest(world):  # type: ignore[no-untyped-def]
+def _insert_after_nearest(world: World) -> None:
     """Put each new task right after the nearest task in the order, the first of equals."""
     count = world.count.open
     for arrived in range(count - world.count.arrived, count):

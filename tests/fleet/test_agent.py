@@ -63,6 +63,33 @@ def test_a_silent_robot_is_called_lost_and_a_plan_is_made_without_it() -> None:
     assert set(plan.note.left_out) == {1, 2, 3}
 
 
+def test_who_begins_another_life_is_told_once_more_who_is_lost() -> None:
+    agent = agents_of(trio())[0]
+    told = []
+    for tick in range(1, 160):
+        life = LIFE if tick > 140 else 0
+        inbox = [beat_from(agent, 1, Word(1, life + tick))]
+        _, notices = agent.tick(tick / 10, standing(agent, tick), inbox)
+        beats = [notice.body for notice in notices if isinstance(notice.body, Beat)]
+        told += [tick for beat in beats for word in beat.others if word.robot == 2 and word.is_lost]
+    before, again = told
+    assert before < 130
+    assert 140 < again <= 152
+
+
+def test_a_new_plan_holds_for_a_while() -> None:
+    """Robot 2 is lost at 0 s and robot 1 at 1 s: two plans, `rest` seconds apart at least."""
+    agent = agents_of(trio())[0]
+    made = []
+    for tick in range(1, 200):
+        inbox = [beat_from(agent, 1, Word(1, tick))] if tick <= 10 else []
+        agent.tick(tick / 10, standing(agent, tick), inbox)
+        made.append(agent.keeper.made)
+    first, second = made.index(1), made.index(2)
+    assert made[-1] == 2
+    assert second - first >= 10 * agent.mission.timers.rest
+
+
 def test_who_was_away_itself_blames_nobody() -> None:
     agent = agents_of(trio())[0]
     for tick in range(1, 10):

@@ -158,6 +158,7 @@ def test_a_plan_made_again_is_never_worse_by_its_own_count() -> None:
         facts = start_of(scenario)
         old = plan_mission(scenario, facts)
         assert plan_mission(scenario, facts, old).makespan <= old.makespan
+        assert plan_mission(scenario, facts, old, is_brief=True).makespan <= old.makespan
 
 
 HASHED = """

@@ -210,8 +210,9 @@ def _fault_of(message: Message, robots: int) -> str:
     if type(body) is Beat:
         if body.word.robot != message.sender:
             return "speaks for another"
-        if not all(_is_sane(word, robots) for word in (body.word, *body.others)):
-            return "senseless word"
+        for word in (body.word, *body.others):
+            if not _is_sane(word, robots):
+                return "senseless word"
     elif type(body) is PlanNote:
         members = [robot for coalition in body.coalitions for robot in coalition]
         if len(body.order) != len(body.coalitions) or len(set(body.order)) != len(body.order):
@@ -230,7 +231,7 @@ def _is_sane(word: Word, robots: int) -> bool:
     return (
         0 <= word.robot < robots
         and word.team < robots
-        and _is_place(word.x, word.y)
+        and math.isfinite(word.x + word.y)
         and len(word.echoes) % 2 == 0
         and word.hold == word.hold
     )

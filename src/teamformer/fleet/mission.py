@@ -30,6 +30,7 @@ class Timers:
     stuck: float = 5.0  # without getting on until a robot says that it is unfit
     settle: float = 0.5  # for which a reason to plan must stand
     turn: float = 1.0  # more for each live robot with a lower number
+    rest: float = 2.0  # for which a plan holds in any case
 
 
 @dataclass(frozen=True)

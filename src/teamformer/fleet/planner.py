@@ -37,7 +37,7 @@ class SharedPlanner:
     """Plans as the simulator's `allocation: plan` does, from what is true now.
 
     The plan before is one of the plans that the search begins with, and stays where what would be
-    gained is small.
+    gained is small. Where there is one, the search is brief: faults come often, and fast.
     """
 
     def plan(self, mission: Mission, situation: Situation) -> Sequence[Stop]:
@@ -56,7 +56,8 @@ class SharedPlanner:
             teams=tuple((number,) for number in range(len(robots))),
             free_at=(0,) * len(robots),
         )
-        plan = plan_mission(scenario, facts, _old_plan(situation, robots))
+        old = _old_plan(situation, robots)
+        plan = plan_mission(scenario, facts, old, is_brief=bool(situation.old))
         stops = [
             (situation.tasks[task].key, tuple(robots[number] for number in coalition))
             for task, coalition in zip(plan.order, plan.coalitions, strict=True)

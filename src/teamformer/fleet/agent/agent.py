@@ -94,7 +94,7 @@ class Agent:
         self._report = report
         self._sense(report, now)
         self.knowledge.let_appear(self.age(now))
-        if now >= self._look_at:
+        if now >= self._look_at - LOOK / 4:  # together with a heartbeat, if one is near
             self._look(now)
         self._plan(now, notices)
         self._serve(now, report)
@@ -147,7 +147,7 @@ class Agent:
         elif type(body) is Beat:
             self._hear_beat(body, sender, now, notices)
         elif type(body) is PlanNote:
-            self.keeper.take(body)
+            self.keeper.take(body, now)
         elif type(body) is FactsNote:
             self.knowledge.merge(body, now)
         elif type(body) is Offer and self.knowledge.add_task(body.task):
@@ -156,6 +156,8 @@ class Agent:
     def _hear_beat(self, beat: Beat, sender: int, now: float, notices: list[Notice]) -> None:
         membership, words = self.membership, self.knowledge.words
         goal = self.service.goal if self.service.phase != WALK else NOBODY
+        if beat.word.life > words[sender].life:
+            self.voice.relay_all_again()  # it may have forgotten what is said about others
         for word in (beat.word, *beat.others):
             if word.version > words[word.robot].version:
                 old = membership.hear(word, now)
@@ -197,7 +199,7 @@ class Agent:
     def _plan(self, now: float, notices: list[Notice]) -> None:
         self._plan_at = self.keeper.plan_at(now, self.membership)
         if now >= self._plan_at:
-            self.keeper.make(self.membership, self._place)
+            self.keeper.make(self.membership, self._place, now)
             self._plan_at = float("inf")
             notices.append(Notice(EVERYBODY, self.keeper.plan.note))
 

@@ -80,6 +80,7 @@ class PlanKeeper:
 
     def __init__(self, knowledge: Knowledge, plan: FleetPlan, planner: Planner) -> None:
         self.plan = plan
+        self.since = float("-inf")  # when the plan was made or taken
         self.made = 0
         self._knowledge = knowledge
         self._planner = planner
@@ -87,15 +88,18 @@ class PlanKeeper:
         self._looked_at = (-1, -1, -1, -1)
         self._next = 0
 
-    def take(self, note: PlanNote) -> bool:
+    def take(self, note: PlanNote, now: float) -> bool:
         """Take a plan if it is larger than the own; say whether it was."""
         if (note.epoch, note.maker) < self.plan.version[:2]:
             return False
         plan = FleetPlan(note)
         if plan.version <= self.plan.version:
             return False
-        self.plan, self._next = plan, 0
+        self._follow(plan, now)
         return True
+
+    def _follow(self, plan: FleetPlan, now: float) -> None:
+        self.plan, self.since, self._next = plan, now, 0
 
     def next_task(self, robot: int) -> int:
         """Return a robot's first task that is known here and not done, or NOBODY."""
@@ -113,16 +117,17 @@ class PlanKeeper:
     def plan_at(self, now: float, membership: Membership) -> float:
         """Return when this robot makes a new plan, if nobody else has made one; inf for never.
 
-        Robots with lower numbers go first.
+        Robots with lower numbers go first; a new plan holds for a while in any case.
         """
         self._look(now, membership)
         if self._reason_since is None:
             return float("inf")
         timers, me = membership.timers, self._knowledge.me
         ahead = sum(r < me and membership.is_near(r, now) for r in membership.live())
-        return self._reason_since + (timers.settle + timers.turn * ahead) * membership.stretch
+        begin = max(self._reason_since, self.since + timers.rest)
+        return begin + (timers.settle + timers.turn * ahead) * membership.stretch
 
-    def make(self, membership: Membership, place: tuple[float, float]) -> None:
+    def make(self, membership: Membership, place: tuple[float, float], now: float) -> None:
         """Make a new plan for those that are live, from where they are."""
         knowledge, words = self._knowledge, self._knowledge.words
         live = membership.live()
@@ -138,7 +143,7 @@ class PlanKeeper:
         situation = Situation(places, tasks, at_work, self.plan.stops)
         epoch = self.plan.note.epoch + 1
         note = make_plan(knowledge.mission, self._planner, situation, epoch, knowledge.me)
-        self.plan, self._next = FleetPlan(note), 0
+        self._follow(FleetPlan(note), now)
         self.made += 1
         self._reason_since = None
 

@@ -30,7 +30,6 @@ class Voice:
         nobody: list[float | None] = [None] * agent.mission.robots
         self._differs = nobody  # since when somebody's facts differ from these
         self._turn = 0
-        self._plan = (agent.keeper.plan.version, now)
 
     def uptime(self, now: float) -> float:
         """Return for how long this process has been speaking."""
@@ -44,6 +43,10 @@ class Voice:
         """Tell others once more what is known of a robot."""
         self._relayed[robot] = -1
 
+    def relay_all_again(self) -> None:
+        """Tell others once more what is known of everybody."""
+        self._relayed = [-1] * len(self._relayed)
+
     def tell(
         self, sender: int, has_older_plan: bool, differs: bool, now: float, notices: list[Notice]
     ) -> None:
@@ -54,20 +57,13 @@ class Voice:
         elif since is None:
             self._differs[sender] = since = now
         lacks_facts = since is not None and now - since > PATIENCE
-        lacks_plan = has_older_plan and now - self._plan_since(now) > PATIENCE
+        lacks_plan = has_older_plan and now - self._agent.keeper.since > PATIENCE
         if (lacks_plan or lacks_facts) and now - self._told[sender] > AGAIN:
             self._told[sender] = now
             if lacks_plan:
                 notices.append(Notice(sender, self._agent.keeper.plan.note))
             if lacks_facts:
                 notices.append(Notice(sender, self._agent.knowledge.note()))
-
-    def _plan_since(self, now: float) -> float:
-        """Return since when the plan at hand has been known: all others may be hearing of it."""
-        version = self._agent.keeper.plan.version
-        if version != self._plan[0]:
-            self._plan = (version, now)
-        return self._plan[1]
 
     def speak(
         self,

@@ -44,6 +44,7 @@ class RehearsedNetwork:
         places: Callable[[int], Place] | None = None,
     ) -> None:
         """Send a message on its ways; `places` says where robots are if the radio is short."""
+        rng, loss = self._rng, self._faults.loss
         data = self._post.seal(sender, notice)
         self.messages += 1
         self.bytes += len(data)
@@ -51,8 +52,8 @@ class RehearsedNetwork:
         message = self._post.open(data)
         assert message is not None, self._post.dropped
         to = receivers if notice.to == EVERYBODY else (notice.to,)
-        for receiver in to:
-            if receiver != sender and self._reaches(now, sender, receiver, places):
+        for receiver in self._in_reach(now, sender, to, places):
+            if receiver != sender and not (loss and rng.random() < loss):
                 self.received_bytes += len(data)
                 self._hand_over(now, sender, receiver, message)
 
@@ -76,18 +77,29 @@ class RehearsedNetwork:
         assert message is not None
         return post.seal(message.sender, Notice(EVERYBODY, message.body))
 
-    def _reaches(
-        self, now: float, sender: int, receiver: int, places: Callable[[int], Place] | None
-    ) -> bool:
-        faults = self._faults
-        for cut in faults.cuts:
-            if sender in cut.senders and receiver in cut.receivers and cut.begin <= now < cut.end:
-                return False
-        if faults.radio is not None and places and sender != OPERATOR != receiver:
-            here, there = places(sender), places(receiver)
-            if (here[0] - there[0]) ** 2 + (here[1] - there[1]) ** 2 > faults.radio**2:
-                return False
-        return not (faults.loss and self._rng.random() < faults.loss)
+    def _in_reach(
+        self,
+        now: float,
+        sender: int,
+        receivers: Iterable[int],
+        places: Callable[[int], Place] | None,
+    ) -> Iterable[int]:
+        """Return the receivers that no cut and no distance keeps from hearing a sender."""
+        for cut in self._faults.cuts:
+            if cut.begin <= now < cut.end and sender in cut.senders:
+                receivers = [receiver for receiver in receivers if receiver not in cut.receivers]
+        radio = self._faults.radio
+        if radio is None or places is None or sender == OPERATOR:
+            return receivers
+        x, y = places(sender)
+        near = []
+        for receiver in receivers:
+            if receiver != OPERATOR:
+                to_x, to_y = places(receiver)
+                if (x - to_x) ** 2 + (y - to_y) ** 2 > radio**2:
+                    continue
+            near.append(receiver)
+        return near
 
     def _hand_over(self, now: float, sender: int, receiver: int, message: Message) -> None:
         rng, faults = self._rng, self._faults

@@ -45,6 +45,10 @@ SMALLEST_GAIN = 50
 """The part of the steps left that a new plan must gain for anybody to turn round: a fiftieth."""
 
 
+BRIEF = 4
+"""A brief search is so much shorter, and begins with one plan of each kind."""
+
+
 class Rounds(NamedTuple):
     """How long to search: for lists of crews, each time without forming counted, and with."""
 
@@ -76,21 +80,27 @@ def is_too_large(scenario: Scenario) -> bool:
     return tasks * (tasks + len(scenario.robots)) > MOST_AT_ONCE
 
 
-def plan_mission(scenario: Scenario, facts: Facts, old: SharedPlan | None = None) -> SharedPlan:
+def plan_mission(
+    scenario: Scenario, facts: Facts, old: SharedPlan | None = None, is_brief: bool = False
+) -> SharedPlan:
     """Return the plan from the present on; never worse by its own count than the old one.
 
     Robots that will be lost or back and tasks that have not appeared play no part; what the robots
-    that are left cannot do is not in the plan.
+    that are left cannot do is not in the plan. `is_brief` is for those who plan again often.
     """
     facts = replace(facts, open_tasks=possible_tasks(scenario, facts))
     if not facts.open_tasks:
         return SharedPlan((), (), (), "nothing")
     situation = situation_of(scenario, facts)
     rounds = rounds_for(situation.problem, old is not None)
+    if is_brief:
+        rounds = Rounds(rounds.crews // BRIEF, rounds.relaxed, rounds.team // BRIEF)
     kept = None if old is None else _kept(situation, old)
     tried = [_try(situation, rounds, *start) for start in _first_starts(situation, rounds, kept)]
-    kind = min(tried[kept is not None :], key=_cost_of).name
-    tried += [_try(situation, rounds, *start) for start in _more_starts(situation, rounds, kind)]
+    if not is_brief:
+        kind = min(tried[kept is not None :], key=_cost_of).name
+        more = _more_starts(situation, rounds, kind)
+        tried += [_try(situation, rounds, *start) for start in more]
     chosen, best = min(tried, key=_cost_of)
     best.run(rounds.team, HOT)
     if kept is not None:

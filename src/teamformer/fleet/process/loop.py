@@ -67,7 +67,11 @@ class AgentProcess:
             self.mission, self.robot, planner, self.plan, now, remembered, secrets.randbits(60)
         )
         saved = self._save(agent, (-1, -1))
+        watched: frozenset[int] = frozenset()
         while not self.is_ending:
+            if agent.watched != watched:
+                watched = agent.watched
+                self.transport.listen_to(watched | {self.robot})  # or to who has the same name
             wait = min(LONGEST_WAIT, agent.due - time.monotonic())
             inbox = self._open(self.transport.receive(wait))
             report = self.body.report() or report

@@ -22,7 +22,10 @@ class Transport(Protocol):
     """Carries messages; it may lose, double, delay and reorder them, but not change them."""
 
     def send(self, to: int, data: bytes) -> None:
-        """Send to a robot, or to EVERYBODY that listens."""
+        """Send to a robot, or to EVERYBODY that listens to the sender."""
+
+    def listen_to(self, robots: Iterable[int]) -> None:
+        """Take from now on what these robots say to everybody, and no others."""
 
     def receive(self, seconds: float) -> Sequence[bytes]:
         """Wait so long at most for messages; return all that have come."""

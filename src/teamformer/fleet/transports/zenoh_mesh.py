@@ -7,12 +7,12 @@ import random
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import zenoh
 
 from teamformer.errors import TeamformerError
-from teamformer.fleet.messages import EVERYBODY, LARGEST
+from teamformer.fleet.messages import EVERYBODY, LARGEST, OPERATOR
 
 MOST_WAITING = 5_000
 """Messages that wait to be taken; beyond that the oldest are lost."""
@@ -21,8 +21,11 @@ DEAF = 15.0
 """Seconds without any message after which the session is opened anew."""
 
 
+Take = Callable[[zenoh.Sample], None]
+
+
 class ZenohTransport:
-    """One session of one robot; `topics` are further keys whose messages are taken too.
+    """One session of one robot, which hears operators, what is said to it, and who it listens to.
 
     A robot dials others and is dialled, each pair one way only. `drop` is the part of incoming
     messages that is thrown away, for trials.
@@ -44,11 +47,26 @@ class ZenohTransport:
         self._body: deque[bytes] = deque(maxlen=MOST_WAITING)
         self._bell = threading.Event()
         self._heard = time.monotonic()
+        self._takers: dict[str, Take] = {  # by key
+            f"to/{me}": self._take,
+            f"from/{OPERATOR}": self._take,
+        }
+        self._ears: dict[str, zenoh.Subscriber[None]] = {}
         self._session = self._open()
 
     def send(self, to: int, data: bytes) -> None:
-        """Send to a robot, or to all."""
-        self._put("all" if to == EVERYBODY else f"to/{to}", data)
+        """Send to a robot, or to all that listen."""
+        self._put(f"from/{self._me}" if to == EVERYBODY else f"to/{to}", data)
+
+    def listen_to(self, robots: Iterable[int]) -> None:
+        """Take from now on what these robots say to everybody, and no others."""
+        wanted = {f"from/{robot}" for robot in (*robots, OPERATOR)}
+        for key in [key for key in self._takers if key.startswith("from/")]:
+            if key not in wanted:
+                del self._takers[key]
+                self._ears.pop(key).undeclare()  # type: ignore[no-untyped-call]
+        for key in sorted(wanted - self._takers.keys()):
+            self._hear(key, self._take)
 
     def send_body(self, key: str, data: bytes) -> None:
         """Send to, or from, a simulated body."""
@@ -68,11 +86,15 @@ class ZenohTransport:
 
     def listen_to_body(self, key: str) -> None:
         """Take what is sent to, or from, simulated bodies."""
-        self._session.declare_subscriber(f"{self._root}/body/{key}", self._take_body)
+        self._hear(f"body/{key}", self._take_body)
 
     def close(self) -> None:
         """End the session."""
         self._session.close()  # type: ignore[no-untyped-call]
+
+    def _hear(self, key: str, take: Take) -> None:
+        self._takers[key] = take
+        self._ears[key] = self._session.declare_subscriber(f"{self._root}/{key}", take)
 
     def _put(self, key: str, data: bytes) -> None:
         drop = zenoh.CongestionControl.DROP
@@ -98,8 +120,8 @@ class ZenohTransport:
                 f"{self._listen or self._connect}: no way to the others: {error}",
                 "is another process there? name another endpoint",
             ) from None
-        session.declare_subscriber(f"{self._root}/all", self._take)
-        session.declare_subscriber(f"{self._root}/to/{self._me}", self._take)
+        for key, take in self._takers.items():
+            self._ears[key] = session.declare_subscriber(f"{self._root}/{key}", take)
         return session
 
     def _reopen(self) -> None:

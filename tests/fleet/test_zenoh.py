@@ -1,0 +1,72 @@
+"""The network of processes: who is heard by whom, over real sessions on this machine."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from teamformer.fleet.messages import EVERYBODY, OPERATOR
+from teamformer.fleet.process.fleet import free_ports
+from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
+
+LIMIT = 30.0
+"""Seconds after which a test fails; it waits only for what is to come."""
+
+
+@contextmanager
+def transports(*robots: int) -> Iterator[list[ZenohTransport]]:
+    """Return transports of which each dials all before it."""
+    endpoints = [f"tcp/127.0.0.1:{port}" for port in free_ports(len(robots))]
+    made: list[ZenohTransport] = []
+    try:
+        for place, robot in enumerate(robots):
+            dialled = endpoints[:place]
+            made.append(ZenohTransport(7, robot, endpoints[place], dialled))
+        yield made
+    finally:
+        for each in made:
+            each.close()
+
+
+def heard(listener: ZenohTransport, wanted: bytes, say: Callable[[], None]) -> set[bytes]:
+    """Let things be said again and again until the wanted is heard; return all that was."""
+    came: set[bytes] = set()
+    deadline = time.monotonic() + LIMIT
+    while wanted not in came:
+        assert time.monotonic() < deadline, came
+        say()
+        came |= set(listener.receive(0.05))
+    return came
+
+
+def test_who_is_not_listened_to_is_not_heard() -> None:
+    with transports(0, 1, 2) as (first, second, third):
+        first.listen_to({2})
+
+        def say() -> None:
+            second.send(EVERYBODY, b"from 1")
+            second.send(0, b"from 1 to 0")
+            third.send(EVERYBODY, b"from 2")
+
+        assert heard(first, b"from 2", say) <= {b"from 2", b"from 1 to 0"}
+        first.listen_to({1})
+        heard(first, b"from 1", say)
+        first.receive(0.0)
+        say()
+        assert b"from 2" not in heard(first, b"from 1", say)
+
+
+def test_operators_are_heard_by_all_and_so_is_who_has_dialled_anew() -> None:
+    with transports(0, OPERATOR) as (robot, operator):
+        heard(robot, b"offer", lambda: operator.send(EVERYBODY, b"offer"))
+        operator.listen_to({0})
+        operator.listen_to_body("reports/0")
+        operator._reopen()
+        heard(operator, b"word", lambda: robot.send(EVERYBODY, b"word"))
+        heard(robot, b"again", lambda: operator.send(EVERYBODY, b"again"))
+        deadline = time.monotonic() + LIMIT
+        while not operator.receive_body():
+            assert time.monotonic() < deadline
+            robot.send_body("reports/0", b"here")
+            operator.receive(0.05)

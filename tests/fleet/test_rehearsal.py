@@ -129,7 +129,7 @@ def test_many_random_schedules_keep_every_promise() -> None:
 
 
 def test_a_rehearsal_becomes_a_record(tmp_path: Path) -> None:
-    trace = Trace()
+    trace = Trace(with_messages=True)
     task = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
     faults = Faults(crashes=(Crash(1, 9.0),), orders=(Order(3.0, task),))
     rehearsal = Rehearsal(trio(), PLANNER, plan_of(trio()), faults, trace)
@@ -141,6 +141,12 @@ def test_a_rehearsal_becomes_a_record(tmp_path: Path) -> None:
     assert record.scenario.tasks[5].appears == 3
     assert record.scenario.robots[1].lost == 10
     assert sum(len(step.done) for step in record.steps) == outcome.tasks_done
+    pairs = {(sender, receiver) for sender in range(3) for receiver in range(3)}
+    beats = [{row[:2] for row in step.heard if row[2] == "beat"} for step in record.steps]
+    assert beats[4] == pairs - {(robot, robot) for robot in range(3)}
+    assert beats[10] == {(0, 2), (2, 0)}  # robot 1 is lost in step 10
+    plans = [row for step in record.steps for row in step.heard if row[2] == "plan"]
+    assert plans  # for the operator's task, and without robot 1
     members = {slot: set(robots) for slot, robots, _, _ in record.start}
     for step in record.steps:
         for stay, leave in step.splits:

@@ -191,7 +191,11 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
         (
             damage("steps", 2, "jions", to=[]),
             "step 3: the key 'jions' means nothing; "
-            "known are joins, splits, lost, back, teams, done, named, took",
+            "known are joins, splits, lost, back, teams, done, named, took, heard",
+        ),
+        (
+            damage("steps", 2, "heard", to=[[0, 1, "song"]]),
+            "step 3: what was heard is 'song', not one of ('beat', 'facts', 'plan')",
         ),
         (damage("steps", 3, "joins", to=[[1]]), "step 4: [1] stands where a list of 2 belongs"),
         (

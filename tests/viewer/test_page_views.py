@@ -248,3 +248,36 @@ def test_a_robot_says_what_the_shared_plan_has_it_do(open_page: Opener, dock: Tr
     opened.page.fill("#scrub", "32")  # for seam
     assert "Why: the plan has r2, r3 do it together; planned anew" in opened.details()
     assert opened.errors == []
+
+
+def test_messages_of_a_rehearsal_are_drawn_and_can_be_left_out(open_page: Opener) -> None:
+    """A plan from r1 to r2: half a line, on the side of r1, in colour."""
+    tree = three_in_one_cell()
+    opened = open_page(tree, "#step=1")
+    assert not opened.page.is_visible("#messages")
+    tree["steps"][0]["heard"] = [[0, 1, "plan"]]
+    opened = open_page(tree, "#step=1")
+    opened.shown_step()
+    assert opened.page.get_attribute("#messages", "aria-pressed") == "true"
+    spots = [opened.page.evaluate(f"window.teamformer.robotSpot({robot})") for robot in range(2)]
+
+    def pixels() -> list[list[int]]:
+        """Return the colours a quarter and three quarters of the way from r1 to r2."""
+        places = [
+            [spots[0][axis] + part * (spots[1][axis] - spots[0][axis]) for axis in "xy"]
+            for part in (0.25, 0.75)
+        ]
+        read = """(places) => { const map = document.getElementById('map');
+            const sharp = map.width / map.getBoundingClientRect().width;
+            const one = ([x, y]) => map.getContext('2d').getImageData(x * sharp, y * sharp, 1, 1);
+            return places.map((place) => [...one(place).data]); }"""
+        found: list[list[int]] = opened.page.evaluate(read, places)
+        return found
+
+    with_messages = pixels()
+    opened.page.click("#messages")
+    opened.shown_step()
+    opened.page.evaluate("() => new Promise((done) => requestAnimationFrame(() => done()))")
+    without = pixels()
+    assert with_messages[0] != without[0]
+    assert with_messages[1] == without[1]

@@ -157,7 +157,7 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
     from teamformer.sim.replay.writing import write_replay
 
     faults = faults_of(stage, options.seed, schedule, Knobs(options.loss, options.crashes))
-    trace = Trace()
+    trace = Trace(with_messages=options.folder is not None)
     rehearsal, outcome, violations = play(stage.mission, stage.plan, faults, trace)
     if options.folder is not None:
         replay = record_of(rehearsal, outcome, trace.events, options.seed)

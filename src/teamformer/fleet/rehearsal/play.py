@@ -139,7 +139,7 @@ class Rehearsal:
                 self._tell_operators(message)
             elif self.agents[receiver] is not None:
                 if self.trace.with_messages:
-                    kind = type(message.body).__name__
+                    kind = type(message.body).__name__.removesuffix("Note").lower()
                     self.trace.events.append(Sent(self.now, sender, receiver, kind))
                 self._inbox[receiver].append(message)
                 awake.add(receiver)

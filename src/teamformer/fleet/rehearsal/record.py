@@ -13,11 +13,11 @@ from dataclasses import replace
 from teamformer.fleet.messages import NOBODY
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
-from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Walked
+from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent, Walked
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario, Task
 from teamformer.plane import DECIMALS
-from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
+from teamformer.sim.replay.record import HEARD, Ending, Replay, Step, TeamAt
 
 Teams = dict[int, tuple[int, ...]]
 """The robots of each team, by its lowest."""
@@ -105,7 +105,7 @@ class _Teller:
         """Return what changed in each step."""
         rows, position = [], 0
         for step in range(1, steps + 1):
-            done = []
+            done, heard = [], set()
             while position < len(events) and events[position].at <= step * self._step + 1e-9:
                 event = events[position]
                 position += 1
@@ -115,7 +115,10 @@ class _Teller:
                     self._says[event.robot] = (event.team, event.goal)
                 elif isinstance(event, Finished):
                     done.append(event)
-            rows.append(self._row(step, [r for r, at in lost.items() if at == step], done))
+                elif isinstance(event, Sent) and event.kind in HEARD:
+                    heard.add((event.sender, event.receiver, event.kind))
+            row = self._row(step, [r for r, at in lost.items() if at == step], done)
+            rows.append(replace(row, heard=tuple(sorted(heard))))
         return rows
 
     def _row(self, step: int, lost: list[int], done: list[Finished]) -> Step:

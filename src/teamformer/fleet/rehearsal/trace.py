@@ -61,7 +61,7 @@ class Accepted(NamedTuple):
 
 
 class Sent(NamedTuple):
-    """A message got from one robot to another."""
+    """A message got from one robot to another; its kind is in lower case, without `Note`."""
 
     at: float
     sender: int

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from teamformer.rules.constants import PLAN_REASONS
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.files import scenario_from_tree
 from teamformer.sim.replay.record import (
+    HEARD,
     STATUSES,
     VERSION,
     Crew,
@@ -225,4 +226,12 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
         done=tuple((number_below(task, tasks), number_below(slot, robots)) for task, slot in done),
         named=numbers_below(tree.get("named", []), robots),
         took=tuple((number_below(one, robots), number_below(other, robots)) for one, other in took),
+        heard=tuple(_heard(row, robots) for row in rows_of(tree.get("heard", []), 3)),
     )
+
+
+def _heard(row: Sequence[Any], robots: int) -> tuple[int, int, str]:
+    sender, receiver, what = row
+    if what not in HEARD:
+        raise DamageError(f"what was heard is {short(what)}, not one of {HEARD}")
+    return number_below(sender, robots), number_below(receiver, robots), what

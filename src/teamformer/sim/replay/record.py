@@ -8,6 +8,8 @@ from typing import NamedTuple
 from teamformer.model import Scenario
 
 VERSION = 1
+HEARD = ("beat", "facts", "plan")
+"""What the agents of a rehearsed fleet say to one another."""
 STATUSES = ("completed", "step limit", "infeasible", "interrupted")
 
 
@@ -46,6 +48,7 @@ class Step:
     done: tuple[tuple[int, int], ...] = ()  # task, team that did it
     named: tuple[int, ...] = ()  # teams whose decision named their task, where tasks are shared out
     took: tuple[tuple[int, int], ...] = ()  # like robots that exchanged their parts of the plan
+    heard: tuple[tuple[int, int, str], ...] = ()  # sender, receiver, what: one of HEARD
 
 
 @dataclass(frozen=True)

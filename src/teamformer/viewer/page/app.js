@@ -8,6 +8,7 @@ class App {
     this.player = player;
     player.changed = (isNewStep) => this.show(isNewStep);
     this.options = { lines: true, trails: false, order: false, names: true, rings: "team" };
+    this.options.messages = true;
     this.view = "map";
     this.map = new TrialMap(this, byId("map"));
     this.lists = new Lists(this);

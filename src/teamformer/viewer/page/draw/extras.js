@@ -89,6 +89,23 @@ function drawOrder(view) {
   ctx.globalAlpha = 1;
 }
 
+// Who heard whom: each message is the half of the way that is its sender's, so that a link which
+// works one way only looks like half a line. Heartbeats are faint, plans and facts are not.
+function drawMessages(view) {
+  const { ctx, history, scene, theme } = view;
+  for (const [sender, receiver, what] of history.replay.steps[scene.step - 1]?.heard ?? []) {
+    const [from, to] = [robotSpot(view, sender), robotSpot(view, receiver)];
+    ctx.globalAlpha = what === "beat" ? 0.25 : 0.9;
+    ctx.strokeStyle = what === "beat" ? theme.muted : theme.accent;
+    ctx.lineWidth = what === "beat" ? 1 : 2;
+    ctx.beginPath();
+    ctx.moveTo(from.x, from.y);
+    ctx.lineTo((from.x + to.x) / 2, (from.y + to.y) / 2);
+    ctx.stroke();
+  }
+  ctx.globalAlpha = 1;
+}
+
 function drawSelection(view) {
   const { ctx, theme, selection, selectedTeam, scenario } = view;
   ctx.strokeStyle = theme.accent;

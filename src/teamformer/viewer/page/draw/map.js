@@ -72,6 +72,7 @@ class TrialMap {
     view.ctx.drawImage(still.canvas, 0, 0, this.width, this.height);
     if (view.options.trails) drawTrails(view);
     if (view.options.order) drawOrder(view);
+    if (view.options.messages) drawMessages(view);
     drawTasks(view, still.changing);
     drawAssignments(view);
     drawTeams(view);

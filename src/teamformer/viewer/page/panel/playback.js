@@ -26,6 +26,7 @@ function showStart(app) {
 
 function showSwitches(app) {
   for (const name of SWITCHES) byId(name).setAttribute("aria-pressed", String(app.options[name]));
+  byId("messages").hidden = !app.history.hasMessages;
   byId("rings").value = app.options.rings;
   for (const view of VIEWS) {
     byId(`view-${view}`).setAttribute("aria-pressed", String(app.view === view));
@@ -33,5 +34,5 @@ function showSwitches(app) {
   }
 }
 
-const SWITCHES = ["lines", "trails", "order", "names"];
+const SWITCHES = ["lines", "trails", "order", "messages", "names"];
 const VIEWS = ["map", "gantt"];

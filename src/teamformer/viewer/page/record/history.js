@@ -15,6 +15,7 @@ function frames(recorded) {
     last: replay.steps.length,
     end: replay.end,
     lowerBound: replay.lower_bound ?? null,
+    hasMessages: replay.steps.some(({ heard }) => heard),
     keyframes: [],
     events: [],
     services: scenario.tasks.map(() => []), // [{slot, from, to}], steps; `to` is open till it ends

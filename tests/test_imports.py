@@ -16,6 +16,7 @@ ROOT = Path(teamformer.__file__).parent
 
 CORE = {
     "errors",
+    "link_rules",
     "mission_rules",
     "model",
     "scenario_checks",

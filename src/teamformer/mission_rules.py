@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
+from teamformer.link_rules import find_link_problems, find_links
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
@@ -44,6 +45,7 @@ def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
         yield from _problems_of_losses(scenario)
     yield from _problems_of_times(scenario)
     yield from _problems_of_precedence(scenario)
+    yield from find_link_problems(scenario)
 
 
 def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
@@ -57,6 +59,8 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("ends",), f"in steps missions end with the last task; {remedy}")
     if scenario.forming:
         yield Problem(("forming",), f"in steps forming_steps says what forming takes; {remedy}")
+    for problem in find_links(scenario):
+        yield Problem(problem.where, f"{problem.message}; {remedy}")
 
 
 def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:

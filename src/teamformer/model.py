@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import FREE, Grid, Place
@@ -46,7 +46,8 @@ class Task:
     `duration` is how many steps the team must stay. `appears` is how many steps have been made
     when everybody learns of the task; 0 means known from the start. Tasks named in `after` must
     have ended before this one begins. `between` is when it may begin and must have ended; one that
-    ends later is late. In continuous time durations may be fractions.
+    ends later is late. In continuous time durations may be fractions, and `starts` links tasks:
+    this one starts so long after another does, at least and at most, done by other robots.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Task:
     appears: int = 0
     after: tuple[str, ...] = ()
     between: tuple[float, float] | None = None
+    starts: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,8 @@ class Scenario:
 
     `time` is `steps` or `continuous`: then tasks start when their last robot is there, and a
     coalition whose robots do not come together takes `forming` first. A mission `ends` with its
-    last task (None), or when all robots are back where they started (`home`) or at a place.
+    last task (None), or when all robots are back where they started (`home`) or at a place. Plans
+    in continuous time are judged by their makespan, or by a `cost` that weighs several things.
     """
 
     name: str
@@ -88,6 +91,7 @@ class Scenario:
     time: str = "steps"
     ends: Place | str | None = None
     forming: float = 0.0
+    cost: Mapping[str, float] | None = None
 
     def __post_init__(self) -> None:
         problems = list(find_problems(self))

@@ -10,6 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 Routes = Mapping[str, Sequence[str]]
+ROUNDED = 0.02
+"""What ways to three places may add up to along a route."""
+
 Way = Callable[[str, str | None, str | None], float]
 """The time of a robot from a task to a task; None is its start, or its end."""
 
@@ -89,6 +92,43 @@ def dcmrta_makespan(graph: Mapping[str, Any], needs: Mapping[str, int], routes: 
     for task, needed in needs.items():
         assert sum(task in route for route in routes.values()) >= needed
     return play(routes, way, {task: graph[f"node{task[1:]}"] for task in needs})[0]
+
+
+def hhcrsp_cost(
+    instance: Mapping[str, Any], visits: Mapping[str, Sequence[tuple[str, str, float]]]
+) -> float:
+    """Return the cost of caregivers' visits (patient, service, start) by HHCRSP's rules.
+
+    As Mankowska and others (2014) and the format of iolab-uniud/hhcrsp have them: everybody is
+    able, goes by the distances of the file from the office and back, and is there in time; every
+    service is done once, those of a patient by different people with starts so far apart as said.
+    """
+    patients = {patient["id"]: patient for patient in instance["patients"]}
+    row = {name: number for number, name in enumerate(patients, 1)}
+    able = {one["id"]: one["abilities"] for one in instance["caregivers"]}
+    distance, tardiness, starts = 0.0, [0.0], {}
+    for caregiver, route in visits.items():
+        at, free = 0, 0.0
+        for name, service, start in route:
+            patient = patients[name]
+            way = instance["distances"][at][row[name]]
+            begin, end = patient["time_window"]
+            assert service in able[caregiver]
+            assert start >= max(begin, free + way) - ROUNDED
+            assert (name, service) not in starts
+            starts[name, service] = (start, caregiver)
+            tardiness.append(max(0.0, start - end))
+            asked = {one["service"]: one["duration"] for one in patient["required_caregivers"]}
+            at, free, distance = row[name], start + asked[service], distance + way
+        distance += instance["distances"][at][0]
+    for name, patient in patients.items():
+        done = [starts[name, one["service"]] for one in patient["required_caregivers"]]
+        if len(done) == 2:
+            least, most = patient["synchronization"].get("distance", (0, 0))
+            assert done[0][1] != done[1][1]
+            assert least - ROUNDED <= done[1][0] - done[0][0] <= most + ROUNDED
+    assert len(starts) == sum(len(one["required_caregivers"]) for one in patients.values())
+    return float(distance + sum(tardiness) + max(tardiness)) / 3
 
 
 def sadcher_makespan(instance: Mapping[str, Any], routes: Routes) -> float:

@@ -30,6 +30,30 @@ SADCHER = {
     "loc": [[0, 0], [3, 4], [6, 8], [9, 9]],
     "prec": [[1, 2]],
 }
+HHCRSP = {
+    "patients": [
+        {
+            "id": "p1",
+            "location": [3, 4],
+            "time_window": [10, 20],
+            "required_caregivers": [{"service": "s2"}],
+        },
+        {
+            "id": "p2",
+            "location": [-3, 4],
+            "time_window": [0, 30],
+            "required_caregivers": [
+                {"service": "s1", "duration": 4},
+                {"service": "s2", "duration": 7},
+            ],
+            "synchronization": {"type": "sequential", "distance": [5, 9]},
+        },
+    ],
+    "services": [{"id": "s1", "default_duration": 3}, {"id": "s2", "default_duration": 6}],
+    "caregivers": [{"id": "c1", "abilities": ["s1", "s2"]}, {"id": "c2", "abilities": ["s2"]}],
+    "central_offices": [{"id": "d", "location": [0, 0]}],
+    "distances": [[0, 5, 5], [5, 0, 6], [5, 6, 0]],
+}
 
 
 def write(path: Path, tree: Any) -> Path:
@@ -53,6 +77,69 @@ def test_sadcher(tmp_path: Path) -> None:
     assert one.tasks[1].after == ("t1",)
     assert one.tasks[1].at == (6, 8)
     assert {robot.at for robot in one.robots} == {(0, 0)}
+
+
+def test_hhcrsp(tmp_path: Path) -> None:
+    [mission] = import_missions("hhcrsp", write(tmp_path / "care.json", HHCRSP))
+    assert (mission.name, mission.time, mission.ends) == ("care", "continuous", "home")
+    assert mission.cost == {"travel": 1, "tardiness": 1, "max_tardiness": 1}
+    assert [(robot.name, dict(robot.can)) for robot in mission.robots] == [
+        ("c1", {"s1": 1, "s2": 1}),
+        ("c2", {"s2": 1}),
+    ]
+    one, first, second = mission.tasks
+    assert (one.name, first.name, second.name) == ("p1", "p2-s1", "p2-s2")
+    assert (one.at, first.at, mission.robots[0].at) == ((6, 4), (0, 4), (3, 0))
+    assert (one.duration, first.duration, second.duration) == (6, 4, 7)
+    assert (one.between, first.between, second.between) == ((10, 26), (0, 34), (0, 37))
+    assert (one.starts, first.starts, second.starts) == ({}, {}, {"p2-s1": (5, 9)})
+
+
+def test_simultaneous_services_start_at_once(tmp_path: Path) -> None:
+    tree: Any = copy.deepcopy(HHCRSP)
+    tree["patients"][1]["synchronization"] = {"type": "simultaneous"}
+    tree["patients"][1]["required_caregivers"][1]["service"] = "s1"
+    tree["caregivers"][1]["abilities"] = ["s1"]
+    [mission] = import_missions("hhcrsp", write(tmp_path / "care.json", tree))
+    assert [task.name for task in mission.tasks] == ["p1", "p2-1", "p2-2"]
+    assert mission.tasks[2].starts == {"p2-1": (0, 0)}
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "told"),
+    [
+        (("distances", 1), [5, 0], "distances is not square: row 1 has 2 of 3 numbers"),
+        (("distances", 1), [5, 0, 99], "distances breaks the triangle inequality: from p1 to p2"),
+        (("distances",), [[0, 5], [5, 0]], "has 2 rows; with 2 patients it should be 3"),
+        (
+            ("distances", 0),
+            [0, 5.5, 5],
+            "not hold straight ways: from d to p1 it is 5.5, but their",
+        ),
+        (("patients", 0, "location"), None, "patients[0].location lacks entry 0"),
+        (("patients", 0), {"id": "p1"}, "patients[0] has no location, and ways that are no"),
+        (("patients", 0, "time_window"), [9, 2], "time_window goes from 9 to 2; the smaller one"),
+        (("patients", 0, "time_window"), [9], "time_window has 1 entries; here should be two"),
+        (("patients", 0, "required_caregivers", 0, "service"), "s9", "is 's9', which is not under"),
+        (("patients", 1, "synchronization", "type"), "soon", "is 'soon'; here should be simult"),
+        (("patients", 1, "required_caregivers"), [{"service": "s1"}] * 3, "has 3 services; one or"),
+        (("caregivers", 0, "abilities"), ["s2"], "task 'p2-s1' needs 's1' but no robot has it"),
+        (("caregivers",), HHCRSP["caregivers"][:1], "'p2-s1', 'p2-s2' are done by different"),
+        (("central_offices",), [{}, {}], "central_offices has 2 offices; here one is known"),
+    ],
+)
+def test_hhcrsp_files_that_are_broken(
+    place: tuple[Any, ...], value: Any, told: str, tmp_path: Path
+) -> None:
+    tree: Any = copy.deepcopy(HHCRSP)
+    part = tree
+    for key in place[:-1]:
+        part = part[key]
+    part[place[-1]] = value
+    with pytest.raises(TeamformerError) as caught:
+        import_missions("hhcrsp", write(tmp_path / "care.json", tree))
+    assert told in str(caught.value)
+    assert caught.value.hint
 
 
 def unchanged(graph: dict[str, Any]) -> None:

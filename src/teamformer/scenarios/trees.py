@@ -11,6 +11,7 @@ from typing import Any
 
 from teamformer.errors import ScenarioError
 from teamformer.frame import Frame
+from teamformer.link_rules import COST_PARTS
 from teamformer.mission_rules import BEST_ALLOCATION
 from teamformer.model import Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
@@ -39,6 +40,7 @@ TOP_KEYS = {
     "time": False,
     "ends": False,
     "forming": False,
+    "cost": False,
 }
 ROBOT_KEYS = {
     "name": False,
@@ -57,6 +59,7 @@ TASK_KEYS = {
     "appears": False,
     "after": False,
     "between": False,
+    "starts": False,
 }
 
 
@@ -133,6 +136,8 @@ def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
         tree["ends"] = scenario.ends if isinstance(scenario.ends, str) else list(scenario.ends)
     if scenario.forming:
         tree["forming"] = scenario.forming
+    if scenario.cost is not None:
+        tree["cost"] = dict(scenario.cost)
     return tree
 
 
@@ -185,6 +190,8 @@ def _task_to_tree(task: Task) -> dict[str, Any]:
         tree["after"] = list(task.after)
     if task.between is not None:
         tree["between"] = list(task.between)
+    if task.starts:
+        tree["starts"] = {name: list(gap) for name, gap in task.starts.items()}
     return tree
 
 
@@ -259,6 +266,7 @@ def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) ->
                 appears=reader.whole((*where, "appears"), keys.get("appears", 0)),
                 after=tuple(reader.names((*where, "after"), keys.get("after", []))),
                 between=_read_window(reader, (*where, "between"), keys),
+                starts=_read_links(reader, (*where, "starts"), keys.get("starts", {})),
             )
         )
     return tuple(tasks)
@@ -276,9 +284,25 @@ def _read_window(
 ) -> tuple[float, float] | None:
     if "between" not in keys:
         return None
-    value = keys["between"]
+    return _read_pair(reader, where, keys["between"], "[begin, end]")
+
+
+def _read_links(reader: Reader, where: Where, value: Any) -> dict[str, tuple[float, float]]:
+    if not isinstance(value, dict):
+        reader.refuse(
+            where, f"{name_of(where)} is {describe(value)}; write {{TASK: [least, most]}}"
+        )
+        return {}
+    read = {
+        reader.text((*where, name), name): _read_pair(reader, (*where, name), gap, "[least, most]")
+        for name, gap in value.items()
+    }
+    return {name: gap for name, gap in read.items() if gap is not None}
+
+
+def _read_pair(reader: Reader, where: Where, value: Any, form: str) -> tuple[float, float] | None:
     if not isinstance(value, list) or len(value) != 2:
-        reader.refuse(where, f"{name_of(where)} is {describe(value)}; write it as [begin, end]")
+        reader.refuse(where, f"{name_of(where)} is {describe(value)}; write it as {form}")
         return None
     begin, end = (reader.number((*where, part), time) for part, time in enumerate(value))
     return begin, end
@@ -316,8 +340,15 @@ def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[
             rules[key] = reader.text((key,), top[key])
     if "forming" in top:
         rules["forming"] = reader.number(("forming",), top["forming"])
+    if "cost" in top:
+        rules["cost"] = _read_cost(reader, top["cost"])
     if "ends" in top:
         is_place = isinstance(top["ends"], list)
         read = partial(reader.place, is_point=is_plane) if is_place else reader.text
         rules["ends"] = read(("ends",), top["ends"])
     return rules
+
+
+def _read_cost(reader: Reader, value: Any) -> dict[str, float]:
+    weights = reader.mapping(("cost",), value, dict.fromkeys(COST_PARTS, False))
+    return {name: reader.number(("cost", name), weight) for name, weight in weights.items()}

@@ -46,8 +46,14 @@ def gantt_page(plan: Mapping[str, Any]) -> str:
 def _summary(plan: Mapping[str, Any]) -> str:
     late = "".join(f"; {task} is late by {by:g}" for task, by in plan["late"].items())
     proof = ", which no plan beats" if plan["proven"] else ""
-    over = f"Over at {plan['makespan']:g}{proof}; no plan is over before {plan['bound']:g}{late}."
-    return f"{over} Lines are ways, pale bars waits; the dashed line is the bound."
+    over = f"Over at {plan['makespan']:g}{proof}"
+    if "cost" in plan:
+        over += f", at a cost of {plan['cost']:g}"
+    legend = "Lines are ways, pale bars waits"
+    if plan["bound"] <= 0:
+        return f"{over}{late}. {legend}."
+    over += f"; no plan is over before {plan['bound']:g}{late}."
+    return f"{over} {legend}; the dashed line is the bound."
 
 
 def _drawing(plan: Mapping[str, Any]) -> str:
@@ -73,6 +79,8 @@ def _axis(plan: Mapping[str, Any], scale: float, height: int) -> list[str]:
         x = LABEL + number * step * scale
         parts.append(f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="20" y2="{height}"/>')
         parts.append(f'<text x="{x:.1f}" y="14" text-anchor="middle">{number * step:g}</text>')
+    if plan["bound"] <= 0:
+        return parts
     x = LABEL + plan["bound"] * scale
     return [*parts, f'<line class="bound" x1="{x:.1f}" x2="{x:.1f}" y1="20" y2="{height}"/>']
 

@@ -11,7 +11,7 @@ from typing import Any
 from teamformer.bench.others.instances import Instance, Published
 from teamformer.errors import TeamformerError
 from teamformer.planning.coalitions.mission import pose_mission
-from teamformer.planning.coalitions.rules import PLANNERS
+from teamformer.planning.coalitions.rules import plan_continuous
 
 EQUAL = 1e-3
 """Makespans that differ by less are the same: published ones are told to three places."""
@@ -64,10 +64,9 @@ def measure(instance: Instance, policy: str, time_limit: float) -> Result:
     """Plan an instance by a policy; `central` has so many seconds."""
     mission = pose_mission(instance.mission)
     begun = time.perf_counter()
-    solution = PLANNERS[policy](mission.problem, time_limit)
+    made = plan_continuous(mission, policy, time_limit)
     seconds = time.perf_counter() - begun
-    assert solution is not None, "tasks that nobody can do are refused with the scenario"
-    made = mission.tell(solution)
+    assert made is not None, "tasks that nobody can do are refused with the scenario"
     return Result(
         collection=instance.collection,
         instance=instance.name,

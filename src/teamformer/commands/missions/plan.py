@@ -10,11 +10,17 @@ from rich.table import Table
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, prepare_file, print_json, say
 from teamformer.errors import TeamformerError
+from teamformer.link_rules import is_linked
 from teamformer.mission_rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.planning.coalitions.mission import pose_mission
 from teamformer.planning.coalitions.routes import MissionPlan, Route
-from teamformer.planning.coalitions.rules import PLANNERS, is_compiled, warm_up
+from teamformer.planning.coalitions.rules import (
+    PLANNERS,
+    is_compiled,
+    plan_continuous,
+    warm_up,
+)
 from teamformer.policies.central.policy import Central
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.task_times import lateness
@@ -58,6 +64,7 @@ def plan_row(scenario: Scenario, made: MissionPlan) -> dict[str, Any]:
     return {
         "scenario": scenario.name,
         "makespan": round(made.makespan, DIGITS),
+        **({} if made.cost is None else {"cost": round(made.cost, DIGITS)}),
         "bound": round(made.bound, DIGITS),
         "proven": made.is_proven,
         "routes": [
@@ -82,12 +89,10 @@ def plan_row(scenario: Scenario, made: MissionPlan) -> dict[str, Any]:
 
 
 def _plan_continuous(scenario: Scenario, policy: str, time_limit: float) -> MissionPlan | None:
-    if not is_compiled():
+    if not is_compiled(is_linked(scenario)):
         say("compiling the planner, on the first run only (half a minute, more if busy) ...")
-    warm_up()
-    mission = pose_mission(scenario)
-    solution = PLANNERS[policy](mission.problem, time_limit)
-    return None if solution is None else mission.tell(solution)
+    warm_up(is_linked(scenario))
+    return plan_continuous(pose_mission(scenario), policy, time_limit)
 
 
 def _plan_steps(
@@ -117,9 +122,8 @@ def _plan_steps(
 
 
 def _show(scenario: Scenario, made: MissionPlan) -> None:
-    gap = 100 * (made.makespan / made.bound - 1) if made.bound > 0 else 0.0
-    known = "proven" if made.is_proven else f"{gap:.1f}% above what no plan beats"
-    out.print(f"{scenario.name}: over at {made.makespan:g} ({known}: {made.bound:g})")
+    cost = "" if made.cost is None else f", at a cost of {made.cost:g}"
+    out.print(f"{scenario.name}: over at {made.makespan:g}{cost}{_known(made)}")
     for task, by in made.late.items():
         out.print(f"late: {scenario.tasks[task].name} by {by:g}", markup=False)
     table = Table("robot", "tasks: start to end", "back", box=None)
@@ -128,6 +132,15 @@ def _show(scenario: Scenario, made: MissionPlan) -> None:
     out.print(table)
     if len(made.routes) > LONGEST_TABLE:
         say(f"and {len(made.routes) - LONGEST_TABLE} robots more; --json tells all")
+
+
+def _known(made: MissionPlan) -> str:
+    """Say how good a plan is; of one with a cost no bound is known."""
+    if made.bound <= 0:
+        return ""
+    gap = 100 * (made.makespan / made.bound - 1)
+    known = "proven" if made.is_proven else f"{gap:.1f}% above what no plan beats"
+    return f" ({known}: {made.bound:g})"
 
 
 def _stops(scenario: Scenario, route: Route) -> str:

@@ -9,18 +9,35 @@ import numpy.typing as npt
 
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
-from teamformer.mission_rules import HOME, latest_end
+from teamformer.link_rules import is_linked
+from teamformer.mission_rules import HOME as ENDS_HOME
 from teamformer.model import Scenario
+from teamformer.planning.coalitions.linked.problem import (
+    HOME,
+    MAKESPAN,
+    MAX_TARDINESS,
+    PARTS,
+    TARDINESS,
+    TRAVEL,
+    Link,
+    LinkedProblem,
+    link_problem,
+)
+from teamformer.planning.coalitions.linked.solve import LinkedSolution
 from teamformer.planning.coalitions.problem import NEVER, CoalitionProblem, pose_problem
-from teamformer.planning.coalitions.routes import MissionPlan, Route, Stop
-from teamformer.planning.coalitions.search.schedule import CoalitionPlan
+from teamformer.planning.coalitions.routes import MissionPlan
+from teamformer.planning.coalitions.search.schedule import LATENESS, SPREAD, CoalitionPlan
 from teamformer.planning.coalitions.solve import Solution
+from teamformer.planning.coalitions.times import Clock, release_of, time_mission
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 
 Times = npt.NDArray[np.float64]
 
 MOST_TICKS = 2 * 10**9
 """About how many ticks everything takes at most, one task after the other."""
+
+FINEST = 1000
+"""The largest weight of a cost, in whole numbers."""
 
 NO_WAY = 1000
 """Where no way is, it takes this many times longer than everything."""
@@ -36,14 +53,16 @@ class ContinuousMission:
     origin: npt.NDArray[np.int64]  # (robots,) the place where each starts
     pace: npt.NDArray[np.int64]  # (robots,) row of `ways`
     scale: float
-    problem: CoalitionProblem
+    problem: CoalitionProblem | LinkedProblem
 
-    def tell(self, solution: Solution) -> MissionPlan:
+    def tell(self, solution: Solution | LinkedSolution) -> MissionPlan:
         """Return a solution in the mission's unit; its times are worked out from the true ways.
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         """
-        timed = self.time(solution.schedule.plan)
+        timed = self.time(solution.plan)
+        if isinstance(solution, LinkedSolution):
+            return replace(timed, curve=self._weighed(solution.curve))
         rounding = len(self.scenario.tasks) + 2  # ways and durations in a chain, half a tick each
         bound = max(0.0, (solution.bound - rounding) / self.scale)
         return replace(
@@ -53,35 +72,18 @@ class ContinuousMission:
             curve=tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve),
         )
 
+    def _weighed(self, curve: tuple[tuple[float, int], ...]) -> tuple[tuple[float, float], ...]:
+        """Return the curve of a linked problem in units; without a cost it is none of times."""
+        assert isinstance(self.problem, LinkedProblem)
+        if self.scenario.cost is None:
+            return ()
+        weight = float(self.problem.weight.sum()) * self.scale
+        return tuple((seconds, cost / weight) for seconds, cost in curve)
+
     def time(self, plan: CoalitionPlan) -> MissionPlan:
-        """Return a plan with its times by the mission's rules, one task after the other."""
-        scenario = self.scenario
-        number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
-        at, free = self.origin.copy(), np.zeros(len(self.origin))
-        end: dict[int, float] = {}
-        stops: list[list[Stop]] = [[] for _ in scenario.robots]
-        for task in plan.order.tolist():
-            wanted, coalition = scenario.tasks[task], plan.coalition[task, : plan.size[task]]
-            arrive = free[coalition] + self.ways[self.pace[coalition], at[coalition], task]
-            start = max(release_of(scenario, task), *arrive.tolist())
-            if len(set(at[coalition].tolist())) > 1:
-                start = max(start, float(arrive.max()) + scenario.forming)
-            start = max([start, *(end[number_of[name]] for name in wanted.after)])
-            end[task] = start + wanted.duration
-            for robot, when in zip(coalition.tolist(), arrive.tolist(), strict=True):
-                stops[robot].append(Stop(task, when, start, end[task]))
-            at[coalition], free[coalition] = task, end[task]
-        back = free + self.home[np.arange(len(at)), at]
-        late = {t: end[t] - latest_end(scenario.tasks[t].between) for t in sorted(end)}
-        return MissionPlan(
-            makespan=float(back.max()),
-            bound=0.0,
-            is_proven=False,
-            routes=tuple(
-                Route(robot, tuple(stops[robot]), float(back[robot])) for robot in range(len(at))
-            ),
-            late={task: by for task, by in late.items() if by > 0},
-        )
+        """Return a plan with its times by the mission's rules."""
+        clock = Clock(self.scenario, self.ways, self.pace, self.origin)
+        return time_mission(self.scenario, clock, self.home, plan)
 
 
 def pose_mission(scenario: Scenario) -> ContinuousMission:
@@ -112,7 +114,33 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         ],
         forming=round(scenario.forming * scale),
     )
-    return ContinuousMission(scenario, ways, home, origin, pace, scale, problem)
+    linked = _link(scenario, problem, scale) if is_linked(scenario) else problem
+    return ContinuousMission(scenario, ways, home, origin, pace, scale, linked)
+
+
+def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> LinkedProblem:
+    """Return a mission's problem with its linked starts and the weights of its cost."""
+    number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
+    links = [
+        Link(number, number_of[name], round(least * scale), round(most * scale))
+        for number, task in enumerate(scenario.tasks)
+        for name, (least, most) in task.starts.items()
+    ]
+    weight = np.zeros(PARTS)
+    if scenario.cost is None:
+        spread = SPREAD * len(scenario.robots)
+        weight[[MAKESPAN, HOME, TARDINESS]] = spread, 1, LATENESS * spread
+    else:
+        parts = {
+            "makespan": MAKESPAN,
+            "travel": TRAVEL,
+            "tardiness": TARDINESS,
+            "max_tardiness": MAX_TARDINESS,
+        }
+        largest = max(scenario.cost.values())
+        for name, value in scenario.cost.items():
+            weight[parts[name]] = round(FINEST * value / largest)
+    return link_problem(problem, links, weight)
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
@@ -122,12 +150,6 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
             f"{mission.scenario.name}: some task needs robots that no way leads together",
             "open the map, or move robots or tasks",
         )
-
-
-def release_of(scenario: Scenario, task: int) -> float:
-    """Return when a task may begin, whoever is there."""
-    wanted = scenario.tasks[task]
-    return max(float(wanted.appears), wanted.between[0] if wanted.between else 0.0)
 
 
 def _distances(scenario: Scenario, origins: list[Place], goals: list[Place]) -> Times:
@@ -146,7 +168,7 @@ def _ways_home(
     speed = np.array([robot.speed for robot in robots])[:, None]
     if scenario.ends is None:
         return np.zeros((len(robots), len(places)))
-    if scenario.ends == HOME:
+    if scenario.ends == ENDS_HOME:
         tasks = len(scenario.tasks)
         homes = [tasks + starts.index(robot.at) for robot in robots]
         return np.asarray(between[:, homes].T / speed)

@@ -37,4 +37,5 @@ class MissionPlan:
     is_proven: bool
     routes: tuple[Route, ...]
     late: dict[int, float]
-    curve: tuple[tuple[float, float], ...] = ()  # (seconds, makespan) of each improvement
+    curve: tuple[tuple[float, float], ...] = ()  # (seconds, makespan or cost) of each improvement
+    cost: float | None = None  # of a mission that has one; its bound and proof are of the cost

@@ -1,4 +1,4 @@
-"""The rules that plan a coalition problem, by name."""
+"""The rules that plan a mission in continuous time, by name."""
 
 from __future__ import annotations
 
@@ -6,13 +6,21 @@ from collections.abc import Callable
 from functools import cache
 from itertools import islice
 
+from teamformer.errors import TeamformerError
+from teamformer.jit import needs_compiling
 from teamformer.planning.coalitions.bounds.makespan import improving_bounds
+from teamformer.planning.coalitions.linked.problem import LinkedProblem, link_problem
+from teamformer.planning.coalitions.linked.search import LinkedSearch, anneal_linked
+from teamformer.planning.coalitions.linked.solve import LinkedSolution, plan_linked, solve_linked
+from teamformer.planning.coalitions.mission import ContinuousMission
 from teamformer.planning.coalitions.problem import CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.reactive import react
-from teamformer.planning.coalitions.search.annealing import CoalitionSearch, is_compiled
+from teamformer.planning.coalitions.routes import MissionPlan
+from teamformer.planning.coalitions.search.annealing import CoalitionSearch, anneal
 from teamformer.planning.coalitions.solve import Solution, plan_together, solve
 
 Planner = Callable[[CoalitionProblem, float], Solution | None]
+LinkedPlanner = Callable[[LinkedProblem, float], LinkedSolution | None]
 
 PLANNERS: dict[str, Planner] = {
     "central": lambda problem, seconds: solve(problem, seconds),
@@ -21,11 +29,42 @@ PLANNERS: dict[str, Planner] = {
 }
 """`central` uses all the time; `plan` is what every robot computes; `reactive` plans nothing."""
 
-__all__ = ["PLANNERS", "is_compiled", "warm_up"]
+LINKED_PLANNERS: dict[str, LinkedPlanner] = {
+    "central": lambda problem, seconds: solve_linked(problem, seconds),
+    "plan": lambda problem, seconds: plan_linked(problem),
+}
+"""The same where starts are linked or plans have a cost of their own."""
+
+__all__ = ["PLANNERS", "is_compiled", "plan_continuous", "warm_up"]
+
+
+def plan_continuous(mission: ContinuousMission, policy: str, seconds: float) -> MissionPlan | None:
+    """Return the plan that a policy makes; None if there is no coalition for some task."""
+    problem = mission.problem
+    if not isinstance(problem, LinkedProblem):
+        solution: Solution | LinkedSolution | None = PLANNERS[policy](problem, seconds)
+    elif policy in LINKED_PLANNERS:
+        solution = LINKED_PLANNERS[policy](problem, seconds)
+        if solution is None:
+            raise TeamformerError(
+                f"{mission.scenario.name}: no coalitions were found for tasks that are linked",
+                "different robots do them, so add robots or drop a link",
+            )
+    else:
+        raise TeamformerError(
+            f"--policy {policy} knows no starts that are linked and no cost but the makespan",
+            f"use {', '.join(LINKED_PLANNERS)}",
+        )
+    return None if solution is None else mission.tell(solution)
+
+
+def is_compiled(is_linked: bool = False) -> bool:
+    """Say whether the search was compiled before, so that nobody has to wait for it."""
+    return not needs_compiling(anneal_linked if is_linked else anneal)
 
 
 @cache
-def warm_up() -> None:
+def warm_up(is_linked: bool = False) -> None:
     """Have everything compiled before the clock starts."""
     problem = pose_problem(
         ways=[[[0, 1], [1, 0], [1, 1]]],
@@ -36,6 +75,11 @@ def warm_up() -> None:
         needs=[[1], [1]],
         duration=[1, 1],
     )
+    if is_linked:
+        linked = LinkedSearch(link_problem(problem, (), [1, 0, 0, 0, 0]), 0)
+        linked.begin_anew()
+        linked.anneal(1, 1, 0, 10, 10)
+        return
     search = CoalitionSearch(problem, 0)
     search.begin_anew()
     search.anneal(1, 1, 0, 10, 10)

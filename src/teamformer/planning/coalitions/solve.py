@@ -60,6 +60,11 @@ class Solution:
     curve: tuple[tuple[float, int], ...] = ()
 
     @property
+    def plan(self) -> CoalitionPlan:
+        """Return the plan itself."""
+        return self.schedule.plan
+
+    @property
     def makespan(self) -> int:
         """Return when all is over, in ticks."""
         return int(self.schedule.total[MAKESPAN])

@@ -7,12 +7,13 @@ from pathlib import Path
 
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.model import Scenario
-from teamformer.scenarios.imports import dcmrta, hetero_mrta, sadcher
+from teamformer.scenarios.imports import dcmrta, hetero_mrta, hhcrsp, sadcher
 
 FORMATS: dict[str, Callable[[Path], list[Scenario]]] = {
     "hetero-mrta": hetero_mrta.read,
     "dcmrta": dcmrta.read,
     "sadcher": sadcher.read,
+    "hhcrsp": hhcrsp.read,
 }
 """Readers by the format's name; each returns the missions in a file or folder."""
 

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from teamformer.jit import entry, kernel, needs_compiling
+from teamformer.jit import entry, kernel
 from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem
 from teamformer.planning.coalitions.search.coalition_choice import pick_earliest
 from teamformer.planning.coalitions.search.neighbourhood import propose
@@ -90,11 +90,6 @@ class CoalitionSearch:
     def best(self) -> CoalitionPlan:
         """Return a copy of the best plan."""
         return CoalitionPlan(*(array.copy() for array in self._best))
-
-
-def is_compiled() -> bool:
-    """Say whether the search was compiled before, so that nobody has to wait for it."""
-    return not needs_compiling(anneal)
 
 
 def schedule_of(problem: CoalitionProblem, plan: CoalitionPlan) -> Schedule:

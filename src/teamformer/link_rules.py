@@ -1,0 +1,166 @@
+"""Tasks whose starts are linked, done by different robots, and what a plan costs besides time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from teamformer.capabilities import covers, describe, missing, total
+from teamformer.errors import Problem
+
+if TYPE_CHECKING:
+    from teamformer.model import Scenario, Task
+
+COST_PARTS = ("makespan", "travel", "tardiness", "max_tardiness")
+"""What a cost may weigh: when all is over, the time that all robots together are on their ways,
+by how much tasks are late, added up, and by how much the latest one is."""
+
+LARGEST_WEIGHT = 1e6
+SMALLEST_WEIGHT = 1e-3
+"""Of the weights of a cost; planning counts them in whole numbers."""
+
+
+def is_linked(scenario: Scenario) -> bool:
+    """Say whether starts are linked or plans have a cost of their own."""
+    return bool(scenario.cost) or any(task.starts for task in scenario.tasks)
+
+
+def groups_of(tasks: Sequence[Task]) -> list[list[int]]:
+    """Return the tasks whose starts are linked, directly or by others; the others stand alone."""
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    leader = list(range(len(tasks)))
+    for number, task in enumerate(tasks):
+        for name in task.starts:
+            one, two = leader[number], leader[number_of[name]]
+            leader = [min(one, two) if at in (one, two) else at for at in leader]
+    groups: dict[int, list[int]] = {}
+    for number, at in enumerate(leader):
+        groups.setdefault(at, []).append(number)
+    return list(groups.values())
+
+
+def cost_of(weights: Mapping[str, float], parts: Mapping[str, float]) -> float:
+    """Return the mean of a plan's parts, by weight."""
+    weighed = sum(weight * parts[name] for name, weight in weights.items())
+    return weighed / sum(weights.values())
+
+
+def find_link_problems(scenario: Scenario) -> Iterator[Problem]:
+    """Return what is wrong with linked starts and with the cost."""
+    yield from _problems_of_cost(scenario)
+    problems = [*_problems_of_names(scenario), *_problems_of_gaps(scenario)]
+    yield from problems
+    if not problems:
+        yield from _problems_of_groups(scenario)
+
+
+def find_links(scenario: Scenario) -> Iterator[Problem]:
+    """Return where a scenario has linked starts or a cost of its own."""
+    if scenario.cost:
+        yield Problem(("cost",), "cost is for plans in continuous time")
+    for number, task in enumerate(scenario.tasks):
+        if task.starts:
+            what = f"task '{task.name}' has starts, which are for continuous time"
+            yield Problem(("tasks", number, "starts"), what)
+
+
+def _problems_of_cost(scenario: Scenario) -> Iterator[Problem]:
+    if scenario.cost is None:
+        return
+    if not scenario.cost:
+        yield Problem(("cost",), f"the cost weighs nothing; name {', '.join(COST_PARTS)}, or some")
+    for name, weight in scenario.cost.items():
+        if name not in COST_PARTS:
+            choices = ", ".join(COST_PARTS)
+            yield Problem(("cost", name), f"a cost has no '{name}'; use {choices}")
+        elif not SMALLEST_WEIGHT <= weight <= LARGEST_WEIGHT:
+            message = f"the weight of {name} is {weight:g}; use {SMALLEST_WEIGHT:g} to"
+            yield Problem(("cost", name), f"{message} {LARGEST_WEIGHT:g}")
+
+
+def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
+    names = {task.name for task in scenario.tasks}
+    for number, task in enumerate(scenario.tasks):
+        for name in task.starts:
+            where = ("tasks", number, "starts", name)
+            if name not in names:
+                message = f"the start of task '{task.name}' is linked with '{name}', which is no"
+                yield Problem(where, f"{message} task; name one")
+            elif name == task.name:
+                yield Problem(where, f"task '{name}' is linked with itself; name another")
+
+
+def _problems_of_gaps(scenario: Scenario) -> Iterator[Problem]:
+    for number, task in enumerate(scenario.tasks):
+        for name, (least, most) in task.starts.items():
+            if not 0 <= least <= most <= 1e9:
+                message = f"task '{task.name}' starts {least:g} to {most:g} after '{name}'"
+                remedy = "use [least, most], 0 or more and in this order"
+                yield Problem(("tasks", number, "starts", name), f"{message}; {remedy}")
+
+
+def _problems_of_groups(scenario: Scenario) -> Iterator[Problem]:
+    """Return what linked tasks cannot keep together."""
+    tasks = scenario.tasks
+    groups = [group for group in groups_of(tasks) if len(group) > 1]
+    group_of = {number: at for at, group in enumerate(groups) for number in group}
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    for group in groups:
+        listed = ", ".join(f"'{tasks[number].name}'" for number in group)
+        where = ("tasks", group[-1], "starts")
+        if _is_contradictory([tasks[number] for number in group]):
+            yield Problem(where, f"the gaps between the starts of {listed} contradict one another")
+        if len(group) > len(scenario.robots):
+            message = f"{listed} are done by different robots, of which there are"
+            yield Problem(where, f"{message} {len(scenario.robots)}; add some or drop a link")
+        needs = total(tasks[number].needs for number in group)
+        have = total(robot.can for robot in scenario.robots)
+        if not covers(have, needs):
+            short = describe(missing(have, needs))
+            message = f"{listed} are done by different robots, and all together lack {short}"
+            yield Problem(where, f"{message}; add robots or drop a link")
+    for number, task in enumerate(tasks):
+        for name in task.after:
+            other = number_of.get(name, number)
+            if number in group_of and group_of.get(other) == group_of[number]:
+                message = f"task '{task.name}' is after '{name}', with which its start is linked"
+                yield Problem(("tasks", number, "after"), f"{message}; say it by the gap alone")
+                return
+    if groups:
+        yield from _problems_of_waiting(scenario, groups)
+
+
+def _is_contradictory(tasks: Sequence[Task]) -> bool:
+    """Say whether no starts keep all gaps: the longest ways between starts go round in a gain."""
+    longest = {(one.name, two.name): -math.inf for one in tasks for two in tasks}
+    for task in tasks:
+        for name, (least, most) in task.starts.items():
+            longest[name, task.name] = max(longest[name, task.name], least)
+            longest[task.name, name] = max(longest[task.name, name], -most)
+    for by in tasks:
+        for one in tasks:
+            for two in tasks:
+                detour = longest[one.name, by.name] + longest[by.name, two.name]
+                longest[one.name, two.name] = max(longest[one.name, two.name], detour)
+    return any(longest[task.name, task.name] > 0 for task in tasks)
+
+
+def _problems_of_waiting(scenario: Scenario, groups: Sequence[Sequence[int]]) -> Iterator[Problem]:
+    """Refuse groups that wait for one another, which is a circle that single tasks need not see."""
+    tasks = scenario.tasks
+    leader = {tasks[number].name: tasks[group[0]].name for group in groups for number in group}
+    before: dict[str, set[str]] = {}
+    for task in tasks:
+        waits_for = before.setdefault(leader.get(task.name, task.name), set())
+        waits_for |= {leader.get(name, name) for name in task.after}
+    while before:
+        is_ready = {name for name, others in before.items() if not others & before.keys()}
+        if not is_ready:
+            listed = ", ".join(f"'{name}'" for name in sorted(before))
+            message = (
+                f"{listed}, or tasks whose starts are linked with theirs, wait for one another"
+            )
+            yield Problem(("tasks",), f"{message}; drop an after or a link")
+            return
+        before = {name: others for name, others in before.items() if name not in is_ready}

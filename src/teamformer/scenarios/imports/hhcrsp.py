@@ -1,0 +1,147 @@
+"""Home health care with double services (Mankowska and others 2014), as iolab-uniud/hhcrsp writes.
+
+Caregivers leave the office and come back; a patient needs one service, or two by different
+caregivers who start at once or so long after one another. Who starts after a patient's time window
+is tardy. The cost is the mean of the distance, the total tardiness and the largest one.
+Ways are in minutes and as long as the places are apart: a file with other ways is refused.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from teamformer.grid import Place
+from teamformer.model import Robot, Scenario, Task
+from teamformer.plane import Plane
+from teamformer.scenarios.imports.trees import Numbers, Part, read_json, refuse_detours
+
+EXACT = 2e-3
+"""How far a way may be from the distance of its places: files round it to three places."""
+
+COST = {"travel": 1.0, "tardiness": 1.0, "max_tardiness": 1.0}
+
+
+def read(path: Path) -> list[Scenario]:
+    """Return the mission of an instance, a JSON file."""
+    tree = read_json(path)
+    patients = [part for _, part in tree["patients"].parts()]
+    office = _office(tree)
+    spots = np.array([_place(part) for part in (office, *patients)])
+    names = [part["id"].text() for part in (office, *patients)]
+    _compare_ways(tree, names, spots)
+    spots -= spots.min(axis=0)
+    usual = {
+        part["id"].text(): part["default_duration"].number(0)
+        for _, part in tree["services"].parts()
+    }
+    caregivers = tree["caregivers"].parts()
+    return [
+        Scenario(
+            name=path.stem,
+            world=Plane(*(max(1.0, float(side)) for side in spots.max(axis=0))),
+            capabilities=tuple(usual),
+            robots=tuple(
+                Robot(part["id"].text(), _point(spots[0]), _abilities(part))
+                for _, part in caregivers
+            ),
+            tasks=tuple(
+                task
+                for part, spot in zip(patients, spots[1:], strict=True)
+                for task in _services(part, _point(spot), usual)
+            ),
+            time="continuous",
+            ends="home",
+            cost=COST,
+        )
+    ]
+
+
+def _office(tree: Part) -> Part:
+    offices = tree["central_offices"].parts()
+    if len(offices) > 1:
+        tree["central_offices"].refuse(f"has {len(offices)} offices; here one is known")
+    return offices[0][1]
+
+
+def _compare_ways(tree: Part, names: list[str], spots: Numbers) -> None:
+    part = tree["distances"]
+    ways = part.matrix()
+    if len(ways) != len(names):
+        part.refuse(
+            f"has {len(ways)} rows; with {len(names) - 1} patients it should be {len(names)}"
+        )
+    refuse_detours(part, names, ways, EXACT)
+    apart = np.linalg.norm(spots[:, None] - spots[None], axis=2)
+    i, j = np.unravel_index(np.argmax(np.abs(apart - ways)), ways.shape)
+    if abs(apart[i, j] - ways[i, j]) > EXACT:
+        part.refuse(
+            f"does not hold straight ways: from {names[i]} to {names[j]} it is {ways[i, j]:g}, "
+            f"but their places are {apart[i, j]:g} apart",
+            "take an instance whose ways are straight lines, as Mankowska's are",
+        )
+
+
+def _services(patient: Part, spot: Place, usual: dict[str, float]) -> list[Task]:
+    """Return a patient's one or two services as tasks."""
+    name, services = patient["id"].text(), patient["required_caregivers"].parts()
+    if len(services) > 2:
+        patient["required_caregivers"].refuse(f"has {len(services)} services; one or two are known")
+    names = [name] if len(services) == 1 else _names(name, services)
+    tasks: list[Task] = []
+    for one, (_, service) in zip(names, services, strict=True):
+        kind = service["service"].text()
+        if kind not in usual:
+            service["service"].refuse(f"is '{kind}', which is not under services")
+        duration = service["duration"].number(0) if "duration" in service.value else usual[kind]
+        begin, end = _pair(patient["time_window"])
+        starts = {names[0]: _gap(patient)} if tasks else {}
+        between = (begin, end + duration)
+        tasks.append(Task(one, spot, {kind: 1}, duration, between=between, starts=starts))
+    return tasks
+
+
+def _names(patient: str, services: list[tuple[str, Part]]) -> list[str]:
+    kinds = [part["service"].text() for _, part in services]
+    if len(set(kinds)) < len(kinds):
+        return [f"{patient}-{number}" for number in range(1, len(kinds) + 1)]
+    return [f"{patient}-{kind}" for kind in kinds]
+
+
+def _gap(patient: Part) -> tuple[float, float]:
+    """Return how long after the first service the second one starts, at least and at most."""
+    said = patient["synchronization"]
+    kind = said["type"].text()
+    if kind == "simultaneous":
+        return 0.0, 0.0
+    if kind != "sequential":
+        said["type"].refuse(f"is '{kind}'; here should be simultaneous or sequential")
+    return _pair(said["distance"])
+
+
+def _pair(part: Part) -> tuple[float, float]:
+    if len(part.parts()) != 2:
+        part.refuse(f"has {len(part.parts())} entries; here should be two")
+    one, two = part[0].number(0), part[1].number(0)
+    if one > two:
+        part.refuse(f"goes from {one:g} to {two:g}; the smaller one should come first")
+    return one, two
+
+
+def _abilities(caregiver: Part) -> dict[str, int]:
+    return {part.text(): 1 for _, part in caregiver["abilities"].parts()}
+
+
+def _place(part: Part) -> tuple[float, float]:
+    if "location" not in part.value:
+        part.refuse(
+            "has no location, and ways that are no straight lines are not known here",
+            "take an instance with locations, as Mankowska's have",
+        )
+    spot = part["location"]
+    return spot[0].number(), spot[1].number()
+
+
+def _point(spot: Numbers) -> Place:
+    return float(spot[0]), float(spot[1])

@@ -10,7 +10,6 @@ import pytest
 
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_precedence_and_windows
-from teamformer.errors import TeamformerError
 from teamformer.export.events import events
 from teamformer.grid import Grid
 from teamformer.mission_rules import ALLOCATIONS
@@ -113,6 +112,33 @@ def test_every_mission_ends_and_its_record_is_legal(
         assert verdict.late == lateness(replay)
 
 
-def test_central_says_what_it_does_not_plan() -> None:
-    with pytest.raises(TeamformerError, match="task 'near' comes after others, which central"):
-        Central(0.0).begin([CORRIDOR], np.random.default_rng(0))
+def test_central_plans_what_comes_after_others() -> None:
+    """`pair` takes both robots: `s` waits there, and `r` brings what comes before it first."""
+    mission = Scenario(
+        "before",
+        Grid(9, 1),
+        ("a", "b"),
+        (Robot("r", (0, 0), {"a": 1}), Robot("s", (8, 0), {"b": 1})),
+        (
+            Task("pair", (6, 0), {"a": 1, "b": 1}, after=("first", "other")),
+            Task("first", (2, 0), {"a": 1}, duration=2),
+            Task("other", (7, 0), {"b": 1}),
+        ),
+        allocation="plan",
+    )
+    replay = run_trial(mission, Central(0.5), "central").replay
+    assert judge(replay).is_legal
+    assert replay.end.makespan == 2 + 2 + 4 + 1  # the way, the service, the way, joining
+
+
+def test_central_is_never_slower_than_the_shared_plan() -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(3):
+        mission = with_precedence_and_windows(random_world(rng), rng)
+        mission = replace(mission, allocation="plan")
+        planned = run_trial(mission, Central(0.5), "central").replay
+        assert judge(planned).is_legal
+        shared = played(mission).end
+        if shared.makespan is not None:
+            assert planned.end.makespan is not None
+            assert planned.end.makespan <= shared.makespan

@@ -12,7 +12,7 @@ from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 
 if TYPE_CHECKING:
-    from teamformer.policies.central.planner import CentralPlan
+    from teamformer.policies.central.plays import CentralPlan
 
 
 class Policy(Protocol):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from teamformer.model import Scenario
-from teamformer.policies.central.planner import CentralPlan
+from teamformer.policies.central.plays import CentralPlan
 from teamformer.policies.protocol import Planner, Policy
 from teamformer.sim.env import Tally, TeamFormation
 from teamformer.sim.replay.record import Replay

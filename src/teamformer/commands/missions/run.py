@@ -31,7 +31,7 @@ from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.teams.shared_plan import is_too_large
 from teamformer.policies import POLICIES
-from teamformer.policies.central.planner import CentralPlan
+from teamformer.policies.central.plays import CentralPlan
 from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.record import Replay

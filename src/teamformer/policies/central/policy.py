@@ -8,14 +8,15 @@ from functools import cache
 
 import numpy as np
 
-from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.planning.bounds.route_cover import raise_by_routes
+from teamformer.planning.coalitions.rules import warm_up as warm_up_coalitions
 from teamformer.planning.relaxation.cp_sat import make_solver
 from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.teams.facts import situation_in_hindsight
 from teamformer.planning.teams.solve import first_search
-from teamformer.policies.central.planner import CentralPlan, plan_centrally
+from teamformer.policies.central.planner import plan_centrally
+from teamformer.policies.central.plays import CentralPlan
 from teamformer.rules.constants import NOBODY
 from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.sim.env import Decision
@@ -44,11 +45,11 @@ class Central:
         """Plan every scenario."""
         if everything is None:
             raise ValueError("the central planner has to be given the scenarios")
-        for scenario in everything:
-            _refuse_precedence(scenario)
         seed = int(rng.integers(2**31))
         for allocation in sorted({scenario.allocation for scenario in everything}):
             _warm_up(allocation)
+        if any(task.after for scenario in everything for task in scenario.tasks):
+            warm_up_coalitions()
         self.plans = [
             plan_centrally(scenario, self.time_limit, seed, self.workers) for scenario in everything
         ]
@@ -65,17 +66,6 @@ class Central:
                 wanted[row, : len(counts)] = counts  # others in the batch may know more
         self._steps[np.unique(view.world)] += 1
         return Decision(wanted, named)
-
-
-def _refuse_precedence(scenario: Scenario) -> None:
-    """Refuse tasks that come after others, which schedules in steps know nothing of."""
-    for task in scenario.tasks:
-        if task.after:
-            raise TeamformerError(
-                f"{scenario.name}: task '{task.name}' comes after others, which central does not "
-                "plan in steps",
-                "run another policy, or write time: continuous and use `teamformer plan`",
-            )
 
 
 @cache

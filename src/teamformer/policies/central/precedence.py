@@ -1,0 +1,71 @@
+"""Missions in steps whose tasks come after others: planned as in continuous time, then played.
+
+The searches that count what forming costs know nothing of precedence; the one over coalitions
+does. It takes ways as long as their steps, and a coalition that does not come together takes
+`forming_steps` more. What its plans are worth under the step rules is seen when they are played.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from teamformer.model import Scenario
+from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.planning.coalitions.mission import ContinuousMission, pose_mission
+from teamformer.planning.coalitions.problem import CoalitionProblem
+from teamformer.planning.coalitions.solve import solve as solve_coalitions
+from teamformer.planning.relaxation.solve import solve
+from teamformer.policies.central.plan_player import PlanPlayer
+from teamformer.policies.central.plays import CentralPlan, Plays
+
+RELAXING = 0.1
+"""Share of the time for the relaxed schedule and its proof; precedence is not in it."""
+
+SEARCHES = 5
+"""How many plans are searched for and played: the best one on paper need not be when played."""
+
+SLOWEST, FASTEST = 0.001, 1000.0
+
+
+def plan_with_precedence(scenario: Scenario, plays: Plays, seed: int, workers: int) -> CentralPlan:
+    """Return the best play of plans and simple rules."""
+    plays.add_simple_rules()
+    solution = solve(scenario, RELAXING * plays.seconds_left, seed=seed, workers=1)
+    bound = max(solution.bound, lower_bound(scenario))
+    mission = pose_mission(_as_continuous(scenario))
+    for number in range(SEARCHES):
+        seconds = plays.seconds_left / (SEARCHES - number)
+        if seconds == 0.0 or plays.makespan == bound:
+            break
+        _search_and_play(scenario, mission, plays, seconds, seed + number, workers)
+    return plays.report(solution, bound, [], is_first=plays.limit == 0)
+
+
+def _search_and_play(
+    scenario: Scenario,
+    mission: ContinuousMission,
+    plays: Plays,
+    seconds: float,
+    seed: int,
+    workers: int,
+) -> None:
+    assert isinstance(mission.problem, CoalitionProblem)
+    found = solve_coalitions(mission.problem, seconds, seed, workers)
+    if found is None:
+        return
+    routes = [[stop.task for stop in route.stops] for route in mission.time(found.plan).routes]
+    plays.add("coalitions", PlanPlayer(scenario, routes, found.plan.order.tolist()))
+
+
+def _as_continuous(scenario: Scenario) -> Scenario:
+    """Return a mission in which steps are a time like any other; losses are not foreseen."""
+    paced = tuple(
+        replace(robot, speed=_possible(scenario.world.pace(robot.speed)), lost=None, back=None)
+        for robot in scenario.robots
+    )
+    return replace(scenario, robots=paced, time="continuous", forming=float(scenario.forming_steps))
+
+
+def _possible(pace: float) -> float:
+    """Return a speed that a scenario may have: steps may be so short that a pace is none."""
+    return min(max(pace, SLOWEST), FASTEST)

@@ -41,6 +41,10 @@ def opened(browser: Any, served: Served) -> Iterator[Opened]:
     assert found.errors == []
 
 
+TOP = "(part) => document.querySelector(part).getBoundingClientRect().top"
+BOTTOM = "(part) => document.querySelector(part).getBoundingClientRect().bottom"
+
+
 def click(opened: Opened, x: float, y: float) -> None:
     opened.details()
     opened.click_map(opened.page.evaluate(f"window.teamformer.pixelOf({x}, {y})"))
@@ -97,6 +101,7 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     page.click("#tab-robots")
     page.click(".row >> text=r1")
     wait_for(opened, "#details", "Why: ")
+    assert page.evaluate(f"({BOTTOM})('.lists') <= ({TOP})('.transport')")
     page.click("text=Lose r1")
     wait_for(opened, "#incidents", "15: robot r1 lost")
     page.keyboard.press(" ")

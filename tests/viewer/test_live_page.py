@@ -70,8 +70,11 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     page.click(".row >> text=r1")
     page.click("text=Lose r1")
     wait_for(opened, "#incidents", "4: robot r1 lost")
+    wait_for(opened, "#details", "r1 counts for nothing from the next step on")
+    assert page.locator("text=Lose r1").count() == 0
     step_to(opened, 6, begun=4)
     page.click("text=Bring r1 back")
+    wait_for(opened, "#details", "r1 is there again from the next step on")
     wait_for(opened, "#incidents", "6: robot r1 back")
     page.keyboard.press(" ")
     wait_for(opened, "#status", "Completed")

@@ -15,7 +15,8 @@ ROW, BAR, LABEL, WIDTH, TOP = 26, 16, 110, 1100, 34
 STYLE = """
 body{font:14px/1.4 system-ui,sans-serif;margin:24px;color:#1d2733;background:#fff}
 h1{font-size:20px;margin:0 0 4px}p{margin:0 0 16px;color:#4a5766}
-svg{max-width:100%;height:auto}text{font:12px system-ui,sans-serif;fill:#1d2733}
+svg{max-width:100%;min-width:760px;height:auto}.chart{overflow-x:auto}
+text{font:12px system-ui,sans-serif;fill:#1d2733}
 .way{stroke:#9aa7b5;stroke-width:2}.wait{fill:#e3e8ee}.grid{stroke:#e3e8ee}
 .bound{stroke:#b3402a;stroke-dasharray:4 3}.task text{fill:#fff;font-size:11px}
 .late rect{stroke:#b3402a;stroke-width:3}
@@ -67,8 +68,9 @@ def _drawing(plan: Mapping[str, Any]) -> str:
         parts += _row(route, TOP + ROW * number, scale, hue, plan["late"])
     width = LABEL + WIDTH + 24
     return (
-        f'<svg role="img" aria-label="Gantt chart of the plan" width="{width}" height="{height}" '
-        f'viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
+        '<div class="chart"><svg role="img" aria-label="Gantt chart of the plan" '
+        f'width="{width}" height="{height}" '
+        f'viewBox="0 0 {width} {height}">{"".join(parts)}</svg></div>'
     )
 
 

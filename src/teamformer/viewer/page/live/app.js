@@ -102,8 +102,14 @@ class LiveApp extends App {
   }
 
   actionsFor(robot) {
-    const name = robotName(this.history.scenario, robot);
-    const isGone = isLost(this.history, robot, this.history.last);
+    const { last, scenario, replay } = this.history;
+    const name = robotName(scenario, robot);
+    const isGone = isLost(this.history, robot, last);
+    const { lost, back } = replay.scenario.robots[robot];
+    if ((isGone ? back : lost) === last + 1) {
+      const what = isGone ? "is there again" : "counts for nothing";
+      return [element("p", { class: "muted" }, `${name} ${what} from the next step on.`)];
+    }
     const [words, incident] = isGone ? [`Bring ${name} back`, { back: name }] : [`Lose ${name}`, { lost: name }];
     const weighing = isGone ? "What would that gain?" : "What would that cost?";
     return [

@@ -94,7 +94,7 @@ function savePicture(app) {
   ctx.textBaseline = "middle";
   const { scenario, replay } = app.history;
   const moment = describeAt(scenario.world, app.player.step);
-  ctx.fillText(`${scenario.name}, ${replay.policy}, ${moment}`, 12, 18);
+  ctx.fillText([scenario.name, replay.policy, moment].filter(Boolean).join(", "), 12, 18);
   canvas.toBlob((blob) => download(blob, `${fileName(scenario.name)}-${app.player.step}.png`));
 }
 

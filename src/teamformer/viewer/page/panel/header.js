@@ -7,8 +7,7 @@ function showHeader(app) {
   const { scenario, replay } = history;
   byId("name").textContent = scenario.name;
   byId("about").textContent = [
-    `Policy ${replay.policy}`,
-    `seed ${replay.seed}`,
+    ...(replay.policy ? [`Policy ${replay.policy}`, `seed ${replay.seed}`] : ["Draft"]),
     plural(scenario.robots.length, "robot"),
     plural(scenario.tasks.length, "task"),
     scenario.capabilities.length === 1

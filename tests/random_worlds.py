@@ -8,8 +8,9 @@ import numpy as np
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
-from teamformer.model import Robot, Scenario, Task, World
+from teamformer.model import Breakdown, Robot, Scenario, Task, World
 from teamformer.plane import Plane
+from teamformer.scenario_checks import totals_by_region
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 
@@ -29,6 +30,30 @@ def random_world(
             return _draw(rng, with_losses, with_arrivals, is_plane)
         except ScenarioError:  # an island, or a task too hard: draw another
             continue
+
+
+def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
+    """Return a scenario of which not everything is known: durations, needs, breakdowns."""
+    near = totals_by_region(scenario.world, scenario.robots)
+    tasks: list[Task] = []
+    for task in scenario.tasks:
+        lasts = None
+        if rng.random() < 0.5:
+            least = int(rng.integers(0, 4))
+            lasts = (least, least + int(rng.integers(0, 7)))
+        have, may = near[scenario.world.region(task.at)], {}
+        for cap in scenario.capabilities:
+            if rng.random() < 0.4 and have.get(cap, 0) > task.needs.get(cap, 0):
+                may[cap] = float(rng.choice([0.0, 0.3, 0.7, 1.0]))
+        tasks.append(replace(task, lasts=lasts, may_need=may))
+    robots = tuple(
+        robot
+        if robot.lost is not None or rng.random() < 0.6
+        else replace(robot, breaks=Breakdown(0.05, (1, 9) if rng.random() < 0.7 else None))
+        for robot in scenario.robots
+    )
+    foresight = str(rng.choice(["needed", "absent"]))
+    return replace(scenario, tasks=tuple(tasks), robots=robots, foresight=foresight, step_limit=0)
 
 
 def with_precedence_and_windows(scenario: Scenario, rng: np.random.Generator) -> Scenario:

@@ -20,6 +20,8 @@ CORE = {
     "mission_rules",
     "model",
     "scenario_checks",
+    "surprise_checks",
+    "truth",
     "grid",
     "capabilities",
     "plane",

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 ORDERS = ("tsp", "schedule")
 NEW_TASKS = ("resolve", "nearest")
 ALLOCATIONS = ("paper", "nearest", "crews", "plan")
+FORESIGHTS = ("needed", "absent")
 
 WITHOUT_CREWS = ("paper", "nearest")
 """Those in which every team follows one order, as the paper's networks were made for."""
@@ -63,18 +64,41 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}; {remedy}")
 
 
+def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
+    """Return why a scenario cannot be played where everything has to be known; nothing if it can.
+
+    So it is where missions are forecast, or are to be done by robots that are real.
+    """
+    yield from rules_not_played(scenario)
+    for where, what in find_surprises(scenario):
+        remedy = f"make {where[-1]} sure, or use one of these"
+        yield Problem(where, f"{what}, which only `teamformer run` and `compare` know; {remedy}")
+
+
 def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
     """Return which rules only the step simulator and the planner know; nothing if there are none.
 
     Robots that are processes of their own, or stand in an arena, refuse such missions.
     """
-    yield from rules_not_played(scenario)
+    yield from rules_of_sure_missions(scenario)
     for number, task in enumerate(scenario.tasks):
         for key in ("after", "between"):
             if getattr(task, key):
                 message = f"task '{task.name}' has {key}, which only `teamformer run` and"
                 remedy = "`teamformer plan` keep; drop it, or use one of these"
                 yield Problem(("tasks", number, key), f"{message} {remedy}")
+
+
+def find_surprises(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], str]]:
+    """Return where a scenario leaves something open, and what in words."""
+    for number, robot in enumerate(scenario.robots):
+        if robot.breaks is not None:
+            yield ("robots", number, "breaks"), f"robot '{robot.name}' may break down"
+    for number, task in enumerate(scenario.tasks):
+        if task.lasts is not None:
+            yield ("tasks", number, "duration"), f"task '{task.name}' has no sure duration"
+        if task.may_need:
+            yield ("tasks", number, "may_need"), f"task '{task.name}' has no sure needs"
 
 
 def opening_step(task: Task) -> int:

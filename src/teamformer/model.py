@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from teamformer.capabilities import total
 from teamformer.errors import ScenarioError
 from teamformer.grid import FREE, Grid, Place
 from teamformer.mission_rules import opening_step
@@ -23,12 +24,25 @@ World = Grid | Plane
 
 
 @dataclass(frozen=True)
+class Breakdown:
+    """How a robot may break down: with probability `rate` in each step, once.
+
+    It is back where it stood after a number of steps between the two of `repair`, each as likely
+    as any other; None means never.
+    """
+
+    rate: float
+    repair: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True)
 class Robot:
     """A robot: where it starts, what it can do, how fast it is.
 
     `speed` is in cells a step, on a plane in metres a second. `lost` is the step from which the
     robot counts for nothing (the first step of a trial is step 1); None means never. `back` is the
-    step from which it is there again, where it was lost and alone; None means never.
+    step from which it is there again, where it was lost and alone; None means never. `breaks` says
+    with what probability both happen, where nobody knows.
     """
 
     name: str
@@ -37,6 +51,7 @@ class Robot:
     speed: float = 1.0
     lost: int | None = None
     back: int | None = None
+    breaks: Breakdown | None = None
 
 
 @dataclass(frozen=True)
@@ -48,6 +63,10 @@ class Task:
     have ended before this one begins. `between` is when it may begin and must have ended; one that
     ends later is late. In continuous time durations may be fractions, and `starts` links tasks:
     this one starts so long after another does, at least and at most, done by other robots.
+
+    What is not known beforehand: `lasts` holds the least and the most steps that it may take, each
+    number between them as likely as any other; `duration` is then what to expect. `may_need` says
+    with what probability one more of a capability is needed.
     """
 
     name: str
@@ -58,6 +77,27 @@ class Task:
     after: tuple[str, ...] = ()
     between: tuple[float, float] | None = None
     starts: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    lasts: tuple[int, int] | None = None
+    may_need: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.lasts is not None:
+            object.__setattr__(self, "duration", expected_steps(*self.lasts))
+
+    @property
+    def longest(self) -> float:
+        """Return how many steps it takes at most."""
+        return self.duration if self.lasts is None else self.lasts[1]
+
+    @property
+    def worst_needs(self) -> dict[str, int]:
+        """Return what it needs if all that may be needed is."""
+        return total([self.needs, {cap: 1 for cap, p in self.may_need.items() if p > 0}])
+
+
+def expected_steps(least: int, most: int) -> int:
+    """Return the mean of a number that is anything between two bounds, rounded up."""
+    return -(-(least + most) // 2)
 
 
 @dataclass(frozen=True)
@@ -73,6 +113,9 @@ class Scenario:
     coalition whose robots do not come together takes `forming` first. A mission `ends` with its
     last task (None), or when all robots are back where they started (`home`) or at a place. Plans
     in continuous time are judged by their makespan, or by a `cost` that weighs several things.
+
+    `foresight` says what is done about what may be needed: it is taken as `needed` or as `absent`
+    until it is known.
     """
 
     name: str
@@ -92,6 +135,7 @@ class Scenario:
     ends: Place | str | None = None
     forming: float = 0.0
     cost: Mapping[str, float] | None = None
+    foresight: str = "needed"
 
     def __post_init__(self) -> None:
         problems = list(find_problems(self))
@@ -108,6 +152,13 @@ class Scenario:
         return tuple(sorted((*(tuple(sorted(team)) for team in self.teams), *alone)))
 
     @property
+    def has_surprises(self) -> bool:
+        """Say whether something of the mission is only known while it runs."""
+        return any(task.lasts is not None or task.may_need for task in self.tasks) or any(
+            robot.breaks is not None for robot in self.robots
+        )
+
+    @property
     def is_planned(self) -> bool:
         """Say whether a plan, crews or a schedule, makes the task order; else a tour does."""
         return self.allocation in ("crews", "plan") or self.order == "schedule"
@@ -117,11 +168,12 @@ def default_step_limit(scenario: Scenario) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 
     They are walked by the slowest robot. A step for each robot and walk, for forming, every
-    duration and the latest arrival are added.
+    duration, every repair and the latest arrival are added.
     """
     slowest = min(scenario.world.pace(robot.speed) for robot in scenario.robots)
     walks = 4 * (len(scenario.tasks) + 1) * _longest_walk(scenario)
-    waits = sum(task.duration for task in scenario.tasks)
+    waits = sum(task.longest for task in scenario.tasks)
+    waits += sum(r.breaks.repair[1] for r in scenario.robots if r.breaks and r.breaks.repair)
     latest = max(opening_step(task) for task in scenario.tasks)
     forming = 4 * (len(scenario.tasks) + 1) * len(scenario.robots)
     steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(forming, MOST_FORMING)

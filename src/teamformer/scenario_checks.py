@@ -10,6 +10,7 @@ from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP
 from teamformer.mission_rules import ALLOCATIONS, NEW_TASKS, ORDERS, find_rule_problems
 from teamformer.plane import Plane
+from teamformer.surprise_checks import find_surprise_problems
 
 if TYPE_CHECKING:
     from teamformer.model import Robot, Scenario, Task, World
@@ -33,6 +34,7 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
     yield from _problems_of_teams(scenario)
     yield from _problems_of_tasks(scenario, places_are_good=not spatial)
     yield from find_rule_problems(scenario)
+    yield from find_surprise_problems(scenario)
 
 
 def _problems_of_world(world: World) -> Iterator[Problem]:
@@ -216,11 +218,13 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
             yield Problem((*where, "needs"), _impossible(what, everybody, known))
         elif places_are_good:
             have = near.get(scenario.world.region(task.at), {})
-            if not covers(have, known):
+            worst = {name: n for name, n in task.worst_needs.items() if name in everybody}
+            need = known if not covers(everybody, worst) else worst
+            if not covers(have, need):
                 yield Problem(
                     (*where, "at"),
                     f"{what} cannot be reached by robots that bring "
-                    f"{describe(missing(have, known))}; move it or open the map",
+                    f"{describe(missing(have, need))}; move it or open the map",
                 )
 
 

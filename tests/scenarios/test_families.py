@@ -11,6 +11,7 @@ from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.scenarios.families import FAMILIES, INCIDENT_STEPS
 from teamformer.scenarios.named_settings import size_of, world_of
+from teamformer.scenarios.surprises import BREAKDOWN, LASTS, SURPRISES
 
 WORLDS = 60
 
@@ -72,6 +73,44 @@ def test_a_fifth_of_the_tasks_appears_later(name: str) -> None:
         assert all(INCIDENT_STEPS[0] <= step <= INCIDENT_STEPS[1] for step in late)
         tasks = tuple(replace(task, appears=0) for task in world.tasks)
         assert replace(world, tasks=tasks, name=plain.name) == plain
+
+
+@pytest.mark.parametrize("name", [*FAMILIES, "4N20T-C4", "4N20+20T-C4-nn"])
+def test_what_is_uncertain_is_all_that_is_new(name: str) -> None:
+    for seed in range(5):
+        plain = world_of(name, seed)
+        for kind in SURPRISES:
+            world = world_of(f"{name}-{kind}", seed)
+            assert world.has_surprises
+            for task, known in zip(world.tasks, plain.tasks, strict=True):
+                assert task.worst_needs == known.needs
+                assert task.lasts in (None, LASTS)
+                assert sum(task.needs.values()) >= 1
+                same = replace(
+                    task, lasts=None, duration=known.duration, may_need={}, needs=known.needs
+                )
+                assert same == known
+            assert tuple(replace(robot, breaks=None) for robot in world.robots) == plain.robots
+
+
+def test_kinds_of_surprises_are_what_they_are_called() -> None:
+    durations, needs, breakdowns, mixed = (
+        worlds(f"real-{kind}") for kind in ("durations", "needs30", "breakdowns", "mixed")
+    )
+    assert all(task.lasts == LASTS for world in durations for task in world.tasks)
+    for world in needs:
+        for task in world.tasks:
+            assert set(task.may_need.values()) <= {0.3}
+            assert sum(cap not in task.may_need for cap in task.worst_needs) <= 1
+            assert all(type(count) is int and count > 0 for count in task.needs.values())
+    assert all(robot.breaks == BREAKDOWN for world in breakdowns for robot in world.robots)
+    tasks = [task for world in mixed for task in world.tasks]
+    assert sum(task.lasts is not None for task in tasks) / len(tasks) == pytest.approx(
+        0.5, abs=0.05
+    )
+    sure = [world_of("real", seed) for seed in range(WORLDS)]
+    more = sum(sum(task.needs.values()) > 1 for world in sure for task in world.tasks)
+    assert sum(bool(task.may_need) for task in tasks) / more == pytest.approx(0.5, abs=0.05)
 
 
 def test_shelves_stand_in_rows_with_aisles_between() -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from test_broken_files import CASES, GOOD, problems_of
 
+from teamformer.model import Breakdown
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.trees import ROBOT_KEYS, TASK_KEYS, TOP_KEYS
 from teamformer.scenarios.world_trees import FORMS
@@ -25,7 +26,7 @@ def test_the_table_has_every_key_and_says_which_must_be_there() -> None:
 
 
 def test_the_example_is_read(tmp_path: Path) -> None:
-    text, other = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
+    text, other, uncertain = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
     path = tmp_path / "example.yaml"
     path.write_text(text)
     scenario = read_scenario(path)
@@ -35,6 +36,11 @@ def test_the_example_is_read(tmp_path: Path) -> None:
     errands = read_scenario(path)
     assert [robot.name for robot in errands.robots] == ["cart-1", "cart-2", "cart-3", "eye"]
     assert errands.tasks[2].between == (10, 40)
+    path.write_text(uncertain)
+    storm = read_scenario(path)
+    assert storm.tasks[0].lasts == (2, 9)
+    assert storm.tasks[1].may_need == {"weld": 0.4, "power": 0.2}
+    assert storm.robots[2].breaks == Breakdown(0.004, (10, 40))
 
 
 def test_what_is_refused_is_told_in_these_words(tmp_path: Path) -> None:

@@ -45,9 +45,13 @@ class PlainTeam:
 class PlainWorld:
     """Teams by slot, and one method for each phase."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.s = scenario
+    def __init__(self, scenario: Scenario, truth: Scenario | None = None) -> None:
+        self.s, self.truth = scenario, truth or scenario
         self.steps = 0
+        self.hidden = {k for k, task in enumerate(scenario.tasks) if task.may_need}
+        self.hopes: dict[int, dict[str, int]] = {}  # what hidden tasks are believed to need
+        self.due: dict[int, int] = {}  # of services, how many steps they are expected to take
+        self.overdue = 0
         self.done: dict[int, int] = {}
         self.known: set[int] = set()
         self.open = self.release()
@@ -66,6 +70,7 @@ class PlainWorld:
         self.coalitions: dict[int, set[int]] = {}  # by task; under a shared plan they are given
         self.joins = self.splits = self.illegal = 0
         self.lost_at: dict[int, Place] = {}
+        self.hope()
 
     def has(self, team: PlainTeam) -> list[int]:
         return self.sum_of(team.robots)
@@ -74,7 +79,33 @@ class PlainWorld:
         return [sum(self.s.robots[r].can.get(c, 0) for r in robots) for c in self.s.capabilities]
 
     def needs(self, task: int) -> list[int]:
-        return [self.s.tasks[task].needs.get(c, 0) for c in self.s.capabilities]
+        needs = self.hopes[task] if task in self.hidden else self.truth.tasks[task].needs
+        return [needs.get(c, 0) for c in self.s.capabilities]
+
+    def hope(self) -> None:
+        """Believe what may be needed, as far as the robots that are left can bring it."""
+        left = [robot for team in self.teams.values() for robot in team.robots]
+        for task in self.hidden:
+            wanted = self.s.tasks[task]
+            needs = dict(wanted.needs)
+            for cap, chance in wanted.may_need.items():
+                robots = [r for r in left if self.is_way(self.s.robots[r].at, wanted.at)]
+                have = sum(self.s.robots[r].can.get(cap, 0) for r in robots)
+                if self.s.foresight == "needed" and chance > 0 and have > needs.get(cap, 0):
+                    needs[cap] = needs.get(cap, 0) + 1
+            self.hopes[task] = needs
+
+    def is_way(self, one: Place, other: Place) -> bool:
+        return self.s.world.region(one) == self.s.world.region(other)
+
+    def show(self) -> bool:
+        found = {
+            task
+            for task in self.hidden & set(self.open)
+            if any(self.is_at(team, task) for team in self.teams.values())
+        }
+        self.hidden -= found
+        return bool(found)
 
     def travel(self, at: Place, task: int) -> int:
         if not self.fields:
@@ -114,11 +145,14 @@ class PlainWorld:
         self.move(walkers)
         any_lost = self.lose()
         any_back = self.come_back()
+        if any_lost or any_back:
+            self.hope()
+        any_shown = self.show()
         self.complete()
         self.steps += 1
         news = self.release()
         self.open += news
-        if news or any_lost or any_back:
+        if news or any_lost or any_back or any_shown:
             for team in self.teams.values():
                 if team.task not in team.serving:
                     team.task, team.is_detour = None, False
@@ -353,7 +387,7 @@ class PlainWorld:
             r
             for team in self.teams.values()
             for r in team.robots
-            if self.s.robots[r].lost == self.steps + 1
+            if self.truth.robots[r].lost == self.steps + 1
         ]
         for robot in lost:
             slot = next(s for s, t in self.teams.items() if robot in t.robots)
@@ -365,7 +399,7 @@ class PlainWorld:
         return bool(lost)
 
     def come_back(self) -> bool:
-        back = [r for r in self.lost_at if self.s.robots[r].back == self.steps + 1]
+        back = [r for r in self.lost_at if self.truth.robots[r].back == self.steps + 1]
         for robot in back:
             self.teams[robot] = PlainTeam([robot], self.lost_at[robot])
         return bool(back)
@@ -380,15 +414,31 @@ class PlainWorld:
                 elif team.serving[task] == 0:
                     del team.serving[task]
                     self.finish(task, step)
+                else:
+                    self.expect(task, team)
         for _, team in sorted(self.teams.items()):
             for task in sorted(self.open):
                 is_free = not any(task in t.serving for t in self.teams.values())
                 if self.is_at(team, task) and is_free and self.covers(self.has(team), task):
-                    if self.s.tasks[task].duration == 0:
+                    if self.truth.tasks[task].duration == 0:
                         self.finish(task, step)
                     else:
-                        team.serving[task] = self.s.tasks[task].duration
+                        team.serving[task] = self.truth.tasks[task].duration
+                        self.due[task] = max(1, self.s.tasks[task].duration)
                         team.credit = 0.0
+
+    def expect(self, task: int, team: PlainTeam) -> None:
+        """Expect the end of a service that is overdue amid the durations that are left."""
+        served = self.truth.tasks[task].duration - team.serving[task]
+        if served >= self.due[task]:
+            left = range(served + 1, self.s.tasks[task].longest + 1)
+            self.due[task] = math.ceil(sum(left) / len(left))
+            self.overdue += 1
+
+    def rest(self, team: PlainTeam) -> int:
+        """Return for how long a team is expected to serve."""
+        served = {k: self.truth.tasks[k].duration - left for k, left in team.serving.items()}
+        return max((self.due[task] - steps for task, steps in served.items()), default=0)
 
     def is_at(self, team: PlainTeam, task: int) -> bool:
         return self.is_same(team.at, self.s.tasks[task].at)

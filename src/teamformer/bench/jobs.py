@@ -23,6 +23,7 @@ from teamformer.sim.view import View
 from teamformer.trials.list_schedule import list_schedule
 from teamformer.trials.registry import load_policy
 from teamformer.trials.trial import run_trials
+from teamformer.truth import draw_truth
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def run_job(job: Job) -> list[Row]:
     for seeds in parts:
         clock = Clock(policy, len(seeds))
         began = time.perf_counter()
-        tallies = run_trials([worlds[seed] for seed in seeds], clock, seeds[0])
+        tallies = run_trials([worlds[seed] for seed in seeds], clock, seeds[0], truth_seeds=seeds)
         seconds = (time.perf_counter() - began) / len(seeds)
         for place, seed in enumerate(seeds):
             row = _row(job, seed, worlds[seed], tallies[place])
@@ -200,8 +201,9 @@ def _timed(row: Row, clock: Clock, place: int) -> Row:
 
 
 def _with_bars(row: Row, scenario: Scenario) -> Row:
-    bound = max(lower_bound(scenario), row.lower_bound or 0)
-    return replace(row, lower_bound=bound, list_schedule=list_schedule(scenario))
+    truth = draw_truth(scenario, row.seed)
+    bound = max(lower_bound(truth), row.lower_bound or 0)
+    return replace(row, lower_bound=bound, list_schedule=list_schedule(truth))
 
 
 def rerun_command(job: Job, seed: int) -> str:

@@ -45,7 +45,7 @@ def _tasks(replay: Replay) -> Iterable[Row]:
     yield ("task", "needs", "x", "y", "duration", "appears", "done_in_step", "done_by")
     done = {event.task: event for event in events(replay) if event.kind == "done"}
     opens = opening_steps(replay)
-    for number, task in enumerate(replay.scenario.tasks):
+    for number, task in enumerate(replay.mission.tasks):
         event = done.get(number)
         who = "" if event is None else ", ".join(_name(replay, robot) for robot in event.robots)
         when = "" if event is None else event.step
@@ -60,7 +60,7 @@ def _events(replay: Replay) -> Iterable[Row]:
         names = ", ".join(_name(replay, robot) for robot in event.robots)
         task = "" if event.task is None else replay.scenario.tasks[event.task].name
         seconds = round(event.step * length, 6)
-        yield (event.step, seconds, event.kind, names, task, event.text(replay.scenario))
+        yield (event.step, seconds, event.kind, names, task, event.text(replay.mission))
 
 
 def _bars(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:

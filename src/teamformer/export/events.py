@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from teamformer.capabilities import describe
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import opening_steps
@@ -15,16 +16,18 @@ class Event:
     """Something that happened in a step: who did it, and to which task if to one."""
 
     step: int
-    kind: str  # appears, splits, joins, lost, back, done, or how the trial ended
+    kind: str  # appears, splits, joins, lost, back, needs, done, or how the trial ended
     robots: tuple[int, ...] = ()
     task: int | None = None
 
     def text(self, scenario: Scenario) -> str:
-        """Return the event as a sentence."""
+        """Return the event as a sentence; the scenario is the mission as it really was."""
         names = _names(scenario, self.robots)
         task = "" if self.task is None else scenario.tasks[self.task].name
         if self.kind == "appears":
             return f"{task} appears"
+        if self.kind == "needs" and self.task is not None:
+            return f"{task} needs {describe(scenario.tasks[self.task].needs)}"
         if self.kind == "done":
             return f"{task} done by {names}"
         if self.kind == "lost":
@@ -58,6 +61,8 @@ def events(replay: Replay) -> Iterator[Event]:
         for robot in step.back:
             members[robot] = (robot,)
             yield Event(number, "back", (robot,))
+        for task in step.shown:
+            yield Event(number, "needs", task=task)
         for task, slot in step.done:
             yield Event(number, "done", members[slot], task)
         for late, opened in enumerate(opens):

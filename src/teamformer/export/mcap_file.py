@@ -73,7 +73,7 @@ def write_mcap(replay: Replay, path: Path) -> int:
             channels.frames(replay.scenario, moment, time)
             channels.scene(replay.scenario, moment, spans, time)
             for event in log.get(moment.step, ()):
-                channels.log(event.text(replay.scenario), event.kind == "lost", time)
+                channels.log(event.text(replay.mission), event.kind == "lost", time)
     return channels.count
 
 

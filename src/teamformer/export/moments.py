@@ -42,7 +42,7 @@ def moments(replay: Replay) -> Iterator[Moment]:
 
 class _State:
     def __init__(self, replay: Replay) -> None:
-        self._scenario = replay.scenario
+        self._scenario = replay.mission
         count = len(self._scenario.robots)
         self.team = [NOBODY] * count
         self._place: list[Place] = [robot.at for robot in self._scenario.robots]

@@ -76,7 +76,7 @@ def _chapter(
 
 def _why(replay: Replay, moment: Moment, robot: int, phase: str, task: int) -> str:
     if phase == WAITING:
-        return _why_waiting(replay.scenario, moment, robot, task)
+        return _why_waiting(replay.mission, moment, robot, task)
     if phase == IDLE:
         return _why_idle(replay, moment, robot)
     if phase == SERVING:
@@ -182,9 +182,9 @@ def _plan(replay: Replay, moment: Moment) -> str:
     if not made:
         return ""
     causes = [
-        event.text(replay.scenario)
+        event.text(replay.mission)
         for event in events(replay)
-        if event.step == made and event.kind in ("appears", "lost", "back")
+        if event.step == made and event.kind in ("appears", "lost", "back", "needs")
     ]
     return f"planned anew after step {made}{': ' if causes else ''}{', '.join(causes)}"
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from teamformer.capabilities import covers, total
 from teamformer.model import Scenario
 from teamformer.referee.completion import Tasks
 from teamformer.referee.teams import Fleet, RecordedTeam
+from teamformer.referee.truth import Knowledge
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Crew, Replay, SharedPlanMade
 
@@ -18,8 +19,9 @@ SHARED_OUT = ("crews", "plan")
 class CrewLists:
     """Whose list each task is on, and in which order, as the record has it step by step."""
 
-    def __init__(self, replay: Replay) -> None:
+    def __init__(self, replay: Replay, knowledge: Knowledge) -> None:
         self.scenario = replay.scenario
+        self._knowledge = knowledge
         self._crews = dict(replay.crews)
         self._plans = dict(replay.plans)
         self._took = [step.took for step in replay.steps]
@@ -80,9 +82,11 @@ class CrewLists:
         for crew in self._now:
             open_ones = [task for task in crew.tasks if tasks.is_open(task, steps_made)]
             for robot in team.robots & set(crew.robots):
-                yield from [task for task in open_ones if self._is_needed(robot, task)][:1]
+                yield from [task for task in open_ones if self._is_needed(robot, task, steps_made)][
+                    :1
+                ]
 
-    def _is_needed(self, robot: int, task: int) -> bool:
+    def _is_needed(self, robot: int, task: int, steps_made: int) -> bool:
         """Say whether a task needs something that a robot can do, and it can get there."""
         world, one, wanted = (
             self.scenario.world,
@@ -90,21 +94,22 @@ class CrewLists:
             self.scenario.tasks[task],
         )
         return world.region(one.at) == world.region(wanted.at) and bool(
-            one.can.keys() & wanted.needs.keys()
+            one.can.keys() & self._knowledge.needs(task, steps_made).keys()
         )
 
 
 def check_assignments(
-    fleet: Fleet, tasks: Tasks, named: Sequence[int], steps_made: int, any_lost: bool, notes: Notes
+    fleet: Fleet, tasks: Tasks, named: Sequence[int], steps_made: int, is_news: bool, notes: Notes
 ) -> None:
     """Check after a step that each team heads for the task that it is due to do, or named.
 
-    Everybody is free after a loss and when tasks appear, except from a task being served.
+    Everybody is free after news (a loss, a return, needs that became known) and when tasks appear,
+    except from a task being served.
     """
     scenario = fleet.scenario
     if scenario.allocation not in SHARED_OUT:
         return
-    is_news = any_lost or steps_made in tasks.openings()
+    is_news = is_news or steps_made in tasks.openings()
     for slot, team in sorted(fleet.teams.items()):
         due = None if team.due in tasks.done else team.due
         if is_news and due not in team.services:
@@ -119,22 +124,23 @@ def _name(fleet: Fleet, task: int | None) -> str:
     return "nothing" if task is None else f"task {fleet.scenario.tasks[task].name}"
 
 
-def judge_crews(replay: Replay, tasks: Tasks, notes: Notes) -> None:
+def judge_crews(replay: Replay, tasks: Tasks, knowledge: Knowledge, notes: Notes) -> None:
     """Check that crews are planned when they must be, and share out robots and open tasks."""
-    scenario = replay.scenario
+    scenario = replay.mission
+    shown = knowledge.shown_after
     for allocation, made in (("crews", replay.crews), ("plan", replay.plans)):
         if scenario.allocation != allocation and made:
             notes.note(f"the record has {allocation}, and the scenario has none")
     orders = dict(replay.orders)
     if scenario.allocation == "crews":
-        _check_moments(replay, tasks, {steps for steps, _ in replay.crews}, "crews", notes)
+        _check_moments(replay, tasks, {steps for steps, _ in replay.crews}, shown, "crews", notes)
         for steps, crews in replay.crews:
             left = _robots_left(scenario, steps)
-            _check_crews(replay, steps, crews, left, orders.get(steps, ()), notes)
+            _check_crews(replay, knowledge, steps, crews, left, orders.get(steps, ()), notes)
     if scenario.allocation == "plan":
-        _check_moments(replay, tasks, {steps for steps, _ in replay.plans}, "plan", notes)
+        _check_moments(replay, tasks, {steps for steps, _ in replay.plans}, shown, "plan", notes)
         for steps, plan in replay.plans:
-            _check_plan(replay, steps, plan, orders.get(steps, ()), notes)
+            _check_plan(replay, knowledge, steps, plan, orders.get(steps, ()), notes)
 
 
 def _robots_left(scenario: Scenario, steps: int) -> set[int]:
@@ -145,34 +151,42 @@ def _robots_left(scenario: Scenario, steps: int) -> set[int]:
     }
 
 
-def _check_moments(replay: Replay, tasks: Tasks, made: set[int], what: str, notes: Notes) -> None:
-    """Check that crews or plans are made at the start, for new tasks, losses and returns."""
-    scenario, last = replay.scenario, len(replay.steps) - 1
+def _check_moments(
+    replay: Replay, tasks: Tasks, made: set[int], shown: set[int], what: str, notes: Notes
+) -> None:
+    """Check that crews or plans are made at the start, for new tasks and needs, losses, returns."""
+    scenario, last = replay.mission, len(replay.steps) - 1
     changes = ((robot.lost, robot.back) for robot in scenario.robots)
     news = {steps for pair in changes for steps in pair if steps is not None}
-    for steps in sorted({0, *tasks.openings(), *news} - made):
+    for steps in sorted({0, *tasks.openings(), *news, *shown} - made):
         if steps <= last and tasks.open_after(steps):
             are = "is no" if what == "plan" else "are no"
             notes.note(f"there {are} {what} from after {steps} steps")
 
 
 def _check_plan(
-    replay: Replay, steps: int, plan: SharedPlanMade, order: Sequence[int], notes: Notes
+    replay: Replay,
+    knowledge: Knowledge,
+    steps: int,
+    plan: SharedPlanMade,
+    order: Sequence[int],
+    notes: Notes,
 ) -> None:
-    when, left = f"the plan made after {steps} steps", _robots_left(replay.scenario, steps)
+    when, left = f"the plan made after {steps} steps", _robots_left(replay.mission, steps)
     if len(plan.coalitions) != len(order):
         notes.note(f"{when} has {len(plan.coalitions)} coalitions for {len(order)} open tasks")
     for task, coalition in zip(order, plan.coalitions, strict=False):
-        name = replay.scenario.tasks[task].name
+        name, needs = replay.scenario.tasks[task].name, knowledge.needs(task, steps)
         if len(set(coalition)) != len(coalition) or not set(coalition) <= left:
             notes.note(f"{when} has a robot twice or one that is lost in the coalition of {name}")
-        waits = not coalition and not _can_do(replay, Crew(tuple(left), ()), task)
-        if not waits and not _can_do(replay, Crew(coalition, ()), task):
+        waits = not coalition and not _can_do(replay, left, task, needs)
+        if not waits and not _can_do(replay, coalition, task, needs):
             notes.note(f"{when} has a coalition for task {name} that cannot do it")
 
 
 def _check_crews(
     replay: Replay,
+    knowledge: Knowledge,
     steps: int,
     crews: Sequence[Crew],
     left: set[int],
@@ -183,20 +197,21 @@ def _check_crews(
     if sorted(robot for crew in crews for robot in crew.robots) != sorted(left):
         notes.note(f"{when} are not of all robots left, each in one")
     listed = [task for crew in crews for task in crew.tasks]
-    waiting = [task for task in order if not _can_do(replay, Crew(tuple(left), ()), task)]
+    needs = {task: knowledge.needs(task, steps) for task in {*order, *listed}}
+    waiting = [task for task in order if not _can_do(replay, left, task, needs[task])]
     if sorted(listed + waiting) != sorted(order):
         notes.note(f"{when} do not share out the open tasks, each on one list")
     for crew in crews:
         if [task for task in order if task in crew.tasks] != list(crew.tasks):
             notes.note(f"{when} have a list that is not in order")
         for task in crew.tasks:
-            if not _can_do(replay, crew, task):
+            if not _can_do(replay, crew.robots, task, needs[task]):
                 name = replay.scenario.tasks[task].name
                 notes.note(f"{when} have task {name} on the list of one that cannot do it")
 
 
-def _can_do(replay: Replay, crew: Crew, task: int) -> bool:
-    world, wanted = replay.scenario.world, replay.scenario.tasks[task]
-    robots = (replay.scenario.robots[robot] for robot in crew.robots)
-    near = (robot.can for robot in robots if world.region(robot.at) == world.region(wanted.at))
-    return covers(total(near), wanted.needs)
+def _can_do(replay: Replay, numbers: Iterable[int], task: int, needs: Mapping[str, int]) -> bool:
+    world, at = replay.scenario.world, replay.scenario.tasks[task].at
+    robots = (replay.scenario.robots[robot] for robot in numbers)
+    near = (robot.can for robot in robots if world.region(robot.at) == world.region(at))
+    return covers(total(near), needs)

@@ -20,6 +20,7 @@ from teamformer.referee.headway import Ways, check_headway
 from teamformer.referee.lifecycle import judge_ending, judge_orders, start_fleet, why_over
 from teamformer.referee.motion import move_team
 from teamformer.referee.teams import Fleet
+from teamformer.referee.truth import Knowledge, judge_truth
 from teamformer.referee.verdict import Notes, Verdict
 from teamformer.sim.replay.record import Replay, Step
 
@@ -27,7 +28,10 @@ from teamformer.sim.replay.record import Replay, Step
 def judge(replay: Replay) -> Verdict:
     """Return everything in a record that breaks the rules."""
     notes = Notes()
-    fleet, tasks, lists = start_fleet(replay, notes), Tasks(replay.scenario), CrewLists(replay)
+    judge_truth(replay, notes)
+    fleet, tasks = start_fleet(replay, notes), Tasks(replay.mission)
+    knowledge = Knowledge(replay.scenario)
+    lists = CrewLists(replay, knowledge)
     ways, over = Ways(replay.scenario), ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
@@ -35,12 +39,12 @@ def judge(replay: Replay) -> Verdict:
             notes.note(f"{over}, and the record goes on")
             break
         due = due_losses(fleet, number)
-        _judge_step(fleet, tasks, lists, step, number, due, notes)
+        _judge_step(fleet, tasks, knowledge, lists, step, number, due, notes)
         check_headway(fleet, ways, notes)
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
     judge_orders(replay, tasks, notes)
-    judge_crews(replay, tasks, notes)
+    judge_crews(replay, tasks, knowledge, notes)
     judge_ending(replay, fleet, tasks, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
     return Verdict(findings, len(replay.steps), len(tasks.done), tasks.lateness())
@@ -49,6 +53,7 @@ def judge(replay: Replay) -> Verdict:
 def _judge_step(
     fleet: Fleet,
     tasks: Tasks,
+    knowledge: Knowledge,
     lists: CrewLists,
     step: Step,
     number: int,
@@ -73,6 +78,9 @@ def _judge_step(
     lose_robots(fleet, step, due, notes)
     any_back = return_robots(fleet, step, number, notes)
     _check_entries(fleet, step, slots, notes)
+    if due or any_back:
+        knowledge.expect({robot for team in fleet.teams.values() for robot in team.robots}, number)
+    any_shown = knowledge.show(fleet, tasks, step, number, notes)
     recorded: dict[int, int] = {}
     for task, slot in step.done:
         if task in recorded:
@@ -80,7 +88,8 @@ def _judge_step(
         recorded[task] = slot
     tasks.complete(fleet, recorded, number, notes)
     _assign(fleet, tasks, step, number, notes)
-    check_assignments(fleet, tasks, step.named, number, bool(due) or any_back, notes)
+    is_news = bool(due) or any_back or any_shown
+    check_assignments(fleet, tasks, step.named, number, is_news, notes)
 
 
 def _are_together(fleet: Fleet, pair: tuple[int, int]) -> bool:

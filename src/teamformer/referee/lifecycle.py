@@ -11,7 +11,7 @@ from teamformer.sim.replay.record import Replay
 
 def start_fleet(replay: Replay, notes: Notes) -> Fleet:
     """Return the fleet as the scenario has it, and say where the record's start differs."""
-    scenario = replay.scenario
+    scenario = replay.mission
     fleet = Fleet(scenario, {})
     expected = set()
     for robots in scenario.starting_teams:

@@ -17,6 +17,7 @@ from teamformer.grid import Grid
 from teamformer.mission_rules import BEST_ALLOCATION
 from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.generate import random_places, spawn_places
+from teamformer.scenarios.surprises import SURPRISES, make_uncertain
 
 FREE, BLOCKED = ".", "@"
 
@@ -24,7 +25,7 @@ SHELF = (4, 2)
 """Cells that a shelf of a warehouse takes; aisles two cells wide lie between shelves."""
 AISLE = 2
 
-INCIDENTS = ("lost", "arrivals")
+INCIDENTS = ("lost", "arrivals", *SURPRISES)
 INCIDENT_STEPS = (5, 60)
 """In which steps a robot is lost and tasks appear, both included: while the mission runs."""
 ARRIVING = 5
@@ -94,7 +95,8 @@ def draw_mission(
     """Return a random mission; fleets in which nobody can be spared are drawn again.
 
     With `incident` "lost" one robot is lost at a random step, one that the others can do without;
-    with "arrivals" a fifth of the tasks appear at random steps. The mission itself is the same.
+    with "arrivals" a fifth of the tasks appear at random steps; with one of `SURPRISES` not
+    everything is known. The mission itself is the same.
     """
     for _ in count():
         mission, spare = _draw(family, rng, name)
@@ -102,6 +104,8 @@ def draw_mission(
             break
     if incident == "lost":
         return _lose_one(mission, spare, rng)
+    if incident in SURPRISES:
+        return make_uncertain(mission, incident, rng)
     return mission if incident is None else _let_arrive(mission, rng)
 
 

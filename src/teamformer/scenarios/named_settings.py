@@ -6,7 +6,9 @@
 20 x 20 (Boehme and Hollinger, ICRA 2026, section V).
 
 `real`, `sparse` and `warehouse` are families of missions that people have; `real-lost` loses one
-robot that can be spared, in `real-arrivals` a fifth of the tasks appear later.
+robot that can be spared, in `real-arrivals` a fifth of the tasks appear later. `-durations`,
+`-needs` (with a probability of 50%; `-needs30`, `-needs70`), `-breakdowns` and `-mixed` leave open
+what their name says, in any setting: `4N20T-C4-needs`, `real-mixed`.
 """
 
 from __future__ import annotations
@@ -21,10 +23,12 @@ from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.scenarios.families import FAMILIES, draw_mission, split_name
 from teamformer.scenarios.generate import Spec, generate
+from teamformer.scenarios.surprises import SURPRISES, make_uncertain
 
 NAME = re.compile(
     r"(?P<robots>\d+)N(?P<tasks>\d+)(\+(?P<late_tasks>\d+))?T-C(?P<capabilities>\d+)"
     r"(-R(?P<requirements>\d+))?(-(?P<width>\d+)x(?P<height>\d+))?(-(?P<insertion>tsp|nn))?"
+    rf"(-(?P<surprise>{'|'.join(SURPRISES)}))?"
 )
 INSERTIONS = {"tsp": "resolve", "nn": "nearest"}
 MANY = 100
@@ -73,14 +77,16 @@ def spec_of(setting: str) -> Spec:
 def world_of(setting: str, world_seed: int) -> Scenario:
     """Return a test world of a setting; the same seed gives the same one everywhere.
 
-    Settings that differ only in how late tasks are inserted have the same worlds, and so have
-    those of a family but for what happens in them.
+    Settings that differ only in how late tasks are inserted or in what is uncertain have the same
+    worlds, and so have those of a family but for what happens in them.
     """
     found = split_name(setting)
     if found is not None:
         family, incident = found
         rng = np.random.default_rng([TEST, world_seed, *setting.partition("-")[0].encode()])
         return draw_mission(family, rng, f"{setting}, world {world_seed}", incident)
-    name = re.sub("-(tsp|nn)$", "", setting)
+    spec, kind = spec_of(setting), NAME.fullmatch(setting)["surprise"]  # type: ignore[index]
+    name = re.sub(f"(-(tsp|nn))?(-({'|'.join(SURPRISES)}))?$", "", setting)
     rng = np.random.default_rng([TEST, world_seed, *name.encode()])
-    return generate(spec_of(setting), rng, f"{setting}, world {world_seed}")
+    mission = generate(spec, rng, f"{setting}, world {world_seed}")
+    return mission if kind is None else make_uncertain(mission, kind, rng)

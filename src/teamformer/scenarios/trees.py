@@ -13,7 +13,7 @@ from teamformer.errors import ScenarioError
 from teamformer.frame import Frame
 from teamformer.link_rules import COST_PARTS
 from teamformer.mission_rules import BEST_ALLOCATION
-from teamformer.model import Robot, Scenario, Task, World
+from teamformer.model import Breakdown, Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
 from teamformer.scenarios.tree_reader import INFINITE, LARGEST_COUNT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world
@@ -41,6 +41,7 @@ TOP_KEYS = {
     "ends": False,
     "forming": False,
     "cost": False,
+    "foresight": False,
 }
 ROBOT_KEYS = {
     "name": False,
@@ -49,6 +50,7 @@ ROBOT_KEYS = {
     "speed": False,
     "lost": False,
     "back": False,
+    "breaks": False,
     "count": False,
 }
 TASK_KEYS = {
@@ -60,7 +62,9 @@ TASK_KEYS = {
     "after": False,
     "between": False,
     "starts": False,
+    "may_need": False,
 }
+BREAKS_KEYS = {"rate": True, "repair": False}
 
 
 def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
@@ -138,6 +142,8 @@ def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
         tree["forming"] = scenario.forming
     if scenario.cost is not None:
         tree["cost"] = dict(scenario.cost)
+    if scenario.foresight != "needed":
+        tree["foresight"] = scenario.foresight
     return tree
 
 
@@ -165,7 +171,7 @@ def _robot_to_tree(robot: Robot) -> dict[str, Any]:
     tree: dict[str, Any] = {
         "name": robot.name,
         "at": list(robot.at),
-        "can": _counts_to_tree(robot.can),
+        "can": counts_to_tree(robot.can),
     }
     if robot.speed != 1:
         tree["speed"] = robot.speed
@@ -173,6 +179,10 @@ def _robot_to_tree(robot: Robot) -> dict[str, Any]:
         tree["lost"] = robot.lost
     if robot.back is not None:
         tree["back"] = robot.back
+    if robot.breaks is not None:
+        repair = robot.breaks.repair
+        tree["breaks"] = {"rate": robot.breaks.rate}
+        tree["breaks"] |= {} if repair is None else {"repair": list(repair)}
     return tree
 
 
@@ -180,9 +190,13 @@ def _task_to_tree(task: Task) -> dict[str, Any]:
     tree: dict[str, Any] = {
         "name": task.name,
         "at": list(task.at),
-        "needs": _counts_to_tree(task.needs),
+        "needs": counts_to_tree(task.needs),
     }
-    if task.duration:
+    if task.may_need:
+        tree["may_need"] = dict(task.may_need)
+    if task.lasts is not None:
+        tree["duration"] = list(task.lasts)
+    elif task.duration:
         tree["duration"] = task.duration
     if task.appears:
         tree["appears"] = task.appears
@@ -195,7 +209,8 @@ def _task_to_tree(task: Task) -> dict[str, Any]:
     return tree
 
 
-def _counts_to_tree(counts: Mapping[str, int]) -> list[str] | dict[str, int]:
+def counts_to_tree(counts: Mapping[str, int]) -> list[str] | dict[str, int]:
+    """Return counts as they stand in a file."""
     return list(counts) if set(counts.values()) == {1} else dict(counts)
 
 
@@ -232,6 +247,7 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
             speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
             lost=reader.whole((*where, "lost"), keys["lost"]) if "lost" in keys else None,
             back=reader.whole((*where, "back"), keys["back"]) if "back" in keys else None,
+            breaks=_read_breaks(reader, (*where, "breaks"), keys),
         )
         if "count" not in keys:
             alike = [robot]
@@ -263,6 +279,8 @@ def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) ->
                 at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
                 needs=reader.counts((*where, "needs"), keys.get("needs", [])),
                 duration=_read_duration(reader, (*where, "duration"), keys, time),
+                lasts=_read_range(reader, (*where, "duration"), keys.get("duration")),
+                may_need=_read_chances(reader, (*where, "may_need"), keys.get("may_need", {})),
                 appears=reader.whole((*where, "appears"), keys.get("appears", 0)),
                 after=tuple(reader.names((*where, "after"), keys.get("after", []))),
                 between=_read_window(reader, (*where, "between"), keys),
@@ -276,7 +294,47 @@ def _read_duration(
     reader: Reader, where: Where, keys: Mapping[str, Any], time: str | None
 ) -> float:
     value = keys.get("duration", 0)
+    if isinstance(value, list):  # what to expect follows from the range
+        return 0
     return reader.number(where, value) if time == "continuous" else reader.whole(where, value)
+
+
+def _read_range(reader: Reader, where: Where, value: Any) -> tuple[int, int] | None:
+    """Return the least and the most of a number of steps; None if a number stands there."""
+    if not isinstance(value, list):
+        return None
+    if len(value) != 2:
+        message = f"{name_of(where)} is {describe(value)}; write steps, or [least, most]"
+        reader.refuse(where, message)
+        return None
+    least, most = (reader.whole((*where, part), steps) for part, steps in enumerate(value))
+    return least, most
+
+
+def _read_chances(reader: Reader, where: Where, value: Any) -> dict[str, float]:
+    """Return probabilities by capability."""
+    if not isinstance(value, dict):
+        message = f"{name_of(where)} is {describe(value)}; write a mapping to probabilities"
+        reader.refuse(where, f"{message}, such as {{weld: 0.4}}")
+        return {}
+    return {
+        reader.text((*where, name), name): reader.number((*where, name), chance)
+        for name, chance in value.items()
+    }
+
+
+def _read_breaks(reader: Reader, where: Where, keys: Mapping[str, Any]) -> Breakdown | None:
+    if "breaks" not in keys:
+        return None
+    said = reader.mapping(where, keys["breaks"], BREAKS_KEYS)
+    repair = said.get("repair")
+    if "repair" in said and not isinstance(repair, list):
+        message = f"{name_of((*where, 'repair'))} is {describe(repair)}; write it as [least, most]"
+        reader.refuse((*where, "repair"), message)
+    return Breakdown(
+        reader.number((*where, "rate"), said.get("rate", 0.0)),
+        _read_range(reader, (*where, "repair"), repair),
+    )
 
 
 def _read_window(
@@ -335,7 +393,7 @@ def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[
     for key, least in (("forming_steps", 0), ("step_limit", 1)):
         if key in top:
             rules[key] = reader.whole((key,), top[key], least)
-    for key in ("order", "new_tasks", "allocation", "time"):
+    for key in ("order", "new_tasks", "allocation", "time", "foresight"):
         if key in top:
             rules[key] = reader.text((key,), top[key])
     if "forming" in top:

@@ -28,6 +28,9 @@ RESOLVE, NEAREST = 0, 1
 PAPER, NEAREST_ALONE, CREWS, PLAN = 0, 1, 2, 3
 """Who heads for which task: allocations as in `mission_rules.ALLOCATIONS`."""
 
+NEEDED, ABSENT = 0, 1
+"""As what that is taken which may be needed: as in `mission_rules.FORESIGHTS`."""
+
 RULES = np.dtype(
     [
         ("robots", np.int32),  # how many there are
@@ -39,6 +42,8 @@ RULES = np.dtype(
         ("new_tasks", np.int32),  # RESOLVE or NEAREST
         ("allocation", np.int32),  # PAPER, NEAREST_ALONE, CREWS or PLAN
         ("has_schedule", np.bool_),  # the order is planned, no tour
+        ("foresight", np.int32),  # NEEDED or ABSENT
+        ("hides_needs", np.bool_),  # what some tasks need is not known
         ("has_walls", np.bool_),
         ("is_plane", np.bool_),
         ("sensing_radius", np.float64),  # cells, on a plane metres
@@ -62,9 +67,13 @@ COUNT = np.dtype(
         ("lost", np.int32),  # how often robots were lost
         ("back", np.int32),  # how often robots came back
         ("broken_off", np.int32),  # services
+        ("overdue", np.int32),  # how often a service was not over when it was expected to be
+        ("shown", np.int32),  # tasks whose needs have become known
         ("planned_lost", np.int32),  # losses that the shared plan knows of
         ("planned_back", np.int32),  # returns that it knows of
         ("planned_broken_off", np.int32),  # services that it knows to be broken off
+        ("planned_overdue", np.int32),  # and to be overdue
+        ("planned_shown", np.int32),  # tasks whose needs it knows since these have become known
         ("reason", np.int32),  # why the shared plan was made last, in bits
         ("joins", np.int32),
         ("splits", np.int32),
@@ -124,7 +133,9 @@ TASK = np.dtype(
     [
         ("x", np.float64),
         ("y", np.float64),
-        ("duration", np.int32),  # steps
+        ("duration", np.int32),  # steps that it is expected to take
+        ("longest", np.int32),  # steps that it takes at most
+        ("takes", np.int32),  # steps that it really takes
         ("appears", np.int32),  # steps made when it becomes known, if it awaits no other
         ("awaits", np.int32),  # how many tasks that it comes after are undone
         ("region", np.int32),
@@ -133,7 +144,10 @@ TASK = np.dtype(
         ("crew", np.int32),  # whose list it is on
         ("server", np.int32),  # team that serves it, or NOBODY
         ("waiting", np.int32),  # a team that waits at it for others by the shared plan, or NOBODY
-        ("remaining", np.int32),  # steps of service
+        ("served", np.int32),  # steps of its service so far
+        ("expected", np.int32),  # of how many its service is expected to be
+        ("hides_needs", np.bool_),  # what it needs is not known
+        ("shown_at", np.int32),  # the step in which it became known, or NOBODY
         ("done_at", np.int32),  # step, or NOBODY
         ("done_by", np.int32),  # slot
         ("is_open", np.bool_),  # released and not done
@@ -157,7 +171,10 @@ class Worlds(NamedTuple):
     cells: Array  # (worlds, cells) CELL
     brings: Array  # (worlds, robots, caps) counts of each robot
     has: Array  # (worlds, robots, caps) counts of each team
-    needs: Array  # (worlds, tasks, caps)
+    needs: Array  # (worlds, tasks, caps) as everybody believes
+    sure_needs: Array  # (worlds, tasks, caps), or (worlds, 0, 0) if all needs are
+    true_needs: Array  # the same: what they really are
+    may_need: Array  # the same: with what probability one more is needed
     precedes: Array  # (worlds, tasks, tasks) which are done before which, or (worlds, 0, 0)
     demand: Array  # (worlds, caps) open tasks that need each capability
     order: Array  # (worlds, tasks) open tasks in order, the first count.open of them
@@ -185,6 +202,9 @@ if TYPE_CHECKING:
         brings: Array
         has: Array
         needs: Array
+        sure_needs: Array
+        true_needs: Array
+        may_need: Array
         precedes: Array
         demand: Array
         order: Array
@@ -215,6 +235,9 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.brings[w],
         worlds.has[w],
         worlds.needs[w],
+        worlds.sure_needs[w],
+        worlds.true_needs[w],
+        worlds.may_need[w],
         worlds.precedes[w],
         worlds.demand[w],
         worlds.order[w],

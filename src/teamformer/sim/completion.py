@@ -9,8 +9,10 @@ from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import can_do_alone
 from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NEVER, STEP_LIMIT
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
+from teamformer.sim.surprises import expect_end
 
 if TYPE_CHECKING:
+    from teamformer.rules.arrays import Array
     from teamformer.sim.arrays import World
 
 
@@ -45,13 +47,15 @@ def _serve(world: World, team: int, task: int, step: int) -> None:
 
     So does one that is carried away from it: its motion may come from outside.
     """
-    world.tasks[task].remaining -= 1
+    world.tasks[task].served += 1
     if not (can_do_alone(world, team, task) and stands_at(world, team, task)):
         _end_service(world, team, task)
         world.count.broken_off += 1
-    elif world.tasks[task].remaining == 0:
+    elif world.tasks[task].served == world.tasks[task].takes:
         _end_service(world, team, task)
         _finish(world, team, task, step)
+    else:
+        expect_end(world, task)
 
 
 @kernel
@@ -62,11 +66,12 @@ def _end_service(world: World, team: int, task: int) -> None:
 
 @kernel
 def _begin(world: World, team: int, task: int, step: int) -> None:
-    if world.tasks[task].duration == 0:
+    if world.tasks[task].takes == 0:
         _finish(world, team, task, step)
     else:
         world.tasks[task].server = team
-        world.tasks[task].remaining = world.tasks[task].duration
+        world.tasks[task].served = 0
+        world.tasks[task].expected = max(1, world.tasks[task].duration)
         world.teams[team].serves += 1
         world.teams[team].credit = 0.0
 
@@ -140,13 +145,13 @@ def release_tasks(world: World, steps_made: int) -> bool:
 
 
 @kernel
-def is_possible(world: World, task: int, counts_due: bool) -> bool:
-    """Say whether the robots that are left and can get there cover a task together.
+def is_possible(world: World, task: int, needs: Array, counts_due: bool) -> bool:
+    """Say whether the robots that are left and can get there cover the needs of a task together.
 
-    With those that are due back, if `counts_due`.
+    With those that are due back, if `counts_due`; `needs` are (caps,).
     """
-    for cap in range(world.needs.shape[1]):
-        short = world.needs[task, cap]
+    for cap in range(len(needs)):
+        short = needs[cap]
         for robot in range(world.rules.robots):
             is_there = world.robots[robot].region == world.tasks[task].region
             is_due = counts_due and world.count.steps < world.robots[robot].back < NEVER
@@ -165,7 +170,8 @@ def judge_status(world: World, any_lost: bool) -> None:
         return
     if any_lost:
         for task in range(world.rules.tasks):
-            if world.tasks[task].done_at == NOBODY and not is_possible(world, task, True):
+            needs = world.true_needs[task] if world.rules.hides_needs else world.needs[task]
+            if world.tasks[task].done_at == NOBODY and not is_possible(world, task, needs, True):
                 world.count.status = INFEASIBLE
                 return
     if world.count.steps >= world.rules.step_limit:

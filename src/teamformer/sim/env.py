@@ -20,6 +20,7 @@ from teamformer.sim.packing import pack_worlds
 from teamformer.sim.reward import Reward
 from teamformer.sim.step import finish_worlds, form_worlds, step_worlds
 from teamformer.sim.view import View, fill_views, lay_out_rows, make_view
+from teamformer.truth import draw_truth
 
 
 @dataclass(frozen=True)
@@ -52,25 +53,33 @@ class TeamFormation:
 
     Scenarios of different sizes may be mixed. The same scenarios and decisions give the same
     results with any number of threads. `rewards` (worlds, robots) holds the rewards of the last
-    step, by slot. With more than one thread, `close()` it, or use it in a `with`, to end them.
+    step, by slot. `truths` says what uncertain missions really are; left out, it is drawn by the
+    seed 0. With more than one thread, `close()` it, or use it in a `with`, to end them.
     """
 
     def __init__(
-        self, scenarios: Sequence[Scenario], reward: Reward | None = None, threads: int = 1
+        self,
+        scenarios: Sequence[Scenario],
+        reward: Reward | None = None,
+        threads: int = 1,
+        truths: Sequence[Scenario] | None = None,
     ) -> None:
         self.scenarios = tuple(scenarios)
         if not self.scenarios:
             raise ValueError("there is no scenario; give one or more")
         if threads < 1:
             raise ValueError(f"threads is {threads}; use 1 or more")
-        self._start = pack_worlds(self.scenarios)
+        drawn = (draw_truth(scenario, 0) for scenario in self.scenarios)
+        self.truths = tuple(drawn if truths is None else truths)
+        self._start = pack_worlds(self.scenarios, self.truths)
         self._orderings = orderings_for(self._start, self.scenarios)
         self._order_tasks(self._start)
         self.worlds = Worlds(*(array.copy() for array in self._start))
         reward = reward or Reward()
         self._weights = (reward.done, reward.step, reward.fit)
         count, robots, caps = self.worlds.has.shape
-        self._room = make_view(count, robots, self.worlds.needs.shape[1], caps)
+        tasks, hides_needs = self.worlds.needs.shape[1], self.worlds.may_need.shape[1] > 0
+        self._room = make_view(count, robots, tasks, caps, hides_needs)
         self._first_row = np.zeros(count + 1, dtype=np.int64)
         self._first_member = np.zeros(count + 1, dtype=np.int64)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None

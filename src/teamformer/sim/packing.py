@@ -11,6 +11,7 @@ from teamformer.errors import ScenarioError
 from teamformer.grid import Grid, Place
 from teamformer.mission_rules import (
     ALLOCATIONS,
+    FORESIGHTS,
     is_known_from_start,
     opening_step,
     rules_not_played,
@@ -31,21 +32,23 @@ from teamformer.sim.arrays import (
     TEAM,
     Worlds,
 )
+from teamformer.truth import expected_needs
 
 
-def pack_worlds(scenarios: Sequence[Scenario]) -> Worlds:
+def pack_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> Worlds:
     """Lay scenarios out as they stand before the first step, padded to the largest of them.
 
-    Raises `ScenarioError` for missions whose rules are not those of the steps.
+    `truths` says what each of them really is. Raises `ScenarioError` for missions whose rules are
+    not those of the steps.
     """
     problems = [problem for scenario in scenarios for problem in rules_not_played(scenario)]
     if problems:
         raise ScenarioError(problems)
     worlds = _empty_worlds(scenarios)
-    for w, scenario in enumerate(scenarios):
+    for w, (scenario, truth) in enumerate(zip(scenarios, truths, strict=True)):
         _pack_rules(worlds, w, scenario)
-        _pack_robots(worlds, w, scenario)
-        _pack_tasks(worlds, w, scenario)
+        _pack_robots(worlds, w, truth)
+        _pack_tasks(worlds, w, scenario, truth)
         if isinstance(scenario.world, Grid) and scenario.world.rows:
             _pack_map(worlds, w, scenario.world, [task.at for task in scenario.tasks])
     return worlds
@@ -61,6 +64,8 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     has_precedence = any(task.after for s in scenarios for task in s.tasks)
     precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
     has_plan = any(s.allocation == "plan" for s in scenarios)
+    hides_needs = any(task.may_need for s in scenarios for task in s.tasks)
+    unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
     walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
     worlds = Worlds(
         rules=np.zeros(count, dtype=RULES),
@@ -72,6 +77,9 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         brings=np.zeros((count, robots, caps), dtype=np.int16),
         has=np.zeros((count, robots, caps), dtype=np.int16),
         needs=np.zeros((count, tasks, caps), dtype=np.int16),
+        sure_needs=np.zeros(unsure, dtype=np.int16),
+        true_needs=np.zeros(unsure, dtype=np.int16),
+        may_need=np.zeros(unsure, dtype=np.float32),
         precedes=np.zeros(precedes, dtype=np.bool_),
         demand=np.zeros((count, caps), dtype=np.int32),
         order=np.full((count, tasks), NOBODY, dtype=np.int32),
@@ -89,7 +97,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     worlds.teams["task"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
     worlds.tasks["appears"] = NEVER
-    for field in ("next_here", "server", "done_at", "done_by", "crew", "waiting"):
+    for field in ("next_here", "server", "done_at", "done_by", "crew", "waiting", "shown_at"):
         worlds.tasks[field] = NOBODY
     worlds.robots["crew"] = worlds.robots["next"] = worlds.robots["took"] = NOBODY
     return worlds
@@ -108,6 +116,8 @@ def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
         "step_limit": scenario.step_limit,
         "new_tasks": NEAREST if scenario.new_tasks == "nearest" else RESOLVE,
         "allocation": ALLOCATIONS.index(scenario.allocation),
+        "foresight": FORESIGHTS.index(scenario.foresight),
+        "hides_needs": any(task.may_need for task in scenario.tasks),
         "has_schedule": scenario.order == "schedule",
         "has_walls": bool(scenario.world.rows),
         "is_plane": plane is not None,
@@ -177,14 +187,15 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
 
 
-def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario) -> None:
+def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario, truth: Scenario) -> None:
     cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
     number_of = {task.name: k for k, task in enumerate(scenario.tasks)}
     width, height, cells_per_length = _cells_of(scenario)
     for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
         task, record = scenario.tasks[k], worlds.tasks[w, k]
         record["x"], record["y"] = task.at
-        record["duration"] = task.duration
+        record["duration"], record["longest"] = task.duration, task.longest
+        record["takes"], record["hides_needs"] = truth.tasks[k].duration, bool(task.may_need)
         record["appears"], record["awaits"] = opening_step(task), len(task.after)
         for name in task.after:
             worlds.precedes[w, number_of[name], k] = True
@@ -193,8 +204,16 @@ def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario) -> None:
         column, row = (int(along * cells_per_length) for along in task.at)
         cell = worlds.cells[w, min(row, height - 1) * width + min(column, width - 1)]
         record["next_here"], cell["first_task"] = cell["first_task"], k
-        for name, count in task.needs.items():
+        believed = expected_needs(task, scenario.foresight)
+        for name, count in believed.items():
             worlds.needs[w, k, cap_of[name]] = count
+        if len(worlds.true_needs[w]):
+            for name, count in task.needs.items():
+                worlds.sure_needs[w, k, cap_of[name]] = count
+            for name, count in truth.tasks[k].needs.items():
+                worlds.true_needs[w, k, cap_of[name]] = count
+            for name, probability in task.may_need.items():
+                worlds.may_need[w, k, cap_of[name]] = probability
     known = np.flatnonzero(worlds.tasks["is_open"][w])
     worlds.order[w, : len(known)] = known
     worlds.demand[w] = (worlds.needs[w, known] > 0).sum(axis=0)

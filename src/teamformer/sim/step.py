@@ -19,6 +19,7 @@ from teamformer.sim.losses import lose_robots, return_robots
 from teamformer.sim.motion import move_teams, place_teams
 from teamformer.sim.reward import reward_teams
 from teamformer.sim.spatial_index import forget_cells, list_teams_by_cell
+from teamformer.sim.surprises import expect_needs, show_needs
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World, Worlds
@@ -91,10 +92,13 @@ def finish_step(world: World, weights: tuple[float, float, float], rewards: Arra
     step = world.count.steps + 1
     any_lost = lose_robots(world, step)
     any_back = return_robots(world, step)
+    if any_lost or any_back:
+        expect_needs(world)
+    any_shown = show_needs(world, step)
     complete_tasks(world, step)
     world.count.steps = step
     reward_teams(world, weights, rewards)
     any_released = release_tasks(world, step)
-    if any_lost or any_back or any_released:
+    if any_lost or any_back or any_shown or any_released:
         drop_assignments(world)
     judge_status(world, any_lost)

@@ -19,6 +19,7 @@ from teamformer.sim.spatial_index import (
     list_teams_by_cell,
     stands_at,
 )
+from teamformer.sim.surprises import expected_rest
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World, Worlds
@@ -51,6 +52,7 @@ class View(NamedTuple):
     task: Array  # (teams,) int32, own assignment or NOBODY
     is_at_task: Array  # (teams,) bool, stands where its assignment is
     is_serving: Array  # (teams,) bool, must maintain until the service ends
+    rest: Array  # (teams,) int32, steps until that is expected; 0 if it does not serve
     has_crews: Array  # (teams,) bool, tasks are shared out among crews
     has_plan: Array  # (teams,) bool, a shared plan says who does what
     planned: Array  # (teams, caps) int16, counts that it wants the team to have; else its own
@@ -66,7 +68,8 @@ class View(NamedTuple):
     is_mate: Array  # (teams, seen) bool, of the same crew; all are where there are no crews
     task_number: Array  # (teams, tasks) int32
     task_place: Array  # (teams, tasks, 2) float64
-    task_needs: Array  # (teams, tasks, caps) int16
+    task_needs: Array  # (teams, tasks, caps) int16, as is believed
+    task_may_need: Array  # (teams, tasks, caps) float32 probability of one more, or (teams, 0, 0)
     task_rank: Array  # (teams, tasks) int32, 0 is the first open task in the order
     first_member: Array  # (teams + 1,) int32, where each team's rows in the next two begin
     member: Array  # (members,) int32, robot numbers, ascending in a team
@@ -141,6 +144,7 @@ def _write_own(world: World, view: View, row: int, team: int) -> None:
     view.task[row] = task
     view.is_at_task[row] = task != NOBODY and stands_at(world, team, task)
     view.is_serving[row] = world.teams[team].serves > 0
+    view.rest[row] = expected_rest(world, team)
     view.has_crews[row] = world.rules.allocation == CREWS
     has_plan = world.rules.allocation == PLAN
     view.has_plan[row] = has_plan
@@ -254,6 +258,8 @@ def _write_tasks(world: World, view: View, row: int, team: int) -> None:
         view.task_place[row, padded, 0] = view.task_place[row, padded, 1] = 0.0
         for cap in range(view.counts.shape[1]):
             view.task_needs[row, padded, cap] = 0
+        for cap in range(view.task_may_need.shape[2]):
+            view.task_may_need[row, padded, cap] = 0.0
         view.task_rank[row, padded] = 0
 
 
@@ -264,12 +270,16 @@ def _write_task(world: World, view: View, row: int, column: int, task: int) -> N
     view.task_place[row, column, 1] = world.tasks[task].y
     for cap in range(view.counts.shape[1]):
         view.task_needs[row, column, cap] = world.needs[task, cap]
+    for cap in range(view.task_may_need.shape[2]):
+        is_hidden = world.tasks[task].hides_needs
+        view.task_may_need[row, column, cap] = world.may_need[task, cap] if is_hidden else 0.0
     view.task_rank[row, column] = world.tasks[task].rank
 
 
-def make_view(worlds: int, robots: int, tasks: int, caps: int) -> View:
+def make_view(worlds: int, robots: int, tasks: int, caps: int, hides_needs: bool = False) -> View:
     """Return room for the views of so many worlds of up to these sizes."""
     teams, seen, shown = worlds * robots, min(NEAREST_TEAMS, robots - 1), min(NEXT_TASKS, tasks)
+    may_need = (teams, shown, caps) if hides_needs else (teams, 0, 0)
     return View(
         world=np.zeros(teams, dtype=np.int32),
         slot=np.zeros(teams, dtype=np.int32),
@@ -279,6 +289,7 @@ def make_view(worlds: int, robots: int, tasks: int, caps: int) -> View:
         task=np.zeros(teams, dtype=np.int32),
         is_at_task=np.zeros(teams, dtype=np.bool_),
         is_serving=np.zeros(teams, dtype=np.bool_),
+        rest=np.zeros(teams, dtype=np.int32),
         has_crews=np.zeros(teams, dtype=np.bool_),
         has_plan=np.zeros(teams, dtype=np.bool_),
         planned=np.zeros((teams, caps), dtype=np.int16),
@@ -295,6 +306,7 @@ def make_view(worlds: int, robots: int, tasks: int, caps: int) -> View:
         task_number=np.zeros((teams, shown), dtype=np.int32),
         task_place=np.zeros((teams, shown, 2)),
         task_needs=np.zeros((teams, shown, caps), dtype=np.int16),
+        task_may_need=np.zeros(may_need, dtype=np.float32),
         task_rank=np.zeros((teams, shown), dtype=np.int32),
         first_member=np.zeros(teams + 1, dtype=np.int32),
         member=np.zeros(teams, dtype=np.int32),

@@ -37,7 +37,7 @@ class Recorder:
 
     def __init__(self, env: TeamFormation) -> None:
         self._env = env
-        self._scenario = env.scenarios[0]
+        self._scenario, self._truth = env.scenarios[0], env.truths[0]
         self._along = float if isinstance(self._scenario.world, Plane) else int
         self._steps: list[Step] = []
         self._orders: list[tuple[int, tuple[int, ...]]] = []
@@ -56,6 +56,7 @@ class Recorder:
         before, after = self._before, self._snapshot()
         steps = after.tally.steps
         robots, tasks = self._env.worlds.robots[0], self._env.worlds.tasks[0]
+        shown = np.flatnonzero(tasks["shown_at"] == steps)
         formed = _groups(robots["formed"])
         is_lost = (robots["formed"] != NOBODY) & (robots["team"] == NOBODY)
         is_back = (robots["formed"] == NOBODY) & (robots["team"] != NOBODY)
@@ -70,6 +71,7 @@ class Recorder:
                 done=tuple((int(k), int(tasks["done_by"][k])) for k in done),
                 named=self._named(formed),
                 took=_exchanges(robots["took"]),
+                shown=tuple(shown.tolist()),
             )
         )
         appears = (tasks["appears"] == steps) & (tasks["awaits"] == 0)
@@ -91,6 +93,7 @@ class Recorder:
             lower_bound=lower_bound,
             crews=tuple(self._crews),
             plans=tuple(plan for plan in self._shared_plans if plan[0] <= made),
+            truth=self._truth if self._scenario.has_surprises else None,
         )
 
     def _snapshot(self) -> _Snapshot:
@@ -158,7 +161,7 @@ class Recorder:
 
     def _blocked_tasks(self) -> tuple[str, ...]:
         """Name the tasks that the robots left and those due back can never do."""
-        scenario, made = self._scenario, self._before.tally.steps
+        scenario, made = self._truth, self._before.tally.steps
         left = {robot for robots in self._before.groups.values() for robot in robots}
         left |= {r for r, robot in enumerate(scenario.robots) if (robot.back or 0) > made}
         have = totals_by_region(scenario.world, (scenario.robots[r] for r in left))

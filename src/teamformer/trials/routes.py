@@ -19,7 +19,7 @@ def routes_of(replay: Replay) -> tuple[Route, ...]:
     for number, step in enumerate(replay.steps, 1):
         fleet.follow(step, number)
         for task, slot in step.done:
-            start = number - replay.scenario.tasks[task].duration
+            start = number - replay.mission.tasks[task].duration
             for robot in fleet.members[slot]:
                 earlier = stops[robot][-1].end if stops[robot] else 0
                 arrive = min(start, max(earlier, fleet.since[robot]))

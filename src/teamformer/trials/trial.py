@@ -14,6 +14,7 @@ from teamformer.policies.protocol import Planner, Policy
 from teamformer.sim.env import Tally, TeamFormation
 from teamformer.sim.replay.record import Replay
 from teamformer.trials.recorder import Recorder
+from teamformer.truth import draw_truth
 
 
 @dataclass(frozen=True)
@@ -40,16 +41,20 @@ def run_trial(
 ) -> Trial:
     """Run one trial and record it; Ctrl-C ends it with what was done so far.
 
+    The seed says what an uncertain mission really is. A policy that is told everything is told
+    that too, so that for it nothing is uncertain.
+
     `lower_bound` is what is known of the scenario; a planner that has proven more raises it.
     `on_step` is called after each step, for a display of progress.
     """
     begun = time.perf_counter()
     deciding = 0.0
-    env = TeamFormation([scenario])
+    truth = draw_truth(scenario, seed)
+    env = TeamFormation([truth if policy.needs_everything else scenario], truths=[truth])
     recorder = Recorder(env)
     is_interrupted = False
     try:
-        deciding += _seconds(lambda: _begin(policy, [scenario], seed))
+        deciding += _seconds(lambda: _begin(policy, [truth], seed))
         while env.is_running[0]:
             view = env.view()
             asked = time.perf_counter()
@@ -67,11 +72,21 @@ def run_trial(
 
 
 def run_trials(
-    scenarios: Sequence[Scenario], policy: Policy, seed: int = 0, threads: int = 1
+    scenarios: Sequence[Scenario],
+    policy: Policy,
+    seed: int = 0,
+    threads: int = 1,
+    truth_seeds: Sequence[int] = (),
 ) -> list[Tally]:
-    """Run one trial of each scenario side by side, unrecorded, and return how each ended."""
-    with TeamFormation(scenarios, threads=threads) as env:
-        _begin(policy, scenarios, seed)
+    """Run one trial of each scenario side by side, unrecorded, and return how each ended.
+
+    `truth_seeds` say what uncertain missions really are; left out, `seed` says it of them all.
+    """
+    seeds = truth_seeds or [seed] * len(scenarios)
+    truths = [draw_truth(scenario, own) for scenario, own in zip(scenarios, seeds, strict=True)]
+    played = truths if policy.needs_everything else scenarios
+    with TeamFormation(played, threads=threads, truths=truths) as env:
+        _begin(policy, truths, seed)
         while env.is_running.any():
             env.step(policy.decide(env.view()))
         return [env.tally(w) for w in range(len(scenarios))]

@@ -12,7 +12,7 @@ from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import ready_policy
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import rules_not_played
+from teamformer.mission_rules import rules_of_sure_missions
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario
@@ -50,7 +50,7 @@ def live(path: Path | None, options: Options) -> int:
     from teamformer.live.workshop import Workshop
     from teamformer.viewer.html import live_page
 
-    scenario = None if path is None else read_scenario(path, rules_not_played)
+    scenario = None if path is None else read_scenario(path, rules_of_sure_missions)
     ready_policy(options.policy, options.time_limit)  # refused before anything is served
     prepare_folder(options.folder)
     _check_port(options.host, options.port)

@@ -26,6 +26,7 @@ from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.task_times import lateness
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
+from teamformer.truth import expected_mission
 from teamformer.viewer.gantt import write_gantt
 
 LONGEST_TABLE = 40  # robots
@@ -106,7 +107,9 @@ def _plan_steps(
             f"--policy {policy} plans missions in continuous time", "leave --policy out"
         )
     announce_compiling(["central"], scenario.is_planned)
-    trial = run_trial(scenario, Central(time_limit), "central")
+    if scenario.has_surprises:
+        say("not everything is known: this is planned for what is to be expected")
+    trial = run_trial(expected_mission(scenario), Central(time_limit), "central")
     end, bound = trial.replay.end, trial.replay.lower_bound or 0
     if end.makespan is None:
         return None

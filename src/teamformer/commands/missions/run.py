@@ -40,6 +40,7 @@ from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.registry import load_policy
 from teamformer.trials.suiting import refuse_unknown, suited
 from teamformer.trials.trial import Trial, run_trial
+from teamformer.truth import draw_truth
 
 LONGEST_TABLE = 40  # tasks
 MOST_NAMES = 12
@@ -144,7 +145,7 @@ def ready_policy(name: str, time_limit: float) -> Policy:
 
 def watch_trial(scenario: Scenario, policy: Policy, name: str, seed: int) -> Trial:
     """Run a trial with its lower bound, and a display of progress if it takes long."""
-    bound = lower_bound(scenario)
+    bound = lower_bound(draw_truth(scenario, seed))
     with StepProgress(len(scenario.tasks)) as progress:
         return run_trial(
             scenario,
@@ -289,7 +290,7 @@ def _verdict(replay: Replay) -> str:
 
 def _task_table(replay: Replay) -> Table:
     """Return who did what when, in the order it was done."""
-    scenario = replay.scenario
+    scenario = replay.mission
     table = Table(box=None, header_style="dim")
     for header in ("step", "task", "needs", "done by"):
         table.add_column(header, overflow="fold")

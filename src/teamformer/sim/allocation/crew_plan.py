@@ -27,14 +27,17 @@ ROUNDS_AGAIN = 300
 def update_plan(world):  # type: ignore[no-untyped-def]
     """Plan the crews, or only the order, where need be; call it after each step.
 
-    Crews are planned at the start, when tasks appear, when robots are lost or back and when a crew
-    has nothing left to do; an order alone at the start and when tasks appear.
+    Crews are planned at the start, when tasks appear, when robots are lost or back, when it shows
+    what a task needs and when a crew has nothing left to do; an order alone at the start and when
+    tasks appear.
     """
     has_crews = world.rules.allocation == CREWS
     any_new, any_done = world.count.arrived > 0, world.count.noted < world.count.done
     is_changed = _forget_lost(world)
     is_changed |= world.count.back > world.count.planned_back
+    is_changed |= world.count.shown > world.count.planned_shown
     world.count.planned_back = world.count.back
+    world.count.planned_shown = world.count.shown
     is_idle = _note_done(world) and has_crews
     if world.count.open > 0 and (any_new or (has_crews and (is_changed or is_idle))):
         rounds = ROUNDS if any_new or is_changed else ROUNDS_AGAIN
@@ -152,7 +155,7 @@ def _put_possible_first(world):  # type: ignore[no-untyped-def]
     possible = 0
     for position in range(world.count.open):
         task = world.order[position]
-        if is_possible(world, task, False):
+        if is_possible(world, task, world.needs[task], False):
             for later in range(position, possible, -1):
                 world.order[later] = world.order[later - 1]
             world.order[possible] = task

@@ -15,8 +15,9 @@ from teamformer.planning.teams.shared_plan import plan_mission
 from teamformer.rules.constants import NOBODY, PLAN_REASONS
 from teamformer.sim.allocation.plan_moves import follow_shared_plans
 from teamformer.sim.arrays import PLAN, RUNNING, Array, Worlds, world_at
+from teamformer.truth import believed_mission, expected_mission
 
-START, APPEARED, LOST, BROKEN_OFF, BACK = 1, 2, 4, 8, 16
+START, APPEARED, LOST, BROKEN_OFF, BACK, SHOWN, OVERDUE = 1, 2, 4, 8, 16, 32, 64
 """Why a plan is made, in bits, in the order of `PLAN_REASONS`."""
 
 
@@ -34,7 +35,8 @@ def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario]) -> None:
         if reasons[w] & START:
             plan = _first_plan(_Same(scenarios[w]), facts)
         else:
-            plan = plan_mission(scenarios[w], facts, _read_plan(worlds, w))
+            believed = _believed(worlds, w, scenarios[w])
+            plan = plan_mission(believed, facts, _read_plan(worlds, w))
         _write_plan(worlds, w, plan)
     follow_shared_plans(worlds, reasons != 0)
 
@@ -55,7 +57,22 @@ class _Same:
 @lru_cache(maxsize=16)
 def _first_plan(same: _Same, facts: Facts) -> SharedPlan:
     """Return the plan at a start, kept for who plays the scenario again, as planners do."""
-    return plan_mission(same.scenario, facts, None)
+    return plan_mission(expected_mission(same.scenario), facts, None)
+
+
+def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
+    """Return a mission with what everybody believes that its tasks need."""
+    if not worlds.rules["hides_needs"][w]:
+        return believed_mission(scenario, {})
+    caps = scenario.capabilities
+    needs = worlds.needs[w][: len(scenario.tasks), : len(caps)].tolist()
+    return believed_mission(
+        scenario,
+        {
+            task: {cap: count for cap, count in zip(caps, counts, strict=True) if count}
+            for task, counts in enumerate(needs)
+        },
+    )
 
 
 @entry
@@ -73,12 +90,18 @@ def _find_reasons(worlds, reasons):  # type: ignore[no-untyped-def]
             reasons[w] |= BROKEN_OFF
         if world.count.back > world.count.planned_back:
             reasons[w] |= BACK
+        if world.count.shown > world.count.planned_shown:
+            reasons[w] |= SHOWN
+        if world.count.overdue > world.count.planned_overdue:
+            reasons[w] |= OVERDUE
         if reasons[w] != 0:
             world.count.reason = reasons[w]
         world.count.arrived = 0
         world.count.planned_lost = world.count.lost
         world.count.planned_back = world.count.back
         world.count.planned_broken_off = world.count.broken_off
+        world.count.planned_shown = world.count.shown
+        world.count.planned_overdue = world.count.overdue
 
 
 def facts_of(worlds: Worlds, w: int, scenario: Scenario) -> Facts:
@@ -87,7 +110,8 @@ def facts_of(worlds: Worlds, w: int, scenario: Scenario) -> Facts:
     step = int(worlds.count["steps"][w])
     free_at = np.full(len(teams), step)  # (slots,)
     for task in np.flatnonzero(tasks["server"] != NOBODY).tolist():
-        server, until = int(tasks["server"][task]), step + int(tasks["remaining"][task])
+        server, rest = int(tasks["server"][task]), tasks["expected"][task] - tasks["served"][task]
+        until = step + int(rest)
         free_at[server] = max(int(free_at[server]), until)
     slots = robots["team"][: len(scenario.robots)]
     along = int if isinstance(scenario.world, Grid) else float

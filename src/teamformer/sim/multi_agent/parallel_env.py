@@ -20,6 +20,7 @@ from teamformer.sim.multi_agent.action_spaces import (
 )
 from teamformer.sim.reward import Reward
 from teamformer.sim.view import View
+from teamformer.truth import draw_truth
 
 try:
     from gymnasium import spaces
@@ -48,7 +49,8 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
 
     `actions` is "counts" (the counts the team wants, which the scalable space spells) or
     "original" (2^(|C|+1) actions; observations then hold an `action_mask`). With a `Spec` every
-    reset draws a new world of the same sizes; with a `Scenario` the world is always the same.
+    reset draws a new world of the same sizes; with a `Scenario` the world is always the same, and
+    what is uncertain in it is drawn anew.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"name": "team_formation_v1", "render_modes": []}
@@ -88,7 +90,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         """Begin anew; the seed decides the world that a `Spec` draws, and those of later resets."""
         if seed is not None:
             self._rng = np.random.default_rng(seed)
-        if isinstance(self._source, Spec):
+        if isinstance(self._source, Spec) or self._source.has_surprises:
             self._env = self._make_env()
         else:
             self._env.reset()
@@ -126,9 +128,10 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
     def state(self) -> Array:
         """Return the whole world as one float32 vector, for a critic that sees everything.
 
-        Robot by robot: its team's slot, place (x, y) and task, then what it brings (caps); all -1
-        once it is lost. Then task by task, future ones too: whether it is open and whether done,
-        its place, the steps of service left, and what it needs (caps).
+        What is uncertain is there as it really is. Robot by robot: its team's slot, place (x, y)
+        and task, then what it brings (caps); all -1 once it is lost. Then task by task,
+        future ones too: whether it is open and whether done, its place, the steps of service left,
+        and what it needs (caps).
         """
         worlds = self._env.worlds
         robots, tasks = worlds.robots[0], worlds.tasks[0]
@@ -136,16 +139,20 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         fleet = np.column_stack((robots["team"], team["x"], team["y"], team["task"]))
         fleet = np.hstack((fleet, worlds.brings[0]))  # (robots, 4 + caps)
         fleet[robots["team"] == NOBODY] = NOBODY
-        left = np.where(tasks["server"] == NOBODY, 0, tasks["remaining"])
+        left = np.where(tasks["server"] == NOBODY, 0, tasks["takes"] - tasks["served"])
         is_done = tasks["done_at"] != NOBODY
         work = np.column_stack((tasks["is_open"], is_done, tasks["x"], tasks["y"], left))
-        work = np.hstack((work, worlds.needs[0]))  # (tasks, 5 + caps)
+        needs = worlds.true_needs[0] if worlds.rules["hides_needs"][0] else worlds.needs[0]
+        work = np.hstack((work, needs))  # (tasks, 5 + caps)
         return np.concatenate((fleet, work), axis=None, dtype=np.float32)
 
     def _make_env(self) -> TeamFormation:
         source = self._source
         scenario = generate(source, self._rng) if isinstance(source, Spec) else source
-        return TeamFormation([scenario], self._reward)
+        truth = scenario
+        if scenario.has_surprises:
+            truth = draw_truth(scenario, int(self._rng.integers(2**31)))
+        return TeamFormation([scenario], self._reward, truths=[truth])
 
     def _look(self) -> None:
         """View the world, one that has just ended too: a learner needs the last state's value."""
@@ -182,6 +189,8 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         view, robots = self._view, len(self._env.scenarios[0].robots)
         first, end = view.first_member[row : row + 2]
         arrays = {name: getattr(view, name)[row] for name in OF_TEAM}
+        if not view.task_may_need.size:
+            del arrays["task_may_need"]
         arrays["member"] = np.full(robots, NOBODY, dtype=np.int32)  # (robots,)
         arrays["member"][: end - first] = view.member[first:end]
         arrays["member_counts"] = np.zeros((robots, view.counts.shape[1]), dtype=np.int16)
@@ -207,8 +216,10 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
             return 0, max(scenario.world.corner)
         if name.endswith("counts") or name == "task_needs":
             return 0, LARGEST_COUNT
-        if array.dtype == np.int8:
+        if array.dtype == np.int8 or name == "task_may_need":
             return 0, 1
+        if name == "rest":
+            return 0, int(max(task.longest for task in scenario.tasks))
         if array.dtype == np.float32:
             return 0, np.inf
         return NOBODY, max(len(scenario.robots), len(scenario.tasks))

@@ -25,6 +25,7 @@ from teamformer.sim.replay.record import (
     Step,
     TeamAt,
 )
+from teamformer.sim.replay.truths import truth_from_tree
 from teamformer.sim.replay.values import (
     DamageError,
     check_keys,
@@ -50,7 +51,7 @@ STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
 REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
-NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in ("crews", "plans"))
+NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in ("crews", "plans", "truth"))
 
 
 def read_replay(path: Path) -> Replay:
@@ -148,6 +149,10 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         plans = tuple(
             (count_of(at), _plan(made, robots)) for at, made in rows_of(tree.get("plans", []), 2)
         )
+    with inside("truth"):
+        truth = None
+        if scenario.has_surprises or "truth" in tree:
+            truth = truth_from_tree(scenario, tree.get("truth"))
     with inside("start"):
         start = tuple(
             (number_below(slot, robots), numbers_below(members, robots), along(x), along(y))
@@ -166,6 +171,7 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         lower_bound=None if bound is None else count_of(bound),
         crews=crews,
         plans=plans,
+        truth=truth,
     )
 
 
@@ -227,6 +233,7 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
         named=numbers_below(tree.get("named", []), robots),
         took=tuple((number_below(one, robots), number_below(other, robots)) for one, other in took),
         heard=tuple(_heard(row, robots) for row in rows_of(tree.get("heard", []), 3)),
+        shown=numbers_below(tree.get("shown", []), tasks),
     )
 
 

@@ -49,6 +49,7 @@ class Step:
     named: tuple[int, ...] = ()  # teams whose decision named their task, where tasks are shared out
     took: tuple[tuple[int, int], ...] = ()  # like robots that exchanged their parts of the plan
     heard: tuple[tuple[int, int, str], ...] = ()  # sender, receiver, what: one of HEARD
+    shown: tuple[int, ...] = ()  # tasks whose needs have become known
 
 
 @dataclass(frozen=True)
@@ -79,3 +80,9 @@ class Replay:
     lower_bound: int | None = None
     crews: tuple[tuple[int, tuple[Crew, ...]], ...] = ()  # steps made, crews from then on
     plans: tuple[tuple[int, SharedPlanMade], ...] = ()  # steps made, the shared plan from then on
+    truth: Scenario | None = None  # what an uncertain mission really was
+
+    @property
+    def mission(self) -> Scenario:
+        """Return the mission as it really was."""
+        return self.scenario if self.truth is None else self.truth

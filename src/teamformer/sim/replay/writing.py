@@ -9,6 +9,7 @@ from typing import Any
 
 from teamformer.scenarios.files import scenario_to_tree
 from teamformer.sim.replay.record import VERSION, Replay, Step
+from teamformer.sim.replay.truths import truth_to_tree
 from teamformer.whole_files import write_whole
 
 
@@ -25,6 +26,8 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
         "end": {key: _lists(value) for key, value in vars(replay.end).items()},
         "lower_bound": replay.lower_bound,
     }
+    if replay.truth is not None:
+        tree["truth"] = truth_to_tree(replay.scenario, replay.truth)
     if replay.crews:
         tree["crews"] = _lists(replay.crews)
     if replay.plans:

@@ -115,11 +115,12 @@ function outlineWidth(half) {
 // One piece of the outline for each count of each requirement, in the capability's colour.
 function drawRequirements(view, task, { x, y, half }) {
   const { ctx } = view;
-  const { needs } = view.scenario.tasks[task];
+  const open = hiddenNeeds(view, task);
+  const needs = open.length ? view.scenario.tasks[task].sure : needsAt(view.history, task, view.scene.step);
   const width = outlineWidth(half);
   const inner = half - width * 0.5;
   const length = squareLength(inner);
-  const piece = length / sumCounts(needs);
+  const piece = length / (sumCounts(needs) + open.length);
   const gap = Math.min(2, piece * 0.2);
   ctx.lineWidth = width;
   tracedSquare(ctx, x, y, inner);
@@ -132,8 +133,25 @@ function drawRequirements(view, task, { x, y, half }) {
       ctx.stroke();
     }
   }
+  ctx.globalAlpha *= UNSURE;
+  for (const [cap] of open) {
+    ctx.strokeStyle = view.colours[cap].fill;
+    ctx.setLineDash([piece - gap, length - piece + gap]);
+    ctx.lineDashOffset = -start;
+    ctx.stroke();
+    start += piece;
+  }
+  ctx.globalAlpha /= UNSURE;
   ctx.lineDashOffset = 0;
   ctx.setLineDash([]);
+}
+
+const UNSURE = 0.35; // how strong is drawn what may be needed
+
+// What may be needed while nobody knows it.
+function hiddenNeeds(view, task) {
+  const isHidden = view.history.shownAt[task] > view.scene.step;
+  return isHidden ? view.scenario.tasks[task].mayNeed : [];
 }
 
 // The thin line in the task's own colour.
@@ -164,8 +182,11 @@ function drawProgress(view, task, { x, y, half }) {
 function drawNeeds(view, task, { x, y, half }) {
   if (half < 9) return;
   const { ctx, theme } = view;
-  const { needs } = view.scenario.tasks[task];
+  const needs = hiddenNeeds(view, task).length
+    ? view.scenario.tasks[task].sure
+    : needsAt(view.history, task, view.scene.step);
   const lines = needsLines(view.labels, needs, half);
+  if (hiddenNeeds(view, task).length) lines[lines.length - 1] += " ?";
   const wanted = Math.min(15, half * (lines.length > 1 ? 0.5 : 0.62));
   ctx.font = `600 ${wanted}px ${theme.font}`;
   const widest = Math.max(...lines.map((line) => ctx.measureText(line).width));

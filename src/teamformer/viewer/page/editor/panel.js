@@ -109,7 +109,8 @@ class EditorPanel {
     const counts = readWrittenCounts(thing[key] ?? []);
     const all = () =>
       writtenCounts(Object.fromEntries(draft.tree.capabilities.map((name) => [name, Number(this.thing.elements[`count ${name}`].value)])));
-    const more = Object.entries(MORE_FIELDS[kind]).map(([name, text]) =>
+    const single = Object.entries(MORE_FIELDS[kind]).filter(([name]) => !Array.isArray(thing[name])); // a range is kept
+    const more = single.map(([name, text]) =>
       labelled(text, number(name, thing[name] ?? "", set(({ value }) => ({ [name]: value === "" ? undefined : Number(value) }), name), "any")),
     );
     this.thing.replaceChildren(

@@ -102,19 +102,28 @@ function lostDetails(app, robot) {
 
 function taskDetails(app, task) {
   const { history, player } = app;
-  const { name, at, needs, duration } = history.scenario.tasks[task];
+  const { name, at, sure, mayNeed, duration } = history.scenario.tasks[task];
+  const isShown = history.shownAt[task] <= player.step;
+  const needs = isShown ? needsAt(history, task, player.step) : sure;
   const standing = standingOf(history, task, player.step);
   const isOpen = standing === "open";
-  const steps = duration ? `, takes ${describeSpan(history.scenario.world, duration)}` : "";
+  const steps = duration ? `, takes ${durationText(history, task, player.step)}` : "";
   return [
     heading(app, taskMark(app, task), name),
     lead(capitalised(describeStanding(history, task, app.scene()))),
     element("p", { class: "muted" }, `At ${describePlace(history.scenario.world, at)}${steps}${orderText(app, task)}`),
     ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
+    ...(isShown ? [] : titled("May need", element("p", {}, describeChances(history.scenario, mayNeed)))),
     isOpen ? waitingFor(app, task, missingOfBest(app, task), null) : null,
     isOpen || standing === "served" ? assignedTeams(app, task) : null,
     ...titled("History", storyList(app, taskStory(history, task))),
   ];
+}
+
+// Once it is done, how long it really took is known.
+function durationText({ scenario, doneAt }, task, step) {
+  const known = scenario.tasks[task];
+  return doneAt[task] <= step ? describeSpan(scenario.world, known.duration) : describeDuration(scenario.world, known);
 }
 
 function orderText(app, task) {

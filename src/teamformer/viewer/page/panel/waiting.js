@@ -51,7 +51,8 @@ function nobodyBrings({ history, player }, cap) {
 
 // What is short at the task itself: beyond the team there that lacks least.
 function missingOfBest(app, task) {
-  const { at, needs } = app.history.scenario.tasks[task];
+  const { at } = app.history.scenario.tasks[task];
+  const needs = needsNow(app, task);
   const here = [...app.scene().teams.values()].filter(({ x, y }) => x === at[0] && y === at[1]);
   const shorts = here.map(({ counts }) => missing(counts, needs));
   return shorts.reduce((best, short) => (sumCounts(short) < sumCounts(best) ? short : best), needs);
@@ -61,12 +62,16 @@ function missingOfBest(app, task) {
 function lackingAt(app, task) {
   const teams = app.scene().assignedTo.get(task) ?? [];
   const together = addCounts(teams.map(({ counts }) => counts));
-  return missing(together, app.history.scenario.tasks[task].needs);
+  return missing(together, needsNow(app, task));
+}
+
+function needsNow({ history, player }, task) {
+  return needsAt(history, task, player.step);
 }
 
 function assignedTeams(app, task) {
   const { scenario } = app.history;
-  const { needs } = scenario.tasks[task];
+  const needs = needsNow(app, task);
   const items = assignedByDistance(app, task).map((team) => {
     const brings = describeCounts(scenario, overlap(team.counts, needs), WAITS_SHOWN) || "nothing";
     const text = ` ${farText(scenario, team, task)}, brings ${brings}`;

@@ -8,7 +8,7 @@ const NOBODY = -1;
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
 function frames(recorded) {
   const replay = inSquares(recorded);
-  const scenario = readScenario(replay.scenario);
+  const scenario = readScenario(replay.scenario, replay.truth);
   const history = {
     replay,
     scenario,
@@ -21,6 +21,7 @@ function frames(recorded) {
     services: scenario.tasks.map(() => []), // [{slot, from, to}], steps; `to` is open till it ends
     doneAt: scenario.tasks.map(() => Infinity),
     doneBy: scenario.tasks.map(() => NOBODY),
+    shownAt: scenario.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
     lostAt: scenario.robots.map(() => Infinity),
     backAt: scenario.robots.map(() => Infinity), // a robot is lost and back once
     lostPlace: new Map(),
@@ -198,6 +199,10 @@ function recordStep(history, state, change, step) {
   for (const robot of change.lost ?? []) recordLoss(history, state, robot, step);
   for (const robot of change.back ?? []) recordReturn(history, state, robot, step);
   placeTeams(state, change);
+  for (const task of change.shown ?? []) {
+    history.shownAt[task] = step;
+    history.events.push({ step, kind: "shown", task });
+  }
   recordHeadings(history, state, change, step);
 }
 
@@ -226,6 +231,12 @@ function recordReturn(history, state, robot, step) {
   history.backAt[robot] = step;
   state.team[robot] = robot;
   history.events.push({ step, kind: "back", robot, slot: robot, size: 1 });
+}
+
+// What everybody believes that a task needs after a step.
+function needsAt(history, task, step) {
+  const { needs, believed } = history.scenario.tasks[task];
+  return history.shownAt[task] <= step ? needs : believed;
 }
 
 function isLost(history, robot, step) {

@@ -56,15 +56,16 @@ function reasonInPlan({ scenario }, { coalitions }, task) {
 // Who has no assignment: whether anything is left that its robots could help with.
 function reasonForRest(history, team, step) {
   const { scenario, doneAt } = history;
-  const open = scenario.tasks.filter(({ appears }, task) => appears <= step && doneAt[task] > step);
+  const all = scenario.tasks.map((_, task) => task);
+  const open = all.filter((task) => scenario.tasks[task].appears <= step && doneAt[task] > step);
   if (!open.length) return "no task is open";
   const plan = sharedPlanAt(history, step);
   const isWanted = ([task, robots]) =>
     doneAt[task] > step && robots.some((robot) => team.robots.includes(robot));
   if (plan && ![...plan.coalitions].some(isWanted)) return "the plan has nothing left for it";
-  const useful = open.filter(({ needs }) => needs.some(([cap]) => team.counts.has(cap)));
+  const useful = open.filter((task) => needsAt(history, task, step).some(([cap]) => team.counts.has(cap)));
   if (!useful.length) return "no open task needs what it brings";
-  const names = useful.slice(0, MANY).map(({ name }) => name);
+  const names = useful.slice(0, MANY).map((task) => taskName(scenario, task));
   const more = useful.length > MANY ? ` and ${useful.length - MANY} more` : "";
   return `others are to do ${names.join(", ")}${more}`;
 }
@@ -86,7 +87,7 @@ function latestPlan({ replay }, step) {
 
 // What happened in the step after which a plan was made.
 function causesIn(history, made) {
-  const kinds = ["appears", "lost", "back"];
+  const kinds = ["appears", "lost", "back", "shown"];
   const events = history.events.filter(({ step, kind }) => step === made && kinds.includes(kind));
   return events.map((event) => describeEvent(history, event)).join(", ");
 }

@@ -1,8 +1,10 @@
 // The scenario of a replay, with capabilities as numbers and counts as [capability, count] pairs.
 
-function readScenario(tree) {
+// `truth` says, by name, what an uncertain mission really was.
+function readScenario(tree, truth) {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
-  const tasks = tree.tasks.map((task) => readTask(task, numbers));
+  const isHopeful = tree.foresight !== "absent";
+  const tasks = tree.tasks.map((task) => readTask(task, numbers, truth?.tasks[task.name], isHopeful));
   const numberOf = new Map(tasks.map(({ name }, number) => [name, number]));
   for (const task of tasks) task.after = task.after.map((name) => numberOf.get(name));
   const scenario = {
@@ -22,13 +24,23 @@ function readScenario(tree) {
 }
 
 // `appears` is when a task becomes known, in steps made; Infinity until all that it is after is done.
-function readTask({ name, at, needs, duration, appears, after, between }, numbers) {
+// `needs` and `duration` are what they really are, `sure`, `believed` and `lasts` what is known
+// before; `mayNeed` has pairs of a capability and the probability that one more is needed.
+function readTask({ name, at, needs, may_need, duration, appears, after, between }, numbers, truth, isHopeful) {
   const opens = Math.max(appears ?? 0, Math.ceil(between?.[0] ?? 0));
+  const mayNeed = Object.entries(may_need ?? {}).map(([cap, chance]) => [numbers.get(cap), chance]);
+  const sure = readCounts(needs, numbers);
+  const hoped = mayNeed.filter(([, chance]) => isHopeful && chance > 0).map(([cap]) => [cap, 1]);
+  const [lasts, took] = Array.isArray(duration) ? [duration, duration[1]] : [null, duration ?? 0];
   return {
     name,
     at,
-    needs: readCounts(needs, numbers),
-    duration: duration ?? 0,
+    needs: truth?.needs ? readCounts(truth.needs, numbers) : sure,
+    sure,
+    believed: sumPairs([...sure, ...hoped]),
+    mayNeed,
+    lasts,
+    duration: truth?.duration ?? took,
     opens,
     appears: after?.length ? Infinity : opens,
     after: after ?? [],
@@ -65,11 +77,12 @@ function readRadius(radius) {
 // Counts come as {lift: 2} or as [lift, weld], one each.
 function readCounts(counts, numbers) {
   const named = Array.isArray(counts) ? counts.map((name) => [name, 1]) : Object.entries(counts);
+  return sumPairs(named.map(([name, count]) => [numbers.get(name), count]));
+}
+
+function sumPairs(pairs) {
   const total = new Map();
-  for (const [name, count] of named) {
-    const cap = numbers.get(name);
-    total.set(cap, (total.get(cap) ?? 0) + count);
-  }
+  for (const [cap, count] of pairs) total.set(cap, (total.get(cap) ?? 0) + count);
   return [...total].sort((one, other) => one[0] - other[0]);
 }
 

@@ -10,7 +10,7 @@ function sceneAt(history, step) {
   const justDone = doneIn(history, step);
   const crews = crewNumbers(history, step);
   for (const team of teams.values()) {
-    describeGoal(history.scenario, team, serving.get(team.slot), justDone.get(team.slot));
+    describeGoal(history, step, team, serving.get(team.slot), justDone.get(team.slot));
     team.crew = crews.get(team.slot) ?? null;
     team.activity = activityOf(history.scenario, team);
   }
@@ -37,11 +37,11 @@ function newTeam(state, slot) {
   return { slot, robots: [], counts: new Map(), x: state.x[slot], y: state.y[slot], assigned };
 }
 
-function describeGoal(scenario, team, service, done) {
+function describeGoal(history, step, team, service, done) {
   team.service = service ?? null;
   team.justDone = done ?? NOBODY;
   team.goal = service?.task ?? done ?? team.assigned;
-  team.missing = team.goal === NOBODY ? [] : missing(team.counts, scenario.tasks[team.goal].needs);
+  team.missing = team.goal === NOBODY ? [] : missing(team.counts, needsAt(history, team.goal, step));
   team.isMet = team.goal !== NOBODY && team.missing.length === 0;
 }
 
@@ -150,10 +150,11 @@ function robotsWith(history, cap, step) {
 }
 
 // The tasks that are known, not done and need a capability.
-function tasksNeeding({ scenario, doneAt }, cap, step) {
+function tasksNeeding(history, cap, step) {
+  const { scenario, doneAt } = history;
   const all = scenario.tasks.map((_, task) => task);
   return all.filter((task) => {
-    const { appears, needs } = scenario.tasks[task];
-    return appears <= step && doneAt[task] > step && namesCap(needs, cap);
+    const { appears } = scenario.tasks[task];
+    return appears <= step && doneAt[task] > step && namesCap(needsAt(history, task, step), cap);
   });
 }

@@ -54,8 +54,8 @@ function describeDoing(scenario, team, step) {
   const lack = describeCounts(scenario, team.missing, MANY);
   switch (team.activity) {
     case "serves": {
-      const { duration } = scenario.tasks[team.goal];
-      return `does ${name}, ${describePart(scenario.world, step - team.service.from, duration)}`;
+      const made = step - team.service.from;
+      return `does ${name}, ${describePart(scenario.world, made, scenario.tasks[team.goal])}`;
     }
     case "done":
       return `has just done ${name}`;
@@ -74,9 +74,20 @@ function describeDoing(scenario, team, step) {
 }
 
 // How much of a service is made.
-function describePart(world, made, duration) {
+function describePart(world, made, task) {
   const count = world.isPlane ? secondsOf(world, made) : made;
-  return `${count} of ${describeSpan(world, duration)} made`;
+  return `${count} of ${describeDuration(world, task)} made`;
+}
+
+// How long a task takes, as far as it is known before it is done.
+function describeDuration(world, { duration, lasts }) {
+  if (!lasts) return describeSpan(world, duration);
+  const least = world.isPlane ? secondsOf(world, lasts[0]) : lasts[0];
+  return `${least} to ${describeSpan(world, lasts[1])}`;
+}
+
+function describeChances(scenario, mayNeed) {
+  return mayNeed.map(([cap, chance]) => `${scenario.capabilities[cap]} (${percent(chance)})`).join(", ");
 }
 
 function describeAt(world, step) {
@@ -107,7 +118,7 @@ function describeLateness({ scenario, doneAt }, task) {
 function describeStanding(history, task, scene) {
   const { scenario } = history;
   const { step } = scene;
-  const { after, appears, duration } = scenario.tasks[task];
+  const { after, appears } = scenario.tasks[task];
   switch (standingOf(history, task, step)) {
     case "hidden":
       return after.length
@@ -117,7 +128,7 @@ function describeStanding(history, task, scene) {
       return `done ${describeWhen(scenario.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "served": {
       const made = step - serviceOf(history, task, step).from;
-      return `under way, ${describePart(scenario.world, made, duration)}`;
+      return `under way, ${describePart(scenario.world, made, scenario.tasks[task])}`;
     }
     case "blocked":
       return "can never be done";
@@ -149,6 +160,8 @@ function eventText(history, event) {
       return `${robotName(scenario, event.robot)} is back`;
     case "appears":
       return `${task} appears`;
+    case "shown":
+      return `${task} needs ${describeCounts(scenario, scenario.tasks[event.task].needs)}, as it turns out`;
     case "heads":
       return `${team} heads for ${task}`;
     case "begins":

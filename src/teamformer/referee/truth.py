@@ -1,0 +1,108 @@
+"""Whether what a record says an uncertain mission really was can be, and what was known when."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from teamformer.capabilities import total
+from teamformer.model import Robot, Scenario, Task
+from teamformer.referee.completion import Tasks
+from teamformer.referee.teams import Fleet
+from teamformer.referee.verdict import Notes
+from teamformer.sim.replay.record import Replay, Step
+
+
+def judge_truth(replay: Replay, notes: Notes) -> None:
+    """Check that the mission which was played is one that the scenario allows."""
+    scenario, truth = replay.scenario, replay.mission
+    for task, true in zip(scenario.tasks, truth.tasks, strict=True):
+        if not _can_be_task(task, true):
+            notes.note(f"task {task.name} cannot really be what the record says that it was")
+    for robot, real in zip(scenario.robots, truth.robots, strict=True):
+        if not _can_be_robot(robot, real):
+            notes.note(f"robot {robot.name} cannot break down when the record says that it did")
+
+
+def _can_be_task(task: Task, true: Task) -> bool:
+    least, most = (task.duration, task.duration) if task.lasts is None else task.lasts
+    for cap in {*task.needs, *task.may_need, *true.needs}:
+        more, chance = true.needs.get(cap, 0) - task.needs.get(cap, 0), task.may_need.get(cap, 0)
+        if not (more == 0 and chance < 1) and not (more == 1 and chance > 0):
+            return False
+    rest = replace(task, lasts=None, may_need={}, duration=0, needs={})
+    return least <= true.duration <= most and replace(true, duration=0, needs={}) == rest
+
+
+def _can_be_robot(robot: Robot, real: Robot) -> bool:
+    if robot.breaks is None:
+        return robot == real
+    repair = robot.breaks.repair
+    if real.lost is None:
+        return real.back is None and robot.breaks.rate < 1
+    if robot.breaks.rate == 0 or real.lost < 1 or (repair is None) != (real.back is None):
+        return False
+    return repair is None or repair[0] <= (real.back or 0) - real.lost <= repair[1]
+
+
+class Knowledge:
+    """What is believed that tasks need, and when that changed."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._hidden = {number for number, task in enumerate(scenario.tasks) if task.may_need}
+        self._changes: list[tuple[int, dict[int, Mapping[str, int]]]] = []  # steps made, by task
+        self.shown_after: set[int] = set()
+        self.expect(set(range(len(scenario.robots))), 0)
+
+    def expect(self, robots: set[int], steps_made: int) -> None:
+        """Expect of what may be needed no more than the robots that are left can bring."""
+        if self._hidden:
+            hoped = {number: self._hoped(number, robots) for number in self._hidden}
+            self._changes.append((steps_made, hoped))
+
+    def _hoped(self, number: int, robots: set[int]) -> Mapping[str, int]:
+        world, task = self._scenario.world, self._scenario.tasks[number]
+        fleet = (self._scenario.robots[robot] for robot in robots)
+        have = total(r.can for r in fleet if world.region(r.at) == world.region(task.at))
+        needs = dict(task.needs)
+        for cap, chance in task.may_need.items():
+            is_absent = self._scenario.foresight == "absent" or chance == 0
+            if not is_absent and have.get(cap, 0) > needs.get(cap, 0):
+                needs[cap] = needs.get(cap, 0) + 1
+        return needs
+
+    def show(self, fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> bool:
+        """Work out whose needs become known in a step, and say where the record differs.
+
+        Returns whether any do.
+        """
+        teams = fleet.teams.values()
+        truth = tasks.scenario.tasks
+        found = {
+            task
+            for task in self._hidden
+            if tasks.is_open(task, number - 1)
+            and any(fleet.is_at(t, truth[task].at) for t in teams)
+        }
+        for task in sorted(found ^ set(step.shown)):
+            name = truth[task].name
+            if task in found:
+                notes.note(f"a team stands at task {name}, and the record does not show its needs")
+            else:
+                notes.note(f"the record shows what task {name} needs, where nobody can know it")
+        if len(set(step.shown)) < len(step.shown):
+            notes.note("the record shows what a task needs twice")
+        self._hidden -= found
+        if found:
+            self.shown_after.add(number)
+            self._changes.append((number, {task: truth[task].needs for task in found}))
+        return bool(found)
+
+    def needs(self, task: int, steps_made: int) -> Mapping[str, int]:
+        """Return what a task was believed to need once so many steps were made."""
+        believed = self._scenario.tasks[task].needs
+        for since, needs in self._changes:
+            if since <= steps_made:
+                believed = needs.get(task, believed)
+        return believed

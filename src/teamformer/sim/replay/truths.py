@@ -1,0 +1,74 @@
+"""What an uncertain mission really was, as records keep it: only what the scenario leaves open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from teamformer.errors import ScenarioError
+from teamformer.model import Robot, Scenario, Task
+from teamformer.scenarios.trees import counts_to_tree
+from teamformer.sim.replay.values import DamageError, check_keys, count_of, inside, text_of
+
+
+def truth_to_tree(scenario: Scenario, truth: Scenario) -> dict[str, Any]:
+    """Return, by name, how long tasks took, what they needed, and when robots were lost."""
+    tasks, robots = {}, {}
+    for task, true in zip(scenario.tasks, truth.tasks, strict=True):
+        said: dict[str, Any] = {}
+        if task.lasts is not None:
+            said["duration"] = true.duration
+        if task.may_need:
+            said["needs"] = counts_to_tree(true.needs)
+        if said:
+            tasks[task.name] = said
+    for robot, real in zip(scenario.robots, truth.robots, strict=True):
+        if robot.breaks is not None:
+            times = {"lost": real.lost, "back": real.back}
+            robots[robot.name] = {key: step for key, step in times.items() if step is not None}
+    return {"tasks": tasks, "robots": robots}
+
+
+def truth_from_tree(scenario: Scenario, tree: Any) -> Scenario:
+    """Return the mission as a record says that it was; raises `DamageError`."""
+    check_keys(tree, ("tasks", "robots"), ("tasks", "robots"))
+    open_tasks = [task.name for task in scenario.tasks if task.lasts is not None or task.may_need]
+    open_robots = [robot.name for robot in scenario.robots if robot.breaks is not None]
+    check_keys(tree["tasks"], open_tasks, open_tasks)
+    check_keys(tree["robots"], open_robots, open_robots)
+    tasks = (_task(task, tree["tasks"].get(task.name)) for task in scenario.tasks)
+    robots = (_robot(robot, tree["robots"].get(robot.name)) for robot in scenario.robots)
+    try:
+        return replace(scenario, tasks=tuple(tasks), robots=tuple(robots))
+    except ScenarioError as error:
+        raise DamageError(error.problems[0].message) from None
+
+
+def _task(task: Task, said: Any) -> Task:
+    if said is None:
+        return task
+    is_open = {"duration": task.lasts is not None, "needs": bool(task.may_need)}
+    keys = [key for key, is_unsure in is_open.items() if is_unsure]
+    with inside(task.name):
+        check_keys(said, keys, keys)
+        duration = count_of(said["duration"]) if "duration" in said else task.duration
+        needs = _counts(said["needs"]) if "needs" in said else task.needs
+    return replace(task, lasts=None, may_need={}, duration=duration, needs=needs)
+
+
+def _counts(said: Any) -> Mapping[str, int]:
+    if isinstance(said, dict):
+        return {name: count_of(count) for name, count in said.items()}
+    if not isinstance(said, list):
+        raise DamageError("needs are no counts")
+    return {text_of(name): 1 for name in said}
+
+
+def _robot(robot: Robot, said: Any) -> Robot:
+    if said is None:
+        return robot
+    with inside(robot.name):
+        check_keys(said, ("lost", "back"))
+        times = {key: count_of(step) for key, step in said.items()}
+    return replace(robot, breaks=None, lost=times.get("lost"), back=times.get("back"))

@@ -1,0 +1,85 @@
+"""What is wrong with what a mission leaves open: ranges, probabilities, rates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from teamformer.capabilities import covers, describe, missing, total
+from teamformer.errors import Problem
+from teamformer.mission_rules import FORESIGHTS, find_surprises
+
+if TYPE_CHECKING:
+    from teamformer.model import Breakdown, Robot, Scenario, Task
+
+LARGEST = 10**9
+
+
+def find_surprise_problems(scenario: Scenario) -> Iterator[Problem]:
+    """Return what is wrong with a scenario's uncertain durations, needs and breakdowns."""
+    if scenario.foresight not in FORESIGHTS:
+        choices = " or ".join(FORESIGHTS)
+        yield Problem(("foresight",), f"foresight '{scenario.foresight}' is unknown; use {choices}")
+    if scenario.time == "continuous":
+        yield from _only_in_steps(scenario)
+    for number, robot in enumerate(scenario.robots):
+        if robot.breaks is not None:
+            yield from _problems_of_breaks(robot, robot.breaks, ("robots", number, "breaks"))
+    for number, task in enumerate(scenario.tasks):
+        if task.lasts is not None:
+            where = ("tasks", number, "duration")
+            yield from _problems_of_range(task.lasts, 0, where, f"task '{task.name}' takes")
+        yield from _problems_of_may_need(scenario, task, ("tasks", number, "may_need"))
+
+
+def _only_in_steps(scenario: Scenario) -> Iterator[Problem]:
+    for where, what in find_surprises(scenario):
+        remedy = f"make {where[-1]} sure, or drop it"
+        yield Problem(where, f"{what}, which only missions in steps know; {remedy}")
+
+
+def _problems_of_range(
+    bounds: tuple[int, int], lowest: int, where: tuple[str | int, ...], what: str
+) -> Iterator[Problem]:
+    least, most = bounds
+    if not lowest <= least <= LARGEST or not most <= LARGEST:
+        message = f"{what} {least} to {most} steps; use {lowest} to {LARGEST:,}"
+        yield Problem(where, message)
+    elif most < least:
+        message = f"{what} {least} to {most} steps, which ends before it begins; turn it round"
+        yield Problem(where, message)
+
+
+def _problems_of_breaks(
+    robot: Robot, breaks: Breakdown, where: tuple[str | int, ...]
+) -> Iterator[Problem]:
+    what = f"robot '{robot.name}'"
+    if not 0 <= breaks.rate <= 1:  # NaN too
+        message = f"{what} breaks down at a rate of {breaks.rate:g} a step; use 0 to 1"
+        yield Problem((*where, "rate"), message)
+    if breaks.repair is not None:
+        yield from _problems_of_range(
+            breaks.repair, 1, (*where, "repair"), f"{what} is repaired in"
+        )
+    if robot.lost is not None:
+        yield Problem(where, f"{what} is lost at a step and breaks at a rate; keep one of the two")
+
+
+def _problems_of_may_need(
+    scenario: Scenario, task: Task, where: tuple[str | int, ...]
+) -> Iterator[Problem]:
+    what = f"task '{task.name}' may need"
+    for name, probability in task.may_need.items():
+        if name not in scenario.capabilities:
+            message = f"{what} '{name}', which is not under capabilities; add it there"
+            yield Problem((*where, name), message)
+        if not 0 <= probability <= 1:  # NaN too
+            message = f"{what} '{name}' with probability {probability:g}; use 0 to 1"
+            yield Problem((*where, name), message)
+    known = {n: count for n, count in task.worst_needs.items() if n in scenario.capabilities}
+    sure = {name: count for name, count in task.needs.items() if name in scenario.capabilities}
+    everybody = total(robot.can for robot in scenario.robots)
+    if task.may_need and covers(everybody, sure) and not covers(everybody, known):
+        short = describe(missing(everybody, known))
+        message = f"{what} {describe(known)} but all robots together lack {short}"
+        yield Problem(where, f"{message}; add such a robot or drop it from may_need")

@@ -1,0 +1,380 @@
+"""What is not known beforehand: when it shows, what is believed until then, who peeks (nobody)."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from plain_world import PlainWorld
+from random_worlds import random_decision, random_world, with_surprises
+from small_worlds import make, play, robot, task
+from teamformer.capabilities import describe
+from teamformer.errors import ReplayError
+from teamformer.export.csv_tables import write_tables
+from teamformer.export.events import events
+from teamformer.mission_rules import ALLOCATIONS, FORESIGHTS
+from teamformer.model import Breakdown, Scenario
+from teamformer.policies import POLICIES
+from teamformer.referee import judge
+from teamformer.rules.constants import NOBODY
+from teamformer.scenarios.named_settings import world_of
+from teamformer.sim.env import Decision, TeamFormation
+from teamformer.sim.replay.reading import read_replay, replay_from_tree
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.writing import replay_to_tree, write_replay
+from teamformer.sim.view import View
+from teamformer.trials.registry import load_policy
+from teamformer.trials.trial import run_trial
+from teamformer.truth import draw_truth
+from test_step import coalitions_of, compare, shared_order, wanted_by_slot
+
+RULES = [(allocation, foresight) for allocation in ALLOCATIONS for foresight in FORESIGHTS]
+
+
+def with_truth(scenario: Scenario, **true: Any) -> Scenario:
+    """Return what a mission of one task really is."""
+    certain = draw_truth(scenario, 0)
+    return replace(certain, tasks=(replace(certain.tasks[0], **true), *certain.tasks[1:]))
+
+
+def test_a_service_is_expected_to_end_amid_what_is_left_of_it() -> None:
+    """2 to 9 steps: 6 are expected, after 6 the mean of 7, 8, 9, after 8 the last."""
+    scenario = make([robot("a", 0)], [replace(task("a", 0), lasts=(2, 9))])
+    env = TeamFormation([scenario], truths=[with_truth(scenario, duration=9)])
+    rests = []
+    for _ in range(10):
+        play(env, 1)
+        rests.append(int(env.view().rest[0]) if env.is_running[0] else 0)
+    assert rests == [6, 5, 4, 3, 2, 1, 2, 1, 1, 0]
+    assert env.tally().status == "completed"
+    assert env.worlds.count["overdue"][0] == 2
+
+
+def test_a_service_may_end_at_once() -> None:
+    scenario = make([robot("a", 0)], [replace(task("a", 0), lasts=(0, 9))])
+    env = TeamFormation([scenario], truths=[with_truth(scenario, duration=0)])
+    play(env, 1)
+    assert env.tally().status == "completed"
+
+
+@pytest.mark.parametrize(("foresight", "believed"), [("needed", [1, 1, 0]), ("absent", [1, 0, 0])])
+def test_needs_are_known_when_a_robot_stands_there(foresight: str, believed: list[int]) -> None:
+    """a . T   where T needs a, c and may need b: nobody knows until a is there, in step 2."""
+    work = replace(task("a", 2), may_need={"b": 0.25})
+    robots = [robot("a", 0), robot("b", 9), robot("c", 19)]
+    scenario = make(robots, [work], foresight=foresight)
+    env = TeamFormation([scenario], truths=[with_truth(scenario, needs={"a": 1, "b": 1})])
+    play(env, 1)
+    assert env.view().task_needs[0, 0].tolist() == believed
+    assert env.view().task_may_need[0, 0].tolist() == [0, 0.25, 0]
+    play(env, 1)
+    assert env.view().task_needs[0, 0].tolist() == [1, 1, 0]
+    assert env.view().task_may_need[0, 0].tolist() == [0, 0, 0]
+    assert env.worlds.tasks["shown_at"][0].tolist() == [2]
+
+
+def test_what_turns_out_not_to_be_needed_is_done_at_once() -> None:
+    work = replace(task("a", 2), may_need={"b": 0.25})
+    scenario = make([robot("a", 0), robot("b", 9)], [work])
+    env = TeamFormation([scenario], truths=[with_truth(scenario, needs={"a": 1})])
+    play(env, 2)
+    assert env.tally().status == "completed"
+
+
+def test_what_nobody_left_could_bring_is_not_hoped_for() -> None:
+    """b is lost in step 1 and back in step 3: meanwhile what may need b is done without it."""
+    work = replace(task("a", 9), may_need={"b": 0.5})
+    away = replace(robot("b", 19), breaks=Breakdown(0.5, (2, 2)))
+    scenario = make([robot("a", 0), away], [work])
+    truth = with_truth(scenario, needs={"a": 1})
+    truth = replace(truth, robots=(truth.robots[0], replace(truth.robots[1], lost=1, back=3)))
+    env = TeamFormation([scenario], truths=[truth])
+    believed = []
+    for _ in range(4):
+        believed.append(env.worlds.needs[0, 0].tolist())
+        play(env, 1)
+    assert believed == [[1, 1, 0], [1, 0, 0], [1, 0, 0], [1, 1, 0]]
+
+
+@pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
+def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None:
+    rng = np.random.default_rng(50 + is_plane)
+    shown = overdue = broken = 0
+    for number in range(60):
+        scenario = with_surprises(random_world(rng, is_plane=is_plane), rng)
+        scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
+        truth = draw_truth(scenario, number)
+        env, twin = TeamFormation([scenario], truths=[truth]), PlainWorld(scenario, truth)
+        while env.is_running[0] and env.tally().steps < 40:
+            view = env.view()
+            rests = {slot: int(rest) for slot, rest in zip(view.slot, view.rest, strict=True)}
+            assert rests == {slot: twin.rest(team) for slot, team in twin.teams.items()}
+            tasks = range(len(scenario.tasks))
+            caps = len(scenario.capabilities)
+            assert [env.worlds.needs[0, k, :caps].tolist() for k in tasks] == [
+                twin.needs(k) for k in tasks
+            ]
+            decision = random_decision(view, rng)
+            twin.crew_of = env.worlds.robots["crew"][0].tolist()
+            twin.list_of = env.worlds.tasks["crew"][0].tolist()
+            twin.order = shared_order(env)
+            twin.coalitions = coalitions_of(env, twin.order)
+            twin.step(wanted_by_slot(view, decision), twin.order)
+            env.step(decision)
+            compare(env, twin)
+        count = env.worlds.count[0]
+        assert count["overdue"] == twin.overdue
+        shown, overdue = shown + count["shown"], overdue + count["overdue"]
+        broken += count["lost"]
+    assert min(shown, overdue, broken) > 20
+
+
+def play_views(
+    scenario: Scenario, truth: Scenario, policy_name: str, steps: int
+) -> tuple[TeamFormation, list[tuple[View, Decision]]]:
+    """Return what is seen and decided in the first steps."""
+    policy = load_policy(policy_name, POLICIES)
+    policy.begin(None, np.random.default_rng(0))
+    env, seen = TeamFormation([scenario], truths=[truth]), []
+    while env.is_running[0] and len(seen) < steps:
+        view = View(*(part.copy() for part in env.view()))
+        decision = policy.decide(view)
+        seen.append((view, Decision(decision.wanted.copy())))
+        env.step(decision)
+    return env, seen
+
+
+def is_alike(one: tuple[View, Decision], other: tuple[View, Decision]) -> bool:
+    same = all(np.array_equal(a, b) for a, b in zip(one[0], other[0], strict=True))
+    return same and np.array_equal(one[1].wanted, other[1].wanted)
+
+
+def other_truths(scenario: Scenario, truth: Scenario, env: TeamFormation) -> list[Any]:
+    """Return (another truth that differs in one thing, the step in which that shows)."""
+    found = []
+    tasks = env.worlds.tasks[0]
+    for k, (known, true) in enumerate(zip(scenario.tasks, truth.tasks, strict=True)):
+        changes: list[tuple[dict[str, Any], int]] = []
+        if known.lasts is not None and true.duration < known.lasts[1]:
+            changes.append(({"duration": known.lasts[1]}, int(tasks["done_at"][k])))
+        for cap, chance in known.may_need.items():
+            if 0 < chance < 1:
+                extra = true.needs.get(cap, 0) - known.needs.get(cap, 0)
+                count = {cap: known.needs.get(cap, 0) + 1 - extra}
+                needs = {c: n for c, n in ({**true.needs} | count).items() if n}
+                changes.append(({"needs": needs}, int(tasks["shown_at"][k])))
+        for change, step in changes:
+            changed = (*truth.tasks[:k], replace(true, **change), *truth.tasks[k + 1 :])
+            found.append((replace(truth, tasks=changed), step))
+    for r, (known, real) in enumerate(zip(scenario.robots, truth.robots, strict=True)):
+        if known.breaks is not None:
+            changed = replace(real, lost=None, back=None)
+            if real.lost is None:
+                changed = replace(changed, lost=17, back=30)
+            robots = (*truth.robots[:r], changed, *truth.robots[r + 1 :])
+            found.append((replace(truth, robots=robots), changed.lost or real.lost))
+    return found
+
+
+def check_nobody_peeks(setting: str, policy: str, allocation: str, foresight: str) -> None:
+    scenario = replace(world_of(setting, 0), allocation=allocation, foresight=foresight)
+    truth = draw_truth(scenario, 5)
+    env, now = play_views(scenario, truth, policy, 400)
+    rng = np.random.default_rng(1)
+    others = other_truths(scenario, truth, env)
+    shows = 0
+    for number in rng.permutation(len(others))[:8]:
+        other, step = others[number]
+        if step == NOBODY:
+            step = len(now)
+        _, then = play_views(scenario, other, policy, step + 1)
+        assert all(is_alike(now[i], then[i]) for i in range(min(step, len(now), len(then))))
+        shows += step < min(len(now), len(then)) and not is_alike(now[step], then[step])
+    assert shows >= 2
+
+
+@pytest.mark.parametrize(("allocation", "foresight"), RULES)
+def test_nobody_knows_the_truth_before_it_shows(allocation: str, foresight: str) -> None:
+    check_nobody_peeks("4N20T-C4-mixed", "join-fitting", allocation, foresight)
+
+
+@pytest.mark.parametrize("policy", ["heuristic", "follow-plan", "teamformer-any"])
+def test_no_policy_knows_the_truth_before_it_shows(policy: str) -> None:
+    check_nobody_peeks("4N20T-C4-mixed", policy, "plan", "needed")
+
+
+@pytest.mark.parametrize(("allocation", "foresight"), RULES)
+def test_surprised_missions_end_and_are_legal(
+    allocation: str, foresight: str, tmp_path: Path
+) -> None:
+    for seed in range(2):
+        scenario = world_of("4N20T-C4-mixed", seed)
+        scenario = replace(scenario, allocation=allocation, foresight=foresight)
+        replay = run_trial(scenario, load_policy("join-fitting", POLICIES), "x", seed).replay
+        assert replay.end.status == "completed"
+        assert judge(replay).findings == ()
+        assert replay.truth == draw_truth(scenario, seed)
+        write_replay(replay, tmp_path / "replay.json")
+        assert read_replay(tmp_path / "replay.json") == replay
+
+
+def test_random_surprised_missions_are_legal_under_every_rule() -> None:
+    rng = np.random.default_rng(9)
+    done = 0
+    for number in range(40):
+        scenario = with_surprises(random_world(rng, is_plane=number % 4 == 0), rng)
+        scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
+        policy = load_policy("join-all", POLICIES)
+        replay = run_trial(scenario, policy, "join-all", number).replay
+        assert judge(replay).findings == ()
+        assert replay.end.status in ("completed", "infeasible")
+        done += replay.end.status == "completed"
+    assert done > 25
+
+
+def test_who_is_told_everything_plays_the_truth() -> None:
+    scenario = world_of("4N4T-C4-mixed", 0)
+    trial = run_trial(scenario, load_policy("central", POLICIES), "central", seed=3)
+    assert trial.replay.scenario == draw_truth(scenario, 3)
+    assert trial.replay.truth is None
+
+
+def test_the_truth_of_a_thing_is_drawn_from_seed_and_number() -> None:
+    scenario = world_of("4N20T-C4-mixed", 0)
+    shorter = replace(scenario, tasks=scenario.tasks[:7], step_limit=0)
+    assert draw_truth(shorter, 4).tasks == draw_truth(scenario, 4).tasks[:7]
+    assert draw_truth(shorter, 4).robots == draw_truth(scenario, 4).robots
+    assert draw_truth(scenario, 4) != draw_truth(scenario, 5)
+    certain = world_of("4N20T-C4", 0)
+    assert draw_truth(certain, 4) is certain
+
+
+def test_truths_come_as_often_as_the_file_says() -> None:
+    """A fifth needs b; each of 2, 3, 4 steps as often as any other; broken at 0.1 a step."""
+    work = replace(task("a", 2), may_need={"b": 0.2}, lasts=(2, 4))
+    lame = replace(robot("a", 0), breaks=Breakdown(0.1, (3, 5)))
+    scenario = make([lame, robot("b", 9)], [work])
+    truths = [draw_truth(scenario, seed) for seed in range(1500)]
+    assert np.mean(["b" in t.tasks[0].needs for t in truths]) == pytest.approx(0.2, abs=0.04)
+    durations = [t.tasks[0].duration for t in truths]
+    shares = [durations.count(steps) / len(truths) for steps in (2, 3, 4)]
+    assert shares == pytest.approx([1 / 3] * 3, abs=0.05)
+    lost = np.array([t.robots[0].lost for t in truths])
+    assert lost.min() == 1
+    assert lost.mean() == pytest.approx(10, abs=1)
+    repairs = {t.robots[0].back - t.robots[0].lost for t in truths}  # type: ignore[operator]
+    assert repairs == {3, 4, 5}
+
+
+def recorded() -> Replay:
+    """Return the record of a mission with every surprise."""
+    scenario = replace(world_of("4N20T-C4-mixed", 1), allocation="plan")
+    return run_trial(scenario, load_policy("follow-plan", POLICIES), "follow-plan", 2).replay
+
+
+def with_true_task(replay: Replay, number: int, **true: Any) -> Replay:
+    assert replay.truth is not None
+    tasks = list(replay.truth.tasks)
+    tasks[number] = replace(tasks[number], **true)
+    return replace(replay, truth=replace(replay.truth, tasks=tuple(tasks)))
+
+
+def with_step(replay: Replay, number: int, **said: Any) -> Replay:
+    steps = list(replay.steps)
+    steps[number] = replace(steps[number], **said)
+    return replace(replay, steps=tuple(steps))
+
+
+def test_the_referee_finds_truths_that_cannot_be_and_what_is_shown_wrongly() -> None:
+    replay = recorded()
+    assert judge(replay).findings == ()
+    tasks = replay.scenario.tasks
+    unsure = next(k for k, task in enumerate(tasks) if task.lasts is not None)
+    hidden = next(k for k, task in enumerate(tasks) if task.may_need)
+    sure = next(k for k, task in enumerate(tasks) if task.lasts is None and not task.may_need)
+    shows = next(i for i, step in enumerate(replay.steps) if step.shown)
+    shown = replay.steps[shows].shown
+    forged = {
+        "cannot really be": [
+            with_true_task(replay, unsure, duration=11),
+            with_true_task(replay, sure, duration=3),
+            with_true_task(replay, hidden, needs={**tasks[hidden].needs, "c1": 3}),
+            with_true_task(replay, hidden, needs={}),
+        ],
+        "has not served it": [with_true_task(replay, unsure, duration=10)],
+        "does not show its needs": [with_step(replay, shows, shown=shown[1:])],
+        "where nobody can know it": [
+            with_step(replay, shows, shown=(*shown, sure)),
+            with_step(replay, shows - 1, shown=shown),
+        ],
+        "needs twice": [with_step(replay, shows, shown=(*shown, *shown))],
+        "there is no plan": [replace(replay, plans=replay.plans[:1])],
+    }
+    for words, records in forged.items():
+        for record in records:
+            found = [finding.message for finding in judge(record).findings]
+            assert any(words in message for message in found), (words, found)
+
+
+@pytest.mark.parametrize(
+    ("damage", "words"),
+    [
+        (lambda truth: truth.pop("tasks"), "the key 'tasks' is missing"),
+        (lambda truth: truth["tasks"].update(zz={}), "the key 'zz' means nothing"),
+        (lambda truth: truth["robots"].clear(), "is missing"),
+        (
+            lambda truth: truth["tasks"].update(dict.fromkeys(truth["tasks"], 3)),
+            "a mapping belongs",
+        ),
+        (
+            lambda truth: truth["tasks"].update(
+                {name: {"duration": -1} for name in truth["tasks"]}
+            ),
+            "truth",
+        ),
+    ],
+)
+def test_damaged_truths_are_refused(damage: Any, words: str) -> None:
+    tree = json.loads(json.dumps(replay_to_tree(recorded())))
+    damage(tree["truth"])
+    with pytest.raises(ReplayError, match=words):
+        replay_from_tree(tree, "record")
+    del tree["truth"]
+    with pytest.raises(ReplayError, match="truth"):
+        replay_from_tree(tree, "record")
+
+
+def test_events_tell_what_turned_out(tmp_path: Path) -> None:
+    replay = recorded()
+    told = [event for event in events(replay) if event.kind == "needs"]
+    assert [(e.step, e.task) for e in told] == [
+        (number, task) for number, step in enumerate(replay.steps, 1) for task in step.shown
+    ]
+    first = replay.mission.tasks[told[0].task or 0]
+    assert told[0].text(replay.mission) == f"{first.name} needs {describe(first.needs)}"
+    write_tables(replay, tmp_path)
+    with (tmp_path / "tasks.csv").open() as file:
+        durations = {row["task"]: row["duration"] for row in csv.DictReader(file)}
+    assert durations == {task.name: str(task.duration) for task in replay.mission.tasks}
+
+
+def test_pettingzoo_shows_beliefs_and_draws_the_truth_anew() -> None:
+    parallel_env = pytest.importorskip("teamformer.sim.multi_agent.parallel_env")
+    env = parallel_env.TeamFormationParallel(world_of("4N4T-C4-mixed", 0))
+    states = []
+    for seed in (1, 1, 2, 3):
+        observations, _ = env.reset(seed=seed)
+        for observation in observations.values():
+            assert env.observation_space("r1").contains(observation)
+        states.append(env.state())
+    assert np.array_equal(states[0], states[1])
+    assert not all(np.array_equal(states[0], state) for state in states[2:])
+    assert observations["r1"]["task_may_need"].max() == 0.5
+    certain = parallel_env.TeamFormationParallel(world_of("4N4T-C4", 0))
+    assert "task_may_need" not in certain.reset(seed=1)[0]["r1"]

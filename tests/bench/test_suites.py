@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.bench.suites import cells, load_suite, names_of_suites
+from teamformer.bench.suites import cells, load_suite, names_of_suites, player_of
 from teamformer.errors import TeamformerError
 
 SHIPPED = [
@@ -23,6 +23,7 @@ SHIPPED = [
     "paper",
     "scale",
     "table1",
+    "uncertain",
 ]
 
 PAPER_SETTINGS = [
@@ -58,7 +59,7 @@ def test_the_paper_is_its_figures() -> None:
 
 
 def test_the_paper_s_suites_keep_the_paper_s_rules() -> None:
-    for name in set(SHIPPED) - {"fleet", "missions"}:
+    for name in set(SHIPPED) - {"fleet", "missions", "uncertain"}:
         assert load_suite(name).rules == {"order": "tsp", "allocation": "paper"}
     assert load_suite("fleet").rules == {"order": "schedule", "allocation": "crews"}
 
@@ -94,6 +95,15 @@ def test_policies_meet_rules_of_their_own() -> None:
     assert missions.rules_for("central") == {"order": "tsp", "allocation": "plan"}
     assert missions.rules_for("join-crew") == {"order": "tsp", "allocation": "crews"}
     assert missions.rules_for("heuristic") == {"order": "tsp", "allocation": "paper"}
+
+
+def test_a_policy_may_play_under_several_rules() -> None:
+    uncertain = load_suite("uncertain")
+    for foresight in ("needed", "absent"):
+        rules = {"order": "tsp", "allocation": "plan", "foresight": foresight}
+        assert uncertain.rules_for(f"follow-plan@{foresight}") == rules
+        assert player_of(f"follow-plan@{foresight}") == "follow-plan"
+    assert player_of("heuristic") == "heuristic"
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,28 @@ def test_differences_are_paired_over_worlds_that_both_completed() -> None:
     assert "heuristic" not in summarise(rows)[0].against
 
 
+def test_the_room_won_is_what_is_gained_of_what_the_truth_is_worth() -> None:
+    """Rooms of 10, 20, 30 steps, 20 on average; won are 0, 10 and 15, a half of it less a bit."""
+    rows = [
+        *rows_of(SMALL, "central", [40, 40, 40, 40]),
+        *rows_of(SMALL, "follow-plan@needed", [50, 60, 70, None]),
+        *rows_of(SMALL, "follow-plan@absent", [50, 50, 55, 41]),
+        *rows_of(SMALL, "heuristic", [70, 80, 90, 90]),
+    ]
+    rooms = {summary.policy: summary.room for summary in summarise(rows)}
+    assert rooms["follow-plan@absent"].count == 3
+    assert rooms["follow-plan@absent"].value == pytest.approx((0 + 10 + 15) / 60)
+    deviation = math.sqrt((25**2 + 5**2 + 20**2) / 9 / 2) / 20  # of 0, 10, 15 around 25 / 3
+    half_width = 4.303 * deviation / math.sqrt(3)
+    assert rooms["follow-plan@absent"].half_width == pytest.approx(half_width, abs=1e-3)
+    assert rooms["central"].value == pytest.approx(1)
+    assert rooms["follow-plan@needed"].value == 0
+    assert rooms["heuristic"].value == pytest.approx(-1)
+    assert "+41.7%" in summary_table(summarise(rows))
+    assert summarise(rows[:8])[0].room.count == 3
+    assert summarise(rows[:4])[0].room.count == 0
+
+
 def test_what_the_planner_is_ahead_is_a_part_of_its_mean() -> None:
     rows = [
         *rows_of(SMALL, "central", [10, 20, 30, 90]),

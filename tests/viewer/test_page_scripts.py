@@ -124,6 +124,45 @@ def test_tasks_after_others_appear_when_those_are_done_and_may_be_late(scripts: 
     assert appeared == [[1, 0]]
 
 
+BELIEFS = """(tree) => {
+  const history = frames(tree);
+  const {scenario} = history;
+  const believed = (step) => describeCounts(scenario, needsAt(history, 0, step));
+  const lacking = (step) => describeCounts(scenario, sceneAt(history, step).teams.get(0).missing);
+  const standing = (step) => describeStanding(history, 0, sceneAt(history, step));
+  const shown = history.events.filter(({kind}) => kind === "shown");
+  return {
+    believed: [0, 1, 2].map(believed),
+    lacking: [1, 2].map(lacking),
+    chances: describeChances(scenario, scenario.tasks[0].mayNeed),
+    lasts: describeDuration(scenario.world, scenario.tasks[0]),
+    under_way: standing(3),
+    shown: shown.map((event) => [event.step, describeEvent(history, event)]),
+    services: history.services[0].map(({from, to}) => [from, to]),
+  };
+}"""
+
+
+@pytest.mark.parametrize("foresight", ["needed", "absent"])
+def test_what_is_believed_is_told_until_the_truth_shows(scripts: Any, foresight: str) -> None:
+    """Task t at (3, 3) needs a lifter, and two as it turns out in step 2; it takes 4 steps."""
+    steps = [{"teams": [[0, 3, 3, 0]]}, {"shown": [0], "joins": [[1, 0]]}, {}, {}, {}]
+    tree = two_robots([*steps, {"done": [[0, 0]]}])
+    [task] = tree["scenario"]["tasks"]
+    task |= {"may_need": {"lift": 0.4}, "duration": [2, 9]}
+    tree["scenario"] |= {"foresight": foresight}
+    tree["truth"] = {"tasks": {"t": {"needs": {"lift": 2}, "duration": 4}}, "robots": {}}
+    told = scripts.evaluate(BELIEFS, tree)
+    first = "lift" if foresight == "absent" else "2 x lift"
+    assert told["believed"] == [first, first, "2 x lift"]
+    assert told["lacking"] == ["" if foresight == "absent" else "lift", ""]
+    assert told["chances"] == "lift (40%)"
+    assert told["lasts"] == "2 to 9 steps"
+    assert told["under_way"] == "under way, 1 of 2 to 9 steps made"
+    assert told["shown"] == [[2, "t needs 2 x lift, as it turns out"]]
+    assert told["services"] == [[2, 6]]
+
+
 @pytest.mark.parametrize("y_axis", ["up", "down"])
 def test_distances_go_around_walls(scripts: Any, y_axis: str) -> None:
     world = {"rows": [".@.", ".@.", "..."], "y_axis": y_axis}

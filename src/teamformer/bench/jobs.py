@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from teamformer.bench.rows import Row
+from teamformer.bench.suites import player_of
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies import POLICIES
@@ -87,7 +88,7 @@ class Clock:
 
 def run_job(job: Job) -> list[Row]:
     """Run the trials of a job."""
-    policy = ready_policy(job.policy, job.time_limit)
+    policy = ready_policy(player_of(job.policy), job.time_limit)
     worlds = {seed: job.scenario(seed) for seed in job.seeds}
     _warm_up(job, policy)
     parts = [[seed] for seed in job.seeds] if job.is_timed else [list(job.seeds)]

@@ -15,7 +15,7 @@ from teamformer.bench.executors import Engine
 from teamformer.bench.jobs import Job, known_row, ready_policy
 from teamformer.bench.rows import Row
 from teamformer.bench.store import BenchmarkDescription, Store
-from teamformer.bench.suites import Suite, cells
+from teamformer.bench.suites import Suite, cells, player_of
 from teamformer.errors import TeamformerError
 from teamformer.policies import POLICIES
 from teamformer.scenarios.authors import read_worlds
@@ -151,12 +151,14 @@ def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tupl
         if policy in request.without:
             continue
         why = ""
-        if policy not in (*listed, AUTHORS) and not request.policies:
+        if player_of(policy) not in (*listed, AUTHORS) and not request.policies:
             why = f"{policy}: not in this installation; skipped"
         elif not fits(policy, setting):
             why = f"{policy}: does not fit {setting}; skipped"
         elif policy != AUTHORS:
-            player = ready_policy(policy, request.time_limit)  # an unknown name ends it here
+            player = ready_policy(
+                player_of(policy), request.time_limit
+            )  # an unknown name ends it here
             allocation = str(request.suite.rules_for(policy).get("allocation", "paper"))
             if not knows(player, allocation):
                 why = f"{policy}: was not made for allocation {allocation}; skipped"
@@ -202,6 +204,7 @@ def _jobs(
 
 def _goes_alone(policy: str, request: Request) -> bool:
     """Say whether trials must not share a batch: a planner's, and those of a user's own policy."""
+    policy = player_of(policy)
     is_listed = policy.removesuffix(BARE) in {listing.name for listing in POLICIES}
     return not is_listed or ready_policy(policy, request.time_limit).needs_everything
 
@@ -249,7 +252,7 @@ def own_stamp(policy: str) -> str:
     It is empty for the policies that come with the package.
     """
     stamp = hashlib.sha256()
-    files = files_of_own(policy, POLICIES)
+    files = files_of_own(player_of(policy), POLICIES)
     for path in files:
         stamp.update(path.name.encode() + path.read_bytes())
     return stamp.hexdigest()[:12] if files else ""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.mission_rules import ALLOCATIONS, ORDERS
+from teamformer.mission_rules import ALLOCATIONS, FORESIGHTS, ORDERS
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.named_settings import size_of
 from teamformer.scenarios.tree_reader import Reader
@@ -29,7 +29,12 @@ KEYS = (
     "policy_rules",
     "figure",
 )
-RULES = {"order": ORDERS, "allocation": ALLOCATIONS, "forming_steps": ()}
+RULES = {
+    "order": ORDERS,
+    "allocation": ALLOCATIONS,
+    "foresight": FORESIGHTS,
+    "forming_steps": (),
+}
 AXES = ("robots", "tasks", "capabilities")
 OTHERS = ("speed", "robotarium")
 """Measured by code of their own."""
@@ -67,6 +72,14 @@ class Suite:
         """Return the suites that are drawn: the parts, or this one."""
         drawn = self.parts if self.figure != "none" else ()
         return drawn or ((self,) if self.figure != "none" else ())
+
+
+def player_of(policy: str) -> str:
+    """Return the policy that plays where a suite has it twice, under other rules.
+
+    So `follow-plan@absent` is `follow-plan`; what its rules are stands under `policy_rules`.
+    """
+    return policy.partition("@")[0]
 
 
 def names_of_suites() -> list[str]:

@@ -14,6 +14,12 @@ BASELINES = ("heuristic", "join-all", "authors-heuristic")
 
 CENTRAL = "central"
 
+HOPEFUL = "follow-plan@needed"
+"""What makes its plan anew at every event and takes all that may be needed as needed.
+
+Between it and `central`, which knows the truth, lies the room that there is to be won.
+"""
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -22,6 +28,8 @@ class Summary:
     `makespan` is over completed trials only, as the paper has it; `steps` over all, a failure
     counting as its step limit. `against` holds, for each baseline, the difference of makespans
     over the worlds that both completed; `to_central` is that to `central` as a part of its mean.
+    `room` is the part of the steps between `HOPEFUL` and `central` that is won, on the worlds that
+    all three completed.
     `inference` is the CPU time that deciding took in a trial,
     `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
     ratios of the makespan to the best known and to the lower bound of the same world, less one;
@@ -37,6 +45,7 @@ class Summary:
     steps: Mean
     against: Mapping[str, Mean]
     to_central: Mean
+    room: Mean
     inference: Mean
     waiting: Mean
     to_best: Mean
@@ -77,6 +86,11 @@ def summarise(rows: Iterable[Row]) -> list[Summary]:
                 if bar != policy and (setting, bar) in makespans
             },
             share_of(makespans[setting, policy], makespans.get((setting, CENTRAL), {})),
+            room_won(
+                makespans[setting, policy],
+                makespans.get((setting, HOPEFUL), {}),
+                makespans.get((setting, CENTRAL), {}),
+            ),
         )
         for setting, policy in cells
     ]
@@ -106,8 +120,26 @@ def share_of(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
     return mean_of([(ours[world] - theirs[world]) / whole for world in shared])
 
 
+def room_won(
+    ours: Mapping[int, int], hopeful: Mapping[int, int], clairvoyant: Mapping[int, int]
+) -> Mean:
+    """Return the part of the mean room between two bars that is won, on worlds that all have.
+
+    Nothing where there is no room.
+    """
+    shared = [world for world in ours if world in hopeful and world in clairvoyant]
+    room = sum(hopeful[world] - clairvoyant[world] for world in shared)
+    if room <= 0:
+        return mean_of([])
+    return mean_of([(hopeful[world] - ours[world]) * len(shared) / room for world in shared])
+
+
 def _summary(
-    rows: Sequence[Row], planned: set[int], against: Mapping[str, Mean], to_central: Mean
+    rows: Sequence[Row],
+    planned: set[int],
+    against: Mapping[str, Mean],
+    to_central: Mean,
+    room: Mean,
 ) -> Summary:
     known = [row for row in rows if row.world_seed in planned or not planned]
     alone = [row for row in rows if row.side_by_side == 1]
@@ -121,6 +153,7 @@ def _summary(
         steps=_mean(row.steps for row in rows),
         against=against,
         to_central=to_central,
+        room=room,
         inference=_mean(row.decision_cpu_seconds for row in alone),
         waiting=_mean(row.decision_seconds for row in alone),
         to_best=_mean(_ratio(row.makespan, row.best_known) for row in known),

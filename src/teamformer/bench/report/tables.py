@@ -28,8 +28,9 @@ EXPLANATION = """\
 failure counting as its step limit. `failures`: how many, and the 95% interval of the rate (Wilson).
 `to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
 interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
-mean. `inference`: CPU seconds that the policy takes in a whole trial,
-mean ± standard deviation, over trials that ran alone, one after the other, one thread each (the
+mean. `room won`: the part of the steps between the plan that takes as needed what may be and
+`central`, which knows the truth, on the same worlds, with its 95% interval. `inference`: CPU
+seconds that the policy takes in a whole trial, mean ± standard deviation, over trials that ran alone, one after the other, one thread each (the
 first 50 of a setting; all others share batches and are not timed). `to best`, `to bound`: how much
 longer than the best makespan known of each world, by whatever policy here, and than what is proven
 that no plan can beat; over the worlds that `central` planned, where it planned any.
@@ -47,6 +48,7 @@ def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
         "failures": f"{summary.failures} ({100 * low:.1f}-{100 * high:.1f}%)",
         "with failures": number(summary.steps.value),
         "to central": percent_interval(summary.to_central),
+        "room won": percent_interval(summary.room),
         "inference, s": seconds(summary.inference),
         "to best": percent(summary.to_best),
         "to bound": percent(summary.to_bound),
@@ -64,6 +66,8 @@ def headers_for(summaries: Sequence[Summary]) -> list[str]:
         headers.insert(headers.index("to join-all") + 1, "to authors-heuristic")
     if any(summary.to_central.count for summary in summaries if summary.policy != CENTRAL):
         headers.insert(headers.index("inference, s"), "to central")
+    if any(summary.room.count for summary in summaries):
+        headers.insert(headers.index("inference, s"), "room won")
     return headers
 
 
@@ -109,6 +113,8 @@ def _numbers(summary: Summary) -> dict[str, str | int | float]:
         "timed_trials": summary.inference.count,
         "to_central": summary.to_central.value,
         "to_central_half_width": summary.to_central.half_width,
+        "room_won": summary.room.value,
+        "room_won_half_width": summary.room.half_width,
         "to_best_known": summary.to_best.value,
         "to_lower_bound": summary.to_bound.value,
         "steps_to_list_schedule": summary.to_list.value,

@@ -19,7 +19,7 @@ from teamformer.bench.report.tables import cells_of, headers_for
 from teamformer.bench.rows import Row
 from teamformer.bench.runner import Request, run_benchmark
 from teamformer.bench.store import Store, read_folder
-from teamformer.bench.suites import Suite, cells, load_suite
+from teamformer.bench.suites import Suite, cells, load_suite, player_of
 from teamformer.bench.summary import Summary, summarise
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import (
@@ -108,7 +108,8 @@ def _to_compile(request: Request) -> tuple[set[str], bool, bool]:
     policies = {policy for _, policy in cells(request.suite, request.policies, request.settings)}
     rules = {rule for policy in policies for rule in request.suite.rules_for(policy).values()}
     is_planned = not rules.isdisjoint({"crews", "schedule", "plan"})
-    return policies.difference(request.without), is_planned, "plan" in rules
+    players = {player_of(policy) for policy in policies.difference(request.without)}
+    return players, is_planned, "plan" in rules
 
 
 def _changed_rules(options: BenchOptions) -> dict[str, str]:

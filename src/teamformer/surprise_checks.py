@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from teamformer.model import Breakdown, Robot, Scenario, Task
 
 LARGEST = 10**9
+"""Of steps, as in `scenario_checks`, which imports this."""
 
 
 def find_surprise_problems(scenario: Scenario) -> Iterator[Problem]:

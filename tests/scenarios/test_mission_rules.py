@@ -9,9 +9,15 @@ import pytest
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid
-from teamformer.mission_rules import rules_not_played, rules_of_simulated_missions
+from teamformer.mission_rules import (
+    find_surprises,
+    rules_not_played,
+    rules_of_simulated_missions,
+    rules_of_sure_missions,
+)
 from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.files import read_scenario, write_scenario
+from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.env import TeamFormation
 
 ROBOT = Robot("r", (0, 0), {"a": 1})
@@ -94,3 +100,23 @@ def test_losses_and_unreachable_ends_are_refused() -> None:
     apart = Grid(3, 1, (".@.",))
     with pytest.raises(ScenarioError, match="robot 'r' has no way to where the mission ends"):
         replace(MISSION, world=apart, ends=(2, 0), tasks=(Task("x", (0, 0), {"a": 1}),))
+
+
+def test_what_has_to_be_sure_refuses_all_that_is_not() -> None:
+    scenario = world_of("4N4T-C4-mixed", 0)
+    told = {problem.where[-1]: problem.message for problem in rules_of_sure_missions(scenario)}
+    assert set(told) == {"breaks", "duration", "may_need"}
+    assert "make duration sure" in told["duration"]
+    assert all("only `teamformer run` and `compare` know" in text for text in told.values())
+    count = sum(1 for _ in rules_of_simulated_missions(scenario))
+    assert count == sum(1 for _ in find_surprises(scenario)) > 4
+    assert list(rules_of_sure_missions(world_of("4N4T-C4", 0))) == []
+
+
+def test_continuous_time_refuses_what_is_not_sure() -> None:
+    scenario = world_of("4N4T-C4-mixed", 0)
+    with pytest.raises(ScenarioError) as refused:
+        replace(scenario, time="continuous")
+    told = str(refused.value).splitlines()
+    assert len(told) == sum(1 for _ in find_surprises(scenario))
+    assert all("only missions in steps know" in line for line in told)

@@ -30,8 +30,9 @@ failure counting as its step limit. `failures`: how many, and the 95% interval o
 interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
 mean. `room won`: the part of the steps between the plan that takes as needed what may be and
 `central`, which knows the truth, on the same worlds, with its 95% interval. `inference`: CPU
-seconds that the policy takes in a whole trial, mean ± standard deviation, over trials that ran alone, one after the other, one thread each (the
-first 50 of a setting; all others share batches and are not timed). `to best`, `to bound`: how much
+seconds that the policy takes in a whole trial, mean ± standard deviation, over trials that ran
+alone, one after the other, one thread each (the first 50 of a setting; all others share batches and
+are not timed). `to best`, `to bound`: how much
 longer than the best makespan known of each world, by whatever policy here, and than what is proven
 that no plan can beat; over the worlds that `central` planned, where it planned any.
 """

@@ -15,6 +15,7 @@ from teamformer.referee import judge
 from teamformer.referee.allocation import CrewLists
 from teamformer.referee.completion import Tasks
 from teamformer.referee.lifecycle import start_fleet
+from teamformer.referee.truth import Knowledge
 from teamformer.referee.verdict import Notes
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.replay.record import Crew, Ending, Replay, TeamAt
@@ -127,7 +128,7 @@ def test_a_team_of_two_crews_is_due_at_the_task_that_comes_first_in_the_order() 
     for order, due in (((1, 0), 1), ((0, 1), 0)):
         replay = replace(crossed(), orders=((0, order),))
         fleet = start_fleet(replay, Notes())
-        CrewLists(replay).give_tasks(fleet, Tasks(replay.scenario), 0)
+        CrewLists(replay, Knowledge(replay.scenario)).give_tasks(fleet, Tasks(replay.scenario), 0)
         assert fleet.teams[0].due == due
 
 
@@ -136,7 +137,7 @@ def test_a_union_made_on_the_way_is_due_at_the_earlier_task_if_both_have_one() -
         replay = replace(crossed(), orders=((0, order),), start=((0, (0,), 2, 0), (1, (1,), 2, 0)))
         apart = replace(replay.scenario, teams=())
         replay = replace(replay, scenario=apart)
-        lists, fleet = CrewLists(replay), start_fleet(replay, Notes())
+        lists, fleet = CrewLists(replay, Knowledge(replay.scenario)), start_fleet(replay, Notes())
         lists.give_tasks(fleet, Tasks(apart), 0)
         assert [fleet.teams[slot].due for slot in (0, 1)] == [1, 0]
         assert lists.tasks_of_unions(fleet, [(0, 1)]) == {frozenset({0, 1}): due}

@@ -296,7 +296,12 @@ def test_the_referee_finds_truths_that_cannot_be_and_what_is_shown_wrongly() -> 
     assert judge(replay).findings == ()
     tasks = replay.scenario.tasks
     unsure = next(k for k, task in enumerate(tasks) if task.lasts is not None)
-    hidden = next(k for k, task in enumerate(tasks) if task.may_need)
+    caps = set(replay.scenario.capabilities)
+    hidden, other = next(
+        (k, sorted(caps - set(task.worst_needs))[0])
+        for k, task in enumerate(tasks)
+        if task.may_need and caps - set(task.worst_needs)
+    )
     sure = next(k for k, task in enumerate(tasks) if task.lasts is None and not task.may_need)
     shows = next(i for i, step in enumerate(replay.steps) if step.shown)
     shown = replay.steps[shows].shown
@@ -304,8 +309,8 @@ def test_the_referee_finds_truths_that_cannot_be_and_what_is_shown_wrongly() -> 
         "cannot really be": [
             with_true_task(replay, unsure, duration=11),
             with_true_task(replay, sure, duration=3),
-            with_true_task(replay, hidden, needs={**tasks[hidden].needs, "c1": 3}),
-            with_true_task(replay, hidden, needs={}),
+            with_true_task(replay, hidden, needs={**tasks[hidden].needs, other: 1}),
+            with_true_task(replay, hidden, needs={other: 1}),
         ],
         "has not served it": [with_true_task(replay, unsure, duration=10)],
         "does not show its needs": [with_step(replay, shows, shown=shown[1:])],

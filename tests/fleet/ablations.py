@@ -6,22 +6,23 @@ Turns one rule off at a time and plays the same N schedules on small random miss
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from statistics import fmean
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
+from teamformer.fleet import operator
 from teamformer.fleet.agent import membership
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.voice import Voice
 from teamformer.fleet.messages import SERVE, Word
-from teamformer.fleet.mission import Mission
+from teamformer.fleet.mission import Mission, Timers
 from teamformer.fleet.rehearsal.faults import Knobs
-from teamformer.fleet.rehearsal.rehearse import judge, set_stage
+from teamformer.fleet.rehearsal.rehearse import Verdict, judge, set_stage
 from teamformer.scenarios.generate import Spec, generate
 
 
@@ -51,15 +52,24 @@ def break_off_at_once(self: Service, now: float, fellows: list[Word], is_busy: b
     return NEXT_PHASE(self, now, fellows, is_busy)
 
 
+def join_the_lowest(self: Service, now: float, going: list[Word], here: list[Word]) -> None:
+    company = {word.robot for word in here} | {self._knowledge.me}
+    if min(company) != self.team:
+        self.team = min(company)
+        self.formed = now + self._knowledge.mission.forming
+
+
 HEAR, JUDGE, TELL = Membership.hear, Membership.judge_myself, Voice.tell
 NEXT_PHASE = Service._next_phase
 RULES: dict[str, Callable[[], Any]] = {
-    "all rules": lambda: patch.object(membership, "PART", membership.PART),
-    "who is called lost, or shown a former life, begins another": lambda: patch.object(
+    "whoever is called lost, or shown a former life, begins another": lambda: patch.object(
         Membership, "hear", deaf_to_claims
     ),
     "silence is a claim of loss": lambda: patch.object(Membership, "call_lost", lambda *_: None),
     "others' words are relayed": lambda: patch.object(Voice, "_others", lambda *_: ()),
+    "who begins another life is told of everybody": lambda: patch.object(
+        Voice, "relay_all_again", lambda *_: None
+    ),
     "facts are told to who lacks them": lambda: patch.object(Voice, "tell", tell_nothing),
     "plans are told to who lacks them": lambda: patch.object(Voice, "tell", tell_no_plan),
     "timers stretch with losses": lambda: patch.object(membership, "MOST_STRETCH", 1.0),
@@ -72,40 +82,68 @@ RULES: dict[str, Callable[[], Any]] = {
     "who has nothing to do and misses somebody goes to the base": lambda: patch.object(
         Agent, "_misses_somebody", lambda *_: False
     ),
+    "who comes joins the team that is ready or at work": lambda: patch.object(
+        Service, "_choose_team", join_the_lowest
+    ),
     "service goes on while enough are there": lambda: patch.object(
         Service, "_next_phase", break_off_at_once
     ),
     "service begins on promises that still hold": lambda: patch.object(
         Service, "_holds", lambda *_: True
     ),
+    "an operator's task is accepted at three copies, not one": lambda: patch.object(
+        operator, "COPIES", 1
+    ),
 }
-
-
-@contextmanager
-def without(rule: str) -> Iterator[None]:
-    with RULES[rule]():
-        yield
+TIMERS = {
+    "robots plan in turn": Timers(turn=0.0),
+    "a new plan holds for a while": Timers(rest=0.0),
+}
+"""Rules that are numbers."""
 
 
 def main(schedules: int) -> None:
+    """Print a line for each rule."""
+    whole = play(schedules, Timers())
+    tell("all rules", whole, whole)
+    for rule, turn_off in RULES.items():
+        with turn_off():
+            tell(f"without: {rule}", play(schedules, Timers()), whole)
+    for rule, timers in TIMERS.items():
+        tell(f"without: {rule}", play(schedules, timers), whole)
+
+
+def play(schedules: int, timers: Timers) -> list[Verdict]:
+    """Play the schedules on four missions in turn."""
     rng = np.random.default_rng(3)
-    sizes = [(4, 6), (5, 8), (6, 10), (8, 8)]
-    missions = [
-        Mission(generate(Spec(robots=robots, tasks=tasks, capabilities=3), rng))
-        for robots, tasks in sizes
+    stages = [
+        set_stage(
+            Mission(generate(Spec(robots=robots, tasks=tasks, capabilities=3), rng), timers=timers)
+        )
+        for robots, tasks in ((4, 6), (5, 8), (6, 10), (8, 8))
     ]
-    stages = [set_stage(mission) for mission in missions]
-    for rule in RULES:
-        blocked = broken = 0
-        spans = []
-        with without(rule):
-            for number in range(schedules):
-                verdict = judge(stages[number % len(stages)], 77, Knobs(), number)
-                blocked += verdict.outcome.status == "blocked"
-                broken += bool(verdict.violations) and verdict.outcome.status != "blocked"
-                spans.append(verdict.outcome.makespan or 0.0)
-        print(f"{rule}: {blocked} blocked, {broken} broke a promise, mean {np.mean(spans):.1f} s")
-        sys.stdout.flush()
+    return [judge(stages[k % len(stages)], 77, Knobs(), k) for k in range(schedules)]
+
+
+def tell(rule: str, verdicts: Sequence[Verdict], whole: Sequence[Verdict]) -> None:
+    """Say how many blocked, how many broke a promise besides, and how long the others took.
+
+    Times are beside those with all rules, over the schedules that end with and without.
+    """
+    blocked = sum(verdict.outcome.status == "blocked" for verdict in verdicts)
+    broken = sum(bool(v.violations) and v.outcome.status != "blocked" for v in verdicts)
+    pairs = [
+        (one.outcome.makespan, other.outcome.makespan)
+        for one, other in zip(verdicts, whole, strict=True)
+        if one.outcome.status == other.outcome.status == "ended"
+    ]
+    spans, before = np.sum(pairs, axis=0) if pairs else (np.nan, np.nan)
+    plans = fmean(verdict.outcome.plans for verdict in verdicts)
+    print(
+        f"{rule}: {blocked} blocked, {broken} broke a promise, "
+        f"{spans / before - 1:+.0%} ({len(pairs)} schedules), {plans:.1f} plans",
+        flush=True,
+    )
 
 
 if __name__ == "__main__":

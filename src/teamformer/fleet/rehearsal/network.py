@@ -102,14 +102,14 @@ class RehearsedNetwork:
         return near
 
     def _hand_over(self, now: float, sender: int, receiver: int, message: Message) -> None:
-        rng, faults = self._rng, self._faults
         self._deliver(now + self._delay(), sender, receiver, message)
-        if faults.twice and rng.random() < faults.twice:
+        twice = self._faults.twice
+        if twice and self._rng.random() < twice:
             self._deliver(now + self._delay(), sender, receiver, message)
 
     def _delay(self) -> float:
-        rng, faults = self._rng, self._faults
-        delay = FASTEST + (SLOWEST - FASTEST) * rng.random()
-        if faults.late and rng.random() < faults.late:
-            delay += faults.delay * rng.random()
+        late = self._faults.late
+        delay = FASTEST + (SLOWEST - FASTEST) * self._rng.random()
+        if late and self._rng.random() < late:
+            delay += self._faults.delay * self._rng.random()
         return delay

@@ -168,8 +168,12 @@ class Rehearsal:
         if robot in self._touched or clock >= agent.due:
             self._touched.discard(robot)
             self._sensed[robot] = self._report(robot)
-        plans = agent.keeper.made
+        plans, before = agent.keeper.made, agent.command
         command, notices = agent.tick(clock, self._sensed[robot], inbox)
+        if command is before and not notices:  # it had nothing to decide
+            if self._wake[robot] <= self._tick:
+                self._wake_when_due(robot, agent)
+            return
         self._plans += agent.keeper.made - plans
         self._save(robot, agent, clock)
         self._note(robot, agent)
@@ -179,6 +183,9 @@ class Rehearsal:
             self._wake_at(other, self._tick + 1)
         for notice in notices:
             self._send(robot, notice)
+        self._wake_when_due(robot, agent)
+
+    def _wake_when_due(self, robot: int, agent: Agent) -> None:
         due = (agent.due - self._skew[robot]) / (1 + self._drift[robot])
         self._wake_at(robot, max(self._tick + 1, math.ceil(due / TICK - 1e-9)))
 

@@ -64,6 +64,7 @@ def test_one_schedule_becomes_a_page(
         (("agent", "MISSION", "--robot", "nobody", "--listen", "tcp/127.0.0.1:1"), "r0, r1, r2"),
         (("agent", "MISSION", "--robot", "r0"), "has no way to the others"),
         (("agent", "MISSION", "--robot", "r0", "--listen", "tcp/10.0.0.1:1"), "--key FILE"),
+        (("agent", "MISSION", "--robot", "r0", "--listen", "tls/10.0.0.1:1"), "--tls FOLDER"),
         (("fleet", "add", "MISSION"), "needs --task NAME"),
         (
             ("fleet", "add", "MISSION", "--task", "t", "--at", "x", "--needs", "a"),

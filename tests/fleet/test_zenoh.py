@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
 
 from teamformer.fleet.messages import EVERYBODY, OPERATOR
 from teamformer.fleet.process.fleet import free_ports
+from teamformer.fleet.transports.transport import Certificates, read_certificates
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
 LIMIT = 30.0
@@ -15,14 +21,18 @@ LIMIT = 30.0
 
 
 @contextmanager
-def transports(*robots: int) -> Iterator[list[ZenohTransport]]:
+def transports(
+    *robots: int, certificates: tuple[Certificates | None, ...] = ()
+) -> Iterator[list[ZenohTransport]]:
     """Return transports of which each dials all before it."""
-    endpoints = [f"tcp/127.0.0.1:{port}" for port in free_ports(len(robots))]
+    link = "tls" if certificates else "tcp"
+    endpoints = [f"{link}/127.0.0.1:{port}" for port in free_ports(len(robots))]
     made: list[ZenohTransport] = []
     try:
         for place, robot in enumerate(robots):
-            dialled = endpoints[:place]
-            made.append(ZenohTransport(7, robot, endpoints[place], dialled))
+            shown = certificates[place] if certificates else None
+            ends = (endpoints[place], endpoints[:place])
+            made.append(ZenohTransport(7, robot, *ends, certificates=shown))
         yield made
     finally:
         for each in made:
@@ -70,3 +80,38 @@ def test_operators_are_heard_by_all_and_so_is_who_has_dialled_anew() -> None:
             assert time.monotonic() < deadline
             robot.send_body("reports/0", b"here")
             operator.receive(0.05)
+
+
+def openssl(*words: str, folder: Path) -> None:
+    subprocess.run(["openssl", *words], cwd=folder, check=True, capture_output=True)
+
+
+def make_certificates(folder: Path) -> Certificates | None:
+    """Return a certificate for this machine, signed by an authority of its own."""
+    folder.mkdir()
+    (folder / "names").write_text("subjectAltName=IP:127.0.0.1")
+    curve = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
+    own = ("-subj", "/CN=fleet", "-keyout", "ca-key.pem", "-out", "ca.pem")
+    openssl("req", "-x509", *curve, *own, folder=folder)
+    asked = ("-subj", "/CN=robot", "-keyout", "key.pem", "-out", "asked")
+    openssl("req", *curve, *asked, folder=folder)
+    signed = ("-CA", "ca.pem", "-CAkey", "ca-key.pem", "-extfile", "names")
+    openssl("x509", "-req", "-in", "asked", *signed, "-out", "certificate.pem", folder=folder)
+    return read_certificates(folder)
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the certificates")
+def test_over_tls_only_who_shows_a_certificate_of_the_fleet_is_heard(tmp_path: Path) -> None:
+    fleet, foreign = make_certificates(tmp_path / "fleet"), make_certificates(tmp_path / "foreign")
+    with transports(0, 1, 2, certificates=(fleet, fleet, foreign)) as (first, second, third):
+        first.listen_to({1, 2})
+
+        def say() -> None:
+            second.send(EVERYBODY, b"friend")
+            third.send(EVERYBODY, b"stranger")
+
+        came = heard(first, b"friend", say)
+        for _ in range(10):
+            say()
+            came |= set(first.receive(0.05))
+        assert came == {b"friend"}

@@ -81,6 +81,7 @@ def fleet(
     duration: Annotated[float, typer.Option(min=0, help="add: steps that it takes")] = 0.0,
     connect: Annotated[str | None, typer.Option(help="add: the endpoint of an agent")] = None,
     key: Annotated[Path | None, typer.Option(help="add: file of the fleet's shared key")] = None,
+    tls: Annotated[Path | None, typer.Option(help="add: folder of certificates")] = None,
     patience: Annotated[float, typer.Option(min=0, help="add: seconds until it gives up")] = 20.0,
     as_json: AsJson = False,
 ) -> None:
@@ -96,7 +97,7 @@ def fleet(
         raise typer.Exit(command(Path(path), options, as_json))
     if task is None or at is None or needs is None:
         raise TeamformerError("a task to add needs --task NAME, --at X,Y and --needs ...")
-    added = Added(task, at, needs, duration, connect, key, pace, patience)
+    added = Added(task, at, needs, duration, connect, key, tls, pace, patience)
     raise typer.Exit(add(Path(path), added, as_json))
 
 
@@ -110,6 +111,7 @@ def agent(
         list[str] | None, typer.Option(help="endpoint of another; again for more")
     ] = None,
     key: Annotated[Path | None, typer.Option(help="file of the fleet's shared key")] = None,
+    tls: Annotated[Path | None, typer.Option(help="folder of certificates for tls/")] = None,
     facts: Annotated[Path | None, typer.Option(help="file of what must not be forgotten")] = None,
     plan: Annotated[Path | None, typer.Option(hidden=True)] = None,
     pace: Annotated[float, typer.Option(min=0.01, help="how much faster than real time")] = 1.0,
@@ -121,5 +123,5 @@ def agent(
     from teamformer.commands.robots.agent import Options
     from teamformer.commands.robots.agent import agent as command
 
-    options = Options(robot, body, listen, tuple(connect or ()), key, facts, plan, pace, drop)
+    options = Options(robot, body, listen, tuple(connect or ()), key, tls, facts, plan, pace, drop)
     raise typer.Exit(command(scenario, options))

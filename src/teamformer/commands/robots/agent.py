@@ -25,6 +25,7 @@ class Options:
     listen: str | None
     connect: tuple[str, ...]
     key: Path | None
+    tls: Path | None
     facts: Path | None
     plan: Path | None
     pace: float
@@ -39,18 +40,22 @@ def agent(path: Path, options: Options) -> int:
     from teamformer.fleet.planner import SharedPlanner
     from teamformer.fleet.process.facts_file import FactsFile
     from teamformer.fleet.process.loop import AgentProcess
-    from teamformer.fleet.transports.transport import check_endpoints, read_secret
+    from teamformer.fleet.transports.transport import (
+        check_endpoints,
+        read_certificates,
+        read_secret,
+    )
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
     scenario = read_scenario(path, rules_of_simulated_missions)
     robot = _number_of(scenario, options.robot)
-    secret = read_secret(options.key)
+    secret, certificates = read_secret(options.key), read_certificates(options.tls)
     endpoints = [*([options.listen] if options.listen else []), *options.connect]
     if not endpoints:
         raise TeamformerError(
             "the agent has no way to the others", "add --listen ENDPOINT or --connect ENDPOINT"
         )
-    check_endpoints(endpoints, secret)
+    check_endpoints(endpoints, secret, certificates)
     mission = Mission(scenario, seconds_a_step(scenario, options.pace))
     facts = FactsFile(options.facts, mission.number, robot) if options.facts else None
     if facts is not None:
@@ -60,7 +65,8 @@ def agent(path: Path, options: Options) -> int:
     else:
         plan = first_plan(mission, SharedPlanner())
     make_body = _body_maker(options.body, mission, robot)
-    transport = ZenohTransport(mission.number, robot, options.listen, options.connect, options.drop)
+    ends = (options.listen, options.connect)
+    transport = ZenohTransport(mission.number, robot, *ends, options.drop, certificates)
     try:
         process = AgentProcess(mission, robot, plan, transport, make_body(transport), secret, facts)
         print(f"agent {options.robot} of mission {mission.number:x}", file=sys.stderr, flush=True)

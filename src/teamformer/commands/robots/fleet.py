@@ -35,6 +35,7 @@ class Added:
     duration: float
     connect: str | None
     key: Path | None
+    tls: Path | None
     pace: float
     patience: float
 
@@ -90,7 +91,11 @@ def add(path: Path, added: Added, as_json: bool) -> int:
     from teamformer.fleet.messages import OPERATOR, Post, TaskFact
     from teamformer.fleet.mission import Mission, seconds_a_step
     from teamformer.fleet.operator import AGAIN, Operator
-    from teamformer.fleet.transports.transport import check_endpoints, read_secret
+    from teamformer.fleet.transports.transport import (
+        check_endpoints,
+        read_certificates,
+        read_secret,
+    )
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
     scenario = read_scenario(path, rules_of_simulated_missions)
@@ -105,11 +110,13 @@ def add(path: Path, added: Added, as_json: bool) -> int:
         raise TeamformerError(
             f"all robots together cannot do '{added.name}'", "lower what it needs, or move it"
         )
-    secret = read_secret(added.key)
+    secret, certificates = read_secret(added.key), read_certificates(added.tls)
     if added.connect is None:
         raise TeamformerError("where is the fleet?", "add --connect ENDPOINT of any agent")
-    check_endpoints([added.connect], secret)
-    transport = ZenohTransport(mission.number, OPERATOR, None, [added.connect])
+    check_endpoints([added.connect], secret, certificates)
+    transport = ZenohTransport(
+        mission.number, OPERATOR, None, [added.connect], certificates=certificates
+    )
     post, operator = Post(mission.number, mission.robots, secret), Operator(task, mission.robots)
     deadline = time.monotonic() + added.patience
     try:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ipaddress
+import os
 import time
 from collections import deque
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -75,7 +77,32 @@ def read_secret(path: Path | None) -> bytes:
     return secret
 
 
-def check_endpoints(endpoints: Iterable[str], secret: bytes) -> None:
+@dataclass(frozen=True)
+class Certificates:
+    """Files for TLS: who signs this fleet's certificates, the own one, and the key to it."""
+
+    ca: Path
+    certificate: Path
+    key: Path
+
+
+def read_certificates(folder: Path | None) -> Certificates | None:
+    """Return the certificates in a folder; none without a folder."""
+    if folder is None:
+        return None
+    files = Certificates(folder / "ca.pem", folder / "certificate.pem", folder / "key.pem")
+    for path in (files.ca, files.certificate, files.key):
+        if not os.access(path, os.R_OK):
+            raise TeamformerError(
+                f"{path} is absent or cannot be read",
+                "the folder of --tls holds ca.pem, certificate.pem and key.pem",
+            )
+    return files
+
+
+def check_endpoints(
+    endpoints: Iterable[str], secret: bytes, certificates: Certificates | None = None
+) -> None:
     """Refuse to speak beyond this machine unless messages are sealed with a key, or by TLS."""
     for endpoint in endpoints:
         protocol, _, address = endpoint.partition("/")
@@ -83,10 +110,15 @@ def check_endpoints(endpoints: Iterable[str], secret: bytes) -> None:
             raise TeamformerError(
                 f"'{endpoint}' is no endpoint", "write it as in tcp/192.168.1.7:7447"
             )
-        if not secret and protocol not in ("tls", "quic") and not _is_loopback(address):
+        is_tls = protocol in ("tls", "quic")
+        if is_tls and certificates is None:
+            raise TeamformerError(
+                f"'{endpoint}' needs certificates", "name their folder with --tls FOLDER"
+            )
+        if not secret and not is_tls and not _is_loopback(address):
             raise TeamformerError(
                 f"'{endpoint}' is beyond this machine, and messages would not be protected",
-                "name the fleet's shared key with --key FILE, or use a tls/ endpoint",
+                "name the fleet's shared key with --key FILE, or use tls/ endpoints",
             )
 
 

@@ -13,6 +13,7 @@ import zenoh
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.messages import EVERYBODY, LARGEST, OPERATOR
+from teamformer.fleet.transports.transport import Certificates
 
 MOST_WAITING = 5_000
 """Messages that wait to be taken; beyond that the oldest are lost."""
@@ -38,11 +39,13 @@ class ZenohTransport:
         listen: str | None,
         connect: Sequence[str],
         drop: float = 0.0,
+        certificates: Certificates | None = None,
     ) -> None:
         self._root = f"teamformer/{mission:x}"
         self._me = me
         self._listen, self._connect = listen, tuple(connect)
         self._drop = drop
+        self._certificates = certificates
         self._came: deque[bytes] = deque(maxlen=MOST_WAITING)
         self._body: deque[bytes] = deque(maxlen=MOST_WAITING)
         self._bell = threading.Event()
@@ -102,7 +105,7 @@ class ZenohTransport:
 
     def _open(self) -> zenoh.Session:
         config = zenoh.Config()
-        settings = {
+        settings: dict[str, object] = {
             "mode": "peer",
             "scouting/multicast/enabled": False,
             "listen/endpoints": [self._listen] if self._listen else [],
@@ -111,6 +114,8 @@ class ZenohTransport:
             "connect/exit_on_failure": False,
             "transport/link/tx/lease": 2000,
         }
+        if self._certificates is not None:
+            settings |= _tls_settings(self._certificates)
         for key, value in settings.items():
             config.insert_json5(key, json.dumps(value))
         try:
@@ -144,6 +149,17 @@ class ZenohTransport:
     def _take_body(self, sample: zenoh.Sample) -> None:
         self._body.append(sample.payload.to_bytes())
         self._bell.set()
+
+
+def _tls_settings(files: Certificates) -> dict[str, object]:
+    """Return Zenoh's settings under which both ends of a link must show a certificate."""
+    tls = {
+        "root_ca_certificate": str(files.ca),
+        "enable_mtls": True,
+    }
+    for end in ("listen", "connect"):
+        tls |= {f"{end}_certificate": str(files.certificate), f"{end}_private_key": str(files.key)}
+    return {f"transport/link/tls/{key}": value for key, value in tls.items()}
 
 
 def _drain(waiting: deque[bytes]) -> list[bytes]:

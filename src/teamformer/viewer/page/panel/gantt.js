@@ -170,7 +170,7 @@ class Gantt {
     }
     ctx.textAlign = "right";
     ctx.fillText("idle", this.width - 10, AXIS_HEIGHT / 2);
-    ctx.fillText("robot", NAME_WIDTH - 8, AXIS_HEIGHT / 2);
+    ctx.fillText("robot", NAME_WIDTH - 20, AXIS_HEIGHT / 2);
   }
 
   drawNow(ctx) {

@@ -134,7 +134,7 @@ BELIEFS = """(tree) => {
   return {
     believed: [0, 1, 2].map(believed),
     lacking: [1, 2].map(lacking),
-    chances: describeChances(scenario, scenario.tasks[0].mayNeed),
+    needs: [1, 2].map((step) => describeNeeds(history, 0, step)),
     lasts: describeDuration(scenario.world, scenario.tasks[0]),
     under_way: standing(3),
     shown: shown.map((event) => [event.step, describeEvent(history, event)]),
@@ -156,7 +156,7 @@ def test_what_is_believed_is_told_until_the_truth_shows(scripts: Any, foresight:
     first = "lift" if foresight == "absent" else "2 x lift"
     assert told["believed"] == [first, first, "2 x lift"]
     assert told["lacking"] == ["" if foresight == "absent" else "lift", ""]
-    assert told["chances"] == "lift (40%)"
+    assert told["needs"] == ["lift, may need lift (40%)", "2 x lift"]
     assert told["lasts"] == "2 to 9 steps"
     assert told["under_way"] == "under way, 1 of 2 to 9 steps made"
     assert told["shown"] == [[2, "t needs 2 x lift, as it turns out"]]

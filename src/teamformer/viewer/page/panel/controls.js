@@ -177,7 +177,7 @@ function tipLines(app, { robot, task, group }) {
   if (group) return describeGroup(group);
   const { scenario } = history;
   if (task !== undefined) {
-    const needs = describeCounts(scenario, needsAt(history, task, app.player.step), 5);
+    const needs = describeNeeds(history, task, app.player.step);
     return [
       taskName(scenario, task),
       `${describeStanding(history, task, app.scene())}; needs ${needs}`,

@@ -86,6 +86,14 @@ function describeDuration(world, { duration, lasts }) {
   return `${least} to ${describeSpan(world, lasts[1])}`;
 }
 
+// What a task needs, and what it may need while nobody knows.
+function describeNeeds(history, task, step) {
+  const { scenario, shownAt } = history;
+  if (shownAt[task] <= step) return describeCounts(scenario, needsAt(history, task, step), 5);
+  const { sure, mayNeed } = scenario.tasks[task];
+  return `${describeCounts(scenario, sure, 5)}, may need ${describeChances(scenario, mayNeed)}`;
+}
+
 function describeChances(scenario, mayNeed) {
   return mayNeed.map(([cap, chance]) => `${scenario.capabilities[cap]} (${percent(chance)})`).join(", ");
 }

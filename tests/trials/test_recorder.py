@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from random_worlds import random_decision, random_world
@@ -9,7 +11,7 @@ from small_worlds import late_task, make, play, robot, task, two_robots_one_task
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay.record import Replay, Step, TeamAt
-from teamformer.trials.recorder import Recorder
+from teamformer.trials.recorder import Recorder, _splits
 
 State = dict[int, tuple[tuple[int, ...], TeamAt]]
 """The robots of each team, and how it stands, by slot."""
@@ -119,3 +121,15 @@ def test_the_record_brings_every_state_back() -> None:
         splits += replay.end.splits
         lost += sum(len(step.lost) for step in replay.steps)
     assert min(joins, splits, lost) > 10
+
+
+def test_who_stays_is_who_fits_first_whatever_is_wanted_next() -> None:
+    """Of robots a, b, a the first a and b stay: the other a alone is not the first to fit."""
+    brings = np.array([[1, 0], [0, 1], [1, 0]])
+    parts = {0: (0, 1), 2: (2,)}
+    for stays in itertools.product([False, True], repeat=3):
+        said = _splits({0: (0, 1, 2)}, parts, np.array(stays), brings)
+        assert said == (((0, 1), (2,)),)
+    either = {0: (0,), 1: (1, 2)}  # of three that differ, so it is as the worlds say
+    for stays, first in (([True, False, False], (0,)), ([False, True, True], (1, 2))):
+        assert _splits({0: (0, 1, 2)}, either, np.array(stays), np.eye(3, dtype=int))[0][0] == first

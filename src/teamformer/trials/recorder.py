@@ -64,7 +64,7 @@ class Recorder:
         self._steps.append(
             Step(
                 joins=self._joins(before.groups, formed),
-                splits=_splits(before.groups, formed, robots["stays"]),
+                splits=_splits(before.groups, formed, robots["stays"], self._env.worlds.brings[0]),
                 lost=tuple(np.flatnonzero(is_lost).tolist()),
                 back=tuple(np.flatnonzero(is_back).tolist()),
                 teams=_changed_teams(before, after, self._along),
@@ -190,16 +190,36 @@ def _exchanges(took: Array) -> tuple[tuple[int, int], ...]:
 
 
 def _splits(
-    before: Groups, formed: Groups, stays: Array
+    before: Groups, formed: Groups, stays: Array, brings: Array
 ) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
-    """Return (robots that stay, robots that leave) for each team that is two now."""
+    """Return (robots that stay, robots that leave) for each team that is two now.
+
+    `stays` (robots,) is what the worlds keep of it; of a part that the shared plan wants to part
+    again, that is about the next split. But only robots that are the first to fit into what they
+    bring together, (robots, caps), can have stayed.
+    """
     splits = []
     for robots in before.values():
         parts = [part for part in formed.values() if set(part) < set(robots)]
         if len(parts) == 2:
             one, other = parts
-            splits.append((one, other) if stays[one[0]] else (other, one))
+            if not stays[one[0]] or not _are_first(one, robots, brings):
+                one, other = other, one
+            if not _are_first(one, robots, brings):
+                one, other = other, one
+            splits.append((one, other))
     return tuple(sorted(splits, key=lambda split: min(*split[0], *split[1])))
+
+
+def _are_first(part: tuple[int, ...], robots: tuple[int, ...], brings: Array) -> bool:
+    """Say whether a part of a team are the first, in robot order, to fit into what it brings."""
+    room = brings[list(part)].sum(axis=0, dtype=np.int64)  # (caps,)
+    chosen = []
+    for robot in robots:
+        if (brings[robot] <= room).all():
+            room = room - brings[robot]
+            chosen.append(robot)
+    return tuple(chosen) == part
 
 
 def _changed_teams(

@@ -12,7 +12,8 @@ from fleets import PLANNER, pair, plan_of, trio
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Knobs, Order, Spell, draw_faults
-from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
+from teamformer.fleet.rehearsal.outcome import Outcome
+from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, judge, play, set_stage
 from teamformer.fleet.rehearsal.shrink import shrink

@@ -7,7 +7,6 @@ something new and when it is due, not otherwise.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.knowledge import Remembered
@@ -22,6 +21,7 @@ from teamformer.fleet.rehearsal.agenda import Agenda
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.late_reports import LateReports
 from teamformer.fleet.rehearsal.network import RehearsedNetwork
+from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.trace import (
     Accepted,
     Broke,
@@ -38,27 +38,6 @@ TICK = 0.02
 
 MOST_WAITING = 500
 """Messages that wait for a robot that is paused; more are lost, the oldest first."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """How a rehearsal ended; times in seconds.
-
-    `status` is `ended`; `infeasible` if robots were lost that tasks need, and all others are done;
-    `blocked` if something that can be done was not done until the deadline.
-    """
-
-    status: str
-    makespan: float | None  # when the last task was done that can be
-    end: float
-    tasks_done: int
-    blocked_tasks: tuple[str, ...]
-    messages: int
-    bytes: int
-    received_bytes: int
-    robot_seconds: float
-    plans: int
-    dropped: int  # messages that did not open
 
 
 class Rehearsal:

@@ -12,7 +12,8 @@ from dataclasses import replace
 
 from teamformer.fleet.messages import NOBODY
 from teamformer.fleet.rehearsal.faults import Faults
-from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
+from teamformer.fleet.rehearsal.outcome import Outcome
+from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent, Walked
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario, Task

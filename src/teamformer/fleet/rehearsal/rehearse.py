@@ -13,7 +13,8 @@ from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
-from teamformer.fleet.rehearsal.play import Outcome, Rehearsal
+from teamformer.fleet.rehearsal.outcome import Outcome
+from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Trace
 
 SLACK = 300.0

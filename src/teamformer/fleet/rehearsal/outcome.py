@@ -1,0 +1,26 @@
+"""How a rehearsal ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a rehearsal ended; times in seconds.
+
+    `status` is `ended`; `infeasible` if robots were lost that tasks need, and all others are done;
+    `blocked` if something that can be done was not done until the deadline.
+    """
+
+    status: str
+    makespan: float | None  # when the last task was done that can be
+    end: float
+    tasks_done: int
+    blocked_tasks: tuple[str, ...]
+    messages: int
+    bytes: int
+    received_bytes: int
+    robot_seconds: float
+    plans: int
+    dropped: int  # messages that did not open

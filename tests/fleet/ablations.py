@@ -47,7 +47,7 @@ def tell_no_plan(self: Voice, sender: int, plan: bool, facts: bool, *rest: Any) 
 
 def break_off_at_once(self: Service, now: float, fellows: list[Word], is_busy: bool) -> int:
     if self.phase == SERVE:
-        at_work = [word for word in fellows if word.phase >= 2]
+        at_work = [word for word in fellows if word.phase == SERVE]
         return NEXT_PHASE(self, now, at_work, is_busy)
     return NEXT_PHASE(self, now, fellows, is_busy)
 

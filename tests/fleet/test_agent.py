@@ -17,6 +17,7 @@ from teamformer.fleet.messages import (
     Message,
     Notice,
     Offer,
+    PlanNote,
     Receipt,
     TaskFact,
     Word,
@@ -88,6 +89,26 @@ def test_a_new_plan_holds_for_a_while() -> None:
     first, second = made.index(1), made.index(2)
     assert made[-1] == 2
     assert second - first >= 10 * agent.mission.timers.rest
+
+
+def test_who_is_stuck_goes_on_trying_where_it_did_not_get() -> None:
+    """It stands where a plan has it do a task, and then none has it do anything any more.
+
+    If it were content there, it would never find out that it can move again.
+    """
+    agent = agents_of(trio())[0]
+    there, here = (2.0, 0.0), (5.0, 0.0)  # where tasks 0 and 2 are; it stands at the latter
+    for phase, (does, live, place) in enumerate(
+        [((0,), (0, 1, 2), there), ((2,), (1, 2), here), ((), (1, 2), there)]
+    ):
+        coalitions = tuple((0,) for _ in does)
+        others = tuple(key for key in range(5) if key not in does)
+        note = PlanNote(10 * phase + 10, 1, live, does, coalitions, others)
+        for tick in range(80 * phase + 1, 80 * phase + 81):
+            inbox = [beat_from(agent, mate, Word(mate, tick)) for mate in (1, 2)]
+            inbox += opened(agent.mission, 1, [Notice(EVERYBODY, note)])
+            agent.tick(tick / 10, standing(agent, tick), inbox)
+        assert (agent.command.place, agent.membership.is_stuck) == (place, True)
 
 
 def test_who_was_away_itself_blames_nobody() -> None:

@@ -30,6 +30,7 @@ from teamformer.fleet.messages import (
 )
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import Planner
+from teamformer.grid import Place
 
 LOOK = 1.0
 """Seconds between two looks at who is lost and whether this robot gets on."""
@@ -66,6 +67,7 @@ class Agent:
         self._born = now - kept.age
         self._look_at = now
         self._place = (self.knowledge.words[me].x, self.knowledge.words[me].y)
+        self._wanted: Place | None = None  # where it last wanted to go and was not
         self._leaves_when = float("inf")  # the promise that it waits out before it leaves
         self._namesakes = 0
         self._mates_changes = 0  # grows when somebody says something new about the task at hand
@@ -194,6 +196,8 @@ class Agent:
         self.membership.call_lost(now, self.watched)
         place = self.command.place
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
+        if wants_to_move:
+            self._wanted = place
         self.membership.judge_myself(now, *self._place, wants_to_move)
 
     def _plan(self, now: float, notices: list[Notice]) -> None:
@@ -238,7 +242,7 @@ class Agent:
             task = self.knowledge.tasks[service.goal]
             place = None if now < service.formed else (task.x, task.y)
         elif self.membership.is_stuck:
-            place = command.place  # it goes on trying
+            place = self._wanted  # it goes on trying
         else:
             place = self.mission.base if self._misses_somebody(now) else None
         if place is None and service.goal == command.task != NOBODY:

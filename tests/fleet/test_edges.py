@@ -16,6 +16,7 @@ from teamformer.fleet.transports.transport import (
     MOST_BYTES_A_SECOND,
     Sluice,
     check_endpoints,
+    read_certificates,
     read_secret,
 )
 
@@ -59,11 +60,20 @@ def test_facts_of_another_robot_are_refused(tmp_path: Path) -> None:
         FactsFile(tmp_path / "facts", 42, 2).read()
 
 
-@pytest.mark.parametrize(
-    "endpoint", ["tcp/127.0.0.1:7447", "tcp/localhost:1", "tcp/[::1]:7", "tls/example.org:7447"]
-)
-def test_this_machine_and_tls_need_no_key(endpoint: str) -> None:
+@pytest.mark.parametrize("endpoint", ["tcp/127.0.0.1:7447", "tcp/localhost:1", "tcp/[::1]:7"])
+def test_this_machine_needs_no_key(endpoint: str) -> None:
     check_endpoints([endpoint], b"")
+
+
+def test_tls_needs_certificates_and_no_key(tmp_path: Path) -> None:
+    with pytest.raises(TeamformerError, match="needs certificates"):
+        check_endpoints(["tls/example.org:7447"], b"0123456789abcdef")
+    names = ("ca.pem", "certificate.pem", "key.pem")
+    for name in names:
+        with pytest.raises(TeamformerError, match=f"{name} is absent"):
+            read_certificates(tmp_path)
+        (tmp_path / name).write_text("PEM")
+    check_endpoints(["tls/example.org:7447"], b"", read_certificates(tmp_path))
 
 
 @pytest.mark.parametrize("endpoint", ["tcp/192.168.1.7:7447", "tcp/0.0.0.0:1", "tcp/robot:7"])

@@ -4,8 +4,9 @@ The promises:
 
 - nobody serves in two teams: a robot at work is so for one task, with the team that its last word
   names, standing at that task;
-- nobody begins to serve unless robots that stand there, itself included, have what the task needs
-  and have said that they will stay;
+- nobody begins to serve a task that is open unless robots that stand there, itself included, have
+  what it needs and have said that they will stay (a body that reports late may let its mind begin
+  what is done already, which does nothing);
 - who says that it stays, stays: until the time is over or the task is done;
 - no task is done twice, and none without a team that was at work on it for its whole duration and
   had what it needs all the while;
@@ -152,7 +153,7 @@ class Checker:
                 and (other.has_forgotten or self._stands_at(number, event.task, event.at))
             )
         ]
-        if not self._covers(bound, event.task):
+        if event.task not in self._done and not self._covers(bound, event.task):
             self._blame(
                 f"{event.at:.2f} s: {who} begins to serve task '{task}' although not all that it "
                 "needs is bound to be there"

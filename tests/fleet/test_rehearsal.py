@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fleets import PLANNER, pair, plan_of, trio
+from small_worlds import make, robot, task
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Knobs, Order, Spell, draw_faults
@@ -18,6 +19,7 @@ from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, judge, play, set_stage
 from teamformer.fleet.rehearsal.shrink import shrink
 from teamformer.fleet.rehearsal.trace import Trace, Worked
+from teamformer.grid import Grid
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.writing import write_replay
@@ -80,6 +82,22 @@ def test_a_mission_ends_under_each_fault(faults: Faults) -> None:
     assert (outcome.status, outcome.tasks_done) == ("ended", 5)
 
 
+def test_who_misses_somebody_stays_on_its_side_of_a_wall() -> None:
+    """Robot 2 has nothing to do until 40 s, and the first robot is where it cannot get.
+
+    a . . a . T     robot 1 crashes at 1 s
+    @ @ @ @ @ @
+    b . . . . U     U appears at 40 s
+    """
+    world = Grid(6, 3, ("......", "@@@@@@", "......"))
+    robots = [robot("a", 0), robot("a", 3), robot("b", 0, 2)]
+    tasks = [task("a", 5), task("b", 5, 2, appears=40)]
+    outcome = outcome_of(Mission(make(robots, tasks, world)), Faults(crashes=(Crash(1, 1.0),)))
+    assert (outcome.status, outcome.tasks_done) == ("ended", 2)
+    assert outcome.makespan is not None
+    assert outcome.makespan < 50
+
+
 def test_junk_is_counted_and_changes_nothing() -> None:
     calm, noisy = outcome_of(trio(), Faults(seed=1)), outcome_of(trio(), Faults(seed=1, junk=5.0))
     assert calm.dropped == 0
@@ -95,12 +113,12 @@ def test_what_nobody_left_can_do_is_said_and_all_else_is_done() -> None:
 
 
 def test_an_operators_task_is_accepted_and_done() -> None:
-    task = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 1, 0), 2.0)
+    extra = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 1, 0), 2.0)
     trace = Trace()
-    faults = Faults(seed=3, loss=0.5, orders=(Order(6.0, task),))
+    faults = Faults(seed=3, loss=0.5, orders=(Order(6.0, extra),))
     rehearsal = Rehearsal(trio(), PLANNER, plan_of(trio()), faults, trace)
     assert rehearsal.run(300.0).status == "ended"
-    assert task.key in rehearsal.world.done
+    assert extra.key in rehearsal.world.done
     assert [len(e.holders) for e in trace.events if type(e).__name__ == "Accepted"] == [3]
 
 
@@ -131,8 +149,8 @@ def test_many_random_schedules_keep_every_promise() -> None:
 
 def test_a_rehearsal_becomes_a_record(tmp_path: Path) -> None:
     trace = Trace(with_messages=True)
-    task = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
-    faults = Faults(crashes=(Crash(1, 9.0),), orders=(Order(3.0, task),))
+    extra = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
+    faults = Faults(crashes=(Crash(1, 9.0),), orders=(Order(3.0, extra),))
     rehearsal = Rehearsal(trio(), PLANNER, plan_of(trio()), faults, trace)
     outcome = rehearsal.run(300.0)
     record = record_of(rehearsal, outcome, trace.events, 7)
@@ -166,7 +184,7 @@ def test_shrinking_takes_away_all_that_is_not_needed() -> None:
     """A made-up failure: a crash of robot 1, with task t4 in the mission."""
 
     def fails(mission: Mission, faults: Faults) -> bool:
-        has_task = any(task.name == "t4" for task in mission.scenario.tasks)
+        has_task = any(each.name == "t4" for each in mission.scenario.tasks)
         return has_task and any(crash.robot == 1 for crash in faults.crashes)
 
     faults = replace(

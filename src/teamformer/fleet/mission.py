@@ -74,10 +74,12 @@ class Mission:
         """Return for how long a robot on its way stands in one place: in a cell, on a grid."""
         return 1.0 / self.paces[robot] if isinstance(self.scenario.world, Grid) else 0.0
 
-    @property
-    def base(self) -> Place:
-        """Return where robots look for one another when they have nothing else to do."""
-        return self.scenario.robots[0].at
+    def base_of(self, robot: int) -> Place:
+        """Return where a robot looks for others when it has nothing else to do.
+
+        It is where the first of those starts that it can get to.
+        """
+        return self.scenario.robots[self.regions.index(self.regions[robot])].at
 
     def is_same_place(self, x: float, y: float, other_x: float, other_y: float) -> bool:
         """Say whether two places are one."""

@@ -244,7 +244,7 @@ class Agent:
         elif self.membership.is_stuck:
             place = self._wanted  # it goes on trying
         else:
-            place = self.mission.base if self._misses_somebody(now) else None
+            place = self.mission.base_of(self.me) if self._misses_somebody(now) else None
         if place is None and service.goal == command.task != NOBODY:
             place = command.place  # forming where it stands
         if (place, service.goal) != (command.place, command.task):

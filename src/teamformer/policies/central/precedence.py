@@ -25,6 +25,7 @@ SEARCHES = 5
 """How many plans are searched for and played: the best one on paper need not be when played."""
 
 SLOWEST, FASTEST = 0.001, 1000.0
+"""Speeds that a scenario may have, in cells or metres a step here."""
 
 
 def plan_with_precedence(scenario: Scenario, plays: Plays, seed: int, workers: int) -> CentralPlan:

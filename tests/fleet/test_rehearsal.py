@@ -98,6 +98,14 @@ def test_who_misses_somebody_stays_on_its_side_of_a_wall() -> None:
     assert outcome.makespan < 50
 
 
+def test_who_is_left_alone_goes_on_once_it_can_move_again() -> None:
+    """Robot 0 hears nobody when it gets free: it is unfit by its own word before and after."""
+    scenario = make([robot("a", 4), robot("a", 0)], [task("a", 8)])
+    faults = Faults(crashes=(Crash(1, 0.5),), stuck=(Spell(0, 2.0, 40.0),))
+    outcome = outcome_of(Mission(scenario), faults)
+    assert (outcome.status, outcome.tasks_done) == ("ended", 1)
+
+
 def test_junk_is_counted_and_changes_nothing() -> None:
     calm, noisy = outcome_of(trio(), Faults(seed=1)), outcome_of(trio(), Faults(seed=1, junk=5.0))
     assert calm.dropped == 0

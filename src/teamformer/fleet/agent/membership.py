@@ -109,6 +109,7 @@ class Membership:
 
     def judge_myself(self, now: float, x: float, y: float, wants_to_move: bool) -> None:
         """Say whether this robot is fit: it hears somebody, and gets on where it wants to."""
+        before = self.is_stuck, self.is_fit
         _, was_x, was_y = self._moved
         if (x, y) != (was_x, was_y):
             self._moved = (now, x, y)
@@ -120,10 +121,8 @@ class Membership:
             self.is_stuck = True
         is_alone = self._knowledge.mission.robots == 1
         self._is_deaf = not is_alone and now - self.heard > self.timers.deaf * self.stretch
-        is_fit = not (self.is_stuck or self._is_deaf)
-        if is_fit != self.is_fit:
-            self.is_fit = is_fit
-            self.changes += 1
+        self.is_fit = not (self.is_stuck or self._is_deaf)
+        self.changes += (self.is_stuck, self.is_fit) != before
 
     def is_near(self, robot: int, now: float) -> bool:
         """Say whether there is fresh word of a robot."""

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from teamformer.jit import entry
+from teamformer.rules.constants import MICROMETRES
 from teamformer.rules.coverage import covers, fills_gap, helps
 from teamformer.rules.pairing import pair_off
+from teamformer.rules.sorting import sort_indices
 from teamformer.rules.splitting import anybody_fits, fits
 
 
@@ -53,6 +55,39 @@ def joined_at(arrival):  # type: ignore[no-untyped-def]
 )
 def test_pairing_off(arrival: tuple[int, ...], step: int) -> None:
     assert joined_at(np.array(arrival, np.int64)) == step
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_pairing_off_is_that_of_a_slow_twin(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    arrival = np.sort(rng.integers(0, 12, size=rng.integers(1, 14)))
+    step, teams, still_to_come = 0, 0, arrival.tolist()
+    while still_to_come or teams > 1:
+        if teams > 1:
+            teams -= teams // 2
+            step += 1
+        else:
+            step = max(step, still_to_come[0])
+        teams += sum(other <= step for other in still_to_come)
+        still_to_come = [other for other in still_to_come if other > step]
+    assert joined_at(arrival.astype(np.int64)) == step
+
+
+@entry
+def sorted_indices(keys):  # type: ignore[no-untyped-def]
+    order, spare = np.zeros(len(keys), np.int64), np.zeros(len(keys), np.int64)
+    sort_indices(keys, order, spare)
+    return order
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5, 7, 8, 9, 31, 64])
+def test_sorting_keeps_the_order_of_equal_keys(count: int) -> None:
+    keys = np.random.default_rng(count).integers(0, 1 + count // 2, size=count)
+    assert sorted_indices(keys).tolist() == np.argsort(keys, kind="stable").tolist()
+
+
+def test_a_metre_has_a_million_micrometres() -> None:
+    assert MICROMETRES == 1_000_000
 
 
 @entry

@@ -1,8 +1,9 @@
 """Compiling on a first run: said beforehand, and shared with a second process.
 
-numba compiles on one core. So while this process compiles the planner of crews, which it needs
-first, `python -m teamformer.commands.compiling POLICY` compiles what comes after it into the cache.
-With `--everything` it compiles what any first run needs, for a wheel that brings it along.
+numba compiles on one core. So while this process compiles a planner, which it needs first,
+`python -m teamformer.commands.compiling POLICY` compiles what comes after it into the cache; with
+`--simulator` only the step, as by a shared plan no policy has to think. With `--everything` it
+compiles what any first run needs, for a wheel that brings it along.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def announce_compiling(
     if has_shared_plan and needs_compiling(threshold_search.search):
         say("compiling the planner, on the first run only (a minute) ...")
         if is_new and (os.cpu_count() or 1) > 1:
-            _compile_beside(next((name for name in names if name != "central"), "join-all"))
+            _compile_beside("--simulator")
     has_crews = is_planned and not has_shared_plan
     if (has_crews or "central" in names) and needs_compiling(plan_worlds):
         say("compiling the planner of crews, on the first run only (half a minute, too) ...")
@@ -54,11 +55,11 @@ def announce_compiling(
             say("compiling the central planner, on the first run only (half a minute) ...")
 
 
-def _compile_beside(policy: str) -> None:
-    """Let another process compile the simulator and a policy; it ends with this one."""
+def _compile_beside(what: str) -> None:
+    """Let another process compile the simulator or a policy too; it ends with this one."""
     nowhere = subprocess.DEVNULL
     helper = subprocess.Popen(
-        [sys.executable, "-m", "teamformer.commands.compiling", policy],
+        [sys.executable, "-m", "teamformer.commands.compiling", what],
         stdin=nowhere,
         stdout=nowhere,
         stderr=nowhere,
@@ -74,8 +75,19 @@ def main() -> None:
     names = sys.argv[1:]
     if names == ["--everything"]:
         _compile_everything(smallest)
+    elif names == ["--simulator"]:
+        _make_a_step(smallest)
     else:
         _play([smallest], names)
+
+
+def _make_a_step(smallest: Scenario) -> None:
+    """Make one step by a shared plan that holds nothing: its task is not known yet."""
+    from teamformer.sim.env import Decision, TeamFormation
+
+    later = tuple(replace(task, appears=9) for task in smallest.tasks)
+    env = TeamFormation([replace(smallest, allocation="plan", tasks=later)])
+    env.step(Decision(env.view().counts))
 
 
 def _play(worlds: Iterable[Scenario], names: Iterable[str]) -> None:

@@ -15,7 +15,7 @@ from teamformer.policies.learned.macro_actions import HALVE, JOIN, MAINTAIN
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import TeamFormation
 from teamformer.train.learning import global_state
-from teamformer.train.learning.advantages import advantages, credit
+from teamformer.train.learning.advantages import advantages, credit, stream_values
 from teamformer.train.learning.reward_streams import MissionReward, TeamReward
 from teamformer.train.learning.rollout import Rollout, play
 
@@ -163,6 +163,23 @@ def test_what_the_critic_says_of_each_state_counts_where_it_was_said(steps: int)
         assert found.target[state, 0].item() == pytest.approx(gain + said[state], abs=1e-5)
         for row in np.flatnonzero(rollout.state.numpy() == state):
             assert found.gain[row].item() == pytest.approx(gain, abs=1e-5)
+
+
+def test_a_stream_without_a_value_is_worth_nothing() -> None:
+    values = torch.tensor([[3.0, 5.0], [7.0, 9.0]])  # two states, of two teams
+    value_of = torch.tensor([[1, 0, -1], [-1, 1, 1]])  # three robots each
+    assert stream_values(values, value_of).tolist() == [[5.0, 3.0, 0.0], [0.0, 9.0, 9.0]]
+
+
+def test_lost_robots_are_not_there() -> None:
+    """r1 is missing after step 2, so that it has no stream in the third state."""
+    near = pair_with_a_task_each_side()
+    near = replace(near, robots=(near.robots[0], replace(near.robots[1], lost=2)))
+    env, reward = TeamFormation([near]), TeamReward(scale=1.0)
+    rollout = play(env, AnyFleetCodec(), _Script(), reward, 3)
+    found = credit(rollout, zero_critic(is_per_team=True), 0.5, 1.0)
+    assert rollout.value_of[0].min() == 0  # the first team counts, too
+    assert found.is_there.tolist() == [[True, True], [True, True], [True, False]]
 
 
 def test_a_robots_stream_goes_on_through_a_split_and_a_merge() -> None:

@@ -130,6 +130,19 @@ def test_an_operators_task_is_accepted_and_done() -> None:
     assert [len(e.holders) for e in trace.events if type(e).__name__ == "Accepted"] == [3]
 
 
+@pytest.mark.parametrize(("keeps_facts", "status"), [(True, "ended"), (False, "infeasible")])
+def test_an_accepted_task_outlives_its_holders_if_one_keeps_its_facts(
+    keeps_facts: bool, status: str
+) -> None:
+    """Two robots hold the task, and both break down before it is done."""
+    scenario = make([robot("a", 0), robot("a", 1)], [task("a", 3)])
+    extra = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
+    crashes = (Crash(0, 5.0, 20.0, keeps_facts), Crash(1, 5.0, 20.0, keeps_facts=False))
+    outcome = outcome_of(Mission(scenario), Faults(crashes=crashes, orders=(Order(1.0, extra),)))
+    assert outcome.status == status
+    assert outcome.blocked_tasks == (() if keeps_facts else ("extra",))
+
+
 def small_missions() -> list[Mission]:
     rng = np.random.default_rng(11)
     return [

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 class Outcome:
     """How a rehearsal ended; times in seconds.
 
-    `status` is `ended`; `infeasible` if robots were lost that tasks need, and all others are done;
-    `blocked` if something that can be done was not done until the deadline.
+    `status` is `ended`; `infeasible` if robots were lost that tasks need, or an accepted task with
+    the memory of all who held it, and all others are done; `blocked` if something that can be done
+    was not done until the deadline.
     """
 
     status: str

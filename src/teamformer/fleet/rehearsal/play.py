@@ -344,19 +344,33 @@ class Rehearsal:
         return [r for r in range(len(robots)) if not robots[r].is_dead and r not in gone]
 
     def _impossible(self) -> list[str]:
-        """Return the tasks that are not done, and that the robots left cannot do."""
-        able = self._able()
+        """Return the tasks that are not done, and that the robots left cannot do or know."""
+        able, lost = self._able(), self._lost_orders()
         return [
             task.name
             for key, task in self.world.tasks.items()
-            if key not in self.world.done and not self.mission.can_do(able, task)
+            if key not in self.world.done and (key in lost or not self.mission.can_do(able, task))
         ]
+
+    def _lost_orders(self) -> set[int]:
+        """Return the accepted tasks that all who held them have lost with their memory."""
+        forgetful = {
+            crash.robot: crash.at
+            for crash in self.faults.crashes
+            if crash.at <= self.now and (crash.back is None or not crash.keeps_facts)
+        }
+        return {
+            order.task.key
+            for operator, order in zip(self._operators, self.faults.orders, strict=True)
+            if operator.is_accepted
+            and all(forgetful.get(robot, -1.0) >= order.at for robot in operator.holders)
+        }
 
     def _is_over(self) -> bool:
         """Say whether all is done that can be done."""
         self._is_to_look = False
         able = self._able()
-        taken = {o.task.key for o in self._operators if not o.is_accepted}
+        taken = {o.task.key for o in self._operators if not o.is_accepted} | self._lost_orders()
         if any(len(able) >= o.needed for o in self._operators if not o.is_accepted):
             return False
         return all(
@@ -368,15 +382,15 @@ class Rehearsal:
         world, network = self.world, self._network
         alive = [r for r, agent in enumerate(self.agents) if agent is not None]
         seconds = self._robot_seconds + sum(self.now - self._alive_since[r] for r in alive)
-        able = self._able()
         undone = [task for key, task in world.tasks.items() if key not in world.done]
-        blocked = [task.name for task in undone if self.mission.can_do(able, task)]
+        impossible = self._impossible()
+        blocked = [task.name for task in undone if task.name not in impossible]
         return Outcome(
             status=status,
             makespan=max((done.at for done in world.done.values()), default=None),
             end=self.now,
             tasks_done=len(world.done),
-            blocked_tasks=tuple(blocked if status == "blocked" else self._impossible()),
+            blocked_tasks=tuple(blocked if status == "blocked" else impossible),
             messages=network.messages,
             bytes=network.bytes,
             received_bytes=network.received_bytes,

@@ -8,6 +8,8 @@ others 1997). It knows what all robots have promised, and binds nobody beyond it
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from teamformer.jit import entry, kernel
@@ -25,6 +27,10 @@ from teamformer.planning.coalitions.search.schedule import (
 from teamformer.planning.coalitions.search.window import REFUSED, empty_desk
 from teamformer.planning.coalitions.solve import Solution
 from teamformer.planning.relaxation.insertion import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.coalitions.search.schedule import CoalitionPlan, Schedule
+    from teamformer.planning.coalitions.search.window import Desk
 
 FUTURES = 20
 """How often the rest is played out for each task that a robot may take."""
@@ -44,7 +50,14 @@ def react(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
 
 
 @entry
-def _react(problem, schedule, best, desk, futures, noise):  # type: ignore[no-untyped-def]
+def _react(
+    problem: CoalitionProblem,
+    schedule: Schedule,
+    best: CoalitionPlan,
+    desk: Desk,
+    futures: int,
+    noise: int,
+) -> bool:
     """Decide task after task; say whether every task has found a coalition.
 
     `best` is the best future seen so far: its beginning is what was decided.
@@ -75,7 +88,7 @@ def _react(problem, schedule, best, desk, futures, noise):  # type: ignore[no-un
 
 
 @kernel
-def _first_free(problem, schedule, position):  # type: ignore[no-untyped-def]
+def _first_free(problem: CoalitionProblem, schedule: Schedule, position: int) -> int:
     """Return the robot that is free first of those that can help with an open task."""
     best = NOBODY
     for robot in range(len(problem.origin)):
@@ -89,7 +102,7 @@ def _first_free(problem, schedule, position):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _helps(problem, schedule, robot, task):  # type: ignore[no-untyped-def]
+def _helps(problem: CoalitionProblem, schedule: Schedule, robot: int, task: int) -> bool:
     """Say whether a task is open, all before it are promised, and a robot brings some of it."""
     if not is_ready(problem, schedule, task):
         return False
@@ -100,7 +113,9 @@ def _helps(problem, schedule, robot, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _call(problem, schedule, desk, robot, task, position):  # type: ignore[no-untyped-def]
+def _call(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, robot: int, task: int, position: int
+) -> int:
     """Pick a coalition around a robot; return when it is there, REFUSED if there is none."""
     desk.span[0] = desk.span[1] = position
     desk.clock[0] += 1
@@ -115,7 +130,9 @@ def _call(problem, schedule, desk, robot, task, position):  # type: ignore[no-un
 
 
 @kernel
-def _do(problem, schedule, desk, task, position):  # type: ignore[no-untyped-def]
+def _do(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, task: int, position: int
+) -> None:
     """Have the coalition at hand do a task next."""
     plan = schedule.plan
     plan.order[position] = task
@@ -126,7 +143,9 @@ def _do(problem, schedule, desk, task, position):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _do_as_in(problem, schedule, best, position):  # type: ignore[no-untyped-def]
+def _do_as_in(
+    problem: CoalitionProblem, schedule: Schedule, best: CoalitionPlan, position: int
+) -> None:
     """Have a task done as in the best future seen."""
     plan, task = schedule.plan, best.order[position]
     plan.order[position] = task
@@ -137,7 +156,9 @@ def _do_as_in(problem, schedule, best, position):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _play_out(problem, schedule, desk, begin, noise):  # type: ignore[no-untyped-def]
+def _play_out(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, begin: int, noise: int
+) -> int:
     """Let robots take what can start first, more or less; return what the plan costs then."""
     tasks = len(schedule.rank)
     for position in range(begin, tasks):
@@ -158,7 +179,7 @@ def _play_out(problem, schedule, desk, begin, noise):  # type: ignore[no-untyped
 
 
 @kernel
-def _take_back(schedule, position):  # type: ignore[no-untyped-def]
+def _take_back(schedule: Schedule, position: int) -> None:
     """Open the tasks again that were done from a position on."""
     tasks = len(schedule.rank)
     for task in range(tasks):

@@ -6,6 +6,8 @@ the others when.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from teamformer.jit import allocating_kernel, kernel
@@ -17,6 +19,10 @@ from teamformer.sim.arrays import CREWS, NEAREST
 from teamformer.sim.completion import is_possible
 from teamformer.sim.motion import travel
 
+if TYPE_CHECKING:
+    from teamformer.rules.arrays import Array
+    from teamformer.sim.arrays import World
+
 ROUNDS = 1500
 """How many changes are tried for each open task in a plan."""
 ROUNDS_AGAIN = 300
@@ -24,7 +30,7 @@ ROUNDS_AGAIN = 300
 
 
 @allocating_kernel
-def update_plan(world):  # type: ignore[no-untyped-def]
+def update_plan(world: World) -> None:
     """Plan the crews, or only the order, where need be; call it after each step.
 
     Crews are planned at the start, when tasks appear, when robots are lost or back, when it shows
@@ -49,7 +55,7 @@ def update_plan(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _forget_lost(world):  # type: ignore[no-untyped-def]
+def _forget_lost(world: World) -> bool:
     """Take lost robots off their crews; say whether there are any."""
     any_lost = False
     for robot in range(world.rules.robots):
@@ -60,7 +66,7 @@ def _forget_lost(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _note_done(world):  # type: ignore[no-untyped-def]
+def _note_done(world: World) -> bool:
     """Note who is where a task was done; say whether a crew has just done its last.
 
     Only if another crew has more than one left.
@@ -76,7 +82,7 @@ def _note_done(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _has_nothing_left(world, crew):  # type: ignore[no-untyped-def]
+def _has_nothing_left(world: World, crew: int) -> bool:
     for position in range(world.count.open):
         if world.tasks[world.order[position]].crew == crew:
             return False
@@ -84,7 +90,7 @@ def _has_nothing_left(world, crew):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _any_has_several_left(world):  # type: ignore[no-untyped-def]
+def _any_has_several_left(world: World) -> bool:
     for position in range(world.count.open):
         for later in range(position + 1, world.count.open):
             crew = world.tasks[world.order[position]].crew
@@ -94,7 +100,7 @@ def _any_has_several_left(world):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _find_next_tasks(world):  # type: ignore[no-untyped-def]
+def _find_next_tasks(world: World) -> None:
     """Find each robot's next task: the first open one of its crew's list that needs it."""
     for robot in range(world.rules.robots):
         world.robots[robot].next = NOBODY
@@ -109,7 +115,7 @@ def _find_next_tasks(world):  # type: ignore[no-untyped-def]
 
 
 @allocating_kernel
-def _plan(world, in_one_crew, rounds):  # type: ignore[no-untyped-def]
+def _plan(world: World, in_one_crew: bool, rounds: int) -> None:
     """Plan crews and order from the state that everybody knows.
 
     Tasks that wait for a robot to come back are on no crew's list, and last in the order.
@@ -147,7 +153,7 @@ def _plan(world, in_one_crew, rounds):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _put_possible_first(world):  # type: ignore[no-untyped-def]
+def _put_possible_first(world: World) -> int:
     """Put what the robots that are left can do first in the order; return how many tasks these are.
 
     What they cannot do keeps its order behind, on nobody's list.
@@ -167,7 +173,7 @@ def _put_possible_first(world):  # type: ignore[no-untyped-def]
 
 
 @allocating_kernel
-def _gather_shared(world, robots, tasks):  # type: ignore[no-untyped-def]
+def _gather_shared(world: World, robots: Array, tasks: Array) -> Shared:
     """Return what everybody knows of the robots that are left and of the open tasks."""
     caps = world.needs.shape[1]
     counts = np.empty((len(robots), caps), dtype=np.int64)
@@ -213,5 +219,5 @@ def _gather_shared(world, robots, tasks):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _is_same_spot(robot, other):  # type: ignore[no-untyped-def]
+def _is_same_spot(robot: Any, other: Any) -> bool:
     return robot.spot_x == other.spot_x and robot.spot_y == other.spot_y

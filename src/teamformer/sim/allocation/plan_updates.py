@@ -76,7 +76,7 @@ def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
 
 
 @entry
-def _find_reasons(worlds, reasons):  # type: ignore[no-untyped-def]
+def _find_reasons(worlds: Worlds, reasons: Array) -> None:
     """Write why the plan of each world is to be made, 0 where it is not; take note of it."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)

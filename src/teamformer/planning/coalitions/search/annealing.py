@@ -7,6 +7,7 @@ numbers, and the logarithms that decide how much worse a plan may be come from a
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -34,6 +35,10 @@ from teamformer.planning.coalitions.search.window import (
     judge_window,
 )
 from teamformer.planning.relaxation.insertion import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.coalitions.search.window import Desk
+    from teamformer.rules.arrays import Array
 
 STEPS = 1024
 SLACKS = np.array([int(-STEPS * math.log((i + 0.5) / STEPS)) for i in range(STEPS)], np.int64)
@@ -101,7 +106,19 @@ def schedule_of(problem: CoalitionProblem, plan: CoalitionPlan) -> Schedule:
 
 
 @entry
-def anneal(problem, schedule, best, best_cost, desk, slacks, hot, cold, begin, end, rounds):  # type: ignore[no-untyped-def]
+def anneal(
+    problem: CoalitionProblem,
+    schedule: Schedule,
+    best: CoalitionPlan,
+    best_cost: Array,
+    desk: Desk,
+    slacks: Array,
+    hot: int,
+    cold: int,
+    begin: int,
+    end: int,
+    rounds: int,
+) -> None:
     """Make changes; keep those that are better or, while it is hot, a bit worse."""
     robots, total = len(problem.origin), schedule.total
     for turn in range(begin, end):
@@ -117,7 +134,9 @@ def anneal(problem, schedule, best, best_cost, desk, slacks, hot, cold, begin, e
 
 
 @kernel
-def _change(problem, schedule, desk, limit, allowed):  # type: ignore[no-untyped-def]
+def _change(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, limit: int, allowed: int
+) -> bool:
     """Try a random change; say whether the plan has changed."""
     if draw_below(desk.random, 100) < EXCHANGES:
         return exchange_tails(problem, schedule, desk, limit, allowed)
@@ -130,7 +149,7 @@ def _change(problem, schedule, desk, limit, allowed):  # type: ignore[no-untyped
 
 
 @entry
-def construct(problem, schedule, desk):  # type: ignore[no-untyped-def]
+def construct(problem: CoalitionProblem, schedule: Schedule, desk: Desk) -> bool:
     """Plan tasks in a random order that precedence allows, each by whoever is there first."""
     order, tasks = schedule.plan.order, len(schedule.plan.order)
     for task in range(tasks):
@@ -154,7 +173,7 @@ def construct(problem, schedule, desk):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _draw_ready(problem, schedule, desk, tasks):  # type: ignore[no-untyped-def]
+def _draw_ready(problem: CoalitionProblem, schedule: Schedule, desk: Desk, tasks: int) -> int:
     """Draw a task that is not planned while all that come before it are."""
     task = draw_below(desk.random, tasks)
     while not is_ready(problem, schedule, task):
@@ -163,7 +182,7 @@ def _draw_ready(problem, schedule, desk, tasks):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def is_ready(problem, schedule, task):  # type: ignore[no-untyped-def]
+def is_ready(problem: CoalitionProblem, schedule: Schedule, task: int) -> bool:
     """Say whether a task is not planned while all that come before it are; others have no rank."""
     tasks = len(schedule.rank)
     if schedule.rank[task] < tasks:

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.jit import kernel
 from teamformer.planning.coalitions.problem import NOBODY
 from teamformer.planning.coalitions.search.schedule import leave
 from teamformer.planning.relaxation.insertion import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.coalitions.problem import CoalitionProblem
+    from teamformer.planning.coalitions.search.schedule import Schedule
+    from teamformer.planning.coalitions.search.window import Desk
 
 BLINK = 16
 """Every so many robots one is overlooked, so that the search does not always see the same."""
 
 
 @kernel
-def arrival(problem, schedule, desk, robot, task):  # type: ignore[no-untyped-def]
+def arrival(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, robot: int, task: int
+) -> int:
     """Return when a robot can be at a task, after what it has done in the window so far."""
     if desk.seen[robot] == desk.clock[0]:
         place, free = desk.place[robot], desk.free[robot]
@@ -23,7 +32,7 @@ def arrival(problem, schedule, desk, robot, task):  # type: ignore[no-untyped-de
 
 
 @kernel
-def is_picked(desk, robot):  # type: ignore[no-untyped-def]
+def is_picked(desk: Desk, robot: int) -> bool:
     """Say whether a robot is in the coalition at hand."""
     for seat in range(desk.picks[0]):
         if desk.pick[seat] == robot:
@@ -32,7 +41,7 @@ def is_picked(desk, robot):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def count_short(problem, desk, task):  # type: ignore[no-untyped-def]
+def count_short(problem: CoalitionProblem, desk: Desk, task: int) -> int:
     """Work out what the coalition at hand lacks; say whether it is anything."""
     is_short = False
     for cap in range(problem.needs.shape[1]):
@@ -46,14 +55,18 @@ def count_short(problem, desk, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def pick_earliest(problem, schedule, desk, task, start):  # type: ignore[no-untyped-def]
+def pick_earliest(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, task: int, start: int
+) -> bool:
     """Pick the coalition that can start earliest, going by one capability after another."""
     desk.picks[0] = 0
     return cover(problem, schedule, desk, task) and give_way(problem, schedule, desk, task, start)
 
 
 @kernel
-def give_way(problem, schedule, desk, task, start):  # type: ignore[no-untyped-def]
+def give_way(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, task: int, start: int
+) -> bool:
     """Let members give their place to the like robot that comes last of those still in time."""
     for seat in range(desk.picks[0]):
         start = max(start, arrival(problem, schedule, desk, desk.pick[seat], task))
@@ -70,7 +83,7 @@ def give_way(problem, schedule, desk, task, start):  # type: ignore[no-untyped-d
 
 
 @kernel
-def cover(problem, schedule, desk, task):  # type: ignore[no-untyped-def]
+def cover(problem: CoalitionProblem, schedule: Schedule, desk: Desk, task: int) -> bool:
     """Add the robots that come first for what the coalition at hand lacks; say if it is enough."""
     while count_short(problem, desk, task):
         best, earliest = NOBODY, 0
@@ -91,7 +104,9 @@ def cover(problem, schedule, desk, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def pick_shortest_chain(problem, schedule, desk, task, start):  # type: ignore[no-untyped-def]
+def pick_shortest_chain(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, task: int, start: int
+) -> bool:
     """Pick the coalition whose longest chain through the task is shortest, robot by robot.
 
     The chain goes on after the window: what a robot still has to do there is known.
@@ -120,7 +135,7 @@ def pick_shortest_chain(problem, schedule, desk, task, start):  # type: ignore[n
 
 
 @kernel
-def draw_short(problem, desk):  # type: ignore[no-untyped-def]
+def draw_short(problem: CoalitionProblem, desk: Desk) -> int:
     """Draw a capability that the coalition at hand lacks."""
     caps = problem.needs.shape[1]
     cap = draw_below(desk.random, caps)
@@ -130,7 +145,7 @@ def draw_short(problem, desk):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def drop_spare(problem, desk, task):  # type: ignore[no-untyped-def]
+def drop_spare(problem: CoalitionProblem, desk: Desk, task: int) -> None:
     """Drop members that the coalition at hand does not need, earlier picks first."""
     seat = 0
     while seat < desk.picks[0]:
@@ -143,7 +158,7 @@ def drop_spare(problem, desk, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _is_spare(problem, desk, task, seat):  # type: ignore[no-untyped-def]
+def _is_spare(problem: CoalitionProblem, desk: Desk, task: int, seat: int) -> bool:
     robot = desk.pick[seat]
     for cap in range(problem.needs.shape[1]):
         if problem.needs[task, cap] > 0 and problem.counts[robot, cap] > 0:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.jit import kernel
 from teamformer.planning.coalitions.problem import NOBODY
 from teamformer.planning.coalitions.search.coalition_choice import (
@@ -18,13 +20,18 @@ from teamformer.planning.coalitions.search.window import (
 )
 from teamformer.planning.relaxation.insertion import draw_below
 
+if TYPE_CHECKING:
+    from teamformer.planning.coalitions.problem import CoalitionProblem
+    from teamformer.planning.coalitions.search.schedule import Schedule
+    from teamformer.planning.coalitions.search.window import Desk
+
 MOVES, EXCHANGES, REPLACEMENTS, EARLIEST = 30, 40, 60, 80  # percent, one upon the other
 """How many changes move a task, exchange two, replace a member, or move a task to a coalition
 that is there earliest; the others move one to the coalition with the shortest chain through it."""
 
 
 @kernel
-def propose(problem, schedule, desk):  # type: ignore[no-untyped-def]
+def propose(problem: CoalitionProblem, schedule: Schedule, desk: Desk) -> bool:
     """Write a random change to the desk; say whether it comes to anything."""
     task = _draw_task(schedule, desk)
     desk.subject[0], desk.subject[1] = task, KEEP
@@ -40,7 +47,7 @@ def propose(problem, schedule, desk):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _draw_task(schedule, desk):  # type: ignore[no-untyped-def]
+def _draw_task(schedule: Schedule, desk: Desk) -> int:
     """Draw a task, every other time one that the makespan hangs on."""
     count = schedule.criticals[0]
     if count > 0 and draw_below(desk.random, 2) == 0:
@@ -49,7 +56,7 @@ def _draw_task(schedule, desk):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _draw_position(schedule, desk, task):  # type: ignore[no-untyped-def]
+def _draw_position(schedule: Schedule, desk: Desk, task: int) -> int:
     """Draw where a task may go: half of the time past a neighbour in a route of its robots."""
     tasks, rank = len(schedule.rank), schedule.rank[task]
     if draw_below(desk.random, 2) == 0:
@@ -66,7 +73,7 @@ def _draw_position(schedule, desk, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _move(schedule, desk, task, to, may_stay=False):  # type: ignore[no-untyped-def]
+def _move(schedule: Schedule, desk: Desk, task: int, to: int, may_stay: bool = False) -> bool:
     """Move a task to a position of the order."""
     order, rank = schedule.plan.order, schedule.rank[task]
     if to == rank and not may_stay:
@@ -86,7 +93,7 @@ def _move(schedule, desk, task, to, may_stay=False):  # type: ignore[no-untyped-
 
 
 @kernel
-def _exchange(schedule, desk, task, to):  # type: ignore[no-untyped-def]
+def _exchange(schedule: Schedule, desk: Desk, task: int, to: int) -> bool:
     """Exchange a task with the one at a position of the order."""
     order, rank = schedule.plan.order, schedule.rank[task]
     if to == rank:
@@ -100,7 +107,7 @@ def _exchange(schedule, desk, task, to):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _replace(problem, schedule, desk, task):  # type: ignore[no-untyped-def]
+def _replace(problem: CoalitionProblem, schedule: Schedule, desk: Desk, task: int) -> bool:
     """Put a robot of the same kind, or whoever comes first, in the place of a member."""
     coalition, size = schedule.plan.coalition[task], schedule.plan.size[task]
     seat = draw_below(desk.random, size)
@@ -124,7 +131,9 @@ def _replace(problem, schedule, desk, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _drop_and_cover(problem, schedule, desk, task, seat):  # type: ignore[no-untyped-def]
+def _drop_and_cover(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, task: int, seat: int
+) -> bool:
     """Drop a member, and let somebody else bring what is then missing."""
     robot = desk.pick[seat]
     desk.picks[0] -= 1

@@ -7,12 +7,15 @@ robots enter it at their last places before, and leave it for their next tasks, 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem, Ticks, Whole
+
+if TYPE_CHECKING:
+    from teamformer.rules.arrays import Array
 
 SPREAD = 20
 """The mean time at which robots are home weighs this many times less than the last one."""
@@ -74,7 +77,7 @@ def empty_schedule(problem: CoalitionProblem) -> Schedule:
 
 
 @entry
-def copy_plan(plan, into):  # type: ignore[no-untyped-def]
+def copy_plan(plan: CoalitionPlan, into: CoalitionPlan) -> None:
     """Overwrite a plan with another."""
     into.order[:] = plan.order
     into.coalition[:] = plan.coalition
@@ -82,7 +85,7 @@ def copy_plan(plan, into):  # type: ignore[no-untyped-def]
 
 
 @entry
-def time_plan(problem, schedule):  # type: ignore[no-untyped-def]
+def time_plan(problem: CoalitionProblem, schedule: Schedule) -> int:
     """Work out all that is known of the plan that stands; return its cost."""
     for robot in range(len(problem.origin)):
         schedule.last[0, robot] = problem.origin[robot]
@@ -92,7 +95,7 @@ def time_plan(problem, schedule):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def time_from(problem, schedule, begin):  # type: ignore[no-untyped-def]
+def time_from(problem: CoalitionProblem, schedule: Schedule, begin: int) -> None:
     """Time the tasks from a position of the order on, and the ways home."""
     for position in range(begin, len(schedule.rank)):
         time_one(problem, schedule, position)
@@ -100,7 +103,7 @@ def time_from(problem, schedule, begin):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def time_one(problem, schedule, position):  # type: ignore[no-untyped-def]
+def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> None:
     """Time the task at a position of the order."""
     task, last, end = schedule.plan.order[position], schedule.last, schedule.end
     start, there, comes_apart = released(problem, end, task), 0, False
@@ -118,14 +121,14 @@ def time_one(problem, schedule, position):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def copy_row(table, row, into):  # type: ignore[no-untyped-def]
+def copy_row(table: Array, row: int, into: CoalitionPlan) -> None:
     """Copy a row of a table over another; slices of one array would be copied twice."""
     for column in range(table.shape[1]):
         table[into, column] = table[row, column]
 
 
 @kernel
-def released(problem, end, task):  # type: ignore[no-untyped-def]
+def released(problem: CoalitionProblem, end: Array, task: int) -> int:
     """Return when a task may start, whoever is there."""
     start = problem.release[task]
     if problem.before[task, 0] != NOBODY:
@@ -137,7 +140,7 @@ def released(problem, end, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def sum_up(problem, schedule):  # type: ignore[no-untyped-def]
+def sum_up(problem: CoalitionProblem, schedule: Schedule) -> None:
     """Work out the makespan and the cost of a plan that is timed."""
     total, tasks, robots = schedule.total, len(schedule.rank), len(problem.origin)
     total[MAKESPAN] = total[BACK_SUM] = total[LATE] = 0
@@ -152,13 +155,13 @@ def sum_up(problem, schedule):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def cost_of(makespan, back_sum, late, robots):  # type: ignore[no-untyped-def]
+def cost_of(makespan: int, back_sum: int, late: int, robots: int) -> int:
     """Return what a plan costs, in ticks."""
     return makespan + back_sum // (SPREAD * robots) + LATENESS * late
 
 
 @kernel
-def hang_tails(problem, schedule, begin):  # type: ignore[no-untyped-def]
+def hang_tails(problem: CoalitionProblem, schedule: Schedule, begin: int) -> None:
     """Hang tails from a position of the order backwards, and list what the makespan hangs on."""
     order, coalition, size = schedule.plan
     tail, after = schedule.tail, schedule.next
@@ -186,7 +189,9 @@ def hang_tails(problem, schedule, begin):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def leave(problem, schedule, robot, place, position):  # type: ignore[no-untyped-def]
+def leave(
+    problem: CoalitionProblem, schedule: Schedule, robot: int, place: int, position: int
+) -> int:
     """Return the longest chain of a robot that leaves a place for its task from a position on.
 
     Forming there is not counted: who else comes from where may change.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.jit import kernel
 from teamformer.planning.coalitions.problem import NOBODY
 from teamformer.planning.coalitions.search.schedule import (
@@ -12,9 +14,16 @@ from teamformer.planning.coalitions.search.schedule import (
 )
 from teamformer.planning.relaxation.insertion import draw_below
 
+if TYPE_CHECKING:
+    from teamformer.planning.coalitions.problem import CoalitionProblem
+    from teamformer.planning.coalitions.search.schedule import CoalitionPlan, Schedule
+    from teamformer.planning.coalitions.search.window import Desk
+
 
 @kernel
-def exchange_tails(problem, schedule, desk, limit, allowed):  # type: ignore[no-untyped-def]
+def exchange_tails(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, limit: int, allowed: int
+) -> bool:
     """Try it at a random place; say whether the plan has changed."""
     plan, last = schedule.plan, schedule.last
     task = plan.order[draw_below(desk.random, len(plan.order))]
@@ -40,7 +49,7 @@ def exchange_tails(problem, schedule, desk, limit, allowed):  # type: ignore[no-
 
 
 @kernel
-def _exchange(plan, position, robot, other):  # type: ignore[no-untyped-def]
+def _exchange(plan: CoalitionPlan, position: int, robot: int, other: int) -> None:
     for later in range(position, len(plan.order)):
         task = plan.order[later]
         for seat in range(plan.size[task]):

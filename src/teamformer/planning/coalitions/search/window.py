@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,10 @@ from teamformer.planning.coalitions.search.coalition_choice import (
     pick_shortest_chain,
 )
 from teamformer.planning.coalitions.search.schedule import cost_of, hang_tails, leave, time_from
+
+if TYPE_CHECKING:
+    from teamformer.planning.coalitions.search.schedule import Schedule
+    from teamformer.rules.arrays import Array
 
 Flags = npt.NDArray[np.bool_]
 RandomState = npt.NDArray[np.uint64]
@@ -65,7 +69,9 @@ def empty_desk(problem: CoalitionProblem, seed: int) -> Desk:
 
 
 @kernel
-def judge_window(problem, schedule, desk, limit, allowed):  # type: ignore[no-untyped-def]
+def judge_window(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, limit: int, allowed: int
+) -> int:
     """Return what the plan would cost, or REFUSED if more than `allowed`.
 
     Refuses at once if a chain through the window is longer than `limit`.
@@ -78,7 +84,7 @@ def judge_window(problem, schedule, desk, limit, allowed):  # type: ignore[no-un
 
 
 @kernel
-def _load(schedule, desk, robot):  # type: ignore[no-untyped-def]
+def _load(schedule: Schedule, desk: Desk, robot: int) -> None:
     """Have a robot stand where it is before the window."""
     if desk.seen[robot] != desk.clock[0]:
         desk.seen[robot] = desk.clock[0]
@@ -88,7 +94,7 @@ def _load(schedule, desk, robot):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _release(problem, schedule, desk, task):  # type: ignore[no-untyped-def]
+def _release(problem: CoalitionProblem, schedule: Schedule, desk: Desk, task: int) -> int:
     """Return when a task may start, whoever is there; REFUSED if one before it comes later."""
     start, (begin, finish) = problem.release[task], desk.span
     if problem.before[task, 0] != NOBODY:
@@ -105,7 +111,9 @@ def _release(problem, schedule, desk, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _serve(problem, desk, task, coalition, size, start):  # type: ignore[no-untyped-def]
+def _serve(
+    problem: CoalitionProblem, desk: Desk, task: int, coalition: Array, size: int, start: int
+) -> int:
     """Let a coalition, loaded before, do a task; return when it starts."""
     there, comes_apart = 0, False
     for seat in range(size):
@@ -125,7 +133,7 @@ def _serve(problem, desk, task, coalition, size, start):  # type: ignore[no-unty
 
 
 @kernel
-def _play_window(problem, schedule, desk, limit):  # type: ignore[no-untyped-def]
+def _play_window(problem: CoalitionProblem, schedule: Schedule, desk: Desk, limit: int) -> bool:
     """Play the window; say whether it may be done so, and nothing in it ends after the limit."""
     plan = schedule.plan
     desk.clock[0] += 1
@@ -153,7 +161,7 @@ def _play_window(problem, schedule, desk, limit):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _pick(problem, schedule, desk, task, start):  # type: ignore[no-untyped-def]
+def _pick(problem: CoalitionProblem, schedule: Schedule, desk: Desk, task: int, start: int) -> bool:
     """Pick the subject's coalition, if that is still to be done; say whether there is one."""
     if desk.subject[1] == EARLIEST_COALITION:
         return pick_earliest(problem, schedule, desk, task, start)
@@ -163,7 +171,7 @@ def _pick(problem, schedule, desk, task, start):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _can_leave(problem, schedule, desk, limit):  # type: ignore[no-untyped-def]
+def _can_leave(problem: CoalitionProblem, schedule: Schedule, desk: Desk, limit: int) -> bool:
     """Say whether no chain that leaves the window is longer than the limit."""
     begin, finish = desk.span
     for robot in range(len(desk.seen)):
@@ -184,7 +192,9 @@ def _can_leave(problem, schedule, desk, limit):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _play_on(problem, schedule, desk, limit, allowed):  # type: ignore[no-untyped-def]
+def _play_on(
+    problem: CoalitionProblem, schedule: Schedule, desk: Desk, limit: int, allowed: int
+) -> int:
     """Play what comes after the window, as far as it changes; return the cost of all."""
     order, coalition, size = schedule.plan
     tasks, robots, clock = len(order), len(desk.seen), desk.clock[0]
@@ -224,7 +234,7 @@ def _play_on(problem, schedule, desk, limit, allowed):  # type: ignore[no-untype
 
 
 @kernel
-def commit_window(problem, schedule, desk):  # type: ignore[no-untyped-def]
+def commit_window(problem: CoalitionProblem, schedule: Schedule, desk: Desk) -> None:
     """Make the change that was judged."""
     plan, (begin, finish) = schedule.plan, desk.span
     for position in range(finish - begin + 1):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from random_worlds import random_decision, random_world
-from teamformer.mission_rules import ORDERS
+from teamformer.mission.rules import ORDERS
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.sim.env import TeamFormation

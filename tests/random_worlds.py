@@ -8,9 +8,9 @@ import numpy as np
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
+from teamformer.mission.checks import totals_by_region
 from teamformer.model import Breakdown, Robot, Scenario, Task, World
 from teamformer.plane import Plane
-from teamformer.scenario_checks import totals_by_region
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 

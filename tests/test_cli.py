@@ -17,7 +17,7 @@ import pytest
 
 from teamformer import cli
 from teamformer.commands import console
-from teamformer.mission_rules import ALLOCATIONS
+from teamformer.mission.rules import ALLOCATIONS
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.reading import read_replay

@@ -16,11 +16,8 @@ ROOT = Path(teamformer.__file__).parent
 
 CORE = {
     "errors",
-    "link_rules",
-    "mission_rules",
+    "mission",
     "model",
-    "scenario_checks",
-    "surprise_checks",
     "truth",
     "grid",
     "capabilities",

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from teamformer.capabilities import total
 from teamformer.errors import ScenarioError
 from teamformer.grid import FREE, Grid, Place
-from teamformer.mission_rules import opening_step
+from teamformer.mission.checks import find_problems
+from teamformer.mission.rules import opening_step
 from teamformer.plane import Plane
 from teamformer.regions import flood
-from teamformer.scenario_checks import find_problems
 
 MOST_WALKING = 10**6
 MOST_FORMING = 10**7

@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from teamformer.mission.checks import LARGEST_NUMBER
 from teamformer.model import Robot, Scenario, Task
-from teamformer.scenario_checks import LARGEST_NUMBER
 
 OF_TASKS, OF_ROBOTS = 1, 2
 """What a generator is for: every task and robot has its own, so that more of them change nothing

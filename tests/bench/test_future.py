@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teamformer.mission_rules import ALLOCATIONS, ORDERS
+from teamformer.mission.rules import ALLOCATIONS, ORDERS
 from teamformer.model import Scenario, Task
 from teamformer.policies import POLICIES
 from teamformer.scenarios.named_settings import world_of

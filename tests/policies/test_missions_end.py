@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from blocked_worlds import blocked_worlds
-from teamformer.mission_rules import ALLOCATIONS
+from teamformer.mission.rules import ALLOCATIONS
 from teamformer.policies import POLICIES
 from teamformer.policies.learned.policy import Learned
 from teamformer.trials.registry import load_policy

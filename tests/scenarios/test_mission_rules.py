@@ -9,7 +9,7 @@ import pytest
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid
-from teamformer.mission_rules import (
+from teamformer.mission.rules import (
     find_surprises,
     rules_not_played,
     rules_of_simulated_missions,

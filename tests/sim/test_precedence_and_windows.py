@@ -12,7 +12,7 @@ from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_precedence_and_windows
 from teamformer.export.events import events
 from teamformer.grid import Grid
-from teamformer.mission_rules import ALLOCATIONS
+from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.central.policy import Central
 from teamformer.policies.protocol import Policy

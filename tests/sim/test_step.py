@@ -10,7 +10,7 @@ import pytest
 from blocked_worlds import blocked_worlds
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
-from teamformer.mission_rules import ALLOCATIONS, ORDERS
+from teamformer.mission.rules import ALLOCATIONS, ORDERS
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.heuristic import Heuristic

@@ -18,7 +18,7 @@ from teamformer.capabilities import describe
 from teamformer.errors import ReplayError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.events import events
-from teamformer.mission_rules import ALLOCATIONS, FORESIGHTS
+from teamformer.mission.rules import ALLOCATIONS, FORESIGHTS
 from teamformer.model import Breakdown, Scenario
 from teamformer.policies import POLICIES
 from teamformer.referee import judge

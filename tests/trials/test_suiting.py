@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import ALLOCATIONS
+from teamformer.mission.rules import ALLOCATIONS
 from teamformer.policies import POLICIES
 from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.trials.registry import load_policy

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.mission_rules import ALLOCATIONS, FORESIGHTS, ORDERS
+from teamformer.mission.rules import ALLOCATIONS, FORESIGHTS, ORDERS
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.named_settings import size_of
 from teamformer.scenarios.tree_reader import Reader

@@ -102,7 +102,7 @@ def _play(worlds: Iterable[Scenario], names: Iterable[str]) -> None:
 def _compile_everything(smallest: Scenario) -> None:
     """Run policies of each kind under all allocations, on grids with and without walls, a plane."""
     from teamformer.grid import Grid
-    from teamformer.mission_rules import ALLOCATIONS
+    from teamformer.mission.rules import ALLOCATIONS
     from teamformer.plane import Plane
     from teamformer.policies import POLICIES
 

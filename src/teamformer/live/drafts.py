@@ -13,12 +13,12 @@ from typing import Any
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import Grid
 from teamformer.live.comments import rewrite
-from teamformer.mission_rules import rules_of_sure_missions
+from teamformer.mission.rules import rules_of_sure_missions
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
 from teamformer.scenarios.maps.formats import read_map
 from teamformer.scenarios.tree_reader import INFINITE
-from teamformer.scenarios.trees import world_to_tree
+from teamformer.scenarios.tree_writer import world_to_tree
 from teamformer.scenarios.yaml import reader, writer
 
 Tree = dict[str, Any]

@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from teamformer.errors import Problem, ScenarioError
-from teamformer.mission_rules import rules_of_simulated_missions
+from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.model import Scenario, Task
 from teamformer.plane import Plane
 from teamformer.robotarium.control.ring_slots import FROM_WALLS, SPACING, ring_radius

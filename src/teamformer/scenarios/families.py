@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
-from teamformer.mission_rules import BEST_ALLOCATION
+from teamformer.mission.rules import BEST_ALLOCATION
 from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.generate import random_places, spawn_places
 from teamformer.scenarios.surprises import SURPRISES, make_uncertain

@@ -12,7 +12,8 @@ from teamformer.errors import Problem, ScenarioError, TeamformerError
 from teamformer.model import Scenario
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.tree_reader import Reader
-from teamformer.scenarios.trees import read_tree, scenario_to_tree
+from teamformer.scenarios.tree_writer import scenario_to_tree
+from teamformer.scenarios.trees import read_tree
 from teamformer.scenarios.yaml import reader, writer
 from teamformer.scenarios.yaml.reader import StopReadingError
 from teamformer.whole_files import write_whole

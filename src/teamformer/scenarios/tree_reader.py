@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from teamformer.grid import Place
-from teamformer.scenario_checks import LARGEST_NUMBER
+from teamformer.mission.checks import LARGEST_NUMBER
 from teamformer.scenarios.yaml.reader import Tree, Where
 from teamformer.scenarios.yaml.words import Misread, describe, kind_of, misread, shorten
 

@@ -1,4 +1,4 @@
-"""Scenarios as the trees of their files, both ways (docs/scenarios.md)."""
+"""Scenarios from the trees of their files (docs/scenarios.md)."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError
-from teamformer.frame import Frame
-from teamformer.link_rules import COST_PARTS
-from teamformer.mission_rules import BEST_ALLOCATION
-from teamformer.model import Breakdown, Robot, Scenario, Task, World
+from teamformer.mission.links import COST_PARTS
+from teamformer.mission.rules import BEST_ALLOCATION
+from teamformer.model import Breakdown, Robot, Scenario, Task
 from teamformer.plane import DECIMALS, Plane
-from teamformer.scenarios.tree_reader import INFINITE, LARGEST_COUNT, Reader, name_of
+from teamformer.scenarios.tree_reader import LARGEST_COUNT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world
 from teamformer.scenarios.yaml.reader import Where
 from teamformer.scenarios.yaml.words import describe, shorten
@@ -67,30 +66,6 @@ TASK_KEYS = {
 BREAKS_KEYS = {"rate": True, "repair": False}
 
 
-def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
-    """Return the tree of a scenario's file, with maps written out as rows."""
-    tree: dict[str, Any] = {
-        "teamformer": VERSION,
-        "name": scenario.name,
-        "world": world_to_tree(scenario.world),
-        "capabilities": list(scenario.capabilities),
-        "robots": [_robot_to_tree(robot) for robot in scenario.robots],
-        "tasks": [_task_to_tree(task) for task in scenario.tasks],
-    }
-    if scenario.teams:
-        tree["teams"] = [[scenario.robots[r].name for r in team] for team in scenario.teams]
-    return tree | {
-        "sensing_radius": _radius_to_tree(scenario.sensing_radius),
-        "join_radius": _radius_to_tree(scenario.join_radius),
-        "forming_steps": scenario.forming_steps,
-        "step_limit": scenario.step_limit,
-        "order": scenario.order,
-        "new_tasks": scenario.new_tasks,
-        "allocation": scenario.allocation,
-        **_mission_rules_to_tree(scenario),
-    }
-
-
 def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None:
     """Return the scenario in a reader's tree, or None after noting what is wrong with it.
 
@@ -129,93 +104,6 @@ def _in_file(where: Where, entries: Sequence[int]) -> Where:
     if len(where) < 2 or where[0] != "robots":
         return where
     return ("robots", entries[int(where[1])], *where[2:])
-
-
-def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
-    """Return the rules of time and end that are not as in most missions."""
-    tree: dict[str, Any] = {}
-    if scenario.time != "steps":
-        tree["time"] = scenario.time
-    if scenario.ends is not None:
-        tree["ends"] = scenario.ends if isinstance(scenario.ends, str) else list(scenario.ends)
-    if scenario.forming:
-        tree["forming"] = scenario.forming
-    if scenario.cost is not None:
-        tree["cost"] = dict(scenario.cost)
-    if scenario.foresight != "needed":
-        tree["foresight"] = scenario.foresight
-    return tree
-
-
-def world_to_tree(world: World) -> dict[str, Any]:
-    """Return a world as it stands in a file that needs no other."""
-    if isinstance(world, Plane):
-        return {
-            "plane": [world.width, world.height],
-            "step": world.step,
-            "arrival_radius": world.arrival_radius,
-            "unit": world.unit,
-        }
-    frame = {} if world.frame is None else {"frame": _frame_to_tree(world.frame)}
-    if world.rows:
-        return {"rows": list(world.rows), "y_axis": world.y_axis, **frame}
-    turned = {} if world.y_axis == "up" else {"y_axis": world.y_axis}
-    return {"grid": [world.width, world.height], **turned, **frame}
-
-
-def _frame_to_tree(frame: Frame) -> dict[str, Any]:
-    return {"cell": frame.cell, "origin": [frame.x, frame.y, frame.yaw]}
-
-
-def _robot_to_tree(robot: Robot) -> dict[str, Any]:
-    tree: dict[str, Any] = {
-        "name": robot.name,
-        "at": list(robot.at),
-        "can": counts_to_tree(robot.can),
-    }
-    if robot.speed != 1:
-        tree["speed"] = robot.speed
-    if robot.lost is not None:
-        tree["lost"] = robot.lost
-    if robot.back is not None:
-        tree["back"] = robot.back
-    if robot.breaks is not None:
-        repair = robot.breaks.repair
-        tree["breaks"] = {"rate": robot.breaks.rate}
-        tree["breaks"] |= {} if repair is None else {"repair": list(repair)}
-    return tree
-
-
-def _task_to_tree(task: Task) -> dict[str, Any]:
-    tree: dict[str, Any] = {
-        "name": task.name,
-        "at": list(task.at),
-        "needs": counts_to_tree(task.needs),
-    }
-    if task.may_need:
-        tree["may_need"] = dict(task.may_need)
-    if task.lasts is not None:
-        tree["duration"] = list(task.lasts)
-    elif task.duration:
-        tree["duration"] = task.duration
-    if task.appears:
-        tree["appears"] = task.appears
-    if task.after:
-        tree["after"] = list(task.after)
-    if task.between is not None:
-        tree["between"] = list(task.between)
-    if task.starts:
-        tree["starts"] = {name: list(gap) for name, gap in task.starts.items()}
-    return tree
-
-
-def counts_to_tree(counts: Mapping[str, int]) -> list[str] | dict[str, int]:
-    """Return counts as they stand in a file."""
-    return list(counts) if set(counts.values()) == {1} else dict(counts)
-
-
-def _radius_to_tree(radius: float) -> float | str:
-    return INFINITE if radius == math.inf else radius
 
 
 def _knows_version(reader: Reader, top: Mapping[str, Any]) -> bool:

@@ -26,10 +26,10 @@ RESOLVE, NEAREST = 0, 1
 """What happens to the order when tasks appear: a new tour, or each after its nearest."""
 
 PAPER, NEAREST_ALONE, CREWS, PLAN = 0, 1, 2, 3
-"""Who heads for which task: allocations as in `mission_rules.ALLOCATIONS`."""
+"""Who heads for which task: allocations as in `mission.rules.ALLOCATIONS`."""
 
 NEEDED, ABSENT = 0, 1
-"""As what that is taken which may be needed: as in `mission_rules.FORESIGHTS`."""
+"""As what that is taken which may be needed: as in `mission.rules.FORESIGHTS`."""
 
 RULES = np.dtype(
     [

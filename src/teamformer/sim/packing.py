@@ -9,7 +9,7 @@ import numpy as np
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid, Place
-from teamformer.mission_rules import (
+from teamformer.mission.rules import (
     ALLOCATIONS,
     FORESIGHTS,
     is_known_from_start,

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from teamformer.mission_rules import ALLOCATIONS
+from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Scenario
 from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission_rules import is_known_from_start
+from teamformer.mission.rules import is_known_from_start
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.relaxation.schedule import schedule_tasks

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from teamformer.capabilities import covers
+from teamformer.mission.checks import totals_by_region
 from teamformer.plane import Plane
 from teamformer.rules.constants import NOBODY
-from teamformer.scenario_checks import totals_by_region
 from teamformer.sim.allocation.plan_updates import reasons_in
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Tally, TeamFormation

@@ -21,7 +21,7 @@ from teamformer.commands.missions.run import (
     watch_trial,
 )
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import rules_not_played
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario

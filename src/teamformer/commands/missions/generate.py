@@ -11,7 +11,7 @@ import numpy as np
 from teamformer.commands.console import prepare_file, print_json, say
 from teamformer.errors import TeamformerError
 from teamformer.grid import LARGEST_MAP, Grid
-from teamformer.mission_rules import BEST_ALLOCATION
+from teamformer.mission.rules import BEST_ALLOCATION
 from teamformer.model import Scenario, World
 from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario

@@ -12,7 +12,7 @@ from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import ready_policy
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import rules_of_sure_missions
+from teamformer.mission.rules import rules_of_sure_missions
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario

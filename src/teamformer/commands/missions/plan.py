@@ -10,8 +10,8 @@ from rich.table import Table
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, prepare_file, print_json, say
 from teamformer.errors import TeamformerError
-from teamformer.link_rules import is_linked
-from teamformer.mission_rules import rules_not_played
+from teamformer.mission.links import is_linked
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.planning.coalitions.mission import pose_mission
 from teamformer.planning.coalitions.routes import MissionPlan, Route

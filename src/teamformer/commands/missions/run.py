@@ -25,7 +25,7 @@ from teamformer.commands.console import (
 )
 from teamformer.errors import ReaderGoneError, TeamformerError
 from teamformer.export.reasons import story_lines
-from teamformer.mission_rules import rules_not_played
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound

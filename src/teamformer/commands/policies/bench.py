@@ -34,7 +34,7 @@ from teamformer.commands.console import (
 )
 from teamformer.commands.policies.bench_others import bench_others
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import ALLOCATIONS, ORDERS
+from teamformer.mission.rules import ALLOCATIONS, ORDERS
 from teamformer.scenarios.authors import read_worlds
 
 

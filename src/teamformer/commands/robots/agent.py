@@ -11,7 +11,7 @@ from typing import Any
 
 from teamformer.commands.robots.rehearse import require_extra
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import rules_of_simulated_missions
+from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 from teamformer.commands.console import out, prepare_folder, print_json, say
 from teamformer.commands.robots.rehearse import require_extra
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import rules_of_simulated_missions
+from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.scenarios.files import read_scenario
 
 

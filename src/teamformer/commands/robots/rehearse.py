@@ -12,7 +12,7 @@ from typing import Any
 
 from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
-from teamformer.mission_rules import rules_of_simulated_missions
+from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 

@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
-from teamformer.link_rules import is_linked
-from teamformer.mission_rules import HOME as ENDS_HOME
+from teamformer.mission.links import is_linked
+from teamformer.mission.rules import HOME as ENDS_HOME
 from teamformer.model import Scenario
 from teamformer.planning.coalitions.linked.problem import (
     HOME,

@@ -8,8 +8,8 @@ from itertools import groupby
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.link_rules import cost_of, groups_of
-from teamformer.mission_rules import latest_end
+from teamformer.mission.links import cost_of, groups_of
+from teamformer.mission.rules import latest_end
 from teamformer.model import Scenario
 from teamformer.planning.coalitions.routes import MissionPlan, Route, Stop
 from teamformer.planning.coalitions.search.schedule import CoalitionPlan

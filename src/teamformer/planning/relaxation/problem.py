@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.grid import Grid
-from teamformer.mission_rules import opening_step
+from teamformer.mission.rules import opening_step
 from teamformer.model import Robot, Scenario
 from teamformer.plane import Plane
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix

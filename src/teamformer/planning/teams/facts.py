@@ -9,6 +9,7 @@ import numpy as np
 
 from teamformer.capabilities import covers
 from teamformer.grid import Grid, Place
+from teamformer.mission.checks import totals_by_region
 from teamformer.model import Scenario
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 from teamformer.planning.relaxation.plan import Array
@@ -21,7 +22,6 @@ from teamformer.planning.relaxation.problem import (
 )
 from teamformer.planning.teams.crossings import Crossings, find_crossings
 from teamformer.rules.constants import FAR
-from teamformer.scenario_checks import totals_by_region
 
 MOST_CELLS = 20_000
 """Of a plane: how many cells the longest way is counted in."""

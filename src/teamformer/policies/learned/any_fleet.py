@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission_rules import ALLOCATIONS
+from teamformer.mission.rules import ALLOCATIONS
 from teamformer.policies.learned.macro_actions import wanted_counts
 from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork, shipped
 from teamformer.policies.learned.policy import Learned

@@ -12,7 +12,7 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.jit import entry, kernel
-from teamformer.mission_rules import WITHOUT_CREWS
+from teamformer.mission.rules import WITHOUT_CREWS
 from teamformer.policies.learned.feature_layout import (
     OwnToken,
     PlaceToken,

@@ -7,9 +7,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from teamformer.errors import TeamformerError
+from teamformer.mission.checks import LARGEST_COUNT
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
-from teamformer.scenario_checks import LARGEST_COUNT
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.arrays import NEVER, RUNNING, Array
 from teamformer.sim.env import Decision, TeamFormation

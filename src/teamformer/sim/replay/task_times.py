@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission_rules import latest_end, opening_step
+from teamformer.mission.rules import latest_end, opening_step
 from teamformer.sim.replay.record import Replay
 
 NEVER = 2**30

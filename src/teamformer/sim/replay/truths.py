@@ -8,7 +8,7 @@ from typing import Any
 
 from teamformer.errors import ScenarioError
 from teamformer.model import Robot, Scenario, Task
-from teamformer.scenarios.trees import counts_to_tree
+from teamformer.scenarios.tree_writer import counts_to_tree
 from teamformer.sim.replay.values import DamageError, check_keys, count_of, inside, text_of
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
-from teamformer.link_rules import find_link_problems, find_links
+from teamformer.mission.links import find_link_problems, find_links
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem
-from teamformer.mission_rules import FORESIGHTS, find_surprises
+from teamformer.mission.rules import FORESIGHTS, find_surprises
 
 if TYPE_CHECKING:
     from teamformer.model import Breakdown, Robot, Scenario, Task

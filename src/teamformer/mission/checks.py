@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP
-from teamformer.mission_rules import ALLOCATIONS, NEW_TASKS, ORDERS, find_rule_problems
+from teamformer.mission.rules import ALLOCATIONS, NEW_TASKS, ORDERS, find_rule_problems
+from teamformer.mission.surprise_checks import find_surprise_problems
 from teamformer.plane import Plane
-from teamformer.surprise_checks import find_surprise_problems
 
 if TYPE_CHECKING:
     from teamformer.model import Robot, Scenario, Task, World

@@ -1,0 +1,1 @@
+"""What a mission may ask for, and what makes one impossible."""

@@ -136,6 +136,7 @@ def test_one_thread_proves_too() -> None:
     ],
 )
 def test_an_interrupt_ends_all_threads(spec: Spec) -> None:
+    solve(generate(Spec(), np.random.default_rng(0)), 0.1)  # compiles
     main = threading.get_ident()
     interrupt = threading.Timer(1.5, lambda: signal.pthread_kill(main, signal.SIGINT))
     begun = time.perf_counter()

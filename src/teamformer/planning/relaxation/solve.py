@@ -6,7 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor, as_completed, wait
 from dataclasses import dataclass
 from functools import cache
 from typing import Literal
@@ -39,6 +39,9 @@ SECONDS_TO_BUILD = 5e-5
 
 MOST_AT_ONCE = 2000
 """Rounds times tasks of searching between two looks at the clock; a few hundredths of a second."""
+
+STOP_AGAIN = 0.05
+"""Seconds after which threads are told again to end."""
 
 EARLY = 0.3
 """Share of the time left for a first cooling down; a second one takes the rest."""
@@ -191,6 +194,8 @@ def _search_and_prove(progress: SolverProgress, seed: int, workers: int) -> None
                     progress.stop()
         finally:
             progress.stop()
+            while wait(work, timeout=STOP_AGAIN).not_done:  # one that just begins is deaf
+                progress.stop()
 
 
 def _prove(progress: SolverProgress, seed: int) -> None:

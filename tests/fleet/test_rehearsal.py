@@ -10,7 +10,8 @@ import pytest
 
 from fleets import PLANNER, pair, plan_of, trio
 from small_worlds import make, robot, task
-from teamformer.fleet.messages import TaskFact
+from teamformer.fleet.agent.planning import FleetPlan
+from teamformer.fleet.messages import PlanNote, TaskFact
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Knobs, Order, Spell, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
@@ -18,8 +19,9 @@ from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, judge, play, set_stage
 from teamformer.fleet.rehearsal.shrink import shrink
-from teamformer.fleet.rehearsal.trace import Trace, Worked
+from teamformer.fleet.rehearsal.trace import Trace, Walked, Worked
 from teamformer.grid import Grid
+from teamformer.plane import Plane
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.writing import write_replay
@@ -96,6 +98,20 @@ def test_who_misses_somebody_stays_on_its_side_of_a_wall() -> None:
     assert (outcome.status, outcome.tasks_done) == ("ended", 2)
     assert outcome.makespan is not None
     assert outcome.makespan < 50
+
+
+def test_who_parts_where_its_next_task_is_stays_there() -> None:
+    """On a plane the place of a task is a disc: robot 1 stands at its edge when `b` comes next."""
+    robots = [robot("a", 0), robot("b", 0, 3, speed=0.3)]
+    tasks = [task("ab", 6), task("b", 6)]
+    world = Plane(20.0, 20.0, arrival_radius=0.9)
+    trace = Trace()
+    mission = Mission(make(robots, tasks, world))
+    plan = FleetPlan(PlanNote(0, 0, live=(0, 1), order=(0, 1), coalitions=((0, 1), (1,))))
+    _, outcome, violations = play(mission, plan, Faults(), trace)
+    assert (outcome.status, violations) == ("ended", [])
+    ways = [event for event in trace.events if isinstance(event, Walked) and event.robot == 1]
+    assert sum(len(event.points) > 1 for event in ways) == 1
 
 
 def test_who_is_left_alone_goes_on_once_it_can_move_again() -> None:

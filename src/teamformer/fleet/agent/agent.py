@@ -240,7 +240,10 @@ class Agent:
         service, command = self.service, self.command
         if service.goal != NOBODY:
             task = self.knowledge.tasks[service.goal]
-            place = None if now < service.formed else (task.x, task.y)
+            is_here = (
+                command.task == service.goal and command.place is None and self._is_at(task.key)
+            )
+            place = None if now < service.formed or is_here else (task.x, task.y)
         elif self.membership.is_stuck:
             place = self._wanted  # it goes on trying
         else:

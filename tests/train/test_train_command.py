@@ -38,9 +38,8 @@ def iterations(folder: Path) -> int:
     return done
 
 
-@pytest.mark.parametrize(
-    "how", [pytest.param(signal.SIGINT, marks=pytest.mark.slow), signal.SIGTERM]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_a_training_that_was_stopped_ends_as_if_it_had_not_been(
     how: signal.Signals, tmp_path: Path
 ) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.jit import kernel
 from teamformer.planning.coalitions.problem import NOBODY
 from teamformer.planning.coalitions.search.coalition_choice import (
@@ -11,6 +13,12 @@ from teamformer.planning.coalitions.search.coalition_choice import (
     is_picked,
 )
 from teamformer.planning.relaxation.insertion import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.coalitions.linked.problem import LinkedProblem
+    from teamformer.planning.coalitions.linked.schedule import LinkedSchedule
+    from teamformer.planning.coalitions.problem import CoalitionProblem
+    from teamformer.planning.coalitions.search.window import Desk
 
 RELOCATIONS, MOVES, REPLACEMENTS, EXCHANGES = 40, 60, 75, 85  # percent, one upon the other
 """How many changes move a group and replace a member of it, move a group, replace a member, or
@@ -29,7 +37,7 @@ NO_CHANGE = -1
 
 
 @kernel
-def change(problem, schedule, desk):  # type: ignore[no-untyped-def]
+def change(problem: LinkedProblem, schedule: LinkedSchedule, desk: Desk) -> int:
     """Make a random change; return the first position that it touches, or NO_CHANGE if it fails.
 
     Times are left as they were, and a change that fails may leave the plan half changed.
@@ -55,7 +63,7 @@ def change(problem, schedule, desk):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _draw_position(schedule, desk, position):  # type: ignore[no-untyped-def]
+def _draw_position(schedule: LinkedSchedule, desk: Desk, position: int) -> int:
     """Draw where a group may go: half of the time near where it is."""
     groups = len(schedule.order)
     if draw_below(desk.random, 2) == 0:
@@ -65,7 +73,7 @@ def _draw_position(schedule, desk, position):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _move(problem, schedule, position, to):  # type: ignore[no-untyped-def]
+def _move(problem: LinkedProblem, schedule: LinkedSchedule, position: int, to: int) -> int:
     """Move a group to another position; return the first that is touched, or NO_CHANGE."""
     order = schedule.order
     group, step = order[position], 1 if to > position else -1
@@ -76,7 +84,7 @@ def _move(problem, schedule, position, to):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _exchange(problem, schedule, one, two):  # type: ignore[no-untyped-def]
+def _exchange(problem: LinkedProblem, schedule: LinkedSchedule, one: int, two: int) -> int:
     """Exchange the groups at two positions."""
     order = schedule.order
     if one == two:
@@ -86,7 +94,7 @@ def _exchange(problem, schedule, one, two):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _rank_anew(problem, schedule, begin, finish):  # type: ignore[no-untyped-def]
+def _rank_anew(problem: LinkedProblem, schedule: LinkedSchedule, begin: int, finish: int) -> int:
     """Number the positions of a window; return its begin, NO_CHANGE if precedence forbids it."""
     for position in range(begin, finish + 1):
         schedule.rank[schedule.order[position]] = position
@@ -103,7 +111,7 @@ def _rank_anew(problem, schedule, begin, finish):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _replace(problem, schedule, desk, group):  # type: ignore[no-untyped-def]
+def _replace(problem: LinkedProblem, schedule: LinkedSchedule, desk: Desk, group: int) -> bool:
     """Drop a member of a coalition of the group, and let others bring what is then missing.
 
     Every so often all members of the group are dropped: robots of linked tasks cannot change
@@ -132,7 +140,9 @@ def _replace(problem, schedule, desk, group):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def gather(problem, schedule, desk, group, first, count):  # type: ignore[no-untyped-def]
+def gather(
+    problem: LinkedProblem, schedule: LinkedSchedule, desk: Desk, group: int, first: int, count: int
+) -> bool:
     """Give the tasks of a group new coalitions, one after the other; say if there are any."""
     members = problem.members[group]
     for number in range(count):
@@ -148,7 +158,9 @@ def gather(problem, schedule, desk, group, first, count):  # type: ignore[no-unt
 
 
 @kernel
-def mark_others(problem, schedule, desk, group, task):  # type: ignore[no-untyped-def]
+def mark_others(
+    problem: LinkedProblem, schedule: LinkedSchedule, desk: Desk, group: int, task: int
+) -> None:
     """Note who does the other tasks of a group: linked tasks are done by different robots."""
     desk.clock[0] += 1
     for other in problem.members[group]:
@@ -160,7 +172,14 @@ def mark_others(problem, schedule, desk, group, task):  # type: ignore[no-untype
 
 
 @kernel
-def cover(problem, schedule, desk, task, position, gone):  # type: ignore[no-untyped-def]
+def cover(
+    problem: LinkedProblem,
+    schedule: LinkedSchedule,
+    desk: Desk,
+    task: int,
+    position: int,
+    gone: int,
+) -> bool:
     """Add robots for what the coalition at hand lacks; say if it is enough. `gone` stays away."""
     base = problem.base
     while count_short(base, desk, task):
@@ -186,7 +205,7 @@ def cover(problem, schedule, desk, task, position, gone):  # type: ignore[no-unt
 
 
 @kernel
-def seat_picks(schedule, desk, task):  # type: ignore[no-untyped-def]
+def seat_picks(schedule: LinkedSchedule, desk: Desk, task: int) -> None:
     """Make the coalition at hand a task's."""
     schedule.size[task] = desk.picks[0]
     for seat in range(desk.picks[0]):
@@ -194,7 +213,9 @@ def seat_picks(schedule, desk, task):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _exchange_rests(problem, schedule, desk, position):  # type: ignore[no-untyped-def]
+def _exchange_rests(
+    problem: LinkedProblem, schedule: LinkedSchedule, desk: Desk, position: int
+) -> int:
     """Let two robots exchange all that they do from a position on, if both can."""
     robots = len(problem.base.origin)
     one, two = draw_below(desk.random, robots), draw_below(desk.random, robots)
@@ -214,7 +235,7 @@ def _exchange_rests(problem, schedule, desk, position):  # type: ignore[no-untyp
 
 
 @kernel
-def _exchange_seats(schedule, task, one, two):  # type: ignore[no-untyped-def]
+def _exchange_seats(schedule: LinkedSchedule, task: int, one: int, two: int) -> bool:
     """Exchange two robots in a coalition; say whether one of them is in it."""
     is_changed = False
     for seat in range(schedule.size[task]):
@@ -229,7 +250,7 @@ def _exchange_seats(schedule, task, one, two):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _is_covered(base, schedule, task):  # type: ignore[no-untyped-def]
+def _is_covered(base: CoalitionProblem, schedule: LinkedSchedule, task: int) -> bool:
     """Say whether a coalition brings what its task needs."""
     for cap in range(base.needs.shape[1]):
         lacking = base.needs[task, cap]

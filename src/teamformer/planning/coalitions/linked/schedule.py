@@ -71,7 +71,7 @@ def plan_of(problem: LinkedProblem, schedule: LinkedSchedule) -> CoalitionPlan:
 
 
 @kernel
-def time_linked(problem, schedule, begin):  # type: ignore[no-untyped-def]
+def time_linked(problem: LinkedProblem, schedule: LinkedSchedule, begin: int) -> None:
     """Time the groups from a position of the order on, and work out the cost."""
     for position in range(begin, len(schedule.order)):
         time_group(problem, schedule, position)
@@ -79,7 +79,7 @@ def time_linked(problem, schedule, begin):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def time_group(problem, schedule, position):  # type: ignore[no-untyped-def]
+def time_group(problem: LinkedProblem, schedule: LinkedSchedule, position: int) -> None:
     """Time the group at a position of the order."""
     base, last, end = problem.base, schedule.last, schedule.end
     group = schedule.order[position]
@@ -106,7 +106,7 @@ def time_group(problem, schedule, position):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def keep_gaps(problem, schedule, group):  # type: ignore[no-untyped-def]
+def keep_gaps(problem: LinkedProblem, schedule: LinkedSchedule, group: int) -> None:
     """Start tasks of a group later until all gaps are kept; as often as there are tasks, at most.
 
     Gaps that contradict one another are refused before.
@@ -128,7 +128,7 @@ def keep_gaps(problem, schedule, group):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _sum_up(problem, schedule):  # type: ignore[no-untyped-def]
+def _sum_up(problem: LinkedProblem, schedule: LinkedSchedule) -> None:
     """Work out the cost of a plan that is timed."""
     base, part, groups = problem.base, schedule.part, len(schedule.order)
     for number in range(len(part)):
@@ -151,7 +151,7 @@ def _sum_up(problem, schedule):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def copy_from(source, into, begin):  # type: ignore[no-untyped-def]
+def copy_from(source: LinkedSchedule, into: LinkedSchedule, begin: int) -> None:
     """Overwrite a schedule with another that differs from it from a position of the order on."""
     groups, (tasks, robots) = len(source.order), source.coalition.shape
     for position in range(begin, groups):

@@ -15,8 +15,9 @@ from teamformer.planning.coalitions.linked.schedule import (
     time_linked,
 )
 from teamformer.planning.coalitions.search.annealing import SLACKS, STEPS
-from teamformer.planning.coalitions.search.window import empty_desk
+from teamformer.planning.coalitions.search.window import Desk, empty_desk
 from teamformer.planning.relaxation.insertion import draw_below
+from teamformer.rules.arrays import Array
 
 UNTIMED = -1
 """What a plan costs before its times are worked out."""
@@ -83,7 +84,19 @@ def stand_at(schedule: LinkedSchedule, into: LinkedSchedule) -> None:
 
 
 @entry
-def anneal_linked(problem, now, then, best, desk, slacks, hot, cold, begin, end, rounds):  # type: ignore[no-untyped-def]
+def anneal_linked(
+    problem: LinkedProblem,
+    now: LinkedSchedule,
+    then: LinkedSchedule,
+    best: LinkedSchedule,
+    desk: Desk,
+    slacks: Array,
+    hot: int,
+    cold: int,
+    begin: int,
+    end: int,
+    rounds: int,
+) -> None:
     """Make changes; keep those that are better or, while it is hot, a bit worse.
 
     `then` is `now` between changes. A plan whose times are not known yet stands in `then` and is

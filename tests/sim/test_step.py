@@ -54,6 +54,17 @@ def wanted_by_slot(view: View, decision: Decision) -> dict[int, list[int]]:
     return dict(zip(view.slot.tolist(), decision.wanted.tolist(), strict=True))
 
 
+def step_both(env: TeamFormation, twin: PlainWorld, view: View, decision: Decision) -> None:
+    """Make a step in the compiled world and in its twin, which is told the plans; compare them."""
+    twin.crew_of = env.worlds.robots["crew"][0].tolist()
+    twin.list_of = env.worlds.tasks["crew"][0].tolist()
+    twin.order = shared_order(env)
+    twin.coalitions = coalitions_of(env, twin.order)
+    twin.step(wanted_by_slot(view, decision), twin.order)
+    env.step(decision)
+    compare(env, twin)
+
+
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
 @pytest.mark.parametrize("part", range(4))
 def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
@@ -73,13 +84,7 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
                 decision = Decision(nonsense)
             else:
                 decision = random_decision(view, rng)
-            twin.crew_of = env.worlds.robots["crew"][0].tolist()
-            twin.list_of = env.worlds.tasks["crew"][0].tolist()
-            twin.order = shared_order(env)
-            twin.coalitions = coalitions_of(env, twin.order)
-            twin.step(wanted_by_slot(view, decision), twin.order)
-            env.step(decision)
-            compare(env, twin)
+            step_both(env, twin, view, decision)
 
 
 def check_promises(env: TeamFormation, was_done: np.ndarray) -> None:

@@ -32,7 +32,7 @@ from teamformer.sim.view import View
 from teamformer.trials.registry import load_policy
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
-from test_step import coalitions_of, compare, shared_order, wanted_by_slot
+from test_step import step_both
 
 RULES = [(allocation, foresight) for allocation in ALLOCATIONS for foresight in FORESIGHTS]
 
@@ -121,13 +121,7 @@ def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None
                 twin.needs(k) for k in tasks
             ]
             decision = random_decision(view, rng)
-            twin.crew_of = env.worlds.robots["crew"][0].tolist()
-            twin.list_of = env.worlds.tasks["crew"][0].tolist()
-            twin.order = shared_order(env)
-            twin.coalitions = coalitions_of(env, twin.order)
-            twin.step(wanted_by_slot(view, decision), twin.order)
-            env.step(decision)
-            compare(env, twin)
+            step_both(env, twin, view, decision)
         count = env.worlds.count[0]
         assert count["overdue"] == twin.overdue
         shown, overdue = shown + count["shown"], overdue + count["overdue"]

@@ -26,17 +26,23 @@ from teamformer.planning.teams.threshold_search import ThresholdSearch
 HOT = 0.5
 """How many steps of makespan a plan may be worse at first in the search."""
 
-TRIED = 8
-"""From each start an eighth of the rounds is searched, and all of them from the best."""
-
 CREWS, COALITIONS = "crews", "coalitions"
 """What a plan is made from: what crews do, or coalitions that are best where joining is free."""
 
-SEEDS = 4
-"""How often coalitions are looked for, where those are better than crews."""
+CLEARLY = 16
+"""Crews are clearly better if coalitions cost a sixteenth more."""
+
+SEEDS = 6
+"""How often coalitions are looked for, where crews are not clearly better."""
 
 CREW_SEARCHES = (8, 20)
-"""How long crews are looked for again where they are better, in tenths of the first time."""
+"""How long crews are looked for again where they are, in tenths of the first time."""
+
+FIRST_LAP = 16
+"""Which part of the rounds is searched from every start: a sixteenth."""
+
+LAPS = ((3, 8), (2, 4), (1, 2))
+"""How many of the best searches go on after that, and for which part of the rounds."""
 
 MOST_AT_ONCE = 10_000_000
 """A mission with more tasks times tasks and robots is too large to be planned while one waits."""
@@ -96,13 +102,14 @@ def plan_mission(
     if is_brief:
         rounds = Rounds(rounds.crews // BRIEF, rounds.relaxed, rounds.team // BRIEF)
     kept = None if old is None else _kept(situation, old)
-    tried = [_try(situation, rounds, *start) for start in _first_starts(situation, rounds, kept)]
+    entered = [
+        _enter(situation, rounds, *start) for start in _first_starts(situation, rounds, kept)
+    ]
     if not is_brief:
-        kind = min(tried[kept is not None :], key=_cost_of).name
-        more = _more_starts(situation, rounds, kind)
-        tried += [_try(situation, rounds, *start) for start in more]
-    chosen, best = min(tried, key=_cost_of)
-    best.run(rounds.team, HOT)
+        crews_are_better = _are_crews_better(entered[kept is not None :])
+        more = _more_starts(situation, rounds, crews_are_better)
+        entered += [_enter(situation, rounds, *start) for start in more]
+    chosen, best = _race(entered, rounds)
     if kept is not None:
         unchanged = _search_from(situation, kept)
         left = unchanged.makespan - facts.step
@@ -111,20 +118,37 @@ def plan_mission(
     return _plan_of(situation, best, chosen)
 
 
-class _Tried(NamedTuple):
+class _Entered(NamedTuple):
+    """A search that takes part in the race, and what it began with."""
+
     name: str
     search: ThresholdSearch
 
 
-def _cost_of(tried: _Tried) -> int:
-    return tried.search.cost
+def _cost_of(entered: _Entered) -> int:
+    return entered.search.cost
 
 
-def _try(situation: Situation, rounds: Rounds, name: str, start: TeamPlan) -> _Tried:
+def _enter(situation: Situation, rounds: Rounds, name: str, start: TeamPlan) -> _Entered:
     """Search for a while from a plan."""
     search = _search_from(situation, start)
-    search.run(rounds.team // TRIED, HOT)
-    return _Tried(name, search)
+    search.run(rounds.team // FIRST_LAP, HOT)
+    return _Entered(name, search)
+
+
+def _race(entered: list[_Entered], rounds: Rounds) -> _Entered:
+    """Let the best searches go on, fewer and fewer of them, and return the best."""
+    for number, part in LAPS:
+        entered = sorted(entered, key=_cost_of)[:number]
+        for _, search in entered:
+            search.run(rounds.team // part, HOT)
+    return min(entered, key=_cost_of)
+
+
+def _are_crews_better(fresh: list[_Entered]) -> bool:
+    """Say whether crews are clearly better than coalitions, or there are no coalitions."""
+    crews, *coalitions = map(_cost_of, fresh)
+    return all(cost > crews + crews // CLEARLY for cost in coalitions)
 
 
 def _first_starts(
@@ -140,9 +164,11 @@ def _first_starts(
             yield COALITIONS, relaxed
 
 
-def _more_starts(situation: Situation, rounds: Rounds, kind: str) -> Iterator[tuple[str, TeamPlan]]:
+def _more_starts(
+    situation: Situation, rounds: Rounds, crews_are_better: bool
+) -> Iterator[tuple[str, TeamPlan]]:
     """Return more plans of the better kind: several searches find more than a long one."""
-    if kind == CREWS:
+    if crews_are_better:
         for longer in CREW_SEARCHES:
             crews = rounds.crews * longer // 10
             yield CREWS, plan_from_crews(situation.problem, situation.company, crews)

@@ -45,15 +45,21 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
         for cap in scenario.capabilities:
             if rng.random() < 0.4 and have.get(cap, 0) > task.needs.get(cap, 0):
                 may[cap] = float(rng.choice([0.0, 0.3, 0.7, 1.0]))
-        tasks.append(replace(task, lasts=lasts, may_need=may))
+        unit = scenario.world.unit if isinstance(scenario.world, Plane) else 1.0
+        within = float(rng.choice([0.0, 0.0, 1.0, 2.5, 4.0])) * unit
+        tasks.append(replace(task, lasts=lasts, may_need=may, within=within))
     robots = tuple(
         robot
         if robot.lost is not None or rng.random() < 0.6
         else replace(robot, breaks=Breakdown(0.05, (1, 9) if rng.random() < 0.7 else None))
         for robot in scenario.robots
     )
-    foresight = str(rng.choice(["needed", "absent"]))
-    return replace(scenario, tasks=tuple(tasks), robots=robots, foresight=foresight, step_limit=0)
+    rules = {
+        "foresight": str(rng.choice(["needed", "absent"])),
+        "finding_radius": float(rng.choice([0.0, 0.2, 1.0, 1.5, np.inf])),
+        "step_limit": 0,
+    }
+    return replace(scenario, tasks=tuple(tasks), robots=robots, **rules)
 
 
 def with_precedence_and_windows(scenario: Scenario, rng: np.random.Generator) -> Scenario:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from teamformer.capabilities import total
 from teamformer.errors import ScenarioError
 from teamformer.grid import FREE, Grid, Place
 from teamformer.mission.checks import find_problems
+from teamformer.mission.places import possible_places
 from teamformer.mission.rules import opening_step
 from teamformer.plane import Plane
 from teamformer.regions import flood
@@ -66,7 +67,8 @@ class Task:
 
     What is not known beforehand: `lasts` holds the least and the most steps that it may take, each
     number between them as likely as any other; `duration` is then what to expect. `may_need` says
-    with what probability one more of a capability is needed.
+    with what probability one more of a capability is needed. `within` says how far from `at` it may
+    be, in cells or metres; with 0 it is there.
     """
 
     name: str
@@ -79,10 +81,17 @@ class Task:
     starts: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     lasts: tuple[int, int] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
+    within: float = 0.0
 
     def __post_init__(self) -> None:
         if self.lasts is not None:
             object.__setattr__(self, "duration", expected_steps(*self.lasts))
+
+    def once_known(self, at: Place, needs: Mapping[str, int], duration: float) -> Task:
+        """Return the task with nothing left open, being this what it is."""
+        return replace(
+            self, at=at, needs=needs, duration=duration, lasts=None, may_need={}, within=0.0
+        )
 
     @property
     def longest(self) -> float:
@@ -115,7 +124,8 @@ class Scenario:
     in continuous time are judged by their makespan, or by a `cost` that weighs several things.
 
     `foresight` says what is done about what may be needed: it is taken as `needed` or as `absent`
-    until it is known.
+    until it is known. Where a task is that is only known to be `within` a distance of a place shows
+    once a team is within `finding_radius` of it.
     """
 
     name: str
@@ -136,6 +146,7 @@ class Scenario:
     forming: float = 0.0
     cost: Mapping[str, float] | None = None
     foresight: str = "needed"
+    finding_radius: float = 1.0
 
     def __post_init__(self) -> None:
         problems = list(find_problems(self))
@@ -154,9 +165,9 @@ class Scenario:
     @property
     def has_surprises(self) -> bool:
         """Say whether something of the mission is only known while it runs."""
-        return any(task.lasts is not None or task.may_need for task in self.tasks) or any(
-            robot.breaks is not None for robot in self.robots
-        )
+        return any(
+            task.lasts is not None or task.may_need or task.within for task in self.tasks
+        ) or any(robot.breaks is not None for robot in self.robots)
 
     @property
     def is_planned(self) -> bool:
@@ -168,10 +179,16 @@ def default_step_limit(scenario: Scenario) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 
     They are walked by the slowest robot. A step for each robot and walk, for forming, every
-    duration, every repair and the latest arrival are added.
+    duration, every repair and the latest arrival are added; and where a task is to be looked for, a
+    walk to every place that it may be in.
     """
     slowest = min(scenario.world.pace(robot.speed) for robot in scenario.robots)
-    walks = 4 * (len(scenario.tasks) + 1) * _longest_walk(scenario)
+    looks = sum(
+        len(possible_places(scenario.world, task.at, task.within))
+        for task in scenario.tasks
+        if task.within
+    )
+    walks = (4 * (len(scenario.tasks) + 1) + looks) * _longest_walk(scenario)
     waits = sum(task.longest for task in scenario.tasks)
     waits += sum(r.breaks.repair[1] for r in scenario.robots if r.breaks and r.breaks.repair)
     latest = max(opening_step(task) for task in scenario.tasks)

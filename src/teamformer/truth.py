@@ -1,7 +1,8 @@
 """What an uncertain mission really holds, and what is believed of it: ordinary missions, both.
 
 The truth is drawn from a trial's seed. Nobody sees it before it shows: how long a task takes when
-its service ends, what it needs when a robot stands there, a breakdown when it happens.
+its service ends, what it needs when a robot stands there, where it is when one senses it, a
+breakdown when it happens.
 """
 
 from __future__ import annotations
@@ -11,8 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from teamformer.grid import Place
 from teamformer.mission.checks import LARGEST_NUMBER
-from teamformer.model import Robot, Scenario, Task
+from teamformer.mission.places import believed_place, possible_places
+from teamformer.model import Robot, Scenario, Task, World
 
 OF_TASKS, OF_ROBOTS = 1, 2
 """What a generator is for: every task and robot has its own, so that more of them change nothing
@@ -26,7 +29,7 @@ def draw_truth(scenario: Scenario, seed: int) -> Scenario:
     return replace(
         scenario,
         tasks=tuple(
-            _true_task(task, np.random.default_rng([OF_TASKS, seed, number]))
+            _true_task(task, scenario.world, np.random.default_rng([OF_TASKS, seed, number]))
             for number, task in enumerate(scenario.tasks)
         ),
         robots=tuple(
@@ -36,7 +39,7 @@ def draw_truth(scenario: Scenario, seed: int) -> Scenario:
     )
 
 
-def _true_task(task: Task, rng: np.random.Generator) -> Task:
+def _true_task(task: Task, world: World, rng: np.random.Generator) -> Task:
     duration = task.duration
     if task.lasts is not None:
         duration = int(rng.integers(task.lasts[0], task.lasts[1] + 1))
@@ -44,7 +47,11 @@ def _true_task(task: Task, rng: np.random.Generator) -> Task:
     for cap, probability in task.may_need.items():
         if rng.random() < probability:
             needs[cap] = needs.get(cap, 0) + 1
-    return replace(task, duration=duration, lasts=None, needs=needs, may_need={})
+    at = task.at
+    if task.within:
+        places = possible_places(world, task.at, task.within)
+        at = places[rng.integers(len(places))]
+    return task.once_known(at, needs, duration)
 
 
 def _true_robot(robot: Robot, rng: np.random.Generator) -> Robot:
@@ -60,15 +67,25 @@ def _true_robot(robot: Robot, rng: np.random.Generator) -> Robot:
     return replace(sound, lost=lost, back=lost + int(rng.integers(*breaks.repair, endpoint=True)))
 
 
-def believed_mission(scenario: Scenario, needs: Mapping[int, Mapping[str, int]]) -> Scenario:
+def believed_mission(
+    scenario: Scenario,
+    needs: Mapping[int, Mapping[str, int]],
+    places: Mapping[int, Place] | None = None,
+) -> Scenario:
     """Return an uncertain mission as an ordinary one: with the needs that are believed, by task.
 
-    Durations are what to expect; nobody breaks down.
+    `places` says where tasks are believed to be; left out, it is where they are before anybody has
+    looked. Durations are what to expect; nobody breaks down.
     """
     if not scenario.has_surprises:
         return scenario
+    places = places or {}
     tasks = (
-        replace(task, lasts=None, may_need={}, needs=needs.get(number, task.needs))
+        task.once_known(
+            places[number] if number in places else believed_place(scenario.world, task),
+            needs.get(number, task.needs),
+            task.duration,
+        )
         for number, task in enumerate(scenario.tasks)
     )
     robots = (replace(robot, breaks=None) for robot in scenario.robots)

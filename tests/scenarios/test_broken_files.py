@@ -38,6 +38,7 @@ def problems_of(folder: Path, text: str | bytes, name: str = "case.yaml") -> lis
 
 
 NEEDS = "needs: [lift, scan]"
+PLACES = GOOD[GOOD.index("{grid") : GOOD.index("at: [3, 2]")]
 
 CASES = [
     # time, end, precedence and windows
@@ -77,6 +78,11 @@ CASES = [
     (NEEDS, "needs: [lift], may_need: {weld: 0.4}", 9, "may need 'weld', which is not under capab"),
     (NEEDS, "needs: [lift], may_need: {lift: 0.4}", 9,
      "task 'x' may need 2 x lift but all robots together lack lift; add such a robot or drop it"),
+    ("at: [3, 2]", "at: [3, 2], within: -1", 9, "task 'x' is within -1 of [3, 2]; use 0 to 30"),
+    (f"{PLACES}at: [3, 2]",
+     PLACES.replace("{grid: [4, 3]}", '{rows: ["....", "...@", "..@@"]}') + "at: [3, 2], within: 1",
+     9, "task 'x' is within 1 of [3, 2], where no cell is free; move it or widen it"),
+    ("sensing_radius: 1", "finding_radius: -1", 10, "finding_radius is -1.0; it must be 0 or more"),
     ("speed: 0.5", "breaks: {rate: 2}", 7,
      "robot 'b' breaks down at a rate of 2 a step; use 0 to 1"),
     ("speed: 0.5", "breaks: {rate: -0.1}", 7, "at a rate of -0.1 a step; use 0 to 1"),

@@ -11,7 +11,7 @@ from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.scenarios.families import FAMILIES, INCIDENT_STEPS
 from teamformer.scenarios.named_settings import size_of, world_of
-from teamformer.scenarios.surprises import BREAKDOWN, LASTS, SURPRISES
+from teamformer.scenarios.surprises import BREAKDOWN, LASTS, SURPRISES, WITHIN
 
 WORLDS = 60
 
@@ -86,10 +86,8 @@ def test_what_is_uncertain_is_all_that_is_new(name: str) -> None:
                 assert task.worst_needs == known.needs
                 assert task.lasts in (None, LASTS)
                 assert sum(task.needs.values()) >= 1
-                same = replace(
-                    task, lasts=None, duration=known.duration, may_need={}, needs=known.needs
-                )
-                assert same == known
+                assert task.within in (0, WITHIN)
+                assert task.once_known(task.at, known.needs, known.duration) == known
             assert tuple(replace(robot, breaks=None) for robot in world.robots) == plain.robots
 
 
@@ -105,6 +103,8 @@ def test_kinds_of_surprises_are_what_they_are_called() -> None:
             assert sum(cap not in task.may_need for cap in task.worst_needs) <= 1
             assert all(type(count) is int and count > 0 for count in task.needs.values())
     assert all(robot.breaks == BREAKDOWN for world in breakdowns for robot in world.robots)
+    hidden = [task.within for seed in range(3) for task in world_of("real-places", seed).tasks]
+    assert set(hidden) == {WITHIN}
     tasks = [task for world in mixed for task in world.tasks]
     assert sum(task.lasts is not None for task in tasks) / len(tasks) == pytest.approx(
         0.5, abs=0.11

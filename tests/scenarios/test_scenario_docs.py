@@ -40,6 +40,7 @@ def test_the_example_is_read(tmp_path: Path) -> None:
     storm = read_scenario(path)
     assert storm.tasks[0].lasts == (2, 9)
     assert storm.tasks[1].may_need == {"weld": 0.4, "power": 0.2}
+    assert storm.tasks[1].within == 3
     assert storm.robots[2].breaks == Breakdown(0.004, (10, 40))
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from teamformer.grid import Grid, Place
+from teamformer.mission.places import believed_place, possible_places
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 
@@ -50,6 +51,13 @@ class PlainWorld:
         self.steps = 0
         self.hidden = {k for k, task in enumerate(scenario.tasks) if task.may_need}
         self.hopes: dict[int, dict[str, int]] = {}  # what hidden tasks are believed to need
+        self.at = [believed_place(scenario.world, task) for task in scenario.tasks]
+        self.maybe = {  # where tasks may be that are not found, in the order of preference
+            k: list(possible_places(scenario.world, task.at, task.within))
+            for k, task in enumerate(scenario.tasks)
+            if task.within
+        }
+        self.found: dict[int, int] = {}  # task -> step
         self.due: dict[int, int] = {}  # of services, how many steps they are expected to take
         self.overdue = 0
         self.done: dict[int, int] = {}
@@ -57,9 +65,7 @@ class PlainWorld:
         self.open = self.release()
         world = scenario.world
         self.here = world.arrival_radius if isinstance(world, Plane) else 0.0
-        self.fields = (
-            [walk(world, task.at) for task in scenario.tasks] if isinstance(world, Grid) else []
-        )
+        self.fields = [walk(world, place) for place in self.at] if isinstance(world, Grid) else []
         self.teams = {
             team[0]: PlainTeam(list(team), scenario.robots[team[0]].at)
             for team in scenario.starting_teams
@@ -89,7 +95,7 @@ class PlainWorld:
             wanted = self.s.tasks[task]
             needs = dict(wanted.needs)
             for cap, chance in wanted.may_need.items():
-                robots = [r for r in left if self.is_way(self.s.robots[r].at, wanted.at)]
+                robots = [r for r in left if self.is_way(self.s.robots[r].at, self.at[task])]
                 have = sum(self.s.robots[r].can.get(cap, 0) for r in robots)
                 if self.s.foresight == "needed" and chance > 0 and have > needs.get(cap, 0):
                     needs[cap] = needs.get(cap, 0) + 1
@@ -107,9 +113,42 @@ class PlainWorld:
         self.hidden -= found
         return bool(found)
 
+    def find(self) -> bool:
+        """Rule out what teams are near to; say whether a task is elsewhere than believed."""
+        radius, any_elsewhere = max(self.s.finding_radius, self.here), False
+        for task in sorted(self.maybe.keys() & set(self.open)):
+            left = [
+                place
+                for place in self.maybe[task]
+                if all(math.dist(t.at, place) > radius + 1e-9 for t in self.teams.values())
+            ]
+            self.maybe[task], believed = left, self.at[task]
+            true = self.truth.tasks[task].at
+            if true not in left:
+                del self.maybe[task]
+                self.found[task] = self.steps + 1
+                any_elsewhere |= believed != true
+                self.believe(task, true)
+            elif believed not in left:
+                seeker = min(
+                    self.teams.items(), key=lambda s: (self.micrometres(s[1].at, believed), s[0])
+                )[1]
+                self.believe(task, min(left, key=lambda p: self.way(seeker.at, p)))
+        return any_elsewhere
+
+    def believe(self, task: int, place: Place) -> None:
+        self.at[task] = place
+        if self.fields and isinstance(self.s.world, Grid):
+            self.fields[task] = walk(self.s.world, place)
+
+    def way(self, one: Place, other: Place) -> int:
+        if isinstance(self.s.world, Plane):
+            return self.micrometres(one, other)
+        return walk(self.s.world, one).get(other, NEVER)
+
     def travel(self, at: Place, task: int) -> int:
         if not self.fields:
-            return self.micrometres(at, self.s.tasks[task].at)
+            return self.micrometres(at, self.at[task])
         return self.fields[task].get(at, NEVER)
 
     def micrometres(self, one: Place, other: Place) -> int:
@@ -147,12 +186,13 @@ class PlainWorld:
         any_back = self.come_back()
         if any_lost or any_back:
             self.hope()
+        any_found = self.find()
         any_shown = self.show()
         self.complete()
         self.steps += 1
         news = self.release()
         self.open += news
-        if news or any_lost or any_back or any_shown:
+        if news or any_lost or any_back or any_found or any_shown:
             for team in self.teams.values():
                 if team.task not in team.serving:
                     team.task, team.is_detour = None, False
@@ -240,7 +280,7 @@ class PlainWorld:
         robots = sorted(one.robots + other.robots)
         at = other.at
         if task is not None:
-            goal = self.s.tasks[task].at
+            goal = self.at[task]
             at = min(other.at, one.at, key=lambda place: apart_squared(place, goal))
         self.teams[robots[0]] = PlainTeam(robots, at, task, formed=True)
         self.joins += 1
@@ -321,7 +361,7 @@ class PlainWorld:
             task = order[j]
             if not self.covers(self.has(team), task) or self.travel(team.at, task) >= NEVER:
                 continue
-            now = [team.at, *(self.s.tasks[k].at for k in order[i:])]
+            now = [team.at, *(self.at[k] for k in order[i:])]
             then = [now[0], now[j - i + 1], *now[1 : j - i + 1], *now[j - i + 2 :]]
             change = self.tour(then) - self.tour(now)
             if change < best_change and not self.is_covered(slot, task):
@@ -345,7 +385,7 @@ class PlainWorld:
             if team.task is None:
                 team.credit = 0.0
             else:
-                self.walk_towards(team, self.s.tasks[team.task].at)
+                self.walk_towards(team, self.at[team.task])
         for slot, partner in sorted(walkers.items()):
             team = self.teams.get(slot)
             if team is None or team.formed:
@@ -441,7 +481,7 @@ class PlainWorld:
         return max((self.due[task] - steps for task, steps in served.items()), default=0)
 
     def is_at(self, team: PlainTeam, task: int) -> bool:
-        return self.is_same(team.at, self.s.tasks[task].at)
+        return self.is_same(team.at, self.at[task])
 
     def finish(self, task: int, step: int) -> None:
         self.done[task] = step

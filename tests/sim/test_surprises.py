@@ -105,7 +105,7 @@ def test_what_nobody_left_could_bring_is_not_hoped_for() -> None:
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
 def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None:
     rng = np.random.default_rng(50 + is_plane)
-    shown = overdue = broken = 0
+    shown = overdue = broken = found = 0
     for number in range(60):
         scenario = with_surprises(random_world(rng, is_plane=is_plane), rng)
         scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
@@ -120,13 +120,18 @@ def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None
             assert [env.worlds.needs[0, k, :caps].tolist() for k in tasks] == [
                 twin.needs(k) for k in tasks
             ]
+            at = env.worlds.tasks[0]
+            assert list(zip(at["x"], at["y"], strict=True)) == twin.at
             decision = random_decision(view, rng)
             step_both(env, twin, view, decision)
         count = env.worlds.count[0]
+        steps = dict(enumerate(env.worlds.tasks["found_at"][0].tolist()))
+        assert {task: step for task, step in steps.items() if step != NOBODY} == twin.found
+        found += len(twin.found)
         assert count["overdue"] == twin.overdue
         shown, overdue = shown + count["shown"], overdue + count["overdue"]
         broken += count["lost"]
-    assert min(shown, overdue, broken) > 20
+    assert min(shown, overdue, broken, found) > 15
 
 
 def play_views(

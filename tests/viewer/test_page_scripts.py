@@ -245,3 +245,40 @@ def test_phases_are_those_of_the_exported_tables(
 
 
 PHASE_NAMES = ["walking", "waiting", "forming", "serving", "idle", "lost"]
+
+
+FINDING = """(tree) => {
+  const history = frames(tree);
+  const {scenario} = history;
+  const steps = [0, 1, 2, 3];
+  const found = history.events.filter(({kind}) => kind === "found");
+  const teamAt = (step) => sceneAt(history, step).teams.get(0);
+  return {
+    at: steps.map((step) => sitesAt(history, step)[0].at),
+    mates: steps.map((step) => sitesAt(history, step)[0].mates),
+    found: found.map((event) => [event.step, describeEvent(history, event)]),
+    doing: [1, 2, 3].map((step) => describeDoing(scenario, teamAt(step), step)),
+  };
+}"""
+
+
+def test_tasks_are_where_they_are_believed_to_be(scripts: Any) -> None:
+    """Task t may be in 5 cells around (3, 3), which is blocked; from step 2 on it is at (3, 4)."""
+    steps = [{"teams": [[0, 3, 1, 0]]}, {"moved": [[0, 3, 4]], "found": [0]}, {}]
+    tree = two_robots([*steps])
+    [task] = tree["scenario"]["tasks"]
+    task |= {"within": 1}
+    width, height = tree["scenario"]["world"]["grid"]
+    rows = [["."] * width for _ in range(height)]
+    rows[3][3] = "@"
+    tree["scenario"]["world"] = {"rows": ["".join(row) for row in rows]}
+    tree["truth"] = {"tasks": {"t": {"at": [3, 4]}}, "robots": {}}
+    told = scripts.evaluate(FINDING, tree)
+    assert told["at"] == [[3, 2], [3, 2], [3, 4], [3, 4]]
+    assert told["mates"] == [[0]] * 4
+    assert told["found"] == [[2, "t found at [3, 4]"]]
+    assert [text.split(", ")[1].split(";")[0] for text in told["doing"]] == [
+        "1 cell to go",
+        "5 cells to go",
+        "5 cells to go",
+    ]

@@ -16,7 +16,7 @@ class Event:
     """Something that happened in a step: who did it, and to which task if to one."""
 
     step: int
-    kind: str  # appears, splits, joins, lost, back, needs, done, or how the trial ended
+    kind: str  # appears, splits, joins, lost, back, found, needs, done, or how the trial ended
     robots: tuple[int, ...] = ()
     task: int | None = None
 
@@ -28,6 +28,9 @@ class Event:
             return f"{task} appears"
         if self.kind == "needs" and self.task is not None:
             return f"{task} needs {describe(scenario.tasks[self.task].needs)}"
+        if self.kind == "found" and self.task is not None:
+            x, y = scenario.tasks[self.task].at
+            return f"{task} found at [{x:g}, {y:g}]"
         if self.kind == "done":
             return f"{task} done by {names}"
         if self.kind == "lost":
@@ -61,6 +64,8 @@ def events(replay: Replay) -> Iterator[Event]:
         for robot in step.back:
             members[robot] = (robot,)
             yield Event(number, "back", (robot,))
+        for task in step.found:
+            yield Event(number, "found", task=task)
         for task in step.shown:
             yield Event(number, "needs", task=task)
         for task, slot in step.done:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP
+from teamformer.mission.places import believed_place, find_region_problems
 from teamformer.mission.rules import ALLOCATIONS, NEW_TASKS, ORDERS, find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
 from teamformer.plane import Plane
@@ -73,7 +74,7 @@ def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
 
 
 def _problems_of_rules(scenario: Scenario) -> Iterator[Problem]:
-    for key in ("sensing_radius", "join_radius"):
+    for key in ("sensing_radius", "join_radius", "finding_radius"):
         radius = getattr(scenario, key)
         if not radius >= 0:  # NaN too; infinity is allowed, it means everybody
             yield Problem((key,), f"{key} is {radius}; it must be 0 or more")
@@ -113,6 +114,10 @@ def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
                     where,
                     f"{what} is at [{x}, {y}], outside the map; "
                     f"x goes from 0 to {last_x} and y from 0 to {last_y}",
+                )
+            elif within := getattr(thing, "within", 0.0):
+                yield from find_region_problems(
+                    world, what, thing.at, within, (key, number, "within")
                 )
             elif not world.is_free(thing.at):
                 yield Problem(where, f"{what} is at [{x}, {y}], inside an obstacle; move it")
@@ -217,7 +222,7 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
         if not covers(everybody, known):
             yield Problem((*where, "needs"), _impossible(what, everybody, known))
         elif places_are_good:
-            have = near.get(scenario.world.region(task.at), {})
+            have = near.get(scenario.world.region(believed_place(scenario.world, task)), {})
             worst = {name: n for name, n in task.worst_needs.items() if name in everybody}
             need = known if not covers(everybody, worst) else worst
             if not covers(have, need):

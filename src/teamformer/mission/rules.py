@@ -99,6 +99,8 @@ def find_surprises(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], 
             yield ("tasks", number, "duration"), f"task '{task.name}' has no sure duration"
         if task.may_need:
             yield ("tasks", number, "may_need"), f"task '{task.name}' has no sure needs"
+        if task.within:
+            yield ("tasks", number, "within"), f"task '{task.name}' has no sure place"
 
 
 def opening_step(task: Task) -> int:

@@ -20,7 +20,7 @@ class CrewLists:
     """Whose list each task is on, and in which order, as the record has it step by step."""
 
     def __init__(self, replay: Replay, knowledge: Knowledge) -> None:
-        self.scenario = replay.scenario
+        self.scenario = replay.mission
         self._knowledge = knowledge
         self._crews = dict(replay.crews)
         self._plans = dict(replay.plans)
@@ -103,8 +103,8 @@ def check_assignments(
 ) -> None:
     """Check after a step that each team heads for the task that it is due to do, or named.
 
-    Everybody is free after news (a loss, a return, needs that became known) and when tasks appear,
-    except from a task being served.
+    Everybody is free after news (a loss, a return, needs that became known, a task that is
+    elsewhere) and when tasks appear, except from a task being served.
     """
     scenario = fleet.scenario
     if scenario.allocation not in SHARED_OUT:
@@ -124,10 +124,15 @@ def _name(fleet: Fleet, task: int | None) -> str:
     return "nothing" if task is None else f"task {fleet.scenario.tasks[task].name}"
 
 
-def judge_crews(replay: Replay, tasks: Tasks, knowledge: Knowledge, notes: Notes) -> None:
-    """Check that crews are planned when they must be, and share out robots and open tasks."""
+def judge_crews(
+    replay: Replay, tasks: Tasks, knowledge: Knowledge, moved_after: set[int], notes: Notes
+) -> None:
+    """Check that crews are planned when they must be, and share out robots and open tasks.
+
+    `moved_after` says after which steps tasks turned out to be elsewhere.
+    """
     scenario = replay.mission
-    shown = knowledge.shown_after
+    shown = knowledge.shown_after | moved_after
     for allocation, made in (("crews", replay.crews), ("plan", replay.plans)):
         if scenario.allocation != allocation and made:
             notes.note(f"the record has {allocation}, and the scenario has none")
@@ -211,7 +216,7 @@ def _check_crews(
 
 
 def _can_do(replay: Replay, numbers: Iterable[int], task: int, needs: Mapping[str, int]) -> bool:
-    world, at = replay.scenario.world, replay.scenario.tasks[task].at
+    world, at = replay.mission.world, replay.mission.tasks[task].at
     robots = (replay.scenario.robots[robot] for robot in numbers)
     near = (robot.can for robot in robots if world.region(robot.at) == world.region(at))
     return covers(total(near), needs)

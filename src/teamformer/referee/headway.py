@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario
@@ -13,22 +14,25 @@ from teamformer.referee.verdict import Notes
 
 
 class Ways:
-    """How long the shortest ways to tasks are, worked out only as far as teams are away."""
+    """How long the shortest ways to tasks are, worked out only as far as teams are away.
+
+    `goals` says where tasks are that teams walk to, as they believe.
+    """
 
     def __init__(self, scenario: Scenario) -> None:
-        self._scenario = scenario
-        self._floods: dict[int, _Flood] = {}
+        self._world = scenario.world
+        self._floods: dict[Place, _Flood] = {}
+        self.goals = {number: task.at for number, task in enumerate(scenario.tasks)}
 
-    def length(self, place: Place, task: int) -> float:
+    def between(self, place: Place, goal: Place) -> float:
         """Return cells, or metres on a plane."""
-        world, goal = self._scenario.world, self._scenario.tasks[task].at
-        if isinstance(world, Plane):
+        if isinstance(self._world, Plane):
             return math.dist(place, goal)
-        if not world.rows:
+        if not self._world.rows:
             return abs(place[0] - goal[0]) + abs(place[1] - goal[1])
-        if task not in self._floods:
-            self._floods[task] = _Flood(world, goal)
-        return self._floods[task].length_to(place)
+        if goal not in self._floods:
+            self._floods[goal] = _Flood(self._world, goal)
+        return self._floods[goal].length_to(place)
 
 
 class _Flood:
@@ -48,9 +52,10 @@ class _Flood:
         return self._lengths.get(place, math.inf)
 
 
-def check_headway(fleet: Fleet, ways: Ways, notes: Notes) -> None:
+def check_headway(fleet: Fleet, ways: Ways, goals: Mapping[int, Place], notes: Notes) -> None:
     """Check, once assignments are known, that teams have walked towards them as far as they can.
 
+    `goals` says where the tasks were believed to be while they walked.
     Left out are worlds with a join radius, where a team may walk to a partner instead, which a
     record does not say; and unions made on the way, which may have come from either of two places.
     """
@@ -62,7 +67,7 @@ def check_headway(fleet: Fleet, ways: Ways, notes: Notes) -> None:
         if team.task is None or team.walked_from is None or team.met_at is not None:
             team.least_credit = 0.0
             continue
-        before, after = (ways.length(at, team.task) for at in (team.walked_from, team.at))
+        before, after = (ways.between(at, goals[team.task]) for at in (team.walked_from, team.at))
         due = _due(team, before, after, is_plane=isinstance(world, Plane))
         if before - after < due - MICROMETRES:
             name, task = fleet.name(team), fleet.scenario.tasks[team.task].name

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from teamformer.referee.allocation import CrewLists, check_assignments, judge_crews
 from teamformer.referee.completion import Tasks
+from teamformer.referee.finding import Search
 from teamformer.referee.formation import (
     check_reach,
     due_losses,
@@ -30,21 +31,23 @@ def judge(replay: Replay) -> Verdict:
     notes = Notes()
     judge_truth(replay, notes)
     fleet, tasks = start_fleet(replay, notes), Tasks(replay.mission)
-    knowledge = Knowledge(replay.scenario)
+    knowledge, ways = Knowledge(replay.scenario), Ways(replay.mission)
+    search = Search(replay.scenario, ways)
     lists = CrewLists(replay, knowledge)
-    ways, over = Ways(replay.scenario), ""
+    over = ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
         if over:
             notes.note(f"{over}, and the record goes on")
             break
         due = due_losses(fleet, number)
-        _judge_step(fleet, tasks, knowledge, lists, step, number, due, notes)
-        check_headway(fleet, ways, notes)
+        goals = dict(ways.goals)
+        _judge_step(fleet, tasks, knowledge, search, lists, step, number, due, notes)
+        check_headway(fleet, ways, goals, notes)
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
     judge_orders(replay, tasks, notes)
-    judge_crews(replay, tasks, knowledge, notes)
+    judge_crews(replay, tasks, knowledge, search.moved_after, notes)
     judge_ending(replay, fleet, tasks, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
     return Verdict(findings, len(replay.steps), len(tasks.done), tasks.lateness())
@@ -54,6 +57,7 @@ def _judge_step(
     fleet: Fleet,
     tasks: Tasks,
     knowledge: Knowledge,
+    search: Search,
     lists: CrewLists,
     step: Step,
     number: int,
@@ -80,6 +84,7 @@ def _judge_step(
     _check_entries(fleet, step, slots, notes)
     if due or any_back:
         knowledge.expect({robot for team in fleet.teams.values() for robot in team.robots}, number)
+    any_found = search.go_on(fleet, tasks, step, number, notes)
     any_shown = knowledge.show(fleet, tasks, step, number, notes)
     recorded: dict[int, int] = {}
     for task, slot in step.done:
@@ -88,7 +93,7 @@ def _judge_step(
         recorded[task] = slot
     tasks.complete(fleet, recorded, number, notes)
     _assign(fleet, tasks, step, number, notes)
-    is_news = bool(due) or any_back or any_shown
+    is_news = bool(due) or any_back or any_found or any_shown
     check_assignments(fleet, tasks, step.named, number, is_news, notes)
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from teamformer.capabilities import total
 from teamformer.model import Robot, Scenario, Task
 from teamformer.referee.completion import Tasks
+from teamformer.referee.finding import can_be_at, places_of
 from teamformer.referee.teams import Fleet
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Replay, Step
@@ -17,7 +17,7 @@ def judge_truth(replay: Replay, notes: Notes) -> None:
     """Check that the mission which was played is one that the scenario allows."""
     scenario, truth = replay.scenario, replay.mission
     for task, true in zip(scenario.tasks, truth.tasks, strict=True):
-        if not _can_be_task(task, true):
+        if not (_can_be_task(task, true) and can_be_at(scenario, task, true.at)):
             notes.note(f"task {task.name} cannot really be what the record says that it was")
     for robot, real in zip(scenario.robots, truth.robots, strict=True):
         if not _can_be_robot(robot, real):
@@ -30,8 +30,8 @@ def _can_be_task(task: Task, true: Task) -> bool:
         more, chance = true.needs.get(cap, 0) - task.needs.get(cap, 0), task.may_need.get(cap, 0)
         if not (more == 0 and chance < 1) and not (more == 1 and chance > 0):
             return False
-    rest = replace(task, lasts=None, may_need={}, duration=0, needs={})
-    return least <= true.duration <= most and replace(true, duration=0, needs={}) == rest
+    is_known = true == task.once_known(true.at, true.needs, true.duration)
+    return least <= true.duration <= most and is_known
 
 
 def _can_be_robot(robot: Robot, real: Robot) -> bool:
@@ -64,7 +64,8 @@ class Knowledge:
     def _hoped(self, number: int, robots: set[int]) -> Mapping[str, int]:
         world, task = self._scenario.world, self._scenario.tasks[number]
         fleet = (self._scenario.robots[robot] for robot in robots)
-        have = total(r.can for r in fleet if world.region(r.at) == world.region(task.at))
+        part = world.region(places_of(world, task)[0])
+        have = total(r.can for r in fleet if world.region(r.at) == part)
         needs = dict(task.needs)
         for cap, chance in task.may_need.items():
             is_absent = self._scenario.foresight == "absent" or chance == 0

@@ -22,5 +22,6 @@ PLAN_REASONS = (
     "robot back",
     "needs known",
     "service overdue",
+    "task found",
 )
 """Why a shared plan is made, as records say it."""

@@ -8,14 +8,17 @@ from dataclasses import replace
 import numpy as np
 
 from teamformer.model import Breakdown, Robot, Scenario, Task
+from teamformer.plane import Plane
 
-SURPRISES = ("durations", "needs", "needs30", "needs70", "breakdowns", "mixed")
+SURPRISES = ("durations", "needs", "needs30", "needs70", "places", "breakdowns", "mixed")
 """What may be uncertain; `needs30` is with a probability of 30%, `needs` of 50%."""
 
 LASTS = (1, 10)
 """Steps that a task takes, nobody knows how many."""
 CHANCE = 0.5
 """With what probability a task needs a capability that it may need."""
+WITHIN = 3
+"""How far a task may be from where it is believed to be, in cells or units."""
 BREAKDOWN = Breakdown(0.005, (10, 40))
 """About every third robot in a hundred steps."""
 MIXED_RATE = 0.0025
@@ -32,6 +35,9 @@ def make_uncertain(mission: Scenario, kind: str, rng: np.random.Generator) -> Sc
     tasks, robots = mission.tasks, mission.robots
     if kind == "durations":
         tasks = tuple(replace(task, lasts=LASTS) for task in tasks)
+    elif kind == "places":
+        within = WITHIN * (mission.world.unit if isinstance(mission.world, Plane) else 1.0)
+        tasks = tuple(replace(task, within=within) for task in tasks)
     elif kind == "breakdowns":
         robots = _break(robots, BREAKDOWN.rate)
     elif kind == "mixed":

@@ -50,6 +50,8 @@ def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
         tree["cost"] = dict(scenario.cost)
     if scenario.foresight != "needed":
         tree["foresight"] = scenario.foresight
+    if scenario.finding_radius != 1:
+        tree["finding_radius"] = _radius_to_tree(scenario.finding_radius)
     return tree
 
 
@@ -98,6 +100,8 @@ def _task_to_tree(task: Task) -> dict[str, Any]:
         "at": list(task.at),
         "needs": counts_to_tree(task.needs),
     }
+    if task.within:
+        tree["within"] = task.within
     if task.may_need:
         tree["may_need"] = dict(task.may_need)
     if task.lasts is not None:

@@ -41,6 +41,7 @@ TOP_KEYS = {
     "forming": False,
     "cost": False,
     "foresight": False,
+    "finding_radius": False,
 }
 ROBOT_KEYS = {
     "name": False,
@@ -62,6 +63,7 @@ TASK_KEYS = {
     "between": False,
     "starts": False,
     "may_need": False,
+    "within": False,
 }
 BREAKS_KEYS = {"rate": True, "repair": False}
 
@@ -169,6 +171,7 @@ def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) ->
                 duration=_read_duration(reader, (*where, "duration"), keys, time),
                 lasts=_read_range(reader, (*where, "duration"), keys.get("duration")),
                 may_need=_read_chances(reader, (*where, "may_need"), keys.get("may_need", {})),
+                within=reader.number((*where, "within"), keys.get("within", 0.0)),
                 appears=reader.whole((*where, "appears"), keys.get("appears", 0)),
                 after=tuple(reader.names((*where, "after"), keys.get("after", []))),
                 between=_read_window(reader, (*where, "between"), keys),
@@ -275,7 +278,7 @@ def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[
     But for the allocation: the model's default is the paper's, a file's is the best that there is.
     """
     rules: dict[str, Any] = {"allocation": BEST_ALLOCATION}
-    for key in ("sensing_radius", "join_radius"):
+    for key in ("sensing_radius", "join_radius", "finding_radius"):
         if key in top:
             rules[key] = reader.number((key,), top[key], can_be_infinite=True)
     for key, least in (("forming_steps", 0), ("step_limit", 1)):

@@ -44,10 +44,12 @@ RULES = np.dtype(
         ("has_schedule", np.bool_),  # the order is planned, no tour
         ("foresight", np.int32),  # NEEDED or ABSENT
         ("hides_needs", np.bool_),  # what some tasks need is not known
+        ("hides_places", np.bool_),  # where some tasks are is not known
         ("has_walls", np.bool_),
         ("is_plane", np.bool_),
         ("sensing_radius", np.float64),  # cells, on a plane metres
         ("join_radius", np.float64),
+        ("finding_radius", np.float64),
         ("start_x", np.float64),  # the place at the robots' centroid, where the first tour begins
         ("start_y", np.float64),
         ("arrival_radius", np.float64),  # teams so near to each other are in the same place
@@ -69,11 +71,13 @@ COUNT = np.dtype(
         ("broken_off", np.int32),  # services
         ("overdue", np.int32),  # how often a service was not over when it was expected to be
         ("shown", np.int32),  # tasks whose needs have become known
+        ("found", np.int32),  # tasks that were found elsewhere than believed
         ("planned_lost", np.int32),  # losses that the shared plan knows of
         ("planned_back", np.int32),  # returns that it knows of
         ("planned_broken_off", np.int32),  # services that it knows to be broken off
         ("planned_overdue", np.int32),  # and to be overdue
         ("planned_shown", np.int32),  # tasks whose needs it knows since these have become known
+        ("planned_found", np.int32),  # and that it knows to have been found elsewhere
         ("reason", np.int32),  # why the shared plan was made last, in bits
         ("joins", np.int32),
         ("splits", np.int32),
@@ -148,6 +152,13 @@ TASK = np.dtype(
         ("expected", np.int32),  # of how many its service is expected to be
         ("hides_needs", np.bool_),  # what it needs is not known
         ("shown_at", np.int32),  # the step in which it became known, or NOBODY
+        ("hides_place", np.bool_),  # where it is is not known
+        ("within", np.float64),  # how far it may be from where the scenario has it
+        ("reach", np.float64),  # how far from the first of the places that it may be in
+        ("lies_in", np.int32),  # the place that it really is in, among those it may be in
+        ("believed_in", np.int32),  # the place that it is believed to be in
+        ("moved_at", np.int32),  # the step in which it was last believed elsewhere, or NOBODY
+        ("found_at", np.int32),  # the step in which its place became known, or NOBODY
         ("done_at", np.int32),  # step, or NOBODY
         ("done_by", np.int32),  # slot
         ("is_open", np.bool_),  # released and not done
@@ -155,6 +166,14 @@ TASK = np.dtype(
     align=True,
 )
 CELL = np.dtype([("first_task", np.int32), ("first_team", np.int32)], align=True)
+SPOT = np.dtype(
+    [
+        ("x", np.float64),
+        ("y", np.float64),
+        ("is_possible", np.bool_),  # the task may be here; False for padding too
+    ],
+    align=True,
+)
 
 
 class Worlds(NamedTuple):
@@ -169,6 +188,7 @@ class Worlds(NamedTuple):
     teams: Array  # (worlds, robots) TEAM
     tasks: Array  # (worlds, tasks) TASK
     cells: Array  # (worlds, cells) CELL
+    spots: Array  # (worlds, tasks, places) SPOT where tasks may be, or (worlds, 0, 0)
     brings: Array  # (worlds, robots, caps) counts of each robot
     has: Array  # (worlds, robots, caps) counts of each team
     needs: Array  # (worlds, tasks, caps) as everybody believes
@@ -199,6 +219,7 @@ if TYPE_CHECKING:
         teams: Any
         tasks: Any
         cells: Any
+        spots: Any
         brings: Array
         has: Array
         needs: Array
@@ -232,6 +253,7 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.teams[w],
         worlds.tasks[w],
         worlds.cells[w],
+        worlds.spots[w],
         worlds.brings[w],
         worlds.has[w],
         worlds.needs[w],

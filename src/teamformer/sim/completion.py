@@ -163,12 +163,15 @@ def is_possible(world: World, task: int, needs: Array, counts_due: bool) -> bool
 
 
 @kernel
-def judge_status(world: World, any_lost: bool) -> None:
-    """Say how the trial stands after a step: done, impossible, out of steps, or running."""
+def judge_status(world: World, is_news: bool) -> None:
+    """Say how the trial stands after a step: done, impossible, out of steps, or running.
+
+    What was possible stays so unless there is news: robots may have been lost.
+    """
     if world.count.done == world.rules.tasks:
         world.count.status = COMPLETED
         return
-    if any_lost:
+    if is_news:
         for task in range(world.rules.tasks):
             needs = world.true_needs[task] if world.rules.hides_needs else world.needs[task]
             if world.tasks[task].done_at == NOBODY and not is_possible(world, task, needs, True):

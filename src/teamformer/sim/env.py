@@ -78,8 +78,11 @@ class TeamFormation:
         reward = reward or Reward()
         self._weights = (reward.done, reward.step, reward.fit)
         count, robots, caps = self.worlds.has.shape
-        tasks, hides_needs = self.worlds.needs.shape[1], self.worlds.may_need.shape[1] > 0
-        self._room = make_view(count, robots, tasks, caps, hides_needs)
+        hides_needs, hides_places = (
+            room.shape[1] > 0 for room in (self.worlds.may_need, self.worlds.spots)
+        )
+        tasks = self.worlds.needs.shape[1]
+        self._room = make_view(count, robots, tasks, caps, hides_needs, hides_places)
         self._first_row = np.zeros(count + 1, dtype=np.int64)
         self._first_member = np.zeros(count + 1, dtype=np.int64)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
@@ -87,6 +90,8 @@ class TeamFormation:
         self._chunks = list(itertools.pairwise(edges))
         self.rewards = np.zeros((count, robots))
         self._is_viewed = False
+        moves = (self.worlds.rules["hides_places"] & self.worlds.rules["has_walls"]).any()
+        self._are_ways_fixed = not moves  # a task believed elsewhere has other ways to it
 
     def __enter__(self) -> TeamFormation:
         return self
@@ -103,7 +108,7 @@ class TeamFormation:
     def reset(self) -> None:
         """Put every world back to its start."""
         for array, start in zip(self.worlds, self._start, strict=True):
-            if array is not self.worlds.fields:
+            if not (self._are_ways_fixed and array is self.worlds.fields):
                 array[:] = start
         self.rewards[:] = 0.0
         self._is_viewed = False
@@ -111,7 +116,7 @@ class TeamFormation:
     def fork(self) -> TeamFormation:
         """Return another environment in the same state that goes its own way, without threads."""
         twin = copy.copy(self)
-        shared = self.worlds.fields  # distances, which nothing changes
+        shared = self.worlds.fields if self._are_ways_fixed else None
         twin.worlds = Worlds(*(a if a is shared else a.copy() for a in self.worlds))
         twin._room = View(*(part.copy() for part in self._room))
         twin._first_row, twin._first_member = self._first_row.copy(), self._first_member.copy()

@@ -9,6 +9,7 @@ import numpy as np
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid, Place
+from teamformer.mission.places import believed_place, possible_places
 from teamformer.mission.rules import (
     ALLOCATIONS,
     FORESIGHTS,
@@ -16,7 +17,7 @@ from teamformer.mission.rules import (
     opening_step,
     rules_not_played,
 )
-from teamformer.model import Scenario
+from teamformer.model import Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
 from teamformer.planning.distances import UNREACHABLE, blocked_cells, distance_fields
 from teamformer.rules.constants import NOBODY
@@ -28,6 +29,7 @@ from teamformer.sim.arrays import (
     RESOLVE,
     ROBOT,
     RULES,
+    SPOT,
     TASK,
     TEAM,
     Worlds,
@@ -50,7 +52,8 @@ def pack_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> Wo
         _pack_robots(worlds, w, truth)
         _pack_tasks(worlds, w, scenario, truth)
         if isinstance(scenario.world, Grid) and scenario.world.rows:
-            _pack_map(worlds, w, scenario.world, [task.at for task in scenario.tasks])
+            places = [believed_place(scenario.world, task) for task in scenario.tasks]
+            _pack_map(worlds, w, scenario.world, places)
     return worlds
 
 
@@ -66,6 +69,8 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     has_plan = any(s.allocation == "plan" for s in scenarios)
     hides_needs = any(task.may_need for s in scenarios for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
+    hides_places = any(task.within for s in scenarios for task in s.tasks)
+    spots = (count, tasks, max(map(_most_places, scenarios))) if hides_places else (count, 0, 0)
     walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
     worlds = Worlds(
         rules=np.zeros(count, dtype=RULES),
@@ -74,6 +79,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         teams=np.zeros((count, robots), dtype=TEAM),
         tasks=np.zeros((count, tasks), dtype=TASK),
         cells=np.zeros((count, cells), dtype=CELL),
+        spots=np.zeros(spots, dtype=SPOT),
         brings=np.zeros((count, robots, caps), dtype=np.int16),
         has=np.zeros((count, robots, caps), dtype=np.int16),
         needs=np.zeros((count, tasks, caps), dtype=np.int16),
@@ -97,7 +103,9 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     worlds.teams["task"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
     worlds.tasks["appears"] = NEVER
-    for field in ("next_here", "server", "done_at", "done_by", "crew", "waiting", "shown_at"):
+    for field in ("next_here", "server", "done_at", "done_by", "crew", "waiting"):
+        worlds.tasks[field] = NOBODY
+    for field in ("shown_at", "moved_at", "found_at"):
         worlds.tasks[field] = NOBODY
     worlds.robots["crew"] = worlds.robots["next"] = worlds.robots["took"] = NOBODY
     return worlds
@@ -118,11 +126,13 @@ def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
         "allocation": ALLOCATIONS.index(scenario.allocation),
         "foresight": FORESIGHTS.index(scenario.foresight),
         "hides_needs": any(task.may_need for task in scenario.tasks),
+        "hides_places": any(task.within for task in scenario.tasks),
         "has_schedule": scenario.order == "schedule",
         "has_walls": bool(scenario.world.rows),
         "is_plane": plane is not None,
         "sensing_radius": max(scenario.sensing_radius, here),
         "join_radius": max(scenario.join_radius, here),
+        "finding_radius": max(scenario.finding_radius, here),
         "arrival_radius": here,
         "unit": plane.unit if plane else 1.0,
         "cells_per_length": cells_per_length,
@@ -193,17 +203,20 @@ def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario, truth: Scenario) -> 
     width, height, cells_per_length = _cells_of(scenario)
     for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
         task, record = scenario.tasks[k], worlds.tasks[w, k]
-        record["x"], record["y"] = task.at
+        place = believed_place(scenario.world, task)
+        record["x"], record["y"] = place
         record["duration"], record["longest"] = task.duration, task.longest
         record["takes"], record["hides_needs"] = truth.tasks[k].duration, bool(task.may_need)
         record["appears"], record["awaits"] = opening_step(task), len(task.after)
         for name in task.after:
             worlds.precedes[w, number_of[name], k] = True
-        record["region"] = scenario.world.region(task.at)
+        record["region"] = scenario.world.region(place)
         record["is_open"] = is_known_from_start(task)
-        column, row = (int(along * cells_per_length) for along in task.at)
+        column, row = (int(along * cells_per_length) for along in place)
         cell = worlds.cells[w, min(row, height - 1) * width + min(column, width - 1)]
         record["next_here"], cell["first_task"] = cell["first_task"], k
+        if task.within:
+            _pack_places(worlds, w, k, task, scenario.world, truth.tasks[k].at)
         believed = expected_needs(task, scenario.foresight)
         for name, count in believed.items():
             worlds.needs[w, k, cap_of[name]] = count
@@ -218,6 +231,21 @@ def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario, truth: Scenario) -> 
     worlds.order[w, : len(known)] = known
     worlds.demand[w] = (worlds.needs[w, known] > 0).sum(axis=0)
     worlds.count["open"][w] = worlds.count["arrived"][w] = len(known)
+
+
+def _pack_places(worlds: Worlds, w: int, k: int, task: Task, world: World, at: Place) -> None:
+    """Write down where a task may be, where it is believed to be, and where it is: at `at`."""
+    places, record = possible_places(world, task.at, task.within), worlds.tasks[w, k]
+    record["hides_place"], record["within"] = True, task.within
+    record["reach"] = max(math.dist(places[0], place) for place in places)
+    record["lies_in"], record["believed_in"] = places.index(at), 0
+    for number, place in enumerate(places):
+        worlds.spots[w, k, number] = (*place, True)
+
+
+def _most_places(scenario: Scenario) -> int:
+    """Return in how many places a task of a scenario may be at most."""
+    return max(len(possible_places(scenario.world, t.at, t.within)) for t in scenario.tasks)
 
 
 def _pack_map(worlds: Worlds, w: int, grid: Grid, places: Sequence[Place]) -> None:

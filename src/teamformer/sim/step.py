@@ -14,6 +14,7 @@ from teamformer.sim.completion import (
     judge_status,
     release_tasks,
 )
+from teamformer.sim.finding import find_tasks
 from teamformer.sim.formation import form_joins, read_decisions, split_teams
 from teamformer.sim.losses import lose_robots, return_robots
 from teamformer.sim.motion import move_teams, place_teams
@@ -46,7 +47,10 @@ def step_worlds(
             world = world_at(worlds, w)
             form_teams(world, wanted, named, first_row[w])
             move_teams(world)
-            finish_step(world, weights, rewards[w])
+            is_news = change_fleet(world)
+            if world.rules.hides_places:
+                is_news |= find_tasks(world)
+            finish_step(world, is_news, weights, rewards[w])
         else:
             rewards[w, :] = 0.0
 
@@ -68,7 +72,10 @@ def finish_worlds(
         if worlds.count[w].status == RUNNING:
             world = world_at(worlds, w)
             place_teams(world, places[w])
-            finish_step(world, weights, rewards[w])
+            is_news = change_fleet(world)
+            if world.rules.hides_places:
+                is_news |= find_tasks(world)
+            finish_step(world, is_news, weights, rewards[w])
         else:
             rewards[w, :] = 0.0
 
@@ -87,18 +94,30 @@ def form_teams(world: World, wanted: Array, named: Array, first_row: int) -> Non
 
 
 @kernel
-def finish_step(world: World, weights: tuple[float, float, float], rewards: Array) -> None:
-    """Phases 6 and 7, rewards, and what becomes known."""
+def change_fleet(world: World) -> bool:
+    """Let robots be lost and come back (phase 6); say whether any is."""
     step = world.count.steps + 1
     any_lost = lose_robots(world, step)
     any_back = return_robots(world, step)
     if any_lost or any_back:
         expect_needs(world)
+    return any_lost or any_back
+
+
+@kernel
+def finish_step(
+    world: World, is_news: bool, weights: tuple[float, float, float], rewards: Array
+) -> None:
+    """What becomes known of needs, phase 7, rewards, and the tasks that appear.
+
+    `is_news` says that robots were lost or are back, or that a task was found elsewhere.
+    """
+    step = world.count.steps + 1
     any_shown = show_needs(world, step)
     complete_tasks(world, step)
     world.count.steps = step
     reward_teams(world, weights, rewards)
     any_released = release_tasks(world, step)
-    if any_lost or any_back or any_shown or any_released:
+    if is_news or any_shown or any_released:
         drop_assignments(world)
-    judge_status(world, any_lost)
+    judge_status(world, is_news)

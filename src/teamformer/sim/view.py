@@ -70,6 +70,7 @@ class View(NamedTuple):
     task_place: Array  # (teams, tasks, 2) float64
     task_needs: Array  # (teams, tasks, caps) int16, as is believed
     task_may_need: Array  # (teams, tasks, caps) float32 probability of one more, or (teams, 0, 0)
+    task_within: Array  # (teams, tasks) float32 how far away it may be, 0 if known, or (teams, 0)
     task_rank: Array  # (teams, tasks) int32, 0 is the first open task in the order
     first_member: Array  # (teams + 1,) int32, where each team's rows in the next two begin
     member: Array  # (members,) int32, robot numbers, ascending in a team
@@ -260,6 +261,8 @@ def _write_tasks(world: World, view: View, row: int, team: int) -> None:
             view.task_needs[row, padded, cap] = 0
         for cap in range(view.task_may_need.shape[2]):
             view.task_may_need[row, padded, cap] = 0.0
+        if view.task_within.shape[1] > 0:
+            view.task_within[row, padded] = 0.0
         view.task_rank[row, padded] = 0
 
 
@@ -273,10 +276,20 @@ def _write_task(world: World, view: View, row: int, column: int, task: int) -> N
     for cap in range(view.task_may_need.shape[2]):
         is_hidden = world.tasks[task].hides_needs
         view.task_may_need[row, column, cap] = world.may_need[task, cap] if is_hidden else 0.0
+    if view.task_within.shape[1] > 0:
+        is_hidden = world.tasks[task].hides_place
+        view.task_within[row, column] = world.tasks[task].within if is_hidden else 0.0
     view.task_rank[row, column] = world.tasks[task].rank
 
 
-def make_view(worlds: int, robots: int, tasks: int, caps: int, hides_needs: bool = False) -> View:
+def make_view(
+    worlds: int,
+    robots: int,
+    tasks: int,
+    caps: int,
+    hides_needs: bool = False,
+    hides_places: bool = False,
+) -> View:
     """Return room for the views of so many worlds of up to these sizes."""
     teams, seen, shown = worlds * robots, min(NEAREST_TEAMS, robots - 1), min(NEXT_TASKS, tasks)
     may_need = (teams, shown, caps) if hides_needs else (teams, 0, 0)
@@ -307,6 +320,7 @@ def make_view(worlds: int, robots: int, tasks: int, caps: int, hides_needs: bool
         task_place=np.zeros((teams, shown, 2)),
         task_needs=np.zeros((teams, shown, caps), dtype=np.int16),
         task_may_need=np.zeros(may_need, dtype=np.float32),
+        task_within=np.zeros((teams, shown if hides_places else 0), dtype=np.float32),
         task_rank=np.zeros((teams, shown), dtype=np.int32),
         first_member=np.zeros(teams + 1, dtype=np.int32),
         member=np.zeros(teams, dtype=np.int32),

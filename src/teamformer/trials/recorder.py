@@ -14,7 +14,15 @@ from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.plan_updates import reasons_in
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Tally, TeamFormation
-from teamformer.sim.replay.record import Crew, Ending, Replay, SharedPlanMade, Step, TeamAt
+from teamformer.sim.replay.record import (
+    Crew,
+    Ending,
+    Replay,
+    SharedPlanMade,
+    Step,
+    TaskAt,
+    TeamAt,
+)
 
 Groups = dict[int, tuple[int, ...]]
 """The robots of each team, by slot."""
@@ -72,6 +80,8 @@ class Recorder:
                 named=self._named(formed),
                 took=_exchanges(robots["took"]),
                 shown=tuple(shown.tolist()),
+                found=tuple(np.flatnonzero(tasks["found_at"] == steps).tolist()),
+                moved=self._moved(tasks, steps),
             )
         )
         appears = (tasks["appears"] == steps) & (tasks["awaits"] == 0)
@@ -133,6 +143,13 @@ class Recorder:
             return ()
         is_commanded = self._env.worlds.teams["is_commanded"][0]
         return tuple(slot for slot in sorted(formed) if is_commanded[slot])
+
+    def _moved(self, tasks: Array, steps: int) -> tuple[TaskAt, ...]:
+        """Return the tasks that are believed elsewhere since a step."""
+        return tuple(
+            TaskAt(int(k), self._along(tasks["x"][k]), self._along(tasks["y"][k]))
+            for k in np.flatnonzero(tasks["moved_at"] == steps)
+        )
 
     def _joins(self, before: Groups, formed: Groups) -> tuple[tuple[int, int], ...]:
         """Return (joiner, partner) for each team that holds two earlier teams."""

@@ -34,16 +34,18 @@ def update_plan(world: World) -> None:
     """Plan the crews, or only the order, where need be; call it after each step.
 
     Crews are planned at the start, when tasks appear, when robots are lost or back, when it shows
-    what a task needs and when a crew has nothing left to do; an order alone at the start and when
-    tasks appear.
+    what a task needs or that it is elsewhere, and when a crew has nothing left to do; an order
+    alone at the start and when tasks appear.
     """
     has_crews = world.rules.allocation == CREWS
     any_new, any_done = world.count.arrived > 0, world.count.noted < world.count.done
     is_changed = _forget_lost(world)
     is_changed |= world.count.back > world.count.planned_back
     is_changed |= world.count.shown > world.count.planned_shown
+    is_changed |= world.count.found > world.count.planned_found
     world.count.planned_back = world.count.back
     world.count.planned_shown = world.count.shown
+    world.count.planned_found = world.count.found
     is_idle = _note_done(world) and has_crews
     if world.count.open > 0 and (any_new or (has_crews and (is_changed or is_idle))):
         rounds = ROUNDS if any_new or is_changed else ROUNDS_AGAIN

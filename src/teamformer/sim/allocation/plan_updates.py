@@ -17,7 +17,7 @@ from teamformer.sim.allocation.plan_moves import follow_shared_plans
 from teamformer.sim.arrays import PLAN, RUNNING, Array, Worlds, world_at
 from teamformer.truth import believed_mission, expected_mission
 
-START, APPEARED, LOST, BROKEN_OFF, BACK, SHOWN, OVERDUE = 1, 2, 4, 8, 16, 32, 64
+START, APPEARED, LOST, BROKEN_OFF, BACK, SHOWN, OVERDUE, FOUND = 1, 2, 4, 8, 16, 32, 64, 128
 """Why a plan is made, in bits, in the order of `PLAN_REASONS`."""
 
 
@@ -61,18 +61,17 @@ def _first_plan(same: _Same, facts: Facts) -> SharedPlan:
 
 
 def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
-    """Return a mission with what everybody believes that its tasks need."""
-    if not worlds.rules["hides_needs"][w]:
-        return believed_mission(scenario, {})
-    caps = scenario.capabilities
-    needs = worlds.needs[w][: len(scenario.tasks), : len(caps)].tolist()
-    return believed_mission(
-        scenario,
-        {
-            task: {cap: count for cap, count in zip(caps, counts, strict=True) if count}
-            for task, counts in enumerate(needs)
-        },
-    )
+    """Return a mission with what everybody believes that its tasks need, and where they are."""
+    caps, tasks = scenario.capabilities, range(len(scenario.tasks))
+    needs: dict[int, dict[str, int]] = {}
+    if worlds.rules["hides_needs"][w]:
+        for task, counts in zip(tasks, worlds.needs[w].tolist(), strict=False):
+            needs[task] = {c: n for c, n in zip(caps, counts, strict=False) if n}
+    along = int if isinstance(scenario.world, Grid) else float
+    at = worlds.tasks[["x", "y"]][w]
+    unsure = [task for task in tasks if scenario.tasks[task].within]
+    places = {task: (along(at["x"][task]), along(at["y"][task])) for task in unsure}
+    return believed_mission(scenario, needs, places)
 
 
 @entry
@@ -94,6 +93,8 @@ def _find_reasons(worlds: Worlds, reasons: Array) -> None:
             reasons[w] |= SHOWN
         if world.count.overdue > world.count.planned_overdue:
             reasons[w] |= OVERDUE
+        if world.count.found > world.count.planned_found:
+            reasons[w] |= FOUND
         if reasons[w] != 0:
             world.count.reason = reasons[w]
         world.count.arrived = 0
@@ -102,6 +103,7 @@ def _find_reasons(worlds: Worlds, reasons: Array) -> None:
         world.count.planned_broken_off = world.count.broken_off
         world.count.planned_shown = world.count.shown
         world.count.planned_overdue = world.count.overdue
+        world.count.planned_found = world.count.found
 
 
 def facts_of(worlds: Worlds, w: int, scenario: Scenario) -> Facts:

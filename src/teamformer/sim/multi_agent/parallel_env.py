@@ -141,7 +141,8 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         fleet[robots["team"] == NOBODY] = NOBODY
         left = np.where(tasks["server"] == NOBODY, 0, tasks["takes"] - tasks["served"])
         is_done = tasks["done_at"] != NOBODY
-        work = np.column_stack((tasks["is_open"], is_done, tasks["x"], tasks["y"], left))
+        places = np.array([task.at for task in self._env.truths[0].tasks], dtype=np.float64)
+        work = np.column_stack((tasks["is_open"], is_done, places, left))
         needs = worlds.true_needs[0] if worlds.rules["hides_needs"][0] else worlds.needs[0]
         work = np.hstack((work, needs))  # (tasks, 5 + caps)
         return np.concatenate((fleet, work), axis=None, dtype=np.float32)
@@ -189,8 +190,9 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         view, robots = self._view, len(self._env.scenarios[0].robots)
         first, end = view.first_member[row : row + 2]
         arrays = {name: getattr(view, name)[row] for name in OF_TEAM}
-        if not view.task_may_need.size:
-            del arrays["task_may_need"]
+        for name in ("task_may_need", "task_within"):
+            if not getattr(view, name).size:
+                del arrays[name]
         arrays["member"] = np.full(robots, NOBODY, dtype=np.int32)  # (robots,)
         arrays["member"][: end - first] = view.member[first:end]
         arrays["member_counts"] = np.zeros((robots, view.counts.shape[1]), dtype=np.int16)

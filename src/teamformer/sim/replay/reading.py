@@ -23,6 +23,7 @@ from teamformer.sim.replay.record import (
     Replay,
     SharedPlanMade,
     Step,
+    TaskAt,
     TeamAt,
 )
 from teamformer.sim.replay.truths import truth_from_tree
@@ -234,6 +235,11 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
         took=tuple((number_below(one, robots), number_below(other, robots)) for one, other in took),
         heard=tuple(_heard(row, robots) for row in rows_of(tree.get("heard", []), 3)),
         shown=numbers_below(tree.get("shown", []), tasks),
+        found=numbers_below(tree.get("found", []), tasks),
+        moved=tuple(
+            TaskAt(number_below(task, tasks), along(x), along(y))
+            for task, x, y in rows_of(tree.get("moved", []), 3)
+        ),
     )
 
 

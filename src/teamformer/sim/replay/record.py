@@ -22,6 +22,14 @@ class TeamAt(NamedTuple):
     task: int | None
 
 
+class TaskAt(NamedTuple):
+    """Where a task is believed to be from a step on."""
+
+    task: int
+    x: float  # a whole number on a grid
+    y: float
+
+
 class Crew(NamedTuple):
     """A part of the fleet, and the open tasks that are its to do, in order."""
 
@@ -50,6 +58,8 @@ class Step:
     took: tuple[tuple[int, int], ...] = ()  # like robots that exchanged their parts of the plan
     heard: tuple[tuple[int, int, str], ...] = ()  # sender, receiver, what: one of HEARD
     shown: tuple[int, ...] = ()  # tasks whose needs have become known
+    found: tuple[int, ...] = ()  # tasks whose place has become known
+    moved: tuple[TaskAt, ...] = ()  # tasks that are elsewhere than believed, or believed elsewhere
 
 
 @dataclass(frozen=True)

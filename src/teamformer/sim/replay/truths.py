@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 from teamformer.errors import ScenarioError
 from teamformer.model import Robot, Scenario, Task
+from teamformer.plane import Plane
 from teamformer.scenarios.tree_writer import counts_to_tree
-from teamformer.sim.replay.values import DamageError, check_keys, count_of, inside, text_of
+from teamformer.sim.replay.values import (
+    DamageError,
+    check_keys,
+    count_of,
+    inside,
+    metres,
+    number_of,
+    rows_of,
+    text_of,
+)
 
 
 def truth_to_tree(scenario: Scenario, truth: Scenario) -> dict[str, Any]:
-    """Return, by name, how long tasks took, what they needed, and when robots were lost."""
+    """Return, by name, what tasks took and needed, where they were, and when robots were lost."""
     tasks, robots = {}, {}
     for task, true in zip(scenario.tasks, truth.tasks, strict=True):
         said: dict[str, Any] = {}
@@ -21,6 +31,8 @@ def truth_to_tree(scenario: Scenario, truth: Scenario) -> dict[str, Any]:
             said["duration"] = true.duration
         if task.may_need:
             said["needs"] = counts_to_tree(true.needs)
+        if task.within:
+            said["at"] = list(true.at)
         if said:
             tasks[task.name] = said
     for robot, real in zip(scenario.robots, truth.robots, strict=True):
@@ -33,11 +45,16 @@ def truth_to_tree(scenario: Scenario, truth: Scenario) -> dict[str, Any]:
 def truth_from_tree(scenario: Scenario, tree: Any) -> Scenario:
     """Return the mission as a record says that it was; raises `DamageError`."""
     check_keys(tree, ("tasks", "robots"), ("tasks", "robots"))
-    open_tasks = [task.name for task in scenario.tasks if task.lasts is not None or task.may_need]
+    open_tasks = [
+        task.name
+        for task in scenario.tasks
+        if task.lasts is not None or task.may_need or task.within
+    ]
     open_robots = [robot.name for robot in scenario.robots if robot.breaks is not None]
     check_keys(tree["tasks"], open_tasks, open_tasks)
     check_keys(tree["robots"], open_robots, open_robots)
-    tasks = (_task(task, tree["tasks"].get(task.name)) for task in scenario.tasks)
+    along = metres if isinstance(scenario.world, Plane) else number_of
+    tasks = (_task(task, tree["tasks"].get(task.name), along) for task in scenario.tasks)
     robots = (_robot(robot, tree["robots"].get(robot.name)) for robot in scenario.robots)
     try:
         return replace(scenario, tasks=tuple(tasks), robots=tuple(robots))
@@ -45,16 +62,21 @@ def truth_from_tree(scenario: Scenario, tree: Any) -> Scenario:
         raise DamageError(error.problems[0].message) from None
 
 
-def _task(task: Task, said: Any) -> Task:
+def _task(task: Task, said: Any, along: Callable[[Any], float]) -> Task:
     if said is None:
         return task
-    is_open = {"duration": task.lasts is not None, "needs": bool(task.may_need)}
+    is_open = {
+        "duration": task.lasts is not None,
+        "needs": bool(task.may_need),
+        "at": task.within > 0,
+    }
     keys = [key for key, is_unsure in is_open.items() if is_unsure]
     with inside(task.name):
         check_keys(said, keys, keys)
         duration = count_of(said["duration"]) if "duration" in said else task.duration
         needs = _counts(said["needs"]) if "needs" in said else task.needs
-    return replace(task, lasts=None, may_need={}, duration=duration, needs=needs)
+        [[x, y]] = rows_of([said["at"]], 2) if "at" in said else [task.at]
+    return task.once_known((along(x), along(y)), needs, duration)
 
 
 def _counts(said: Any) -> Mapping[str, int]:

@@ -24,7 +24,7 @@ function drawAssignment(view, team) {
   const to = taskBox(view, team.assigned);
   if (Math.hypot(to.x - from.x, to.y - from.y) < from.r + to.half + 4) return;
   const { world } = view.scenario;
-  const way = wayTo(world, [team.x, team.y], view.scenario.tasks[team.assigned].at);
+  const way = wayTo(world, [team.x, team.y], view.sites[team.assigned].at);
   const corners = way.slice(1, -1).map(([x, y]) => ({ x: view.camera.x(x), y: view.camera.y(y) }));
   const points = [from, ...corners, to];
   points[points.length - 1] = shorten(to, points.at(-2), to.half + 2);
@@ -71,11 +71,11 @@ function drawTrails(view) {
 
 // The order in which everybody would visit the open tasks.
 function drawOrder(view) {
-  const { ctx, camera, scenario, theme } = view;
+  const { ctx, camera, sites, theme } = view;
   const tasks = orderAt(view.history, view.scene.step);
   ctx.beginPath();
   for (const task of tasks) {
-    const [x, y] = scenario.tasks[task].at;
+    const [x, y] = sites[task].at;
     ctx.lineTo(camera.x(x), camera.y(y));
   }
   ctx.strokeStyle = theme.muted;

@@ -96,6 +96,7 @@ class TrialMap {
     ctx.setTransform(sharpness, 0, 0, sharpness, 0, 0);
     const [still, changing] = partTasks(view);
     drawWorld({ ...view, ctx });
+    drawRegions({ ...view, ctx });
     drawTasks({ ...view, ctx }, still);
     this.still = { key, canvas, changing };
     return this.still;
@@ -127,6 +128,7 @@ class TrialMap {
       images: this.images,
       blended: blendPlaces(places, placesAfter, part),
       scenario: history.scenario,
+      sites: sitesAt(history, scene.step),
       theme: this.theme,
       isDark: this.isDark,
       colours: app.colours,

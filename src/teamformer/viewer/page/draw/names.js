@@ -26,12 +26,12 @@ function drawNames(view) {
 }
 
 function drawTaskName(view, taken, task) {
-  const { theme, scenario, history, scene } = view;
+  const { theme, scenario, sites, history, scene } = view;
   const standing = standingOf(history, task, scene.step);
   if (standing === "hidden") return;
-  const { mates } = scenario.tasks[task];
+  const { at, mates } = sites[task];
   const { half } = taskBox(view, mates.at(-1));
-  const [x, y] = [view.camera.x(scenario.tasks[task].at[0]), taskBox(view, mates.at(-1)).y];
+  const [x, y] = [view.camera.x(at[0]), taskBox(view, mates.at(-1)).y];
   const colour = standing === "done" ? theme.faint : theme.muted;
   drawName(view, taken, namesOfPlace(scenario, task, mates), { x, y: y + half + 10 }, colour);
 }

@@ -29,8 +29,8 @@ function drawTask(view, task, box, standing) {
 }
 
 // A task with no robots around looks the same from moment to moment.
-function isUnchanging({ history, scenario, scene, places, placesAfter }, task, standing) {
-  const cell = cellKey(...scenario.tasks[task].at);
+function isUnchanging({ history, sites, scene, places, placesAfter }, task, standing) {
+  const cell = cellKey(...sites[task].at);
   if (places.cells.has(cell) || placesAfter.cells.has(cell)) return false;
   return (
     standing === "open" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS)
@@ -58,22 +58,42 @@ function taskImage(view, task, half, reach, standing) {
 }
 
 // The square of a task in pixels.
-function taskBox({ camera, scenario, places, placesAfter, part, detail }, task) {
+function taskBox({ camera, sites, places, placesAfter, part, detail }, task) {
   const { cell } = camera;
-  const { at } = scenario.tasks[task];
+  const { at } = sites[task];
   const [x, y] = [camera.x(at[0]), camera.y(at[1])];
   if (detail !== "robots") return { x, y, half: Math.max(1.5, 0.3 * cell) };
   const [from, to] = [places, placesAfter].map((known) =>
-    taskSquare(known, scenario.tasks[task], task, cell),
+    taskSquare(known, sites[task], task, cell),
   );
   const pixels = (key) => between(from[key], to[key], part) * cell;
   return { x: x + pixels("right"), y: y + pixels("down"), half: pixels("half") };
 }
 
 // Robots stand in the middle of a task that has its place for itself.
-function isCovered({ places, scenario }, task) {
-  const { at, mates } = scenario.tasks[task];
+function isCovered({ places, sites }, task) {
+  const { at, mates } = sites[task];
   return mates.length === 1 && places.cells.has(cellKey(...at));
+}
+
+// Around where a task may be that nobody has found, a circle; the square is where it is believed.
+function drawRegions(view) {
+  const { ctx, history, scenario, scene, camera } = view;
+  scenario.tasks.forEach(({ around, within }, task) => {
+    const isHidden = standingOf(history, task, scene.step) === "hidden";
+    if (isHidden || history.foundAt[task] <= scene.step) return;
+    ctx.beginPath();
+    ctx.arc(camera.x(around[0]), camera.y(around[1]), (within + 0.5) * camera.cell, 0, 2 * Math.PI);
+    ctx.fillStyle = ctx.strokeStyle = taskColour(task, view.isDark);
+    ctx.globalAlpha = 0.06;
+    ctx.fill();
+    ctx.globalAlpha = 0.5;
+    ctx.lineWidth = 1;
+    ctx.setLineDash([2, 4]);
+    ctx.stroke();
+    ctx.setLineDash([]);
+    ctx.globalAlpha = 1;
+  });
 }
 
 function isOnScreen({ width, height }, x, y, reach) {

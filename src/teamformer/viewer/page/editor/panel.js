@@ -1,7 +1,7 @@
 // The editor's panel: tools, what a new thing brings, the fields of what is selected, problems.
 
 const TOOLS = { move: "Select, move", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
-const MORE_FIELDS = { robots: { speed: "Speed", lost: "Lost in step" }, tasks: { duration: "Duration, steps", appears: "Appears after step" } };
+const MORE_FIELDS = { robots: { speed: "Speed", lost: "Lost in step" }, tasks: { duration: "Duration, steps", within: "Within (cells or m)", appears: "Appears after step" } };
 
 class EditorPanel {
   constructor(app, box) {

@@ -102,7 +102,7 @@ function lostDetails(app, robot) {
 
 function taskDetails(app, task) {
   const { history, player } = app;
-  const { name, at, sure, mayNeed, duration } = history.scenario.tasks[task];
+  const { name, sure, mayNeed, duration } = history.scenario.tasks[task];
   const isShown = history.shownAt[task] <= player.step;
   const needs = isShown ? needsAt(history, task, player.step) : sure;
   const standing = standingOf(history, task, player.step);
@@ -111,13 +111,22 @@ function taskDetails(app, task) {
   return [
     heading(app, taskMark(app, task), name),
     lead(capitalised(describeStanding(history, task, app.scene()))),
-    element("p", { class: "muted" }, `At ${describePlace(history.scenario.world, at)}${steps}${orderText(app, task)}`),
+    element("p", { class: "muted" }, `${placeText(history, task, player.step)}${steps}${orderText(app, task)}`),
     ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
     ...(isShown ? [] : titled("May need", element("p", {}, describeChances(history.scenario, mayNeed)))),
     isOpen ? waitingFor(app, task, missingOfBest(app, task), null) : null,
     isOpen || standing === "served" ? assignedTeams(app, task) : null,
     ...titled("History", storyList(app, taskStory(history, task))),
   ];
+}
+
+// Where it is, or where it is believed to be while nobody knows.
+function placeText(history, task, step) {
+  const { world, tasks } = history.scenario;
+  const { around, within } = tasks[task];
+  const at = describePlace(world, sitesAt(history, step)[task].at);
+  if (history.foundAt[task] <= step) return `At ${at}`;
+  return `Within ${describeWay(world, within)} of ${describePlace(world, around)}, believed at ${at}`;
 }
 
 // Once it is done, how long it really took is known.

@@ -32,14 +32,13 @@ function waitingItem(app, task, [cap, count], team) {
 function assignedByDistance(app, task) {
   const { scenario } = app.history;
   const teams = [...(app.scene().assignedTo.get(task) ?? [])];
-  const away = new Map(teams.map((team) => [team, distanceTo(scenario, team, task)]));
+  const away = new Map(teams.map((team) => [team, distanceTo(scenario, team)]));
   return teams.sort((one, other) => away.get(one) - away.get(other));
 }
 
-function farText(scenario, team, task) {
-  const { at } = scenario.tasks[task];
-  if (isSamePlace(scenario.world, [team.x, team.y], at)) return "is there";
-  return `is ${describeWay(scenario.world, distanceTo(scenario, team, task))} away`;
+function farText(scenario, team) {
+  if (isSamePlace(scenario.world, [team.x, team.y], team.site.at)) return "is there";
+  return `is ${describeWay(scenario.world, distanceTo(scenario, team))} away`;
 }
 
 function nobodyBrings({ history, player }, cap) {
@@ -51,7 +50,7 @@ function nobodyBrings({ history, player }, cap) {
 
 // What is short at the task itself: beyond the team there that lacks least.
 function missingOfBest(app, task) {
-  const { at } = app.history.scenario.tasks[task];
+  const { at } = sitesAt(app.history, app.player.step)[task];
   const needs = needsNow(app, task);
   const here = [...app.scene().teams.values()].filter(({ x, y }) => x === at[0] && y === at[1]);
   const shorts = here.map(({ counts }) => missing(counts, needs));
@@ -74,7 +73,7 @@ function assignedTeams(app, task) {
   const needs = needsNow(app, task);
   const items = assignedByDistance(app, task).map((team) => {
     const brings = describeCounts(scenario, overlap(team.counts, needs), WAITS_SHOWN) || "nothing";
-    const text = ` ${farText(scenario, team, task)}, brings ${brings}`;
+    const text = ` ${farText(scenario, team)}, brings ${brings}`;
     return element("li", {}, teamLink(app, team), text);
   });
   if (!items.length) return null;

@@ -22,12 +22,15 @@ function frames(recorded) {
     doneAt: scenario.tasks.map(() => Infinity),
     doneBy: scenario.tasks.map(() => NOBODY),
     shownAt: scenario.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
+    foundAt: scenario.tasks.map(({ within }) => (within ? Infinity : 0)),
+    moves: [], // {step, task, at} of tasks that are believed elsewhere from then on
     lostAt: scenario.robots.map(() => Infinity),
     backAt: scenario.robots.map(() => Infinity), // a robot is lost and back once
     lostPlace: new Map(),
     headings: scenario.robots.map(() => NOBODY), // by slot, the task last headed for
   };
   history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
+  history.sitesAfter = rememberLast(STATES_KEPT, (count) => sitesAfter(history, count));
   const take = stepTaker(history);
   replay.steps.forEach((change, index) => take(change, index + 1));
   if (history.end.status !== "running") history.events.push({ step: history.last, kind: "end" });
@@ -203,7 +206,29 @@ function recordStep(history, state, change, step) {
     history.shownAt[task] = step;
     history.events.push({ step, kind: "shown", task });
   }
+  for (const [task, ...at] of change.moved ?? []) history.moves.push({ step, task, at });
+  for (const task of change.found ?? []) {
+    history.foundAt[task] = step;
+    history.events.push({ step, kind: "found", task });
+  }
   recordHeadings(history, state, change, step);
+}
+
+// Where tasks are believed to be after a step: by task {at, mates}, as in the scenario.
+function sitesAt(history, step) {
+  const { moves, scenario } = history;
+  if (!scenario.isUnsure) return scenario.tasks;
+  let count = moves.length;
+  while (count > 0 && moves[count - 1].step > step) count--;
+  return history.sitesAfter(count);
+}
+
+// The same after the first moves.
+function sitesAfter({ moves, scenario }, count) {
+  const sites = scenario.tasks.map(({ first }) => ({ at: first }));
+  for (const { task, at } of moves.slice(0, count)) sites[task] = { at };
+  shareSites(sites);
+  return sites;
 }
 
 function recordFormations({ events }, state, change, step) {

@@ -33,7 +33,7 @@ function workOutPhases(history, step) {
     const task = before.task[before.team[robot]];
     const assigned = after.task[slot] === NOBODY ? task : after.task[slot];
     if (assigned === NOBODY) return IDLE;
-    const { at } = history.scenario.tasks[assigned];
+    const { at } = sitesAt(history, step)[assigned];
     return isSamePlace(history.scenario.world, [is.x, is.y], at) ? WAITS : WALKS;
   });
 }

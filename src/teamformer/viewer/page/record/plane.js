@@ -9,16 +9,25 @@ function inSquares(replay) {
   const square = squareOf(world);
   return {
     ...replay,
+    truth: truthInSquares(replay.truth, square),
     scenario: scenarioInSquares(replay.scenario, square),
     start: replay.start.map(([slot, robots, x, y]) => [slot, robots, x / square, y / square]),
     steps: replay.steps.map((step) => stepInSquares({ square }, step)),
   };
 }
 
+function truthInSquares(truth, square) {
+  if (!truth) return truth;
+  const placed = (said) => (said.at ? { ...said, at: said.at.map((along) => along / square) } : said);
+  const tasks = Object.entries(truth.tasks).map(([name, said]) => [name, placed(said)]);
+  return { ...truth, tasks: Object.fromEntries(tasks) };
+}
+
 function stepInSquares({ square }, step) {
-  if (!square || !step.teams) return step;
+  if (!square || !(step.teams || step.moved)) return step;
   const team = ([slot, x, y, task]) => [slot, x / square, y / square, task];
-  return { ...step, teams: step.teams.map(team) };
+  const moved = ([task, x, y]) => [task, x / square, y / square];
+  return { ...step, teams: (step.teams ?? []).map(team), moved: (step.moved ?? []).map(moved) };
 }
 
 function scenarioInSquares(scenario, square) {
@@ -27,7 +36,7 @@ function scenarioInSquares(scenario, square) {
   return {
     ...scenario,
     robots: scenario.robots.map(placed),
-    tasks: scenario.tasks.map(placed),
+    tasks: scenario.tasks.map((task) => ({ ...placed(task), within: (task.within ?? 0) / square })),
     sensing_radius: Math.max(radius, scenario.world.arrival_radius) / square,
   };
 }

@@ -17,16 +17,24 @@ function readScenario(tree, truth) {
       can: readCounts(robot.can, numbers),
     })),
     tasks,
+    isUnsure: tasks.some(({ within }) => within),
     sensingRadius: readRadius(tree.sensing_radius),
   };
+  for (const task of tasks) task.first = firstPlace(scenario.world, task);
   sharePlaces(scenario);
   return scenario;
 }
 
 // `appears` is when a task becomes known, in steps made; Infinity until all that it is after is done.
 // `needs` and `duration` are what they really are, `sure`, `believed` and `lasts` what is known
-// before; `mayNeed` has pairs of a capability and the probability that one more is needed.
-function readTask({ name, at, needs, may_need, duration, appears, after, between }, numbers, truth, isHopeful) {
+// before; `mayNeed` has pairs of a capability and the probability that one more is needed. It is at
+// `at`, known to be `within` a distance of `around`, and `first` believed to be in the nearest place.
+function readTask(
+  { name, at, within, needs, may_need, duration, appears, after, between },
+  numbers,
+  truth,
+  isHopeful,
+) {
   const opens = Math.max(appears ?? 0, Math.ceil(between?.[0] ?? 0));
   const mayNeed = Object.entries(may_need ?? {}).map(([cap, chance]) => [numbers.get(cap), chance]);
   const sure = readCounts(needs, numbers);
@@ -34,7 +42,9 @@ function readTask({ name, at, needs, may_need, duration, appears, after, between
   const [lasts, took] = Array.isArray(duration) ? [duration, duration[1]] : [null, duration ?? 0];
   return {
     name,
-    at,
+    at: truth?.at ?? at,
+    around: at,
+    within: within ?? 0,
     needs: truth?.needs ? readCounts(truth.needs, numbers) : sure,
     sure,
     believed: sumPairs([...sure, ...hoped]),
@@ -48,11 +58,30 @@ function readTask({ name, at, needs, may_need, duration, appears, after, between
   };
 }
 
+// The free cell that is nearest to where a task may be; of equals the lowest, then the leftmost.
+function firstPlace({ isBlocked, width, height, isPlane }, { around, within }) {
+  const [x, y] = around;
+  if (!within || isPlane || !isBlocked(x, y)) return around;
+  const reach = Math.floor(within);
+  let best = null;
+  for (let row = Math.max(0, y - reach); row <= Math.min(height - 1, y + reach); row++) {
+    for (let column = Math.max(0, x - reach); column <= Math.min(width - 1, x + reach); column++) {
+      const away = (column - x) ** 2 + (row - y) ** 2;
+      if (!isBlocked(column, row) && !(away >= best?.away)) best = { away, at: [column, row] };
+    }
+  }
+  return best.at;
+}
+
 // Note for each task `mates`, all tasks in exactly its place, and for each cell or square its tasks.
 function sharePlaces(scenario) {
   scenario.tasksAt = groupTasks(scenario.tasks, ({ at }) => cellKey(...at.map(Math.round)));
-  const groups = groupTasks(scenario.tasks, ({ at }) => cellKey(...at));
-  for (const task of scenario.tasks) task.mates = groups.get(cellKey(...task.at));
+  shareSites(scenario.tasks);
+}
+
+function shareSites(sites) {
+  const groups = groupTasks(sites, ({ at }) => cellKey(...at));
+  for (const site of sites) site.mates = groups.get(cellKey(...site.at));
 }
 
 function groupTasks(tasks, keyOf) {

@@ -2,17 +2,19 @@
 
 // A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, crew,
 // activity}; the crew is that of its lowest robot.
-// `goal` is the task whose colour the ring may take: the one served, just done or headed for.
+// `site` is where its task is believed to be, `goal` is the task whose colour the ring may take: the one served, just done or headed for.
 function sceneAt(history, step) {
   const state = history.at(step);
   const teams = gatherTeams(history.scenario, state);
   const serving = servicesAt(history, step);
   const justDone = doneIn(history, step);
   const crews = crewNumbers(history, step);
+  const sites = sitesAt(history, step);
   for (const team of teams.values()) {
     describeGoal(history, step, team, serving.get(team.slot), justDone.get(team.slot));
     team.crew = crews.get(team.slot) ?? null;
-    team.activity = activityOf(history.scenario, team);
+    team.site = sites[team.assigned] ?? null;
+    team.activity = activityOf(history.scenario.world, team);
   }
   return { step, state, teams, assignedTo: groupByTask(teams) };
 }
@@ -46,12 +48,11 @@ function describeGoal(history, step, team, service, done) {
 }
 
 // What a team is about, in one word: serves, done, waits, walks or idle.
-function activityOf(scenario, team) {
+function activityOf(world, team) {
   if (team.service) return "serves";
   if (team.justDone !== NOBODY) return "done";
   if (team.assigned === NOBODY) return "idle";
-  const { at } = scenario.tasks[team.assigned];
-  return isSamePlace(scenario.world, [team.x, team.y], at) ? "waits" : "walks";
+  return isSamePlace(world, [team.x, team.y], team.site.at) ? "waits" : "walks";
 }
 
 function servicesAt(history, step) {

@@ -44,9 +44,9 @@ function capitalised(text) {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
-// How far a team has to walk to a task.
-function distanceTo(scenario, team, task) {
-  return walkingDistance(scenario.world, [team.x, team.y], scenario.tasks[task].at);
+// How far a team has to walk to where its task is believed to be.
+function distanceTo({ world }, team) {
+  return walkingDistance(world, [team.x, team.y], team.site.at);
 }
 
 function describeDoing(scenario, team, step) {
@@ -64,7 +64,7 @@ function describeDoing(scenario, team, step) {
     case "waits":
       return team.isMet ? `is at ${name} with all it needs` : `waits at ${name} for ${lack}`;
     default: {
-      const away = distanceTo(scenario, team, team.assigned);
+      const away = distanceTo(scenario, team);
       const way = `${describeWay(scenario.world, away)} to go`;
       return team.isMet
         ? `walks to ${name} with all it needs, ${way}`
@@ -170,6 +170,8 @@ function eventText(history, event) {
       return `${task} appears`;
     case "shown":
       return `${task} needs ${describeCounts(scenario, scenario.tasks[event.task].needs)}, as it turns out`;
+    case "found":
+      return `${task} found at ${describePlace(scenario.world, scenario.tasks[event.task].at)}`;
     case "heads":
       return `${team} heads for ${task}`;
     case "begins":

@@ -1,0 +1,152 @@
+"""Finding: tasks whose place is not known are looked for, place by place, until a team is near.
+
+`world.tasks` holds where each is believed to be. What teams have looked at in vain is ruled out;
+if the place believed in is, the nearest that is left is believed in. So there is an end to it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from teamformer.jit import allocating_kernel, kernel
+from teamformer.planning.distances import UNREACHABLE, fill_field
+from teamformer.rules.arrays import Array
+from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
+from teamformer.sim.motion import field_towards
+from teamformer.sim.spatial_index import cell_of
+
+if TYPE_CHECKING:
+    from teamformer.sim.arrays import World
+
+
+@allocating_kernel
+def find_tasks(world: World) -> bool:
+    """Let teams look around for the open tasks that are not found; say if one is elsewhere.
+
+    That is, elsewhere than everybody believed.
+    """
+    step, any_elsewhere = world.count.steps + 1, False
+    for task in range(world.rules.tasks):
+        if not (world.tasks[task].is_open and world.tasks[task].hides_place):
+            continue
+        for team in range(world.rules.robots):
+            if world.teams[team].size > 0:
+                _rule_out(world, task, team)
+        lies_in, believed_in = world.tasks[task].lies_in, world.tasks[task].believed_in
+        if not world.spots[task, lies_in].is_possible:
+            world.tasks[task].hides_place = False
+            world.tasks[task].found_at = step
+            if lies_in != believed_in:
+                world.count.found += 1
+                any_elsewhere = True
+                _believe_in(world, task, lies_in, step)
+        elif not world.spots[task, believed_in].is_possible:
+            _believe_in(world, task, _nearest_left(world, task), step)
+    return any_elsewhere
+
+
+@kernel
+def _rule_out(world: World, task: int, team: int) -> None:
+    """Strike the places that a team is near to from those that a task may be in."""
+    radius = world.rules.finding_radius + ROUNDING
+    farthest = radius + world.tasks[task].reach
+    if _apart_squared(world, task, 0, team) > farthest * farthest + 1:  # rounding
+        return
+    for spot in range(world.spots.shape[1]):
+        if world.spots[task, spot].is_possible:
+            is_near = _apart_squared(world, task, spot, team) <= radius * radius
+            world.spots[task, spot].is_possible = not is_near
+
+
+@kernel
+def _apart_squared(world: World, task: int, spot: int, team: int) -> float:
+    away_x = world.teams[team].x - world.spots[task, spot].x
+    away_y = world.teams[team].y - world.spots[task, spot].y
+    return away_x * away_x + away_y * away_y
+
+
+@allocating_kernel
+def _nearest_left(world: World, task: int) -> np.int64:
+    """Return the place left that the team nearest to the one just ruled out is nearest to.
+
+    Of equally near teams the lowest slot counts, of equally near places the one that is nearest to
+    where the task was first believed to be.
+    """
+    ruled_out = world.tasks[task].believed_in
+    seeker, least = np.int64(NOBODY), np.int64(0)
+    for team in range(world.rules.robots):
+        if world.teams[team].size > 0:
+            away = _micrometres(_apart_squared(world, task, ruled_out, team))
+            if seeker == NOBODY or away < least:
+                seeker, least = np.int64(team), away
+    x, y = world.teams[seeker].x, world.teams[seeker].y
+    has_walls = world.rules.has_walls
+    field = field_towards(world, x, y) if has_walls else np.empty((0, 0), np.int32)
+    nearest, shortest = np.int64(NOBODY), np.int64(0)
+    for spot in range(world.spots.shape[1]):
+        if world.spots[task, spot].is_possible:
+            way = _way(world, field, x, y, task, spot)
+            if nearest == NOBODY or way < shortest:
+                nearest, shortest = np.int64(spot), way
+    return nearest
+
+
+@kernel
+def _way(world: World, field: Array, x: float, y: float, task: int, spot: int) -> np.int64:
+    """Return the way from where a field begins to a place of a task, as `travel` does."""
+    to_x, to_y = world.spots[task, spot].x, world.spots[task, spot].y
+    if world.rules.has_walls:
+        return np.int64(field[int(to_y), int(to_x)])
+    away_x, away_y = abs(to_x - x), abs(to_y - y)
+    if world.rules.is_plane:
+        return _micrometres(away_x * away_x + away_y * away_y)
+    return np.int64(away_x + away_y)
+
+
+@kernel
+def _micrometres(squared: float) -> np.int64:
+    """Return a length as a whole number of millionths, so that equal ones are equal."""
+    return np.int64(np.rint(np.sqrt(squared) * MICROMETRES))
+
+
+@allocating_kernel
+def _believe_in(world: World, task: int, spot: int, step: int) -> None:
+    """Believe a task to be in one of its places."""
+    _leave_cell(world, task)
+    world.tasks[task].x, world.tasks[task].y = world.spots[task, spot].x, world.spots[task, spot].y
+    world.tasks[task].believed_in, world.tasks[task].moved_at = spot, step
+    _enter_cell(world, task)
+    if world.rules.has_walls:
+        field = world.fields[task]
+        for row in range(field.shape[0]):
+            for column in range(field.shape[1]):
+                field[row, column] = UNREACHABLE
+        fill_field(world.blocked, int(world.tasks[task].x), int(world.tasks[task].y), field)
+
+
+@kernel
+def _leave_cell(world: World, task: int) -> None:
+    cell = cell_of(world, world.tasks[task].x, world.tasks[task].y)
+    if world.cells[cell].first_task == task:
+        world.cells[cell].first_task = world.tasks[task].next_here
+        return
+    before = world.cells[cell].first_task
+    while world.tasks[before].next_here != task:
+        before = world.tasks[before].next_here
+    world.tasks[before].next_here = world.tasks[task].next_here
+
+
+@kernel
+def _enter_cell(world: World, task: int) -> None:
+    """Put a task into its cell's chain, which is in task order."""
+    cell = cell_of(world, world.tasks[task].x, world.tasks[task].y)
+    before, after = np.int64(NOBODY), np.int64(world.cells[cell].first_task)
+    while after != NOBODY and after < task:
+        before, after = after, np.int64(world.tasks[after].next_here)
+    world.tasks[task].next_here = after
+    if before == NOBODY:
+        world.cells[cell].first_task = task
+    else:
+        world.tasks[before].next_here = task

@@ -1,0 +1,199 @@
+"""Tasks whose place is not known: who looks where, when they are found, what is believed until."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from random_worlds import random_world, with_surprises
+from small_worlds import done_at, make, play, robot, task
+from teamformer.export.events import events
+from teamformer.grid import Grid, Place
+from teamformer.mission.rules import ALLOCATIONS
+from teamformer.model import Scenario
+from teamformer.policies import POLICIES
+from teamformer.referee import judge
+from teamformer.rules.constants import NOBODY
+from teamformer.scenarios.named_settings import world_of
+from teamformer.sim.env import TeamFormation
+from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.replay.record import Replay, TaskAt
+from teamformer.sim.replay.writing import write_replay
+from teamformer.trials.registry import load_policy
+from teamformer.trials.trial import run_trial
+from teamformer.truth import draw_truth
+from test_surprises import is_alike, play_views, with_step, with_true_task
+
+
+def really_at(scenario: Scenario, place: Place) -> TeamFormation:
+    """Return a world whose first task is really in a place."""
+    truth = draw_truth(scenario, 0)
+    tasks = (replace(truth.tasks[0], at=place), *truth.tasks[1:])
+    return TeamFormation([scenario], truths=[replace(truth, tasks=tasks)])
+
+
+def corridor(**rules: Any) -> Scenario:
+    """One robot, and a task at 2 to 8.
+
+    a . ? ? ? T ? ? ?
+    0         5     8
+    """
+    return make([robot("a", 0)], [replace(task("a", 5), within=3)], **rules)
+
+
+def believed(env: TeamFormation) -> tuple[float, float]:
+    """Return where the first task is believed to be and how far it may be from there."""
+    view = env.view()
+    return float(view.task_place[0, 0, 0]), float(view.task_within[0, 0])
+
+
+def test_who_finds_nothing_looks_in_the_nearest_place_left() -> None:
+    """What is next to the robot is seen: at 4 it sees that the task is not at 5."""
+    env = really_at(corridor(), (8, 0))
+    seen = []
+    for _ in range(8):
+        seen.append(believed(env))
+        play(env)
+    assert seen == [(5, 3), (5, 3), (5, 3), (5, 3), (6, 3), (7, 3), (8, 3), (8, 0)]
+    assert done_at(env) == [8]
+    assert env.worlds.tasks["found_at"][0].tolist() == [7]
+    assert env.worlds.count["found"][0] == 0  # where it was believed to be by then
+
+
+def test_what_is_passed_is_found_on_the_way() -> None:
+    env = really_at(corridor(), (2, 0))
+    play(env)
+    assert believed(env) == (2, 0)
+    assert env.worlds.count["found"][0] == 1
+    play(env)
+    assert done_at(env) == [2]
+
+
+@pytest.mark.parametrize(("radius", "steps"), [(0.0, [8, 8]), (3.0, [5, 8]), (np.inf, [1, 8])])
+def test_the_finding_radius_says_how_near_one_must_come(radius: float, steps: list[int]) -> None:
+    env = really_at(corridor(finding_radius=radius), (8, 0))
+    play(env, 8)
+    assert [env.worlds.tasks["found_at"][0, 0], env.tally().steps] == steps
+    assert env.tally().status == "completed"
+
+
+def test_anybody_finds_for_everybody() -> None:
+    """b stands where the task is, though it is of no help with it."""
+    scenario = make([robot("a", 0), robot("b", 8)], corridor().tasks)
+    env = really_at(scenario, (8, 0))
+    play(env)
+    assert believed(env) == (8, 0)
+
+
+def test_ways_lead_to_where_a_task_is_believed_to_be() -> None:
+    """Past the wall: the robot at (0, 1) sees (0, 2), then walks round to (2, 2).
+
+    a @ .
+    . @ ?
+    T . ?
+    """
+    rows = (".@.", ".@.", "...")
+    hidden = replace(task("a", 0, 2), within=2.3)
+    scenario = make([robot("a", 0)], [hidden], Grid(3, 3, rows))
+    env = really_at(scenario, (2, 1))
+    twin = env.fork()
+    for world in (env, twin):
+        play(world, 5)
+        assert world.tally().status == "completed"
+    env.reset()
+    again = []
+    while env.is_running[0]:
+        again.append(believed(env)[0])
+        play(env)
+    assert again == [0, 1, 2, 2, 2]
+
+
+def test_what_appears_later_is_not_looked_for_before() -> None:
+    hidden = replace(task("a", 1, appears=3), within=1)
+    env = really_at(make([robot("a", 0), robot("a", 1)], [hidden, task("b", 9)][:1]), (2, 0))
+    play(env, 3)
+    assert env.worlds.tasks["found_at"][0, 0] == NOBODY
+    play(env)
+    assert env.worlds.tasks["found_at"][0, 0] == 4
+
+
+def recorded(allocation: str = "plan", seed: int = 1) -> Replay:
+    scenario = replace(world_of("4N20T-C4-places", seed), allocation=allocation)
+    return run_trial(scenario, load_policy("join-fitting", POLICIES), "x", seed).replay
+
+
+@pytest.mark.parametrize("allocation", ALLOCATIONS)
+def test_missions_with_hidden_places_end_and_are_legal(allocation: str, tmp_path: Path) -> None:
+    replay = recorded(allocation)
+    assert replay.end.status == "completed"
+    assert judge(replay).findings == ()
+    assert sum(len(step.found) for step in replay.steps) == 20
+    write_replay(replay, tmp_path / "replay.json")
+    assert read_replay(tmp_path / "replay.json") == replay
+    found = [event for event in events(replay) if event.kind == "found"]
+    assert len(found) == 20
+    x, y = replay.mission.tasks[found[0].task or 0].at
+    assert found[0].text(replay.mission).endswith(f"found at [{x}, {y}]")
+
+
+@pytest.mark.parametrize("allocation", ALLOCATIONS)
+def test_nobody_knows_where_a_task_is_before_it_is_found(allocation: str) -> None:
+    scenario = replace(world_of("4N20T-C4-places", 0), allocation=allocation)
+    truth = draw_truth(scenario, 5)
+    env, now = play_views(scenario, truth, "join-fitting", 400)
+    first = env.worlds.tasks["found_at"][0]
+    shows = 0
+    for number in range(4):
+        other = draw_truth(scenario, 6).tasks[number].at
+        tasks = list(truth.tasks)
+        tasks[number] = replace(tasks[number], at=other)
+        changed, then = play_views(
+            scenario, replace(truth, tasks=tuple(tasks)), "join-fitting", 400
+        )
+        step = min(int(first[number]), int(changed.worlds.tasks["found_at"][0, number]))
+        assert all(is_alike(now[i], then[i]) for i in range(step))
+        shows += step < min(len(now), len(then)) and not is_alike(now[step], then[step])
+    assert shows >= 2
+
+
+def test_the_referee_finds_what_is_found_or_believed_wrongly() -> None:
+    replay = recorded()
+    finds = next(i for i, step in enumerate(replay.steps) if step.found)
+    moves = next(i for i, step in enumerate(replay.steps) if step.moved)
+    found, moved = replay.steps[finds].found, replay.steps[moves].moved
+    other = next(k for k in range(20) if k not in found)
+    away = TaskAt(moved[0].task, moved[0].x + 1, moved[0].y)
+    x, y = replay.scenario.tasks[0].at
+    far = ((x + 5) % 10, y)
+    forged = {
+        "does not find it": with_step(replay, finds, found=found[1:]),
+        "where nobody can know that": with_step(replay, finds, found=(*found, other)),
+        "does not believe": with_step(replay, moves, moved=moved[1:]),
+        "without reason": with_step(replay, moves, moved=(*moved[1:], away)),
+        "moves a task twice": with_step(replay, moves, moved=(*moved, moved[0])),
+        "cannot really be": with_true_task(replay, 0, at=far),
+    }
+    for words, record in forged.items():
+        messages = [finding.message for finding in judge(record).findings]
+        assert any(words in message for message in messages), (words, messages)
+    elsewhere = with_true_task(replay, 0, at=replay.scenario.tasks[0].at)
+    assert judge(elsewhere).findings
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(4))
+def test_hundreds_of_random_missions_end_and_are_legal(part: int) -> None:
+    rng = np.random.default_rng(part)
+    done = 0
+    for number in range(150):
+        scenario = with_surprises(random_world(rng, is_plane=number % 3 == 0), rng)
+        scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
+        replay = run_trial(scenario, load_policy("join-all", POLICIES), "x", number).replay
+        assert judge(replay).findings == ()
+        assert replay.end.status in ("completed", "infeasible")
+        done += replay.end.status == "completed"
+    assert done > 90

@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.errors import ScenarioError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.checks import totals_by_region
-from teamformer.model import Breakdown, Robot, Scenario, Task, World
+from teamformer.model import Absence, Breakdown, Robot, Scenario, Task, World
 from teamformer.plane import Plane
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
@@ -50,7 +50,7 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
         tasks.append(replace(task, lasts=lasts, may_need=may, within=within))
     robots = tuple(
         robot
-        if robot.lost is not None or rng.random() < 0.6
+        if robot.absences or rng.random() < 0.6
         else replace(robot, breaks=Breakdown(0.05, (1, 9) if rng.random() < 0.7 else None))
         for robot in scenario.robots
     )
@@ -74,6 +74,16 @@ def with_precedence_and_windows(scenario: Scenario, rng: np.random.Generator) ->
     return replace(scenario, tasks=tuple(tasks[k] for k in turned), step_limit=0)
 
 
+def _absences(robot: int, lost: int | None, back: int | None) -> tuple[Absence, ...]:
+    """Return when a robot is absent: every other one that is back is lost once more."""
+    if lost is None:
+        return ()
+    if back is None or robot % 2 == 0:
+        return (Absence(lost, back),)
+    again = back + 1 + lost % 4
+    return (Absence(lost, back), Absence(again, again + 1 + robot if lost % 3 else None))
+
+
 def _draw(
     rng: np.random.Generator, with_losses: bool, with_arrivals: bool, is_plane: bool
 ) -> Scenario:
@@ -94,7 +104,9 @@ def _draw(
         lost = int(rng.integers(1, 30)) if with_losses and rng.random() < 0.1 else None
         back = None if lost is None or lost % 5 > 1 else lost + 1 + 5 * r % 11
         speed = float(rng.choice([1.0, 1.0, 1.0, 0.5, 0.3, 1.7]))
-        robots.append(Robot(f"r{r}", home if together else place(), counts(), speed, lost, back))
+        robots.append(
+            Robot(f"r{r}", home if together else place(), counts(), speed, _absences(r, lost, back))
+        )
     tasks = []
     for k in range(rng.integers(1, 8)):
         appears = int(rng.integers(0, 20)) if with_arrivals and rng.random() < 0.3 else 0

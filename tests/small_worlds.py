@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from teamformer.grid import Grid, Place
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 
@@ -22,7 +22,8 @@ CAPS = ("a", "b", "c")
 
 def robot(can: str, x: int, y: int = 0, speed: float = 1.0, lost: int | None = None) -> Robot:
     """Return a robot that can do each letter of `can`, twice where it stands twice."""
-    return Robot(f"{can}@{x},{y}", (x, y), Counter(can), speed, lost)
+    absences = () if lost is None else (Absence(lost),)
+    return Robot(f"{can}@{x},{y}", (x, y), Counter(can), speed, absences)
 
 
 def task(needs: str, x: int, y: int = 0, duration: int = 0, appears: int = 0) -> Task:

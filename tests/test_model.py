@@ -10,7 +10,15 @@ import pytest
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid
-from teamformer.model import MOST_WAITING, MOST_WALKING, Robot, Scenario, Task, default_step_limit
+from teamformer.model import (
+    MOST_WAITING,
+    MOST_WALKING,
+    Absence,
+    Robot,
+    Scenario,
+    Task,
+    default_step_limit,
+)
 
 LIFTER = Robot("a", (0, 0), {"lift": 1})
 SCANNER = Robot("b", (0, 0), {"scan": 1})
@@ -178,8 +186,8 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         "robot 'b' has speed 1000.5; use 0.001 to 1000",
     ),
     (
-        robots(lost=0),
-        robots(lost=1),
+        robots(absences=(Absence(0),)),
+        robots(absences=(Absence(1),)),
         (*ROBOT, "lost"),
         "robot 'b' is lost at step 0; the first step is 1",
     ),
@@ -262,8 +270,8 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         "robot 'c' can 'scan' 1.5 times; use 1 or more",
     ),
     (
-        robots(lost=2.5),
-        robots(lost=2),
+        robots(absences=(Absence(2.5),)),
+        robots(absences=(Absence(2),)),
         (*ROBOT, "lost"),
         "robot 'b' is lost at step 2.5; use a whole number up to 1,000,000,000",
     ),
@@ -315,7 +323,9 @@ def test_without_robots_there_is_nobody_for_the_tasks_either() -> None:
 
 def test_all_problems_are_told_at_once() -> None:
     with pytest.raises(ScenarioError) as caught:
-        scenario(order="x", **robots(speed=-1.0, lost=0), **tasks(at=(9, 9), duration=-1))
+        scenario(
+            order="x", **robots(speed=-1.0, absences=(Absence(0),)), **tasks(at=(9, 9), duration=-1)
+        )
     assert len(caught.value.problems) == 5
     assert len(str(caught.value).splitlines()) == 5
 

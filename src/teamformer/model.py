@@ -37,22 +37,40 @@ class Breakdown:
 
 
 @dataclass(frozen=True)
-class Robot:
-    """A robot: where it starts, what it can do, how fast it is.
+class Absence:
+    """A robot counts for nothing from step `lost` on; the first step of a trial is step 1.
 
-    `speed` is in cells a step, on a plane in metres a second. `lost` is the step from which the
-    robot counts for nothing (the first step of a trial is step 1); None means never. `back` is the
-    step from which it is there again, where it was lost and alone; None means never. `breaks` says
-    with what probability both happen, where nobody knows.
+    From step `back` on it is there again, where it was lost and alone; None means never.
+    """
+
+    lost: int
+    back: int | None = None
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot: where it starts, what it can do, how fast it is, and when it is absent.
+
+    `speed` is in cells a step, on a plane in metres a second. `breaks` says with what probability
+    it is lost and back, where nobody knows.
     """
 
     name: str
     at: Place
     can: Mapping[str, int]
     speed: float = 1.0
-    lost: int | None = None
-    back: int | None = None
+    absences: tuple[Absence, ...] = ()  # in the order of time
     breaks: Breakdown | None = None
+
+    @property
+    def lost_for_good(self) -> int | None:
+        """Return the step from which it counts for nothing any more; None means never."""
+        last = self.absences[-1] if self.absences else None
+        return last.lost if last is not None and last.back is None else None
+
+    def is_due(self, steps_made: int) -> bool:
+        """Say whether it will be back in a step after so many."""
+        return any(away.back is not None and away.back > steps_made for away in self.absences)
 
 
 @dataclass(frozen=True)

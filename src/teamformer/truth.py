@@ -15,7 +15,7 @@ import numpy as np
 from teamformer.grid import Place
 from teamformer.mission.checks import LARGEST_NUMBER
 from teamformer.mission.places import believed_place, possible_places
-from teamformer.model import Robot, Scenario, Task, World
+from teamformer.model import Absence, Robot, Scenario, Task, World
 
 OF_TASKS, OF_ROBOTS = 1, 2
 """What a generator is for: every task and robot has its own, so that more of them change nothing
@@ -63,8 +63,9 @@ def _true_robot(robot: Robot, rng: np.random.Generator) -> Robot:
     if lost >= LARGEST_NUMBER // 2:
         return sound
     if breaks.repair is None:
-        return replace(sound, lost=lost)
-    return replace(sound, lost=lost, back=lost + int(rng.integers(*breaks.repair, endpoint=True)))
+        return replace(sound, absences=(Absence(lost),))
+    back = lost + int(rng.integers(*breaks.repair, endpoint=True))
+    return replace(sound, absences=(Absence(lost, back),))
 
 
 def believed_mission(

@@ -16,7 +16,7 @@ from teamformer.export.csv_tables import write_tables
 from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
 from teamformer.export.reasons import _why_task, story_lines
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.sim.replay.record import Ending, Replay, SharedPlanMade, Step, TeamAt
 from teamformer.sim.replay.writing import write_replay
 
@@ -30,7 +30,10 @@ def two_lifters() -> Replay:
         name="beam",
         world=Grid(5, 2, rows=(".....", "@@@@@")),
         capabilities=("lift",),
-        robots=(Robot("a", (0, 0), {"lift": 1}), Robot("=b", (3, 0), {"lift": 1}, lost=6)),
+        robots=(
+            Robot("a", (0, 0), {"lift": 1}),
+            Robot("=b", (3, 0), {"lift": 1}, absences=(Absence(6),)),
+        ),
         tasks=(
             Task("beam", (2, 0), {"lift": 2}, duration=2),
             Task("box", (4, 0), {"lift": 1}, appears=6),

@@ -29,7 +29,9 @@ def main(worlds: int, seconds: float) -> None:
             told = run_trials([scenario], Central(seconds, workers=1))[0].steps
             simulated = run_trials([scenario], FollowPlan())[0].steps
             mission = Mission(scenario)
-            [(lost, robot)] = [(r.lost, n) for n, r in enumerate(scenario.robots) if r.lost]
+            [(lost, robot)] = [
+                (r.lost_for_good, n) for n, r in enumerate(scenario.robots) if r.absences
+            ]
             crash = Crash(robot, (lost - 1) * mission.step)
             stage = set_stage(mission)
             rehearsal, outcome, violations = play(mission, stage.plan, Faults(crashes=(crash,)))

@@ -195,7 +195,7 @@ def test_a_rehearsal_becomes_a_record(tmp_path: Path) -> None:
     assert read_replay(tmp_path / "replay.json") == record
     assert record.scenario.tasks[5].name == "extra"
     assert record.scenario.tasks[5].appears == 3
-    assert record.scenario.robots[1].lost == 10
+    assert record.scenario.robots[1].lost_for_good == 10
     assert sum(len(step.done) for step in record.steps) == outcome.tasks_done
     pairs = {(sender, receiver) for sender in range(3) for receiver in range(3)}
     beats = [{row[:2] for row in step.heard if row[2] == "beat"} for step in record.steps]

@@ -9,6 +9,7 @@ import pytest
 from teamformer.errors import TeamformerError
 from teamformer.live.incidents import Incident, LostRobot, NewTask, RobotBack
 from teamformer.live.mission import Mission
+from teamformer.model import Absence
 from teamformer.policies import POLICIES
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
@@ -42,7 +43,7 @@ def test_incidents_leave_a_record_that_run_makes_too(policy: str) -> None:
     assert again.replay.steps == record.steps
     assert again.replay.end == record.end
     assert run.scenario.tasks[-1].appears == 4
-    assert run.scenario.robots[0].lost == 10
+    assert run.scenario.robots[0].absences == (Absence(10),)
 
 
 def test_a_forecast_is_what_then_comes() -> None:
@@ -93,7 +94,7 @@ def test_what_cannot_happen_is_refused_and_changes_nothing(
     assert run.incidents == []
 
 
-def test_a_robot_is_lost_once() -> None:
+def test_who_is_lost_is_not_lost_again() -> None:
     run = mission()
     name = run.scenario.robots[0].name
     run.happen(LostRobot(name))
@@ -102,7 +103,7 @@ def test_a_robot_is_lost_once() -> None:
         run.happen(LostRobot(name))
 
 
-def test_a_lost_robot_is_brought_back_and_lost_no_more() -> None:
+def test_a_lost_robot_is_brought_back_and_lost_again() -> None:
     run = mission()
     name = run.scenario.robots[0].name
     with pytest.raises(TeamformerError, match=f"robot '{name}' is not lost"):
@@ -114,11 +115,29 @@ def test_a_lost_robot_is_brought_back_and_lost_no_more() -> None:
     assert run.step().back == (0,)
     with pytest.raises(TeamformerError, match="is back since step 2"):
         run.happen(RobotBack(name))
-    with pytest.raises(TeamformerError, match="a mission holds one loss of a robot"):
-        run.happen(LostRobot(name))
+    run.happen(LostRobot(name))
+    assert run.step().lost == (0,)
+    assert run.tally().status == "infeasible"
+    run.happen(RobotBack(name))
     play(run, {})
+    assert run.scenario.robots[0].absences == (Absence(1, 2), Absence(3, 4))
     assert run.tally().status == "completed"
-    assert judge(run.record()).findings == ()
+    record = run.record()
+    assert judge(record).findings == ()
+    again = run_trial(run.scenario, load_policy("join-fitting", POLICIES), "join-fitting")
+    assert (again.replay.steps, again.replay.end) == (record.steps, record.end)
+
+
+def test_who_is_not_back_after_all_stays_lost() -> None:
+    run = mission()
+    name = run.scenario.robots[0].name
+    run.happen(LostRobot(name))
+    run.step()
+    run.happen(RobotBack(name))
+    run.happen(LostRobot(name))
+    assert run.scenario.robots[0].absences == (Absence(1),)
+    with pytest.raises(TeamformerError, match="was lost in step 1 already"):
+        run.happen(LostRobot(name))
 
 
 def test_who_plans_with_everything_is_not_surprised() -> None:

@@ -96,7 +96,7 @@ def fastest_makespan(scenario: Scenario) -> int | None:
 
 def last_step(robot: Robot) -> float:
     """Return the step that a robot is missing from; who comes back counts as always there."""
-    return math.inf if robot.lost is None or robot.back is not None else robot.lost
+    return math.inf if robot.lost_for_good is None else robot.lost_for_good
 
 
 def serve(world: PlainWorld, task: Task, crew: tuple[int, ...], stays: list[Stay]) -> int:

@@ -9,7 +9,7 @@ import pytest
 
 from random_worlds import random_world
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import Relaxed, relax
 from teamformer.planning.teams.crossings import no_crossings
 from teamformer.planning.teams.facts import situation_in_hindsight
@@ -91,7 +91,7 @@ def test_the_cost_is_of_makespan_ends_and_steps_walked() -> None:
 @pytest.mark.parametrize(("lost", "late"), [(5, 1), (6, 0)])
 def test_robots_that_are_lost_before_they_are_done_cost_much(lost: int, late: int) -> None:
     scenario = corridor([0], [task(5, 1)])
-    robot = replace(scenario.robots[0], lost=lost)
+    robot = replace(scenario.robots[0], absences=(Absence(lost),))
     _, makespan, _ = timed(replace(scenario, robots=(robot,)), [0], [[0]])
     assert makespan == 5 + LATE * late
 

@@ -11,7 +11,7 @@ import pytest
 
 from random_worlds import random_world
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.referee import judge
 from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
 
@@ -188,7 +188,7 @@ def test_nothing_happens_after_the_limit() -> None:
 
 
 def test_nothing_happens_after_a_task_has_become_impossible() -> None:
-    lost = replace(ALONE, robots=(Robot("r", (0, 0), {"a": 1}, lost=1),))
+    lost = replace(ALONE, robots=(Robot("r", (0, 0), {"a": 1}, absences=(Absence(1),)),))
     ending = {"status": "infeasible", "blocked_tasks": ("t",)}
     assert messages(record(lost, Step(lost=(0,)), **ending)) == []
     assert messages(record(lost, Step(lost=(0,)), Step(), **ending)) == [

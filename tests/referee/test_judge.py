@@ -10,7 +10,7 @@ import pytest
 
 from random_worlds import random_decision, random_world
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
@@ -27,7 +27,7 @@ CORRIDOR = Scenario(
     robots=(
         Robot("ann", (0, 0), {"a": 1}),
         Robot("bob", (0, 0), {"b": 1}),
-        Robot("cat", (5, 1), {"a": 1}, speed=0.5, lost=6),
+        Robot("cat", (5, 1), {"a": 1}, speed=0.5, absences=(Absence(6),)),
     ),
     tasks=(
         Task("joint", (2, 0), {"a": 1, "b": 1}),

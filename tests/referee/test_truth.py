@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from teamformer.model import Breakdown, Robot, Task
+from teamformer.model import Absence, Breakdown, Robot, Task
 from teamformer.referee.truth import _can_be_robot, _can_be_task
 
 
@@ -30,8 +32,16 @@ def test_when_a_robot_can_break_down(
     breaks: Breakdown | None, lost: int | None, back: int | None, can_be: bool
 ) -> None:
     robot = Robot("r", (0, 0), {"a": 1}, breaks=breaks)
-    real = Robot("r", (0, 0), {"a": 1}, lost=lost, back=back)
+    absences = () if lost is None else (Absence(lost, back),)
+    real = Robot("r", (0, 0), {"a": 1}, absences=absences)
     assert _can_be_robot(robot, real) is can_be
+
+
+def test_a_robot_breaks_down_once() -> None:
+    robot = Robot("r", (0, 0), {"a": 1}, breaks=Breakdown(0.1, (2, 5)))
+    assert _can_be_robot(robot, replace(robot, breaks=None, absences=(Absence(3, 5),)))
+    twice = (Absence(3, 5), Absence(9, 12))
+    assert not _can_be_robot(robot, replace(robot, breaks=None, absences=twice))
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.robotarium.mission_checks import apart_needed, check_mission, find_problems
 from teamformer.robotarium.random_missions import random_mission
@@ -65,7 +65,7 @@ def test_at_most_twenty_robots() -> None:
 
 def test_what_is_not_staged() -> None:
     good = mission(*TWO, tasks={(1.5, 1.0): 2})
-    lost = (replace(good.robots[0], lost=9), good.robots[1])
+    lost = (replace(good.robots[0], absences=(Absence(9),)), good.robots[1])
     for bad, message in (
         (replace(good, world=Plane(4.0, 2.0)), r"use world: \{plane: \[3.2, 2\]"),
         (replace(good, world=Plane(3.2, 2.0, step=0.1)), "robots need 0.33 s or more"),

@@ -191,6 +191,31 @@ CASES = [
     ("speed: 0.5", "speed: 1e-320", 7, "robot 'b' has speed"),
     ("speed: 0.5", "lost: 0", 7, "robot 'b' is lost at step 0; the first step is 1"),
     ("speed: 0.5", "lost: 4, back: 4", 7, "robot 'b' is lost at step 4 and back at step 4; it"),
+    (
+        "speed: 0.5",
+        "lost: [4, 6], back: [6]",
+        7,
+        "robot 'b' is back at step 6 and lost at step 6; it must be lost later",
+    ),
+    (
+        "speed: 0.5",
+        "lost: [4, 6]",
+        7,
+        "robot 'b' is lost at step 6, but is so since step 4; say under back when it is there "
+        "again, or drop one",
+    ),
+    (
+        "speed: 0.5",
+        "lost: [4], back: [6, 9]",
+        7,
+        "robot 'b' is back more often than it is lost; add lost or drop back",
+    ),
+    (
+        "speed: 0.5",
+        "lost: [4, x]",
+        7,
+        "entry 2 of lost of robot 2 is the text 'x'; write a whole number",
+    ),
     ("speed: 0.5", "back: 4", 7, "robot 'b' is back but never lost; add lost or drop back"),
     ("sensing_radius: 1", "join_radius: 2", 10, "join_radius 2 is larger than sensing_radius 1"),
     ("sensing_radius: 1", "order: random", 10, "order 'random' is unknown; use"),

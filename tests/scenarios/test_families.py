@@ -30,7 +30,7 @@ def test_worlds_hold_what_their_family_says(name: str) -> None:
             range(1, len(family.abilities) + 1)
         )
         assert {task.duration for task in world.tasks} <= {0, *range(1, family.duration[1] + 1)}
-        assert all(robot.lost is None for robot in world.robots)
+        assert all(not robot.absences for robot in world.robots)
         assert all(task.appears == 0 for task in world.tasks)
         assert isinstance(world.world, Grid)
     assert size_of(name) == (family.robots[1], len(family.capabilities))
@@ -53,15 +53,16 @@ def test_shares_are_met_on_average() -> None:
 @pytest.mark.parametrize("name", FAMILIES)
 def test_the_others_can_do_without_who_is_lost(name: str) -> None:
     for plain, world in zip(worlds(name), worlds(f"{name}-lost"), strict=True):
-        lost = [robot for robot in world.robots if robot.lost is not None]
+        lost = [robot for robot in world.robots if robot.absences]
         assert len(lost) == 1
-        assert lost[0].lost is not None
-        assert INCIDENT_STEPS[0] <= lost[0].lost <= INCIDENT_STEPS[1]
+        (away,) = lost[0].absences
+        assert away.back is None
+        assert INCIDENT_STEPS[0] <= away.lost <= INCIDENT_STEPS[1]
         for task in world.tasks:
             for cap, needed in task.needs.items():
                 left = sum(r.can.get(cap, 0) for r in world.robots if r is not lost[0])
                 assert left >= needed
-        robots = tuple(replace(robot, lost=None) for robot in world.robots)
+        robots = tuple(replace(robot, absences=()) for robot in world.robots)
         assert replace(world, robots=robots, name=plain.name) == plain
 
 

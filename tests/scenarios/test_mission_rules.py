@@ -15,7 +15,7 @@ from teamformer.mission.rules import (
     rules_of_simulated_missions,
     rules_of_sure_missions,
 )
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.scenarios.files import read_scenario, write_scenario
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.env import TeamFormation
@@ -93,7 +93,7 @@ def test_usual_missions_are_played() -> None:
 
 def test_losses_and_unreachable_ends_are_refused() -> None:
     with pytest.raises(ScenarioError, match="robot 'r' is lost, which only missions in steps know"):
-        replace(MISSION, robots=(replace(ROBOT, lost=3), MISSION.robots[1]))
+        replace(MISSION, robots=(replace(ROBOT, absences=(Absence(3),)), MISSION.robots[1]))
     island = Grid(3, 1, ("..@",))
     with pytest.raises(ScenarioError, match="inside an obstacle"):
         replace(MISSION, world=island, ends=(2, 0), tasks=(Task("x", (1, 0), {"a": 1}),))

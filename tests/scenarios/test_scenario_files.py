@@ -14,7 +14,7 @@ from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.frame import Frame
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.scenarios.files import (
     read_scenario,
     scenario_from_tree,
@@ -52,7 +52,7 @@ AS_BUILT = Scenario(
     capabilities=("lift", "scan", "no"),
     robots=(
         Robot("r1", (2, 3), {"lift": 1, "scan": 1}),
-        Robot("r2", (2, 3), {"no": 2}, speed=0.5, lost=40),
+        Robot("r2", (2, 3), {"no": 2}, speed=0.5, absences=(Absence(40),)),
     ),
     tasks=(
         Task("crate", (7, 5), {"lift": 1, "no": 2}, duration=4, appears=30),

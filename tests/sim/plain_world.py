@@ -427,7 +427,7 @@ class PlainWorld:
             r
             for team in self.teams.values()
             for r in team.robots
-            if self.truth.robots[r].lost == self.steps + 1
+            if any(a.lost == self.steps + 1 for a in self.truth.robots[r].absences)
         ]
         for robot in lost:
             slot = next(s for s, t in self.teams.items() if robot in t.robots)
@@ -439,9 +439,10 @@ class PlainWorld:
         return bool(lost)
 
     def come_back(self) -> bool:
-        back = [r for r in self.lost_at if self.truth.robots[r].back == self.steps + 1]
+        absences = {r: self.truth.robots[r].absences for r in self.lost_at}
+        back = [r for r in absences if any(a.back == self.steps + 1 for a in absences[r])]
         for robot in back:
-            self.teams[robot] = PlainTeam([robot], self.lost_at[robot])
+            self.teams[robot] = PlainTeam([robot], self.lost_at.pop(robot))
         return bool(back)
 
     def complete(self) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from small_worlds import assignments, make, order_of, play, robot, task
 from teamformer.grid import Grid
-from teamformer.model import Scenario
+from teamformer.model import Absence, Scenario
 from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
@@ -128,7 +128,10 @@ def test_one_robot_lost_costs_little_where_a_complete_crew_is_left() -> None:
     short = []
     for world, tally in zip(worlds, whole, strict=True):
         gone, when = int(rng.integers(20)), int(rng.integers(1, tally.steps))
-        robots = [replace(r, lost=when) if i == gone else r for i, r in enumerate(world.robots)]
+        robots = [
+            replace(r, absences=(Absence(when),)) if i == gone else r
+            for i, r in enumerate(world.robots)
+        ]
         short.append(replace(world, robots=tuple(robots)))
     ended = run_trials(short, JoinCrew())
     assert {tally.status for tally in ended} == {"completed"}

@@ -10,7 +10,7 @@ import pytest
 from random_worlds import random_world
 from small_worlds import done_at, make, places, play, robot, task, teams_of
 from teamformer.errors import ScenarioError
-from teamformer.model import Robot, Scenario
+from teamformer.model import Absence, Robot, Scenario
 from teamformer.policies import POLICIES
 from teamformer.referee import judge
 from teamformer.sim.env import TeamFormation
@@ -19,7 +19,7 @@ from teamformer.trials.trial import Trial, run_trial
 
 
 def away(able: str, at: int, lost: int, back: int) -> Robot:
-    return replace(robot(able, at, lost=lost), back=back)
+    return replace(robot(able, at), absences=(Absence(lost, back),))
 
 
 def trial_of(world: Scenario, policy: str) -> Trial:
@@ -40,6 +40,40 @@ def test_it_is_back_alone_where_it_was_lost() -> None:
     assert places(env) == {0: 9, 1: 9}
     play(env, joins={1: 0})
     assert done_at(env) == [13]
+
+
+@pytest.mark.parametrize("allocation", ["paper", "crews", "plan"])
+def test_it_may_be_lost_again_and_again(allocation: str) -> None:
+    """a walks to 9: two steps, away for three, four steps, away for two, the last three steps.
+
+    Others in the batch are lost once, or never.
+    """
+    often = replace(robot("a", 0), absences=(Absence(3, 6), Absence(10, 12), Absence(40)))
+    worlds = [
+        make([often], [task("a", 9)], allocation=allocation),
+        make([away("a", 0, 3, 6)], [task("a", 9)], allocation=allocation),
+        make([robot("a", 0)], [task("a", 9)], allocation=allocation),
+    ]
+    trials = [trial_of(world, "join-fitting") for world in worlds]
+    assert [trial.replay.end.makespan for trial in trials] == [14, 12, 9]
+    lost = [n for n, step in enumerate(trials[0].replay.steps, start=1) if step.lost]
+    back = [n for n, step in enumerate(trials[0].replay.steps, start=1) if step.back]
+    assert (lost, back) == ([3, 10], [6, 12])
+    assert judge(trials[0].replay).findings == ()
+    env = TeamFormation(worlds)
+    play(env, 13)
+    assert [env.tally(w).steps for w in range(3)] == [13, 12, 9]
+    play(env, 1)
+    assert (env.tally(0).status, env.tally(0).steps) == ("completed", 14)
+
+
+def test_what_waits_for_it_is_given_up_when_it_is_lost_for_good() -> None:
+    """b is at 2 when it is lost, at 4 when it is lost again: its task at 5 is never done."""
+    often = replace(robot("b", 0), absences=(Absence(3, 5), Absence(7)))
+    replay = trial_of(make([often], [task("b", 5)]), "join-fitting").replay
+    assert (replay.end.status, replay.end.steps) == ("infeasible", 7)
+    assert replay.end.blocked_tasks == ("t0",)
+    assert judge(replay).findings == ()
 
 
 def test_the_lowest_robot_takes_its_slot_again() -> None:
@@ -90,7 +124,7 @@ def test_nothing_blocks_whoever_comes_back(allocation: str, is_plane: bool) -> N
     rng, worlds = np.random.default_rng(11), []
     while len(worlds) < 12:
         world = random_world(rng, is_plane=is_plane)
-        if any(robot.back is not None for robot in world.robots):
+        if any(away.back is not None for robot in world.robots for away in robot.absences):
             worlds.append(replace(world, allocation=allocation))
     ends = []
     for world in worlds:
@@ -102,15 +136,20 @@ def test_nothing_blocks_whoever_comes_back(allocation: str, is_plane: bool) -> N
 
 
 @pytest.mark.parametrize(
-    ("lost", "back", "said"),
+    ("absences", "said"),
     [
-        (None, 4, "robot 'r0' is back but never lost; add lost or drop back"),
-        (4, 4, "robot 'r0' is lost at step 4 and back at step 4; it must be back later"),
-        (4, 5.5, "back at step 5.5; use a whole number"),
+        ([(4, 4)], "robot 'r0' is lost at step 4 and back at step 4; it must be back later"),
+        ([(4, 5.5)], "back at step 5.5; use a whole number"),
+        ([(4, 6), (6, 9)], "is back at step 6 and lost at step 6; it must be lost later"),
+        (
+            [(4, None), (6, 9)],
+            "robot 'r0' is lost at step 6, but is so since step 4; say under back when it is there "
+            "again, or drop one",
+        ),
     ],
 )
-def test_returns_that_cannot_be(lost: int | None, back: float, said: str) -> None:
-    robots = (Robot("r0", (0, 0), {"a": 1}, lost=lost, back=back),)  # type: ignore[arg-type]
+def test_absences_that_cannot_be(absences: list[tuple[int, int]], said: str) -> None:
+    robots = (Robot("r0", (0, 0), {"a": 1}, absences=tuple(Absence(*steps) for steps in absences)),)
     good = make([robot("a", 0)], [task("a", 4)])
     with pytest.raises(ScenarioError) as caught:
         Scenario("bad", good.world, good.capabilities, robots, good.tasks)

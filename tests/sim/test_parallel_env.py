@@ -16,7 +16,7 @@ from pettingzoo.test import parallel_api_test
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.scenarios.generate import Spec
 from teamformer.sim.multi_agent.parallel_env import TeamFormationParallel
 
@@ -29,7 +29,7 @@ CORRIDOR = Scenario(
     robots=(
         Robot("ann", (0, 0), {"a": 1}),
         Robot("bob", (0, 0), {"b": 1}),
-        Robot("cat", (8, 0), {"a": 1}, lost=2),
+        Robot("cat", (8, 0), {"a": 1}, absences=(Absence(2),)),
     ),
     tasks=(Task("joint", (2, 0), {"a": 1, "b": 1}), Task("far", (8, 0), {"b": 1})),
     step_limit=30,
@@ -115,7 +115,7 @@ def test_the_step_limit_truncates_and_shows_the_last_state() -> None:
 
 
 def test_everybody_terminates_when_a_loss_makes_a_task_impossible() -> None:
-    bob = replace(CORRIDOR.robots[1], lost=3)
+    bob = replace(CORRIDOR.robots[1], absences=(Absence(3),))
     env = TeamFormationParallel(replace(CORRIDOR, robots=(CORRIDOR.robots[0], bob)))
     env.reset()
     steps = 0
@@ -209,8 +209,8 @@ def test_the_future_and_the_distance_cannot_be_seen() -> None:
         tasks=(*CORRIDOR.tasks, replace(late, at=(1, 0), needs={"b": 1})),
         robots=(
             scenario.robots[0],
-            replace(scenario.robots[1], lost=5),
-            replace(scenario.robots[2], at=(6, 0), lost=2),
+            replace(scenario.robots[1], absences=(Absence(5),)),
+            replace(scenario.robots[2], at=(6, 0), absences=(Absence(2),)),
         ),
     )
     worlds = [TeamFormationParallel(scenario), TeamFormationParallel(other)]
@@ -238,11 +238,10 @@ def without_future(scenario: Scenario, known_until: int) -> Scenario:
 
 
 def robot_without_future(robot: Robot, known_until: int) -> Robot:
-    if robot.lost and robot.lost > known_until:
-        return replace(robot, lost=None, back=None)
-    if robot.back and robot.back > known_until:
-        return replace(robot, back=robot.back + 2)
-    return robot
+    been = [away for away in robot.absences if away.lost <= known_until]
+    if been and been[-1].back is not None and been[-1].back > known_until:
+        been[-1] = replace(been[-1], back=been[-1].back + 2)
+    return replace(robot, absences=tuple(been))
 
 
 def test_no_view_depends_on_the_future_of_random_worlds() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.teams.shared_plan import plan_mission
 from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.referee.judge import judge
@@ -40,7 +40,10 @@ def test_what_is_planned_is_what_happens(seed: int) -> None:
 
 
 def test_the_record_says_why_plans_are_made_and_the_referee_goes_by_them() -> None:
-    ann, bob = Robot("ann", (0, 0), {"lift": 1}), Robot("bob", (2, 0), {"lift": 1}, lost=8)
+    ann, bob = (
+        Robot("ann", (0, 0), {"lift": 1}),
+        Robot("bob", (2, 0), {"lift": 1}, absences=(Absence(8),)),
+    )
     tasks = [
         Task("a", (6, 0), {"lift": 1}),
         Task("b", (20, 0), {"lift": 1}),

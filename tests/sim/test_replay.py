@@ -14,7 +14,7 @@ import pytest
 
 from teamformer.errors import ReplayError, TeamformerError
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.sim.replay.reading import read_replay, replay_from_tree
 from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
@@ -27,7 +27,7 @@ HALL = Scenario(
     robots=(
         Robot("ann", (0, 0), {"lift": 1}),
         Robot("bob", (0, 0), {"größe": 2}, speed=0.5),
-        Robot("cat", (3, 1), {"lift": 1}, lost=2),
+        Robot("cat", (3, 1), {"lift": 1}, absences=(Absence(2),)),
     ),
     tasks=(Task("x", (2, 0), {"lift": 1}), Task("y", (0, 1), {"größe": 1}, appears=1)),
     teams=((0, 1),),

@@ -19,7 +19,7 @@ from teamformer.errors import ReplayError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.events import events
 from teamformer.mission.rules import ALLOCATIONS, FORESIGHTS
-from teamformer.model import Breakdown, Scenario
+from teamformer.model import Absence, Breakdown, Scenario
 from teamformer.policies import POLICIES
 from teamformer.referee import judge
 from teamformer.rules.constants import NOBODY
@@ -93,7 +93,9 @@ def test_what_nobody_left_could_bring_is_not_hoped_for() -> None:
     away = replace(robot("b", 19), breaks=Breakdown(0.5, (2, 2)))
     scenario = make([robot("a", 0), away], [work])
     truth = with_truth(scenario, needs={"a": 1})
-    truth = replace(truth, robots=(truth.robots[0], replace(truth.robots[1], lost=1, back=3)))
+    truth = replace(
+        truth, robots=(truth.robots[0], replace(truth.robots[1], absences=(Absence(1, 3),)))
+    )
     env = TeamFormation([scenario], truths=[truth])
     believed = []
     for _ in range(4):
@@ -173,11 +175,10 @@ def other_truths(scenario: Scenario, truth: Scenario, env: TeamFormation) -> lis
             found.append((replace(truth, tasks=changed), step))
     for r, (known, real) in enumerate(zip(scenario.robots, truth.robots, strict=True)):
         if known.breaks is not None:
-            changed = replace(real, lost=None, back=None)
-            if real.lost is None:
-                changed = replace(changed, lost=17, back=30)
+            absences = () if real.absences else (Absence(17, 30),)
+            changed = replace(real, absences=absences)
             robots = (*truth.robots[:r], changed, *truth.robots[r + 1 :])
-            found.append((replace(truth, robots=robots), changed.lost or real.lost))
+            found.append((replace(truth, robots=robots), (absences or real.absences)[0].lost))
     return found
 
 
@@ -264,10 +265,11 @@ def test_truths_come_as_often_as_the_file_says() -> None:
     durations = [t.tasks[0].duration for t in truths]
     shares = [durations.count(steps) / len(truths) for steps in (2, 3, 4)]
     assert shares == pytest.approx([1 / 3] * 3, abs=0.05)
-    lost = np.array([t.robots[0].lost for t in truths])
+    lost = np.array([t.robots[0].absences[0].lost for t in truths])
     assert lost.min() == 1
     assert lost.mean() == pytest.approx(10, abs=1)
-    repairs = {t.robots[0].back - t.robots[0].lost for t in truths}  # type: ignore[operator]
+    absences = [t.robots[0].absences[0] for t in truths]
+    repairs = {away.back - away.lost for away in absences}  # type: ignore[operator]
     assert repairs == {3, 4, 5}
 
 

@@ -10,7 +10,7 @@ import pytest
 from random_worlds import random_world
 from small_worlds import make, play, robot, service, task, two_apart, two_tasks_two_pairs
 from teamformer.grid import Grid, Place
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation
@@ -171,11 +171,11 @@ def with_another_future(scenario: Scenario) -> Scenario:
         return replace(one, at=scenario.robots[0].at, needs=needs, appears=15)
 
     def change_robot(one: Robot) -> Robot:
-        if one.lost is None:
-            return one
-        if one.lost >= 10:
-            return replace(one, lost=29, back=None)
-        return one if one.back is None or one.back < 10 else replace(one, back=one.back + 5)
+        been = tuple(away for away in one.absences if away.lost < 10)
+        if been and (been[-1].back or 0) >= 10:
+            return replace(one, absences=(*been[:-1], replace(been[-1], back=been[-1].back + 5)))
+        is_sure = been and been[-1].back is None
+        return replace(one, absences=been if is_sure or not one.absences else (*been, Absence(29)))
 
     return replace(
         scenario,

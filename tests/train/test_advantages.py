@@ -9,6 +9,7 @@ import pytest
 import torch
 
 from small_worlds import pair_with_a_task_each_side
+from teamformer.model import Absence
 from teamformer.nets.critic import Critic, CriticSettings
 from teamformer.policies.learned.any_fleet import AnyFleetCodec
 from teamformer.policies.learned.macro_actions import HALVE, JOIN, MAINTAIN
@@ -174,7 +175,7 @@ def test_a_stream_without_a_value_is_worth_nothing() -> None:
 def test_lost_robots_are_not_there() -> None:
     """r1 is missing after step 2, so that it has no stream in the third state."""
     near = pair_with_a_task_each_side()
-    near = replace(near, robots=(near.robots[0], replace(near.robots[1], lost=2)))
+    near = replace(near, robots=(near.robots[0], replace(near.robots[1], absences=(Absence(2),))))
     env, reward = TeamFormation([near]), TeamReward(scale=1.0)
     rollout = play(env, AnyFleetCodec(), _Script(), reward, 3)
     found = credit(rollout, zero_critic(is_per_team=True), 0.5, 1.0)

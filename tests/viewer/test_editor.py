@@ -111,7 +111,7 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     record = read_replay(tmp_path / "out" / "replay.json")
     assert judge(record).findings == ()
     scenario = read_scenario(tmp_path / "out" / "scenario.yaml")
-    assert (scenario.tasks[-1].appears, scenario.robots[0].lost) == (10, 16)
+    assert (scenario.tasks[-1].appears, scenario.robots[0].absences[0].lost) == (10, 16)
     again = run_trial(scenario, load_policy("join-fitting", POLICIES), "join-fitting")
     assert again.replay.end.makespan == record.end.makespan
     assert record.end.status == "completed"

@@ -31,14 +31,23 @@ def write_tables(replay: Replay, folder: Path) -> tuple[Path, ...]:
 def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
     """Yield each robot with the steps it spent in each phase."""
     yield ("robot", "capabilities", "speed", "x", "y", "lost_in_step", "back_in_step", *PHASES)
-    lost = {robot: n for n, step in enumerate(replay.steps, start=1) for robot in step.lost}
-    back = {robot: n for n, step in enumerate(replay.steps, start=1) for robot in step.back}
+    lost = _steps_by_robot(step.lost for step in replay.steps)
+    back = _steps_by_robot(step.back for step in replay.steps)
     for number, robot in enumerate(replay.scenario.robots):
         steps = Counter(moment.phase[number] for moment in seen[1:])
         spent = [steps[phase] for phase in PHASES]
         can = describe(robot.can)
         away = (lost.get(number, ""), back.get(number, ""))
         yield (robot.name, can, robot.speed, *robot.at, *away, *spent)
+
+
+def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str]:
+    """Return for each robot that something happens to in which steps that is."""
+    steps: dict[int, str] = {}
+    for number, robots in enumerate(robots_of_steps, start=1):
+        for robot in robots:
+            steps[robot] = f"{steps[robot]}; {number}" if robot in steps else str(number)
+    return steps
 
 
 def _tasks(replay: Replay) -> Iterable[Row]:

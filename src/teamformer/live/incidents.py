@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from teamformer.capabilities import describe
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import Place
-from teamformer.model import Scenario, Task
+from teamformer.model import Absence, Scenario, Task
 
 
 @dataclass(frozen=True)
@@ -41,14 +41,13 @@ class LostRobot:
     def apply(self, scenario: Scenario, steps: int) -> Scenario:
         """Return the scenario in which the robot is lost in the step after `steps`."""
         number = _number_of(scenario, self.robot)
-        robot = scenario.robots[number]
-        if robot.lost is not None and robot.lost <= steps:
-            once = "; a mission holds one loss of a robot" if robot.back is not None else ""
-            when = f"was lost in step {robot.lost} already"
-            raise TeamformerError(f"robot '{self.robot}' {when}{once}")
-        robots = list(scenario.robots)
-        robots[number] = replace(robot, lost=steps + 1, back=None)
-        return _checked(scenario, robots=tuple(robots))
+        been = [away for away in scenario.robots[number].absences if away.lost <= steps]
+        last = been[-1] if been else None
+        if last is not None and (last.back is None or last.back > steps + 1):
+            raise TeamformerError(f"robot '{self.robot}' was lost in step {last.lost} already")
+        if last is not None and last.back == steps + 1:  # it is not back after all
+            return _with_absences(scenario, number, (*been[:-1], Absence(last.lost)))
+        return _with_absences(scenario, number, (*been, Absence(steps + 1)))
 
     def text(self) -> str:
         """Return the incident as words."""
@@ -64,14 +63,14 @@ class RobotBack:
     def apply(self, scenario: Scenario, steps: int) -> Scenario:
         """Return the scenario in which the robot is back in the step after `steps`."""
         number = _number_of(scenario, self.robot)
-        robot = scenario.robots[number]
-        if robot.lost is None or robot.lost > steps:
+        absences = scenario.robots[number].absences
+        been = [away for away in absences if away.lost <= steps]
+        if not been:
             raise TeamformerError(f"robot '{self.robot}' is not lost")
-        if robot.back is not None and robot.back <= steps:
-            raise TeamformerError(f"robot '{self.robot}' is back since step {robot.back}")
-        robots = list(scenario.robots)
-        robots[number] = replace(robot, back=steps + 1)
-        return _checked(scenario, robots=tuple(robots))
+        if been[-1].back is not None and been[-1].back <= steps:
+            raise TeamformerError(f"robot '{self.robot}' is back since step {been[-1].back}")
+        again = (*been[:-1], replace(been[-1], back=steps + 1), *absences[len(been) :])
+        return _with_absences(scenario, number, again)
 
     def text(self) -> str:
         """Return the incident as words."""
@@ -86,6 +85,12 @@ def _number_of(scenario: Scenario, name: str) -> int:
     if number is None:
         raise TeamformerError(f"there is no robot '{name}'")
     return number
+
+
+def _with_absences(scenario: Scenario, number: int, absences: tuple[Absence, ...]) -> Scenario:
+    robots = list(scenario.robots)
+    robots[number] = replace(robots[number], absences=absences)
+    return _checked(scenario, robots=tuple(robots))
 
 
 def _checked(scenario: Scenario, **changes: object) -> Scenario:

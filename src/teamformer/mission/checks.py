@@ -134,21 +134,29 @@ def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
                 (*where, "speed"),
                 f"robot '{robot.name}' has speed {robot.speed:g}; use 0.001 to 1000",
             )
-        if robot.lost is not None:
-            what = f"robot '{robot.name}' is lost at step"
-            yield from _problems_of_steps(
-                robot.lost, 1, (*where, "lost"), what, "the first step is 1"
-            )
-        if robot.back is not None:
-            yield from _problems_of_return(robot, robot.back, (*where, "back"))
+        yield from _problems_of_absences(robot, where)
 
 
-def _problems_of_return(robot: Robot, back: int, where: tuple[str | int, ...]) -> Iterator[Problem]:
-    if robot.lost is None:
-        yield Problem(where, f"robot '{robot.name}' is back but never lost; add lost or drop back")
-        return
-    what = f"robot '{robot.name}' is lost at step {robot.lost} and back at step"
-    yield from _problems_of_steps(back, robot.lost + 1, where, what, "it must be back later")
+def _problems_of_absences(robot: Robot, where: tuple[str | int, ...]) -> Iterator[Problem]:
+    what, before = f"robot '{robot.name}' is", None
+    for number, away in enumerate(robot.absences):
+        place: tuple[str | int, ...] = (number,) if len(robot.absences) > 1 else ()
+        lost, back = (*where, "lost", *place), (*where, "back", *place)
+        if before is None:
+            least, advice, again = 1, "the first step is 1", ""
+        elif before.back is None:
+            message = f"{what} lost at step {away.lost}, but is so since step {before.lost}"
+            yield Problem(lost, f"{message}; say under back when it is there again, or drop one")
+            return
+        else:
+            least, advice = before.back + 1, "it must be lost later"
+            again = f"back at step {before.back} and "
+        yield from _problems_of_steps(away.lost, least, lost, f"{what} {again}lost at step", advice)
+        if away.back is not None:
+            steps = f"{what} lost at step {away.lost} and back at step"
+            advice = "it must be back later"
+            yield from _problems_of_steps(away.back, away.lost + 1, back, steps, advice)
+        before = away
 
 
 def _problems_of_totals(scenario: Scenario) -> Iterator[Problem]:

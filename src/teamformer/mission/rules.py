@@ -135,7 +135,7 @@ def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
 
 def _problems_of_losses(scenario: Scenario) -> Iterator[Problem]:
     for number, robot in enumerate(scenario.robots):
-        if robot.lost is not None:
+        if robot.absences:
             message = f"robot '{robot.name}' is lost, which only missions in steps know; drop lost"
             yield Problem(("robots", number, "lost"), message)
 

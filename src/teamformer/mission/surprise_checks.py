@@ -62,7 +62,7 @@ def _problems_of_breaks(
         yield from _problems_of_range(
             breaks.repair, 1, (*where, "repair"), f"{what} is repaired in"
         )
-    if robot.lost is not None:
+    if robot.absences:
         yield Problem(where, f"{what} is lost at a step and breaks at a rate; keep one of the two")
 
 

@@ -152,7 +152,10 @@ def _robots_left(scenario: Scenario, steps: int) -> set[int]:
     return {
         number
         for number, robot in enumerate(scenario.robots)
-        if (robot.lost or steps + 1) > steps or (robot.back or steps + 1) <= steps
+        if not any(
+            away.lost <= steps < (steps + 1 if away.back is None else away.back)
+            for away in robot.absences
+        )
     }
 
 
@@ -161,7 +164,7 @@ def _check_moments(
 ) -> None:
     """Check that crews or plans are made at the start, for new tasks and needs, losses, returns."""
     scenario, last = replay.mission, len(replay.steps) - 1
-    changes = ((robot.lost, robot.back) for robot in scenario.robots)
+    changes = ((away.lost, away.back) for robot in scenario.robots for away in robot.absences)
     news = {steps for pair in changes for steps in pair if steps is not None}
     for steps in sorted({0, *tasks.openings(), *news, *shown} - made):
         if steps <= last and tasks.open_after(steps):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 from teamformer.capabilities import covers, total
@@ -83,17 +84,19 @@ def check_reach(fleet: Fleet, pairs: tuple[tuple[int, int], ...], notes: Notes) 
 
 def due_losses(fleet: Fleet, number: int) -> set[int]:
     """Return the robots that a step loses."""
-    return {r for r, robot in enumerate(fleet.scenario.robots) if robot.lost == number}
+    robots = enumerate(fleet.scenario.robots)
+    return {r for r, robot in robots if any(away.lost == number for away in robot.absences)}
 
 
 def lose_robots(fleet: Fleet, step: Step, due: set[int], notes: Notes) -> None:
     """Take out the robots that are lost in this step, and say where the record differs."""
     for robot in sorted(due ^ set(step.lost)):
-        name, when = fleet.scenario.robots[robot].name, fleet.scenario.robots[robot].lost
+        name = fleet.scenario.robots[robot].name
+        when = _steps(away.lost for away in fleet.scenario.robots[robot].absences)
         if robot in due:
             notes.note(f"robot {name} is lost in this step and the record keeps it")
         else:
-            notes.note(f"the record loses robot {name} here, the scenario {when or 'never'}")
+            notes.note(f"the record loses robot {name} here, the scenario {when}")
     if len(set(step.lost)) < len(step.lost):
         notes.note("the record loses a robot twice")
     for slot, team in list(fleet.teams.items()) if due else ():
@@ -113,13 +116,14 @@ def return_robots(fleet: Fleet, step: Step, number: int, notes: Notes) -> bool:
     went on in that step, and now shows it.
     """
     robots = fleet.scenario.robots
-    due = {robot for robot in fleet.lost if robots[robot].back == number}
+    backs = [[away.back for away in robot.absences] for robot in robots]
+    due = {robot for robot in fleet.lost if number in backs[robot]}
     for robot in sorted(due ^ set(step.back)):
-        name, when = robots[robot].name, robots[robot].back
+        name, when = robots[robot].name, _steps(backs[robot])
         if robot in due:
             notes.note(f"robot {name} is back in this step, and the record does not say so")
         else:
-            notes.note(f"the record has robot {name} back here, the scenario {when or 'never'}")
+            notes.note(f"the record has robot {name} back here, the scenario {when}")
     if len(set(step.back)) < len(step.back):
         notes.note("the record has a robot back twice")
     places = {entry.slot: (entry.x, entry.y) for entry in step.teams}
@@ -135,6 +139,11 @@ def return_robots(fleet: Fleet, step: Step, number: int, notes: Notes) -> bool:
             team.is_way_told = True  # to the others that were lost with it
         fleet.put(RecordedTeam({robot}, team.at))
     return bool(due)
+
+
+def _steps(numbers: Iterable[int | None]) -> str:
+    """Return the steps of a scenario as words."""
+    return ", ".join(str(number) for number in numbers if number is not None) or "never"
 
 
 def _list(fleet: Fleet, robots: tuple[int, ...]) -> str:

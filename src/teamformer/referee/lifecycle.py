@@ -79,7 +79,7 @@ def blocked_tasks(fleet: Fleet, tasks: Tasks, steps_made: int) -> list[str]:
     """Name the undone tasks that the robots left and due back around them can never cover."""
     scenario = fleet.scenario
     left = [robot for team in fleet.teams.values() for robot in team.robots]
-    left += [robot for robot in fleet.lost if (scenario.robots[robot].back or 0) > steps_made]
+    left += [robot for robot in fleet.lost if scenario.robots[robot].is_due(steps_made)]
     around: dict[int, list[int]] = {}
     for robot in left:
         region = scenario.world.region(scenario.robots[robot].at)

@@ -38,11 +38,13 @@ def _can_be_robot(robot: Robot, real: Robot) -> bool:
     if robot.breaks is None:
         return robot == real
     repair = robot.breaks.repair
-    if real.lost is None:
-        return real.back is None and robot.breaks.rate < 1
-    if robot.breaks.rate == 0 or real.lost < 1 or (repair is None) != (real.back is None):
+    if not real.absences:
+        return robot.breaks.rate < 1
+    (away, *more) = real.absences
+    is_sound = robot.breaks.rate == 0 or away.lost < 1
+    if more or is_sound or (repair is None) != (away.back is None):
         return False
-    return repair is None or repair[0] <= (real.back or 0) - real.lost <= repair[1]
+    return repair is None or repair[0] <= (away.back or 0) - away.lost <= repair[1]
 
 
 class Knowledge:

@@ -43,7 +43,7 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
     for number, task in enumerate(scenario.tasks):
         yield from _problems_of_walls(number, task)
     yield from _problems_between_tasks(scenario)
-    if any(robot.lost is not None for robot in scenario.robots):
+    if any(robot.absences for robot in scenario.robots):
         yield Problem(("robots",), "a robot is to be lost, which missions do not stage; drop it")
     if scenario.teams:
         yield Problem(("teams",), "robots start alone here, in places of their own; drop teams")

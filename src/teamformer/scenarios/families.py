@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.mission.rules import BEST_ALLOCATION
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.scenarios.generate import random_places, spawn_places
 from teamformer.scenarios.surprises import SURPRISES, make_uncertain
 
@@ -203,7 +203,7 @@ def _draw_tasks(
 def _lose_one(mission: Scenario, spare: list[int], rng: np.random.Generator) -> Scenario:
     number = int(rng.choice(spare))
     robots = list(mission.robots)
-    robots[number] = replace(robots[number], lost=_draw_step(rng))
+    robots[number] = replace(robots[number], absences=(Absence(_draw_step(rng)),))
     return replace(mission, robots=tuple(robots))
 
 

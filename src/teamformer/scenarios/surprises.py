@@ -70,6 +70,6 @@ def _may_need(task: Task, chance: float, rng: np.random.Generator) -> Task:
 
 def _break(robots: tuple[Robot, ...], rate: float) -> tuple[Robot, ...]:
     return tuple(
-        replace(robot, breaks=None if robot.lost is not None else replace(BREAKDOWN, rate=rate))
+        replace(robot, breaks=None if robot.absences else replace(BREAKDOWN, rate=rate))
         for robot in robots
     )

@@ -83,15 +83,22 @@ def _robot_to_tree(robot: Robot) -> dict[str, Any]:
     }
     if robot.speed != 1:
         tree["speed"] = robot.speed
-    if robot.lost is not None:
-        tree["lost"] = robot.lost
-    if robot.back is not None:
-        tree["back"] = robot.back
+    tree |= absences_to_tree(robot)
     if robot.breaks is not None:
         repair = robot.breaks.repair
         tree["breaks"] = {"rate": robot.breaks.rate}
         tree["breaks"] |= {} if repair is None else {"repair": list(repair)}
     return tree
+
+
+def absences_to_tree(robot: Robot) -> dict[str, Any]:
+    """Return when a robot is lost and back: a step each, or lists where it is lost repeatedly."""
+    times = {
+        "lost": [away.lost for away in robot.absences],
+        "back": [away.back for away in robot.absences if away.back is not None],
+    }
+    is_one = len(robot.absences) == 1
+    return {key: steps[0] if is_one else steps for key, steps in times.items() if steps}
 
 
 def _task_to_tree(task: Task) -> dict[str, Any]:

@@ -6,13 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError
 from teamformer.mission.links import COST_PARTS
 from teamformer.mission.rules import BEST_ALLOCATION
-from teamformer.model import Breakdown, Robot, Scenario, Task
+from teamformer.model import Absence, Breakdown, Robot, Scenario, Task
 from teamformer.plane import DECIMALS, Plane
 from teamformer.scenarios.tree_reader import LARGEST_COUNT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world
@@ -135,8 +136,7 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
             at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
             can=reader.counts((*where, "can"), keys.get("can", [])),
             speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
-            lost=reader.whole((*where, "lost"), keys["lost"]) if "lost" in keys else None,
-            back=reader.whole((*where, "back"), keys["back"]) if "back" in keys else None,
+            absences=_read_absences(reader, where, keys),
             breaks=_read_breaks(reader, (*where, "breaks"), keys),
         )
         if "count" not in keys:
@@ -148,6 +148,22 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
         robots += alike
         entries += [number] * len(alike)
     return tuple(robots), entries
+
+
+def _read_absences(reader: Reader, where: Where, keys: Mapping[str, Any]) -> tuple[Absence, ...]:
+    """Return when a robot is lost and back: `lost` and `back` are a step each, or lists."""
+    lost, back = (_read_steps(reader, (*where, key), keys.get(key, [])) for key in ("lost", "back"))
+    if len(back) > len(lost):
+        what = "is back but never lost" if not lost else "is back more often than it is lost"
+        name = keys.get("name", name_of(where))
+        reader.refuse((*where, "back"), f"robot '{name}' {what}; add lost or drop back")
+    return tuple(Absence(*pair) for pair in zip_longest(lost, back[: len(lost)]))
+
+
+def _read_steps(reader: Reader, where: Where, value: Any) -> list[int]:
+    if not isinstance(value, list):
+        return [reader.whole(where, value)]
+    return [reader.whole((*where, number), steps) for number, steps in enumerate(value)]
 
 
 def _with_usual_radius(plane: Plane, robots: tuple[Robot, ...]) -> Plane:

@@ -91,8 +91,8 @@ ROBOT = np.dtype(
         ("team", np.int32),  # slot of its team, or NOBODY while lost
         ("formed", np.int32),  # the same after this step's formations, before its losses
         ("region", np.int32),  # connected part of the map
-        ("lost", np.int32),  # the step it counts for nothing from, or NEVER
-        ("back", np.int32),  # the step it is there again from, or NEVER
+        ("lost", np.int32),  # the step it counts for nothing from, now or next, or NEVER
+        ("back", np.int32),  # the step it is there again from after that, or NEVER
         ("x", np.float64),  # where it was lost
         ("y", np.float64),
         ("stays", np.bool_),  # in the split being made
@@ -189,6 +189,7 @@ class Worlds(NamedTuple):
     tasks: Array  # (worlds, tasks) TASK
     cells: Array  # (worlds, cells) CELL
     spots: Array  # (worlds, tasks, places) SPOT where tasks may be, or (worlds, 0, 0)
+    absences: Array  # (worlds, robots, times, 2) when it is lost and back; none if no one is twice
     brings: Array  # (worlds, robots, caps) counts of each robot
     has: Array  # (worlds, robots, caps) counts of each team
     needs: Array  # (worlds, tasks, caps) as everybody believes
@@ -220,6 +221,7 @@ if TYPE_CHECKING:
         tasks: Any
         cells: Any
         spots: Any
+        absences: Array
         brings: Array
         has: Array
         needs: Array
@@ -254,6 +256,7 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.tasks[w],
         worlds.cells[w],
         worlds.spots[w],
+        worlds.absences[w],
         worlds.brings[w],
         worlds.has[w],
         worlds.needs[w],

@@ -46,7 +46,18 @@ def return_robots(world: World, step: int) -> bool:
             world.teams[robot].y = world.robots[robot].y
             world.teams[robot].pursued = NOBODY
             be_alone_from(world, robot, step)
+            _look_ahead(world, robot, step)
     return any_back
+
+
+@kernel
+def _look_ahead(world: World, robot: int, step: int) -> None:
+    """Note when a robot that is back is lost next, if it is."""
+    for time in range(world.absences.shape[1]):
+        if world.absences[robot, time, 0] > step:
+            world.robots[robot].lost = world.absences[robot, time, 0]
+            world.robots[robot].back = world.absences[robot, time, 1]
+            return
 
 
 @kernel

@@ -66,6 +66,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     maps = [s.world for s in scenarios if isinstance(s.world, Grid) and s.world.rows]
     has_precedence = any(task.after for s in scenarios for task in s.tasks)
     precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
+    times = max(len(robot.absences) for s in scenarios for robot in s.robots)
     has_plan = any(s.allocation == "plan" for s in scenarios)
     hides_needs = any(task.may_need for s in scenarios for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
@@ -80,6 +81,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
         tasks=np.zeros((count, tasks), dtype=TASK),
         cells=np.zeros((count, cells), dtype=CELL),
         spots=np.zeros(spots, dtype=SPOT),
+        absences=np.full((count, robots, times if times > 1 else 0, 2), NEVER, dtype=np.int32),
         brings=np.zeros((count, robots, caps), dtype=np.int16),
         has=np.zeros((count, robots, caps), dtype=np.int16),
         needs=np.zeros((count, tasks, caps), dtype=np.int16),
@@ -177,8 +179,10 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
     for r, robot in enumerate(scenario.robots):
         record = worlds.robots[w, r]
         record["pace"] = scenario.world.pace(robot.speed)
-        record["lost"] = NEVER if robot.lost is None else robot.lost
-        record["back"] = NEVER if robot.back is None else robot.back
+        times = [(a.lost, NEVER if a.back is None else a.back) for a in robot.absences]
+        record["lost"], record["back"] = times[0] if times else (NEVER, NEVER)
+        if worlds.absences.shape[2]:
+            worlds.absences[w, r, : len(times)] = np.reshape(times, (-1, 2))
         record["region"] = scenario.world.region(robot.at)
         record["spot_x"], record["spot_y"] = robot.at
         for name, count in robot.can.items():

@@ -180,7 +180,7 @@ class Recorder:
         """Name the tasks that the robots left and those due back can never do."""
         scenario, made = self._truth, self._before.tally.steps
         left = {robot for robots in self._before.groups.values() for robot in robots}
-        left |= {r for r, robot in enumerate(scenario.robots) if (robot.back or 0) > made}
+        left |= {r for r, robot in enumerate(scenario.robots) if robot.is_due(made)}
         have = totals_by_region(scenario.world, (scenario.robots[r] for r in left))
         return tuple(
             task.name

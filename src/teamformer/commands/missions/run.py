@@ -308,13 +308,14 @@ def _task_table(replay: Replay) -> Table:
 
 def _losses(replay: Replay) -> str:
     """Name the robots that were lost, with their steps; the first ones of many."""
-    back = {robot: n for n, step in enumerate(replay.steps, start=1) for robot in step.back}
-    lost = [
-        f"{replay.scenario.robots[robot].name} in step {number}"
-        + (f" (back in {back[robot]})" if robot in back else "")
-        for number, step in enumerate(replay.steps, start=1)
-        for robot in step.lost
-    ]
+    back = [(robot, n) for n, step in enumerate(replay.steps, start=1) for robot in step.back]
+    lost = []
+    for number, step in enumerate(replay.steps, start=1):
+        for robot in step.lost:
+            again = next((n for who, n in back if who == robot and n > number), None)
+            name = replay.scenario.robots[robot].name
+            until = "" if again is None else f" (back in {again})"
+            lost.append(f"{name} in step {number}{until}")
     more = [f"{len(lost) - MOST_NAMES} more"] if len(lost) > MOST_NAMES else []
     return ", ".join(lost[:MOST_NAMES] + more)
 

@@ -93,8 +93,9 @@ class LocalFleet:
 
     def _hold(self, server: WorldServer, seconds: float) -> FleetResult:
         mission, world = self._mission, server.world
-        losses = _moments((robot.lost for robot in mission.scenario.robots), mission.step)
-        returns = _moments((robot.back for robot in mission.scenario.robots), mission.step)
+        absences = [(a, n) for n, at in enumerate(mission.scenario.robots) for a in at.absences]
+        losses = _moments(((away.lost, robot) for away, robot in absences), mission.step)
+        returns = _moments(((away.back, robot) for away, robot in absences), mission.step)
         told: set[int] = set()
         while server.now < seconds and len(world.done) < len(world.tasks):
             for done in server.step():
@@ -132,9 +133,9 @@ class LocalFleet:
                 agent.wait()
 
 
-def _moments(steps: Iterable[int | None], length: float) -> list[tuple[float, int]]:
+def _moments(steps: Iterable[tuple[int | None, int]], length: float) -> list[tuple[float, int]]:
     """Return the seconds at which steps begin, with the robots that they are of, the last first."""
-    known = ((step, robot) for robot, step in enumerate(steps) if step is not None)
+    known = ((step, robot) for step, robot in steps if step is not None)
     return sorted((((step - 1) * length, robot) for step, robot in known), reverse=True)
 
 

@@ -198,10 +198,10 @@ def _draw_crashes(
     rng: random.Random, mission: Mission, span: float, number: int | None
 ) -> Iterator[Crash]:
     for robot, at in enumerate(mission.scenario.robots):
-        if at.lost is not None:
-            back = None if at.back is None else (at.back - 1) * mission.step
-            yield Crash(robot, (at.lost - 1) * mission.step, back, keeps_facts=True)
-    robots = [r for r, at in enumerate(mission.scenario.robots) if at.lost is None]
+        for away in at.absences:
+            back = None if away.back is None else (away.back - 1) * mission.step
+            yield Crash(robot, (away.lost - 1) * mission.step, back, keeps_facts=True)
+    robots = [r for r, at in enumerate(mission.scenario.robots) if not at.absences]
     if number is None:
         number = rng.randint(1, max(1, mission.robots // 2)) if rng.random() < 0.5 else 0
     for robot in rng.sample(robots, min(number, len(robots))):

@@ -16,7 +16,7 @@ from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent, Walked
 from teamformer.grid import Grid, Place
-from teamformer.model import Scenario, Task
+from teamformer.model import Absence, Scenario, Task
 from teamformer.plane import DECIMALS
 from teamformer.sim.replay.record import HEARD, Ending, Replay, Step, TeamAt
 
@@ -31,7 +31,8 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     scenario, number = _scenario_of(rehearsal)
     teller = _Teller(scenario, rehearsal.mission.step, number)
     steps = math.ceil(outcome.end / rehearsal.mission.step)
-    lost = {robot: at.lost for robot, at in enumerate(scenario.robots) if at.lost is not None}
+    ends = ((robot, at.lost_for_good) for robot, at in enumerate(scenario.robots))
+    lost = {robot: step for robot, step in ends if step is not None}
     rows = teller.tell(sorted(events, key=lambda event: event.at), steps, lost)
     is_complete = outcome.status == "ended"
     return Replay(
@@ -73,7 +74,7 @@ def _scenario_of(rehearsal: Rehearsal) -> tuple[Scenario, dict[int, int]]:
     number = {task.key: task.key for task in mission.tasks}
     number |= {order.task.key: len(mission.tasks) + k for k, order in enumerate(orders)}
     robots = tuple(
-        replace(robot, lost=_lost_at(faults, k, mission.step), back=None)
+        replace(robot, absences=_lost_at(faults, k, mission.step))
         for k, robot in enumerate(whole.robots)
     )
     scenario = replace(
@@ -82,12 +83,12 @@ def _scenario_of(rehearsal: Rehearsal) -> tuple[Scenario, dict[int, int]]:
     return scenario, number
 
 
-def _lost_at(faults: Faults, robot: int, step: float) -> int | None:
-    """Return the step in which a robot breaks down for good."""
+def _lost_at(faults: Faults, robot: int, step: float) -> tuple[Absence, ...]:
+    """Return when a robot breaks down for good, if it does."""
     for crash in faults.crashes:
         if crash.robot == robot and crash.back is None:
-            return 1 + math.floor(crash.at / step)
-    return None
+            return (Absence(1 + math.floor(crash.at / step)),)
+    return ()
 
 
 class _Teller:

@@ -90,7 +90,7 @@ def future_of(scenario: Scenario) -> Future:
 
 def _lost_for_good(robot: Robot) -> int:
     """Return the step that a robot is missing from; one that comes back counts as always there."""
-    return FAR if robot.lost is None or robot.back is not None else robot.lost
+    return FAR if robot.lost_for_good is None else robot.lost_for_good
 
 
 def is_true_relaxation(problem: Relaxed) -> bool:

@@ -38,7 +38,7 @@ class PlanPlayer:
         self._places = np.array([task.at for task in scenario.tasks], dtype=np.float64)
         world = scenario.world
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
-        kinds = [(sorted(r.can.items()), r.speed, r.lost) for r in scenario.robots]
+        kinds = [(sorted(r.can.items()), r.speed, r.absences) for r in scenario.robots]
         self._kind = [repr(kind) for kind in kinds]
         self._counts = np.array(
             [[r.can.get(name, 0) for name in scenario.capabilities] for r in scenario.robots],

@@ -61,7 +61,7 @@ def _search_and_play(
 def _as_continuous(scenario: Scenario) -> Scenario:
     """Return a mission in which steps are a time like any other; losses are not foreseen."""
     paced = tuple(
-        replace(robot, speed=_possible(scenario.world.pace(robot.speed)), lost=None, back=None)
+        replace(robot, speed=_possible(scenario.world.pace(robot.speed)), absences=())
         for robot in scenario.robots
     )
     return replace(scenario, robots=paced, time="continuous", forming=float(scenario.forming_steps))

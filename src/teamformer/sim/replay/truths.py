@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import zip_longest
 from typing import Any
 
 from teamformer.errors import ScenarioError
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.scenarios.tree_writer import counts_to_tree
+from teamformer.scenarios.tree_writer import absences_to_tree, counts_to_tree
 from teamformer.sim.replay.values import (
     DamageError,
     check_keys,
@@ -37,8 +38,7 @@ def truth_to_tree(scenario: Scenario, truth: Scenario) -> dict[str, Any]:
             tasks[task.name] = said
     for robot, real in zip(scenario.robots, truth.robots, strict=True):
         if robot.breaks is not None:
-            times = {"lost": real.lost, "back": real.back}
-            robots[robot.name] = {key: step for key, step in times.items() if step is not None}
+            robots[robot.name] = absences_to_tree(real)
     return {"tasks": tasks, "robots": robots}
 
 
@@ -92,5 +92,12 @@ def _robot(robot: Robot, said: Any) -> Robot:
         return robot
     with inside(robot.name):
         check_keys(said, ("lost", "back"))
-        times = {key: count_of(step) for key, step in said.items()}
-    return replace(robot, breaks=None, lost=times.get("lost"), back=times.get("back"))
+        lost, back = (_steps(said.get(key, [])) for key in ("lost", "back"))
+        if len(back) > len(lost):
+            raise DamageError("it is back more often than it is lost")
+    absences = tuple(Absence(*pair) for pair in zip_longest(lost, back))
+    return replace(robot, breaks=None, absences=absences)
+
+
+def _steps(said: Any) -> list[int]:
+    return [count_of(step) for step in (said if isinstance(said, list) else [said])]

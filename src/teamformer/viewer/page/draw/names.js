@@ -16,7 +16,8 @@ function drawNames(view) {
   view.scenario.tasks.forEach((_, task) => {
     if (isRoomy || task === view.selection.task) drawTaskName(view, taken, task);
   });
-  if (isRoomy || view.history.lostPlace.size <= LOST_NAMED) drawLostNames(view, taken);
+  const lost = robotsLostAt(view.history, view.scene.step);
+  if (isRoomy || lost.length <= LOST_NAMED) drawLostNames(view, taken, lost);
   if (view.detail !== "robots") return;
   for (const teams of teamsByPlace(view.scene).values()) {
     const named = isRoomy ? teams : teams.filter((team) => team === view.selectedTeam);
@@ -43,10 +44,9 @@ function namesOfPlace(scenario, task, mates) {
   return shown.join(", ") + (mates.length > MANY ? ` + ${mates.length - MANY} more` : "");
 }
 
-function drawLostNames(view, taken) {
-  const { history, scenario, scene, theme } = view;
-  for (const robot of history.lostPlace.keys()) {
-    if (!isLost(history, robot, scene.step)) continue;
+function drawLostNames(view, taken, lost) {
+  const { scenario, theme } = view;
+  for (const robot of lost) {
     const { x, y, r } = robotSpot(view, robot);
     const name = `${robotName(scenario, robot)}, lost`;
     drawName(view, taken, name, { x, y: y - r - 9 }, theme.bad);

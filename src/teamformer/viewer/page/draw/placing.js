@@ -28,7 +28,7 @@ function groupsByCell(history, scene) {
   };
   for (const team of scene.teams.values()) add(team.x, team.y, team);
   for (const [key, robots] of lostByCell(history, scene.step)) {
-    const [x, y] = history.lostPlace.get(robots[0]);
+    const [x, y] = absenceAt(history, robots[0], scene.step).place;
     add(x, y, { key, slot: NOBODY, robots, x, y });
   }
   return cells;
@@ -36,9 +36,8 @@ function groupsByCell(history, scene) {
 
 function lostByCell(history, step) {
   const cells = new Map();
-  for (const [robot, [x, y]] of history.lostPlace) {
-    if (!isLost(history, robot, step)) continue;
-    const key = cellKey(x, y);
+  for (const robot of robotsLostAt(history, step)) {
+    const key = cellKey(...absenceAt(history, robot, step).place);
     cells.set(key, [...(cells.get(key) ?? []), robot]);
   }
   return cells;

@@ -97,8 +97,7 @@ function drawLabel({ ctx, labels, colours, theme }, cap, x, y, r) {
 
 function drawLostRobots(view) {
   const { ctx, theme, history, scene } = view;
-  for (const robot of history.lostPlace.keys()) {
-    if (!isLost(history, robot, scene.step)) continue;
+  for (const robot of robotsLostAt(history, scene.step)) {
     const { x, y, r } = robotSpot(view, robot);
     ctx.globalAlpha = 0.8;
     drawDisc(ctx, x, y, r * 0.86, theme.lost);

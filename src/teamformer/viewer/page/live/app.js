@@ -105,8 +105,8 @@ class LiveApp extends App {
     const { last, scenario, replay } = this.history;
     const name = robotName(scenario, robot);
     const isGone = isLost(this.history, robot, last);
-    const { lost, back } = replay.scenario.robots[robot];
-    if ((isGone ? back : lost) === last + 1) {
+    const { lost = [], back = [] } = replay.scenario.robots[robot]; // steps, lists if several
+    if ([isGone ? back : lost].flat().includes(last + 1)) {
       const what = isGone ? "is there again" : "counts for nothing";
       return [element("p", { class: "muted" }, `${name} ${what} from the next step on.`)];
     }

@@ -187,7 +187,7 @@ function tipLines(app, { robot, task, group }) {
   const team = teamOfRobot(app.scene(), robot);
   const can = describeCounts(scenario, scenario.robots[robot].can, 5);
   const title = `${robotName(scenario, robot)} (${can})`;
-  if (!team) return [title, `lost ${describeWhen(scenario.world, history.lostAt[robot])}`];
+  if (!team) return [title, `lost ${describeWhen(scenario.world, absenceAt(history, robot, app.player.step).from)}`];
   const who = team.robots.length > 1 ? `in ${nameOfTeam(scenario, team)}, which ` : "";
   return [title, who + describeDoing(scenario, team, app.player.step)];
 }

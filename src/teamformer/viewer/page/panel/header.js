@@ -81,7 +81,7 @@ function statusAt(history, step) {
 }
 
 function lostFigure(history, step) {
-  const lost = [...history.lostPlace.keys()].filter((robot) => isLost(history, robot, step));
+  const lost = robotsLostAt(history, step);
   return lost.length ? [figure("Lost", listRobots(history.scenario, lost), "")] : [];
 }
 

@@ -90,11 +90,12 @@ function crewText({ history, player }, robot) {
 }
 
 function lostDetails(app, robot) {
-  const { history } = app;
+  const { history, player } = app;
   const name = robotName(history.scenario, robot);
+  const { from } = absenceAt(history, robot, player.step);
   return [
     heading(app, mark("mark", app.map.theme.lost), name),
-    lead(`Lost ${describeWhen(history.scenario.world, history.lostAt[robot])}`),
+    lead(`Lost ${describeWhen(history.scenario.world, from)}`),
     ...(app.actionsFor?.(robot) ?? []),
     ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
   ];

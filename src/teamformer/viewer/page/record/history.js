@@ -24,9 +24,7 @@ function frames(recorded) {
     shownAt: scenario.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
     foundAt: scenario.tasks.map(({ within }) => (within ? Infinity : 0)),
     moves: [], // {step, task, at} of tasks that are believed elsewhere from then on
-    lostAt: scenario.robots.map(() => Infinity),
-    backAt: scenario.robots.map(() => Infinity), // a robot is lost and back once
-    lostPlace: new Map(),
+    absences: scenario.robots.map(() => []), // [{from, to, place}], steps; `to` is open till it is back
     headings: scenario.robots.map(() => NOBODY), // by slot, the task last headed for
   };
   history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
@@ -245,15 +243,15 @@ function recordFormations({ events }, state, change, step) {
 // `heir` is the slot of the robot's team from then on.
 function recordLoss(history, state, robot, step) {
   const slot = state.team[robot];
-  history.lostAt[robot] = step;
-  history.lostPlace.set(robot, [state.x[slot], state.y[slot]]);
+  const place = [state.x[slot], state.y[slot]];
+  history.absences[robot].push({ from: step, to: Infinity, place });
   const mate = state.team.findIndex((other, number) => other === slot && number !== robot);
   loseRobot(state, robot);
   history.events.push({ step, kind: "lost", robot, slot, heir: state.team[mate] ?? NOBODY });
 }
 
 function recordReturn(history, state, robot, step) {
-  history.backAt[robot] = step;
+  history.absences[robot].at(-1).to = step;
   state.team[robot] = robot;
   history.events.push({ step, kind: "back", robot, slot: robot, size: 1 });
 }
@@ -264,8 +262,17 @@ function needsAt(history, task, step) {
   return history.shownAt[task] <= step ? needs : believed;
 }
 
+// Since when and where a robot is lost at a step; undefined while it is there.
+function absenceAt(history, robot, step) {
+  return history.absences[robot].find(({ from, to }) => from <= step && step < to);
+}
+
 function isLost(history, robot, step) {
-  return history.lostAt[robot] <= step && step < history.backAt[robot];
+  return absenceAt(history, robot, step) !== undefined;
+}
+
+function robotsLostAt(history, step) {
+  return [...history.absences.keys()].filter((robot) => isLost(history, robot, step));
 }
 
 // Teams that lose their assignment and get the same again have not changed their minds.

@@ -47,7 +47,7 @@ SEES = {
     "train": {*BELOW_POLICIES, "policies", "trials", "nets"},
     "bench": {*BELOW_POLICIES, "policies", "trials", "referee"},
     "robotarium": {*BELOW_POLICIES, "policies", "trials"},
-    "fleet": BELOW_POLICIES,
+    "fleet": {*BELOW_POLICIES, "live"},  # whose pages may watch it
     "commands": {*BELOW_COMMANDS, "train", "robotarium", "fleet"},
     "cli": {*BELOW_COMMANDS, "commands"},
 }
@@ -82,7 +82,7 @@ HOMES = {
     "uvicorn": ("live/server.py",),
     "ruamel": ("live/comments.py",),
     "foxglove": ("export/mcap_file.py",),
-    "PIL": ("robotarium/draw.py", "scenarios/maps/images.py"),
+    "PIL": ("export/gif_file.py", "robotarium/draw.py", "scenarios/maps/images.py"),
 }
 NOWHERE = ("pandas", "networkx")
 

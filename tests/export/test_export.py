@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from teamformer.commands.records.export import export
+from teamformer.commands.records.export import Wanted, export
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
@@ -180,14 +180,14 @@ def test_the_record_becomes_a_scenario_again(tmp_path: Path) -> None:
 
     record = tmp_path / "replay.json"
     write_replay(two_lifters(), record)
-    assert export(record, None, None, tmp_path / "again.yaml", as_json=False) == 0
+    assert export(record, Wanted(scenario=tmp_path / "again.yaml"), as_json=False) == 0
     assert read_scenario(tmp_path / "again.yaml") == two_lifters().scenario
 
 
 def test_export_says_what_it_wrote(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = tmp_path / "replay.json"
     write_replay(replace(two_lifters(), seed=3), record)
-    assert export(record, None, tmp_path / "tables", None, as_json=True) == 0
+    assert export(record, Wanted(tables=tmp_path / "tables"), as_json=True) == 0
     files = json.loads(capsys.readouterr().out)["files"]
     assert [Path(file).name for file in files] == [
         "robots.csv", "tasks.csv", "events.csv", "gantt.csv",
@@ -197,4 +197,36 @@ def test_export_says_what_it_wrote(tmp_path: Path, capsys: pytest.CaptureFixture
 
 def test_export_of_nothing_is_refused(tmp_path: Path) -> None:
     with pytest.raises(TeamformerError, match="nothing to write is named"):
-        export(tmp_path / "replay.json", None, None, None, as_json=False)
+        export(tmp_path / "replay.json", Wanted(), as_json=False)
+
+
+def test_a_gif_shows_every_step(tmp_path: Path) -> None:
+    """Cells are 40 pixels; robots 0 and 1 are grey, then walk to the beam in its colour."""
+    image = pytest.importorskip("PIL.Image", reason="the extra `gif` is not installed")
+    record, path = tmp_path / "replay.json", tmp_path / "mission.gif"
+    write_replay(two_lifters(), record)
+    assert export(record, Wanted(gif=path), as_json=False) == 0
+    with image.open(path) as film:
+        assert film.size == (5 * 40 + 20, 2 * 40 + 20 + 26)
+        assert film.n_frames == 7
+        shown = []
+        for frame in range(film.n_frames):
+            film.seek(frame)
+            shown.append(film.convert("RGB"))
+    middle = [(10 + 40 * x + 20, 10 + 40 + 20) for x in range(5)]  # of the lower cells
+    grey, beam = shown[0].getpixel(middle[0]), shown[1].getpixel(middle[1])
+    assert grey == (0x9A, 0xA3, 0xAF)
+    assert beam[0] > beam[1] + 60
+    assert shown[1].getpixel(middle[2]) == beam
+    assert shown[1].getpixel(middle[0]) == (255, 255, 255)
+    assert shown[0].getpixel((30, 30)) == shown[6].getpixel((190, 30))  # the wall
+    assert shown[0].getpixel((middle[4][0] - 18, middle[4][1])) == (255, 255, 255)  # not there yet
+    assert shown[6].getpixel((middle[4][0] - 18, middle[4][1])) != (255, 255, 255)
+
+
+def test_a_long_mission_has_no_more_frames_than_can_be_watched(tmp_path: Path) -> None:
+    gif = pytest.importorskip("teamformer.export.gif_file", reason="no extra `gif`")
+    quiet = replace(
+        two_lifters(), steps=(Step(),) * 1200, end=Ending("interrupted", None, 1200, 0, 0, 0, 0)
+    )
+    assert gif.write_gif(quiet, tmp_path / "long.gif") == 401  # every third moment and the last

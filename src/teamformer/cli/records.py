@@ -43,12 +43,14 @@ def export(
     tables: Annotated[
         Path | None, typer.Option("--csv", help="a folder for tables: robots, tasks, events, Gantt")
     ] = None,
+    gif: Annotated[Path | None, typer.Option(help="a GIF file, a frame a step")] = None,
     scenario: Annotated[
         Path | None, typer.Option(help="the scenario, with all that happened to it")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Write a recorded trial for other tools."""
+    from teamformer.commands.records.export import Wanted
     from teamformer.commands.records.export import export as command
 
-    raise typer.Exit(command(replay, mcap, tables, scenario, as_json))
+    raise typer.Exit(command(replay, Wanted(mcap, tables, gif, scenario), as_json))

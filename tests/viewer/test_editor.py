@@ -220,3 +220,61 @@ def test_a_ros_map_is_opened_with_its_image(opened: Opened, tmp_path: Path) -> N
     chooser.value.set_files([picture, about])
     wait_for(opened, "#name", "floor")
     assert opened.page.input_value("#file-name") == "floor.yaml"
+
+
+def test_a_new_name_is_taken_up_by_all_that_refer_to_it(opened: Opened, tmp_path: Path) -> None:
+    """Half of the new name is another task's name for a moment; unnamed ones have names too."""
+    page = opened.page
+    path = tmp_path / "chain.yaml"
+    path.write_text(
+        "teamformer: 1\nworld: {grid: [9, 3]}\ncapabilities: [lift]\n"
+        "robots:\n  - {name: cart, at: [0, 0], can: [lift], count: 2}\n"
+        "  - {at: [1, 0], can: [lift]}\n"
+        "tasks:\n  - {name: dig, at: [2, 1], needs: [lift]}\n"
+        "  - {name: pour, at: [4, 1], needs: [lift], after: [dig]}\n"
+        "  - {at: [6, 1], needs: [lift], after: [dig, pour]}\n"
+        "  - {name: end, at: [8, 1], needs: [lift], after: [t3]}\n"
+        "teams: [[cart-1, cart-2]]\n"
+    )
+    with page.expect_file_chooser() as chooser:
+        page.click("#mission >> text=Open …")
+    chooser.value.set_files(path)
+    wait_for(opened, "#name", "chain")
+
+    def rename(x: int, y: int, name: str) -> None:
+        click(opened, x, y)
+        opened.details()
+        page.fill("#thing [name=title]", "")
+        page.type("#thing [name=title]", name)
+
+    rename(2, 1, "pourer")
+    rename(6, 1, "wait")
+    rename(0, 0, "truck")
+    rename(1, 0, "eye")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "Saved: ")
+    drawn = read_scenario(tmp_path / "out" / "chain.yaml")
+    assert [(task.name, task.after) for task in drawn.tasks] == [
+        ("pourer", ()),
+        ("pour", ("pourer",)),
+        ("wait", ("pourer", "pour")),
+        ("end", ("wait",)),
+    ]
+    assert [robot.name for robot in drawn.robots] == ["truck-1", "truck-2", "eye"]
+    assert drawn.teams == ((0, 1),)
+
+
+def test_losses_and_returns_are_lists_of_steps(opened: Opened, tmp_path: Path) -> None:
+    page = opened.page
+    page.click("[data-tool=robot]")
+    click(opened, 2, 2)
+    page.fill("#thing [name=lost]", "9, 40")
+    wait_for(opened, "#problems", "is lost at step 40, but is so since step 9")
+    page.fill("#thing [name=back]", "20")
+    page.click("[data-tool=task]")
+    click(opened, 4, 4)
+    opened.wait_until("!document.querySelector('#problems li')")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "Saved: ")
+    text = (tmp_path / "out" / "mission.yaml").read_text()
+    assert "lost: [9, 40], back: 20}" in text

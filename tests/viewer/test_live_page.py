@@ -10,6 +10,7 @@ import pytest
 from conftest import Opened
 
 from live_server import Served, serving, small_mission
+from teamformer.model import Absence
 from teamformer.referee import judge
 from teamformer.sim.replay.reading import read_replay
 
@@ -83,7 +84,7 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     record = read_replay(tmp_path / "out" / "replay.json")
     assert judge(record).findings == ()
     assert record.scenario.tasks[-1].name == "extra"
-    assert (record.scenario.robots[0].lost, record.scenario.robots[0].back) == (5, 7)
+    assert record.scenario.robots[0].absences == (Absence(5, 7),)
     assert page.inner_text("#figures").split("\n")[1] == "4 of 4"
 
 

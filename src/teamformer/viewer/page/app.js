@@ -2,11 +2,13 @@
 
 const LINES_UP_TO = 30; // teams; with more, the lines to assignments are off at first
 const ADDRESS_EVERY = 300; // milliseconds, while it plays
+const REST = 4; // lists rest so many times as long as they took, while it plays
 
 class App {
   constructor(record, player = new Player(0)) {
     this.player = player;
     player.changed = (isNewStep) => this.show(isNewStep);
+    this.restUntil = 0;
     this.options = { lines: true, trails: false, order: false, names: true, rings: "team" };
     this.options.messages = true;
     this.view = "map";
@@ -192,10 +194,17 @@ class App {
     this.redraw();
     if (!isNewStep || this.isShowing) return;
     this.isShowing = true;
-    requestAnimationFrame(() => {
-      this.isShowing = false;
-      this.showStep();
-    });
+    const wait = this.player.isPlaying ? this.restUntil - performance.now() : 0;
+    const soon = () =>
+      requestAnimationFrame(() => {
+        this.isShowing = false;
+        const begun = performance.now();
+        this.showStep();
+        const ended = performance.now();
+        this.restUntil = ended + REST * (ended - begun);
+      });
+    if (wait > 0) setTimeout(soon, wait);
+    else soon();
   }
 
   showStep() {

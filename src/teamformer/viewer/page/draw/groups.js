@@ -104,7 +104,7 @@ function drawDensity(view) {
     );
   }
   ctx.globalAlpha = 1;
-  view.groups = gatherGroups(view, GROUP_SIDE);
+  lazily(view, "groups", () => gatherGroups(view, GROUP_SIDE));
 }
 
 // A task as a small square: full while it is open, pale once it is done.

@@ -95,9 +95,9 @@ class TrialMap {
     const ctx = canvas.getContext("2d");
     ctx.setTransform(sharpness, 0, 0, sharpness, 0, 0);
     const [still, changing] = partTasks(view);
-    drawWorld({ ...view, ctx });
-    drawRegions({ ...view, ctx });
-    drawTasks({ ...view, ctx }, still);
+    drawWorld(onto(view, ctx));
+    drawRegions(onto(view, ctx));
+    drawTasks(onto(view, ctx), still);
     this.still = { key, canvas, changing };
     return this.still;
   }
@@ -110,9 +110,7 @@ class TrialMap {
     this.forgetUnless(`${camera.cell} ${sharpness} ${this.isDark}`);
     const scene = app.scene();
     const part = scene.step < history.last ? app.player.part : 0;
-    const places = this.placesAt(scene.step);
-    const placesAfter = part > 0 ? this.placesAt(scene.step + 1) : places;
-    return {
+    const view = {
       ctx: this.canvas.getContext("2d"),
       width: this.width,
       height: this.height,
@@ -121,12 +119,9 @@ class TrialMap {
       scene,
       sceneAfter: part > 0 ? app.sceneAt(scene.step + 1) : scene,
       detail: detailAt(history.scenario, camera.cell),
-      places,
-      placesAfter,
       part,
       sharpness,
       images: this.images,
-      blended: blendPlaces(places, placesAfter, part),
       scenario: history.scenario,
       sites: sitesAt(history, scene.step),
       theme: this.theme,
@@ -137,6 +132,16 @@ class TrialMap {
       selection: app.selection,
       selectedTeam: app.selectedTeam(),
     };
+    return this.withPlaces(view);
+  }
+
+  // Where each robot is drawn is worked out when it is asked for: crowds do without.
+  withPlaces(view) {
+    const { scene, part } = view;
+    lazily(view, "places", () => this.placesAt(scene.step));
+    lazily(view, "placesAfter", () => (part > 0 ? this.placesAt(scene.step + 1) : view.places));
+    lazily(view, "blended", () => blendPlaces(view.places, view.placesAfter, part));
+    return view;
   }
 
   // What was worked out for another zoom or theme is of no use.
@@ -164,6 +169,21 @@ class TrialMap {
     if (view.detail !== "robots") return groupUnder(view, x, y) ?? taskUnder(view, x, y) ?? {};
     return robotUnder(view, x, y) ?? taskUnder(view, x, y) ?? {};
   }
+}
+
+// A property that is worked out once, when it is asked for first.
+function lazily(object, key, make) {
+  const get = () => {
+    const value = make();
+    Object.defineProperty(object, key, { value });
+    return value;
+  };
+  Object.defineProperty(object, key, { get, configurable: true });
+}
+
+// The same view, drawn on another canvas.
+function onto(view, ctx) {
+  return Object.create(view, { ctx: { value: ctx } });
 }
 
 function robotUnder(view, x, y) {

@@ -53,7 +53,7 @@ function taskImage(view, task, half, reach, standing) {
   canvas.width = canvas.height = Math.round(2 * reach * view.sharpness);
   const ctx = canvas.getContext("2d");
   ctx.scale(view.sharpness, view.sharpness);
-  drawTask({ ...view, ctx }, task, { x: reach, y: reach, half }, standing);
+  drawTask(onto(view, ctx), task, { x: reach, y: reach, half }, standing);
   return canvas;
 }
 

@@ -20,6 +20,11 @@ class Draft {
     this.tree = tree;
   }
 
+  // What the tree was before the changes under a key that are going on, else what it is.
+  beforeChanges(key) {
+    return key === this.key ? this.before.at(-1) : this.tree;
+  }
+
   undo() {
     this.move(this.before, this.after);
   }
@@ -55,6 +60,39 @@ function withChange(tree, thing, change) {
     number === numberOf(thing) ? withoutUndefined({ ...it, ...change }) : it,
   );
   return { ...tree, [kindOf(thing)]: list };
+}
+
+// The tree with another name for a thing, in all that refers to it too: tasks that come after it or
+// start with it, starting teams.
+function withName(tree, thing, name) {
+  const changed = withChange(tree, thing, { name });
+  if (!name) return changed;
+  const { count } = tree[kindOf(thing)][numberOf(thing)];
+  const old = nameIn(tree, thing);
+  const names = new Map(count === undefined ? [[old, name]] : []);
+  for (let one = 1; one <= (count ?? 0); one++) names.set(`${old}-${one}`, `${name}-${one}`);
+  const swap = (other) => names.get(other) ?? other;
+  if (kindOf(thing) === "robots") {
+    return changed.teams ? { ...changed, teams: changed.teams.map((team) => team.map(swap)) } : changed;
+  }
+  return { ...changed, tasks: changed.tasks.map((task) => withReferences(task, swap)) };
+}
+
+function withReferences(task, swap) {
+  const { after, starts } = task;
+  const changed = { ...task };
+  if (Array.isArray(after)) changed.after = after.map(swap);
+  if (starts) changed.starts = Object.fromEntries(Object.entries(starts).map(([other, gap]) => [swap(other), gap]));
+  return changed;
+}
+
+// What the file reader calls a thing, be it without a name: by its place among all.
+function nameIn(tree, thing) {
+  const list = tree[kindOf(thing)];
+  const { name } = list[numberOf(thing)];
+  if (name !== undefined) return name;
+  const before = list.slice(0, numberOf(thing)).reduce((sum, { count }) => sum + (count ?? 1), 0);
+  return `${kindOf(thing)[0]}${before + 1}`;
 }
 
 function withoutUndefined(thing) {
@@ -116,11 +154,21 @@ function readWrittenCounts(counts) {
   return Array.isArray(counts) ? Object.fromEntries(counts.map((name) => [name, 1])) : counts;
 }
 
+// Tasks that appear later, be it after others, are drawn too.
+function shownTask({ appears, after, between, ...task }, name) {
+  return { ...task, name };
+}
+
+function drawnName(tree, thing) {
+  const { count } = tree[kindOf(thing)][numberOf(thing)];
+  return count > 1 ? `${nameIn(tree, thing)} × ${count}` : nameIn(tree, thing);
+}
+
 // A record in which nothing has happened yet, so that the map can draw a draft.
 function recordOfDraft(tree) {
   const starts = tree.robots.map(({ at }, robot) => [robot, [robot], ...at]);
-  const robots = tree.robots.map((robot, number) => ({ name: `r${number + 1}`, ...robot }));
-  const tasks = tree.tasks.map(({ appears, ...task }, number) => ({ name: `t${number + 1}`, ...task }));
+  const robots = tree.robots.map((robot, number) => ({ ...robot, name: drawnName(tree, { robot: number }) }));
+  const tasks = tree.tasks.map((task, number) => shownTask(task, drawnName(tree, { task: number })));
   const world = tree.world.plane ? { step: 1, unit: 0.2, arrival_radius: 0.05, ...tree.world } : tree.world;
   return {
     scenario: { ...tree, world, robots, tasks },

@@ -1,7 +1,8 @@
 // The editor's panel: tools, what a new thing brings, the fields of what is selected, problems.
 
 const TOOLS = { move: "Select, move", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
-const MORE_FIELDS = { robots: { speed: "Speed", lost: "Lost in step" }, tasks: { duration: "Duration, steps", within: "Within (cells or m)", appears: "Appears after step" } };
+const STEP_FIELDS = { robots: { lost: "Lost in steps", back: "Back in steps" }, tasks: {} };
+const MORE_FIELDS = { robots: { speed: "Speed" }, tasks: { duration: "Duration, steps", within: "Within (cells or m)", appears: "Appears after step" } };
 
 class EditorPanel {
   constructor(app, box) {
@@ -114,7 +115,7 @@ class EditorPanel {
       labelled(text, number(name, thing[name] ?? "", set(({ value }) => ({ [name]: value === "" ? undefined : Number(value) }), name), "any")),
     );
     this.thing.replaceChildren(
-      labelled(kind === "robots" ? "Robot" : "Task", input("text", "title", thing.name ?? "", set(({ value }) => ({ name: value }), "name")), "wide"),
+      labelled(kind === "robots" ? "Robot" : "Task", input("text", "title", thing.name ?? "", ({ target }) => this.rename(selection, target.value)), "wide"),
       element("fieldset", {}, element("legend", {}, "Place"), labelled("x", number("x", thing.at[0], set(() => ({ at: place() }), "at"), "any")), labelled("y", number("y", thing.at[1], set(() => ({ at: place() }), "at"), "any"))),
       element(
         "fieldset",
@@ -123,8 +124,17 @@ class EditorPanel {
         ...draft.tree.capabilities.map((name) => labelled(name, number(`count ${name}`, counts[name] ?? 0, set(() => ({ [key]: all() }), key)))),
       ),
       ...more,
+      ...Object.entries(STEP_FIELDS[kind]).map(([name, text]) =>
+        labelled(text, input("text", name, [thing[name] ?? []].flat().join(", "), set(({ value }) => ({ [name]: readSteps(value) }), name))),
+      ),
       element("div", { class: "acts" }, act("Remove", () => this.app.remove(selection))),
     );
+  }
+
+  // Letter by letter, each from what was before the first: half a name may be another thing's.
+  rename(thing, name) {
+    const key = `name ${kindOf(thing)} ${numberOf(thing)}`;
+    this.app.change(withName(this.app.draft.beforeChanges(key), thing, name), thing, key);
   }
 
   // What the file reader says; each leads to what it is about.
@@ -159,6 +169,13 @@ class EditorPanel {
     this.file.value = file.name.replace(/\.map$/, ".yaml");
     this.app.ask({ do: "open", name: file.name, text, beside });
   }
+}
+
+// One step, or a list of them: `9` or `9, 40`; what is no number is left for the file reader to say.
+function readSteps(text) {
+  const steps = text.split(",").map((part) => part.trim()).filter(Boolean);
+  const read = steps.map((step) => (Number.isNaN(Number(step)) ? step : Number(step)));
+  return read.length > 1 ? read : read[0];
 }
 
 function isScenario({ text }) {

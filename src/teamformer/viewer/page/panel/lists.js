@@ -44,7 +44,7 @@ class Lists {
   open(name) {
     this.current = name;
     byId("filter").value = "";
-    byId("rows").scrollTop = 0;
+    this.rows.toTop();
     this.followed = undefined;
     this.follow();
   }
@@ -58,23 +58,30 @@ class Lists {
     byId("rows").setAttribute("aria-labelledby", `tab-${this.current}`);
     const { height, items, row, empty } = LISTS[this.current];
     const wanted = byId("filter").value.trim().toLowerCase();
-    this.items = items(this.app, (text) => !wanted || text.toLowerCase().includes(wanted));
-    this.rows.show(this.items, height, (item) => row(this.app, item), empty);
+    const isWanted = (describe) => !wanted || describe().toLowerCase().includes(wanted);
+    this.items = items(this.app, isWanted);
+    this.rows.show(this.items, height, (item) => row(this.app, item), empty, this.newest());
   }
 
   // The same, and scroll to what happened last.
   follow() {
+    this.isFollowing = this.current === "events" && this.app.player.step !== this.followed;
+    this.followed = this.app.player.step;
     this.update();
+    this.isFollowing = false;
+  }
+
+  // The number of the item to scroll to: what happened last, if the list follows.
+  newest() {
+    if (!this.isFollowing) return null;
     const { step } = this.app.player;
-    if (this.current !== "events" || step === this.followed) return;
-    this.followed = step;
     const after = this.items.findIndex((event) => event.step > step);
-    this.rows.reveal(Math.max(0, (after < 0 ? this.items.length : after) - 1));
+    return Math.max(0, (after < 0 ? this.items.length : after) - 1);
   }
 }
 
 function listedEvents(app, isWanted) {
-  return app.events.filter((event) => isWanted(describeEvent(app.history, event)));
+  return app.events.filter((event) => isWanted(() => describeEvent(app.history, event)));
 }
 
 function eventRow(app, event) {
@@ -100,7 +107,7 @@ function eventColour({ map }, { kind, task }) {
 
 function listedTasks(app, isWanted) {
   const { tasks } = app.history.scenario;
-  return tasks.map((_, task) => task).filter((task) => isWanted(tasks[task].name));
+  return tasks.map((_, task) => task).filter((task) => isWanted(() => tasks[task].name));
 }
 
 function taskRow(app, task) {
@@ -127,7 +134,7 @@ function twoLines(first, second) {
 function listedTeams(app, isWanted) {
   const { scenario } = app.history;
   const teams = [...app.scene().teams.values()];
-  return teams.filter(({ robots }) => robots.some((robot) => isWanted(robotName(scenario, robot))));
+  return teams.filter(({ robots }) => robots.some((robot) => isWanted(() => robotName(scenario, robot))));
 }
 
 function teamRow(app, team) {
@@ -145,7 +152,7 @@ function teamRow(app, team) {
 
 function listedRobots(app, isWanted) {
   const { robots } = app.history.scenario;
-  return robots.map((_, robot) => robot).filter((robot) => isWanted(robots[robot].name));
+  return robots.map((_, robot) => robot).filter((robot) => isWanted(() => robots[robot].name));
 }
 
 function robotRow(app, robot) {
@@ -163,7 +170,7 @@ function robotRow(app, robot) {
 
 function listedCapabilities(app, isWanted) {
   const names = app.history.scenario.capabilities;
-  return names.map((_, cap) => cap).filter((cap) => isWanted(names[cap]));
+  return names.map((_, cap) => cap).filter((cap) => isWanted(() => names[cap]));
 }
 
 function capabilityRow(app, cap) {

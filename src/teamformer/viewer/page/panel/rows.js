@@ -9,23 +9,30 @@ class Rows {
     this.sizer = element("div", { class: "sizer", role: "list" });
     box.append(this.sizer);
     this.items = [];
-    box.addEventListener("scroll", () => this.fill());
-    new ResizeObserver(() => this.fill()).observe(box);
+    this.top = this.high = 0; // what is in sight, in pixels: asking the box would lay it out anew
+    box.addEventListener("scroll", () => {
+      if (box.scrollTop !== this.top) this.fill((this.top = box.scrollTop));
+    });
+    new ResizeObserver(() => this.fill((this.high = box.clientHeight))).observe(box);
   }
 
-  show(items, height, build, emptyText) {
+  // Show items, the one with the number `shown` in sight unless that is null.
+  show(items, height, build, emptyText, shown = null) {
     Object.assign(this, { items, height, build });
     this.sizer.style.height = `${items.length * height}px`;
     this.empty?.remove();
     this.empty = items.length ? null : element("p", { class: "empty" }, emptyText);
     if (this.empty) this.box.append(this.empty);
+    this.high ||= this.box.clientHeight;
+    if (shown !== null) this.reveal(shown);
+    this.top = Math.max(0, Math.min(this.top, items.length * height - this.high));
     this.fill();
   }
 
   fill() {
     if (!this.build) return;
-    const first = Math.max(0, Math.floor(this.box.scrollTop / this.height) - ROWS_BEYOND);
-    const inSight = Math.ceil(this.box.clientHeight / this.height) + 2 * ROWS_BEYOND;
+    const first = Math.max(0, Math.floor(this.top / this.height) - ROWS_BEYOND);
+    const inSight = Math.ceil(this.high / this.height) + 2 * ROWS_BEYOND;
     const nodes = this.items
       .slice(first, first + inSight)
       .map((item, at) => this.row(item, first + at));
@@ -52,11 +59,16 @@ class Rows {
     return row;
   }
 
+  toTop() {
+    this.top = this.box.scrollTop = 0;
+  }
+
   // Bring an item near the middle unless it is in sight.
   reveal(index) {
     const top = index * this.height;
-    const { scrollTop, clientHeight } = this.box;
-    if (top >= scrollTop && top + this.height <= scrollTop + clientHeight) return;
-    this.box.scrollTop = Math.max(0, top - clientHeight / 2);
+    if (top >= this.top && top + this.height <= this.top + this.high) return;
+    const most = this.items.length * this.height - this.high;
+    this.top = Math.round(Math.max(0, Math.min(most, top - this.high / 2)));
+    this.box.scrollTop = this.top;
   }
 }

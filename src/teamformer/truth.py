@@ -33,7 +33,7 @@ def draw_truth(scenario: Scenario, seed: int) -> Scenario:
             for number, task in enumerate(scenario.tasks)
         ),
         robots=tuple(
-            _true_robot(robot, np.random.default_rng([OF_ROBOTS, seed, number]))
+            draw_truth_of_robot(robot, np.random.default_rng([OF_ROBOTS, seed, number]))
             for number, robot in enumerate(scenario.robots)
         ),
     )
@@ -54,7 +54,8 @@ def _true_task(task: Task, world: World, rng: np.random.Generator) -> Task:
     return task.once_known(at, needs, duration)
 
 
-def _true_robot(robot: Robot, rng: np.random.Generator) -> Robot:
+def draw_truth_of_robot(robot: Robot, rng: np.random.Generator) -> Robot:
+    """Return when a robot really breaks down and is back."""
     breaks = robot.breaks
     if breaks is None:
         return robot

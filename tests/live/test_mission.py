@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from small_worlds import make, robot, task
 from teamformer.errors import TeamformerError
-from teamformer.live.incidents import Incident, LostRobot, NewTask, RobotBack
+from teamformer.export.reasons import explain
+from teamformer.grid import Grid
+from teamformer.live.forecasts import Forecast, forecast, possible_truth
+from teamformer.live.incidents import (
+    Incident,
+    LostRobot,
+    NewTask,
+    PlanTakenOver,
+    RobotBack,
+    search_plan,
+)
 from teamformer.live.mission import Mission
-from teamformer.model import Absence
+from teamformer.model import Absence, Breakdown
+from teamformer.planning.teams.facts import SharedPlan
 from teamformer.policies import POLICIES
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.registry import load_policy
 from teamformer.trials.trial import run_trial
+from teamformer.truth import draw_truth
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -51,13 +65,14 @@ def test_a_forecast_is_what_then_comes() -> None:
     for _ in range(5):
         run.step()
     lose = LostRobot(run.scenario.robots[0].name)
-    undisturbed, disturbed = run.forecast(), run.forecast(lose)
+    undisturbed, disturbed = forecast(run.past()), forecast(run.past_with(lose))
     assert run.steps == 5
     play(run, {})
-    assert run.tally() == undisturbed
+    assert undisturbed == Forecast(1, (run.steps,))
     other = mission()
     play(other, {5: lose})
-    assert other.tally() == disturbed
+    assert other.tally().status == "infeasible"
+    assert disturbed == Forecast(1, (), other.tally())
 
 
 def test_a_task_can_come_after_all_is_done() -> None:
@@ -147,3 +162,156 @@ def test_who_plans_with_everything_is_not_surprised() -> None:
     run = Mission(mission().scenario, KnowsEverything, "knows-everything", seed=0)
     with pytest.raises(TeamformerError, match="run it under another policy"):
         run.happen(NewTask((0, 0), {"lift": 1}))
+
+
+def planned(policy: str = "follow-plan") -> Mission:
+    """Return a mission of two lifters and five tasks whose robots go by a shared plan."""
+    robots = [robot("a", 0), robot("a", 9)]
+    tasks = [task("a", x, duration=2) for x in (1, 3, 5, 7, 8)]
+    scenario = make(robots, tasks, allocation="plan")
+    return Mission(scenario, lambda: load_policy(policy, POLICIES), policy, seed=0)
+
+
+def swapped(run: Mission) -> SharedPlan:
+    """Return the plan that holds with its robots exchanged."""
+    _, _, old = run.past().env.plan_now()
+    return replace(old, coalitions=tuple(tuple(1 - r for r in robots) for robots in old.coalitions))
+
+
+def test_a_plan_that_is_taken_over_is_what_robots_go_by_and_the_record_says_so() -> None:
+    run = planned()
+    for _ in range(3):
+        run.step()
+    better, worse = forecast(run.past()), forecast(run.past().with_plan(swapped(run)))
+    assert worse.ends > better.ends
+    plan = swapped(run)
+    run.happen(PlanTakenOver(plan, worse, better))
+    play(run, {})
+    assert run.steps == worse.ends[0]
+    record = run.record()
+    assert judge(record).findings == ()
+    assert [(steps, made.reasons) for steps, made in record.plans] == [
+        (0, ("start",)),
+        (3, ("taken over",)),
+    ]
+    assert record.plans[1][1].coalitions == plan.coalitions
+    assert any("a longer search was taken over" in it.why for it in explain(record, 0))
+
+
+def test_what_happens_after_a_plan_was_taken_over_leaves_the_past_as_it_was() -> None:
+    run = planned()
+    for _ in range(3):
+        run.step()
+    run.happen(PlanTakenOver(swapped(run), Forecast(1, (9,)), Forecast(1, (9,))))
+    run.happen(NewTask((2, 0), {"a": 1}, "extra"))  # at the same moment
+    run.step()
+    run.happen(LostRobot(run.scenario.robots[0].name))
+    play(run, {})
+    record = run.record()
+    assert judge(record).findings == ()
+    assert (record.end.status, record.end.tasks_done) == ("completed", 6)
+    assert record.plans[1][1].reasons == ("task appeared", "taken over")
+    assert [steps for steps, _ in record.plans][:3] == [0, 3, 5]
+
+
+def test_a_longer_search_is_never_worse_and_its_gain_is_what_comes() -> None:
+    run = planned()
+    run.step()
+    run.happen(PlanTakenOver(swapped(run), Forecast(1, (9,)), Forecast(1, (9,))))
+    found = search_plan(run.past(), seconds=0.2)
+    assert found.forecast.ends[0] <= found.without.ends[0]
+    assert found.without == forecast(run.past())
+    run.happen(found)
+    play(run, {})
+    assert found.forecast.ends == (run.steps,)
+
+
+def test_only_a_shared_plan_can_be_another() -> None:
+    run = mission()
+    past = replace(run.past(), scenario=replace(run.scenario, allocation="crews"))
+    with pytest.raises(TeamformerError, match="under allocation 'crews' robots go by no plan"):
+        search_plan(past, 0.1)
+
+
+def uncertain() -> Mission:
+    """Return a mission of one robot with four tasks in its place, of one to nine steps each."""
+    tasks = [replace(task("a", 0), name=f"t{n}", lasts=(1, 9)) for n in range(2)]
+    tasks += [task("a", 1)]
+    scenario = make([robot("a", 0)], tasks, allocation="plan")
+    return Mission(scenario, lambda: load_policy("follow-plan", POLICIES), "follow-plan", seed=4)
+
+
+def test_an_uncertain_mission_is_forecast_as_a_band_that_narrows() -> None:
+    """Two services at once of 1 to 9 steps from step 2 on, and a step to or from the last task."""
+    run = uncertain()
+    early = forecast(run.past())
+    low, high = early.band
+    assert early.futures == 40
+    assert 3 <= early.ends[0] <= low < high <= early.ends[-1] <= 11
+    for _ in range(3):
+        run.step()
+    assert forecast(run.past()).ends[0] > 3
+    play(run, {})
+    assert early.ends[0] <= run.steps <= early.ends[-1]
+    assert forecast(run.past()).ends == (run.steps,) * 40
+
+
+def test_futures_agree_with_what_has_been_seen() -> None:
+    run = uncertain()
+    for _ in range(4):
+        run.step()
+    past = run.past()
+    real, seen = past.env.truths[0], past.env.worlds.tasks[0]
+    for seed in range(30):
+        truth = possible_truth(past.scenario, past.env, seed)
+        for drawn, true, state in zip(truth.tasks, real.tasks, seen, strict=True):
+            if state["done_at"] >= 0:
+                assert drawn.duration == true.duration
+            elif drawn.lasts is None and true.duration:
+                assert drawn.duration > state["served"]
+
+
+def test_in_futures_a_task_is_where_nobody_has_looked_yet() -> None:
+    """It is within 4 of 10 in a corridor; the robot comes from 0 and sees a cell ahead."""
+    hidden = replace(task("a", 10), within=4)
+    scenario = make([robot("a", 0)], [hidden], allocation="plan")
+    run = Mission(scenario, lambda: load_policy("follow-plan", POLICIES), "follow-plan", seed=1)
+    (real,) = draw_truth(scenario, 1).tasks
+    before: set[float] = set(range(6, 15))
+    while run.is_running:
+        past = run.past()
+        found = {possible_truth(scenario, past.env, seed).tasks[0].at[0] for seed in range(60)}
+        assert real.at[0] in found
+        assert found <= before
+        before = found
+        run.step()
+    assert found == {real.at[0]}
+
+
+@pytest.mark.parametrize("steps", [2, 20, 40])
+def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
+    lame = replace(robot("a", 0), breaks=Breakdown(0.05, (5, 30)))
+    scenario = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
+    run = Mission(scenario, lambda: load_policy("join-fitting", POLICIES), "join-fitting", seed=3)
+    (real,) = draw_truth(scenario, 3).robots[0].absences
+    while run.steps < steps:
+        run.step()
+    for seed in range(30):
+        (drawn,) = possible_truth(scenario, run.past().env, seed).robots[0].absences
+        if real.lost > steps:
+            assert drawn.lost > steps
+        else:
+            assert drawn.lost == real.lost
+            assert drawn.back is not None
+            assert real.back is not None
+            assert drawn.back == real.back if real.back <= steps else drawn.back > steps
+
+
+def test_incidents_make_sure_what_was_not() -> None:
+    lame = replace(robot("a", 0), breaks=Breakdown(0.05, (5, 30)))
+    scenario = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
+    run = Mission(scenario, lambda: load_policy("join-fitting", POLICIES), "join-fitting", seed=3)
+    play(run, {2: LostRobot("r0"), 4: RobotBack("r0")})
+    assert run.scenario.robots[0].breaks is None
+    assert run.scenario.robots[0].absences == (Absence(3, 5),)
+    assert judge(run.record()).findings == ()

@@ -6,6 +6,7 @@ import http.client
 import json
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -105,7 +106,8 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
             page.hear("step")
         page.ask(do="what_if", lost="r2")
         guess = page.hear("what_if")
-        assert (guess["without"], guess["text"]) == (13, "robot r2 lost")
+        assert guess["without"] == {"status": "completed", "steps": 13}
+        assert guess["text"] == "robot r2 lost"
         page.ask(do="happen", lost="r2")
         assert page.hear("incident")["record"]["scenario"]["robots"][1]["lost"] == 5
         page.ask(do="happen", task={"at": [3, 1], "needs": ["lift"], "name": "extra"})
@@ -119,6 +121,61 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
     assert record.end.status == "completed"
     assert guess["steps"] <= record.end.steps
     assert [task.name for task in record.scenario.tasks] == ["a", "b", "c", "extra"]
+
+
+def test_a_plan_is_searched_for_offered_and_taken_over(served: Served) -> None:
+    with Page(served) as page, Page(served) as other:
+        page.hear("mission")
+        for _ in range(2):
+            page.ask(do="step")
+            page.hear("step")
+        page.ask(do="replan", seconds=0.2)
+        page.ask(do="replan")
+        assert "is being searched for already" in page.hear("refused")["text"]
+        offer = other.hear("offer")
+        assert page.hear("offer") == offer
+        assert (offer["at"], offer["without"]) == (2, {"status": "completed", "steps": 13})
+        assert offer["steps"] <= 13
+        page.ask(do="take_over")
+        told = other.hear("incident")
+        assert told["text"].startswith("step 2: plan of central taken over: done after")
+        assert told["record"]["plans"][-1][:1] == [2]
+        assert told["record"]["plans"][-1][1][0] == ["taken over"]
+        assert other.hear("forecast")["steps"] == offer["steps"]
+        page.ask(do="replan", seconds=0)
+        page.hear("offer")
+        page.ask(do="step")
+        page.ask(do="take_over")
+        assert "the mission has gone on since then" in page.hear("refused")["text"]
+        page.ask(do="save")
+        saved = page.hear("saved")
+        assert "a scenario holds no plans" in saved["note"]
+    assert judge(read_replay(Path(saved["paths"][0]))).findings == ()
+
+
+def test_a_plan_for_robots_that_go_by_none_is_refused(tmp_path: Path) -> None:
+    crews = replace(small_mission(), allocation="crews")
+    with serving(crews, tmp_path) as server, Page(server) as page:
+        page.ask(do="replan", seconds=0)
+        assert "under allocation 'crews' robots go by no plan" in page.hear("refused")["text"]
+
+
+def test_an_uncertain_mission_is_forecast_as_a_band(tmp_path: Path) -> None:
+    mission = small_mission()
+    tasks = tuple(replace(task, lasts=(1, 9)) for task in mission.tasks)
+    unsure = replace(mission, tasks=tasks, step_limit=0)
+    with serving(unsure, tmp_path) as server, Page(server) as page:
+        told = page.hear("forecast")
+        assert told["futures"] == told["done"] == 40
+        low, high = told["band"]
+        assert 10 < low <= told["steps"] <= high
+        assert low < high
+        page.ask(do="what_if", lost="r2")
+        assert page.hear("what_if")["without"]["band"] == [low, high]
+        page.ask(do="play")
+        late = page.hear("forecast")  # once the first task is done
+        assert late["band"][0] >= low
+        assert late["band"] != [low, high]
 
 
 @pytest.mark.parametrize(
@@ -139,6 +196,9 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
         ('{"do": "happen", "task": {"at": [1, 1], "needs": []}}', "nothing"),
         ('{"do": "happen", "task": {"at": [1, 1], "needs": ["lift"], "name": "a"}}', "used twice"),
         ('{"do": "open"}', "cannot 'open'"),
+        ('{"do": "take_over"}', "there is no plan to take over"),
+        ('{"do": "replan", "seconds": -1}', "seconds must be a number from 0 to 120"),
+        ('{"do": "replan", "seconds": true}', "seconds must be a number from 0 to 120"),
     ],
 )
 def test_what_makes_no_sense_is_refused_and_changes_nothing(

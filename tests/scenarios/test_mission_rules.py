@@ -107,7 +107,7 @@ def test_what_has_to_be_sure_refuses_all_that_is_not() -> None:
     told = {problem.where[-1]: problem.message for problem in rules_of_sure_missions(scenario)}
     assert set(told) == {"breaks", "duration", "may_need"}
     assert "make duration sure" in told["duration"]
-    assert all("only `teamformer run` and `compare` know" in text for text in told.values())
+    assert all("only `run`, `compare` and `live` know" in text for text in told.values())
     count = sum(1 for _ in rules_of_simulated_missions(scenario))
     assert count == sum(1 for _ in find_surprises(scenario)) > 4
     assert list(rules_of_sure_missions(world_of("4N4T-C4", 0))) == []

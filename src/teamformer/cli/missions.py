@@ -160,12 +160,20 @@ def live(
     out: Annotated[Path, typer.Option(help="folder that the record is saved in")] = Path(
         "out/live"
     ),
+    fleet: Annotated[
+        str | None, typer.Option(help="watch a running fleet: the endpoint of an agent")
+    ] = None,
+    pace: Annotated[float, typer.Option(min=0.01, help="fleet: its --pace")] = 1.0,
+    key: Annotated[Path | None, typer.Option(help="fleet: file of its shared key")] = None,
+    tls: Annotated[Path | None, typer.Option(help="fleet: folder of certificates")] = None,
 ) -> None:
     """Draw a mission in the browser and run it: watch it, add tasks, lose robots.
 
     Needs pip install 'teamformer[live]'.
     """
-    from teamformer.commands.missions.live import Options
+    from teamformer.commands.missions.live import FleetAt, Options
     from teamformer.commands.missions.live import live as command
 
-    raise typer.Exit(command(scenario, Options(policy, seed, port, host, speed, time_limit, out)))
+    at = None if fleet is None else FleetAt(fleet, pace, key, tls)
+    options = Options(policy, seed, port, host, speed, time_limit, out, at)
+    raise typer.Exit(command(scenario, options))

@@ -186,6 +186,8 @@ def _plan(replay: Replay, moment: Moment) -> str:
         for event in events(replay)
         if event.step == made and event.kind in ("appears", "lost", "back", "needs")
     ]
+    if any(row[0] == made and "taken over" in row[1].reasons for row in replay.plans):
+        causes.append("a longer search was taken over")
     return f"planned anew after step {made}{': ' if causes else ''}{', '.join(causes)}"
 
 

@@ -8,7 +8,10 @@ from dataclasses import dataclass, replace
 from teamformer.capabilities import describe
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import Place
+from teamformer.live.forecasts import Forecast, Past, forecast
 from teamformer.model import Absence, Scenario, Task
+from teamformer.planning.teams.facts import SharedPlan
+from teamformer.planning.teams.longer_search import search_longer
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,7 @@ class NewTask:
     name: str = ""
     duration: int = 0
 
-    def apply(self, scenario: Scenario, steps: int) -> Scenario:
+    def apply(self, scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
         """Return the scenario in which this has happened when `steps` steps were made."""
         name = self.name or _free_name(scenario)
         task = Task(name, self.at, dict(self.needs), self.duration, steps)
@@ -38,10 +41,10 @@ class LostRobot:
 
     robot: str
 
-    def apply(self, scenario: Scenario, steps: int) -> Scenario:
+    def apply(self, scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
         """Return the scenario in which the robot is lost in the step after `steps`."""
         number = _number_of(scenario, self.robot)
-        been = [away for away in scenario.robots[number].absences if away.lost <= steps]
+        been = [away for away in truth.robots[number].absences if away.lost <= steps]
         last = been[-1] if been else None
         if last is not None and (last.back is None or last.back > steps + 1):
             raise TeamformerError(f"robot '{self.robot}' was lost in step {last.lost} already")
@@ -60,16 +63,17 @@ class RobotBack:
 
     robot: str
 
-    def apply(self, scenario: Scenario, steps: int) -> Scenario:
+    def apply(self, scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
         """Return the scenario in which the robot is back in the step after `steps`."""
         number = _number_of(scenario, self.robot)
-        absences = scenario.robots[number].absences
+        absences = truth.robots[number].absences
         been = [away for away in absences if away.lost <= steps]
         if not been:
             raise TeamformerError(f"robot '{self.robot}' is not lost")
         if been[-1].back is not None and been[-1].back <= steps:
             raise TeamformerError(f"robot '{self.robot}' is back since step {been[-1].back}")
-        again = (*been[:-1], replace(been[-1], back=steps + 1), *absences[len(been) :])
+        later = scenario.robots[number].absences[len(been) :]
+        again = (*been[:-1], replace(been[-1], back=steps + 1), *later)
         return _with_absences(scenario, number, again)
 
     def text(self) -> str:
@@ -80,6 +84,39 @@ class RobotBack:
 Incident = NewTask | LostRobot | RobotBack
 
 
+@dataclass(frozen=True)
+class PlanTakenOver:
+    """A plan that was searched for longer, and by which the robots go from now on."""
+
+    plan: SharedPlan
+    forecast: Forecast
+    without: Forecast  # how the mission was to end before
+
+    def apply(self, scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
+        """Return the scenario as it is: it holds no plans."""
+        return scenario
+
+    def text(self) -> str:
+        """Return what happened as words."""
+        return f"plan of central taken over: {self.forecast.text()}; before: {self.without.text()}"
+
+
+Happening = Incident | PlanTakenOver
+
+
+def search_plan(past: Past, seconds: float) -> PlanTakenOver:
+    """Search for a better plan from the present on, as `central` does; say what it would gain."""
+    allocation = past.scenario.allocation
+    if allocation != "plan":
+        raise TeamformerError(
+            f"under allocation '{allocation}' robots go by no plan that could be another; "
+            "a mission with allocation plan can be planned anew"
+        )
+    believed, facts, old = past.env.plan_now()
+    plan = search_longer(believed, facts, old, seconds)
+    return PlanTakenOver(plan, forecast(past.with_plan(plan)), forecast(past))
+
+
 def _number_of(scenario: Scenario, name: str) -> int:
     number = next((r for r, robot in enumerate(scenario.robots) if robot.name == name), None)
     if number is None:
@@ -88,8 +125,9 @@ def _number_of(scenario: Scenario, name: str) -> int:
 
 
 def _with_absences(scenario: Scenario, number: int, absences: tuple[Absence, ...]) -> Scenario:
+    """Return the scenario with a robot whose absences are sure."""
     robots = list(scenario.robots)
-    robots[number] = replace(robots[number], absences=absences)
+    robots[number] = replace(robots[number], absences=absences, breaks=None)
     return _checked(scenario, robots=tuple(robots))
 
 

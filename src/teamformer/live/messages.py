@@ -14,8 +14,12 @@ from teamformer.model import Scenario
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 
 LARGEST = 4_000_000  # bytes of a message
-COMMANDS = ("play", "pause", "step", "speed", "happen", "what_if", "save", "check", "open", "run")
+COMMANDS = (
+    *("play", "pause", "step", "speed", "happen", "what_if", "replan", "take_over", "save"),
+    *("check", "open", "run"),
+)
 SLOWEST, FASTEST = 0.1, 1000.0  # steps a second
+LONGEST_SEARCH = 120.0  # seconds
 
 Message = Mapping[str, Any]
 
@@ -35,11 +39,20 @@ def read_message(text: str) -> Message:
 
 def read_speed(message: Message) -> float:
     """Return the steps a second that a message asks for."""
-    speed = message.get("speed")
-    is_number = isinstance(speed, int | float) and not isinstance(speed, bool)
-    if not is_number or not SLOWEST <= speed <= FASTEST:  # type: ignore[operator]
-        raise TeamformerError(f"speed must be a number from {SLOWEST:g} to {FASTEST:g}")
-    return float(speed)  # type: ignore[arg-type]
+    return _read_number(message, "speed", SLOWEST, FASTEST)
+
+
+def read_search(message: Message) -> float:
+    """Return for how many seconds a message wants a plan to be searched for."""
+    return _read_number({"seconds": 10} | dict(message), "seconds", 0.0, LONGEST_SEARCH)
+
+
+def _read_number(message: Message, key: str, least: float, most: float) -> float:
+    number = message.get(key)
+    is_number = isinstance(number, int | float) and not isinstance(number, bool)
+    if not is_number or not least <= number <= most:  # type: ignore[operator]
+        raise TeamformerError(f"{key} must be a number from {least:g} to {most:g}")
+    return float(number)  # type: ignore[arg-type]
 
 
 def read_files(message: Message) -> dict[str, bytes]:

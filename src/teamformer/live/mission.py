@@ -3,7 +3,8 @@
 An incident changes the scenario: a task that appears now, a robot lost or back in the next step.
 The changed scenario is then played again up to now with the decisions that were made, so that the
 record is at every moment what `run` makes of the mission's scenario. Of what was recorded, only
-the assignments after the latest step may change: whoever learns of a task thinks anew.
+the assignments after the latest step may change: whoever learns of a task thinks anew. A plan that
+is taken over changes no scenario: the record holds it, and `run` makes plans of its own.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from collections.abc import Callable
 import numpy as np
 
 from teamformer.errors import TeamformerError
-from teamformer.live.incidents import Incident
+from teamformer.live.forecasts import Past
+from teamformer.live.incidents import Happening, Incident, PlanTakenOver
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.sim.env import Decision, Tally, TeamFormation
 from teamformer.sim.replay.record import Replay, Step
 from teamformer.trials.recorder import Recorder
+from teamformer.truth import draw_truth
 
 MakePolicy = Callable[[], Policy]
 
@@ -29,11 +32,11 @@ class Mission:
     def __init__(self, scenario: Scenario, make_policy: MakePolicy, name: str, seed: int) -> None:
         self.scenario = scenario
         self.policy_name, self.seed = name, seed
-        self.incidents: list[tuple[int, Incident]] = []
+        self.incidents: list[tuple[int, Happening]] = []
         self._make_policy = make_policy
         self._policy = self._begin()
         self._decisions: list[Decision] = []
-        self._env = TeamFormation([scenario])
+        self._env = TeamFormation([scenario], truths=[draw_truth(scenario, seed)])
         self._recorder = Recorder(self._env)
 
     @property
@@ -50,6 +53,15 @@ class Mission:
         """Return how the mission stands."""
         return self._env.tally()
 
+    @property
+    def has_shown_more(self) -> bool:
+        """Say whether the latest step has told something of an uncertain mission."""
+        if not self.scenario.has_surprises:
+            return False
+        latest = self.record().steps[-1]
+        shown = latest.shown or latest.found or latest.moved or latest.done
+        return bool(shown or latest.lost or latest.back)
+
     def step(self) -> Step:
         """Make one step and return what it changed."""
         decision = _copied(self._policy.decide(self._env.view()))
@@ -58,7 +70,7 @@ class Mission:
         self._recorder.step()
         return self.record().steps[-1]
 
-    def happen(self, incident: Incident) -> None:
+    def happen(self, incident: Happening) -> None:
         """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""
         env, recorder, scenario = self._changed(incident)
         self.incidents.append((self.steps, incident))
@@ -68,13 +80,16 @@ class Mission:
         """Return the record so far; that of a mission that still runs is of an interrupted one."""
         return self._recorder.finish(self.policy_name, self.seed, None)
 
-    def forecast(self, incident: Incident | None = None) -> Tally:
-        """Return how the mission ends if nothing more happens; or if this does, now."""
-        env = self._env.fork() if incident is None else self._changed(incident)[0]
-        policy = self._begin()
-        while env.is_running[0]:
-            env.step(policy.decide(env.view()))
-        return env.tally()
+    def past(self) -> Past:
+        """Return the present and how it came about, to play it ahead while the mission goes on."""
+        plans = [(steps, it.plan) for steps, it in self.incidents if isinstance(it, PlanTakenOver)]
+        return Past(self.scenario, self._env.fork(), self._begin, tuple(self._decisions), plans)
+
+    def past_with(self, incident: Incident) -> Past:
+        """Return the same as it would be if an incident happened now."""
+        env, _, scenario = self._changed(incident)
+        plans = self.past().plans
+        return Past(scenario, env, self._begin, tuple(self._decisions), plans)
 
     def _begin(self) -> Policy:
         policy = self._make_policy()
@@ -82,20 +97,26 @@ class Mission:
         policy.begin(everything, np.random.default_rng(self.seed))
         return policy
 
-    def _changed(self, incident: Incident) -> tuple[TeamFormation, Recorder, Scenario]:
-        """Return the mission as it would stand if the incident happened now."""
+    def _changed(self, happening: Happening) -> tuple[TeamFormation, Recorder, Scenario]:
+        """Return the mission as it would stand if something happened now."""
         if self._policy.needs_everything:
             raise TeamformerError(
                 f"'{self.policy_name}' plans with all that the scenario says, so that nothing can "
                 "happen to its mission; run it under another policy"
             )
-        scenario = incident.apply(self.scenario, self.steps)
-        env = TeamFormation([scenario])
+        scenario = happening.apply(self.scenario, self._env.truths[0], self.steps)
+        env = TeamFormation([scenario], truths=[draw_truth(scenario, self.seed)])
         recorder = Recorder(env)
-        for decision in self._decisions:
-            env.view()
-            env.step(decision)
-            recorder.step()
+        happened = [*self.incidents, (self.steps, happening)]
+        plans = [(steps, it.plan) for steps, it in happened if isinstance(it, PlanTakenOver)]
+        for made, decision in enumerate([*self._decisions, None]):
+            for plan in (plan for steps, plan in plans if steps == made):
+                env.take_over_plan(plan)
+                recorder.replan()
+            if decision is not None:
+                env.view()
+                env.step(decision)
+                recorder.step()
         if not _is_same_past(recorder.finish(self.policy_name, self.seed, None), self.record()):
             raise TeamformerError("this would change what has been; it has not happened")
         return env, recorder, scenario

@@ -12,6 +12,7 @@ import hmac
 import socket
 from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import uvicorn
 from starlette.applications import Starlette
@@ -21,10 +22,30 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from teamformer.live.messages import LARGEST
-from teamformer.live.session import Session, Watcher
-from teamformer.live.workshop import Workshop
+from teamformer.live.session import Watcher
 
 POLICY_VIOLATION = 1008  # a close code of WebSockets
+
+
+class Watched(Protocol):
+    """What pages watch and speak to: a mission, the editor, or a fleet.
+
+    `run` goes on until it is cancelled; `act` does what a page asks for, or tells it why not.
+    """
+
+    lock: asyncio.Lock
+
+    async def run(self) -> None:
+        """Let time pass."""
+
+    def join(self) -> Watcher:
+        """Let a page in."""
+
+    def leave(self, watcher: Watcher) -> None:
+        """Let a page go."""
+
+    async def act(self, watcher: Watcher, text: str) -> None:
+        """Hear a page."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +69,7 @@ class Doors:
 
 
 def make_app(
-    session: Session | Workshop, page: Callable[[], str], doors: Doors, on_end: Callable[[], None]
+    session: Watched, page: Callable[[], str], doors: Doors, on_end: Callable[[], None]
 ) -> Starlette:
     """Return the server's application.
 

@@ -10,22 +10,32 @@ import asyncio
 import contextlib
 import json
 import math
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import TeamformerError
-from teamformer.live.incidents import Incident
-from teamformer.live.messages import Message, read_incident, read_message, read_speed
+from teamformer.live.forecasts import Forecast, forecast
+from teamformer.live.incidents import Happening, Incident, PlanTakenOver, search_plan
+from teamformer.live.messages import (
+    Message,
+    read_incident,
+    read_message,
+    read_search,
+    read_speed,
+)
 from teamformer.live.mission import Mission
-from teamformer.scenarios.files import scenario_to_tree, write_scenario
+from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import replay_to_tree, step_to_tree, write_replay
 
 MOST_WAITING = 500  # messages that a page may be behind before it is let go
 
 Tree = dict[str, Any]
+Moment = tuple[int, int]
+"""Steps made, and how much has happened."""
 
 
 class Watcher:
@@ -53,6 +63,9 @@ class Session:
         self._wake = asyncio.Event()
         self._forecast: asyncio.Task[None] | None = None
         self._outlook: Tree | None = None  # what the latest forecast said
+        self._is_outdated = False  # since more was shown
+        self._search: asyncio.Task[None] | None = None
+        self._offer: tuple[Moment, PlanTakenOver] | None = None
 
     async def run(self) -> None:
         """Make steps while the mission plays, until cancelled."""
@@ -108,10 +121,19 @@ class Session:
             self._tell_all("step", self._news())
         if not self.mission.is_running:
             self._pause()
+        elif self.mission.has_shown_more:
+            self._is_outdated = True
+            if self._forecast is None or self._forecast.done():
+                self._predict()
 
-    async def happen(self, incident: Incident) -> None:
-        """Let an incident happen and tell everybody; TeamformerError says why it cannot."""
+    async def happen(self, incident: Happening, moment: Moment | None = None) -> None:
+        """Let an incident happen and tell everybody; TeamformerError says why it cannot.
+
+        With a `moment` it can at no other.
+        """
         async with self.lock:
+            if moment not in (None, self._moment()):
+                raise TeamformerError("the mission has gone on since then; plan anew")
             await asyncio.to_thread(self.mission.happen, incident)
             text = f"step {self.mission.steps}: {incident.text()}"
             record = self._record()
@@ -126,6 +148,16 @@ class Session:
         write_replay(self.mission.record(), record)
         write_scenario(self.mission.scenario, scenario)
         return record, scenario
+
+    @property
+    def note(self) -> str:
+        """Return what there is to know of what is saved; empty if nothing."""
+        if not any(isinstance(it, PlanTakenOver) for _, it in self.mission.incidents):
+            return ""
+        return (
+            "a scenario holds no plans: the one taken over is in the record, and `run` makes plans "
+            "of its own, so that its mission may end at another step"
+        )
 
     async def _do(self, watcher: Watcher, message: Message) -> None:
         actions: dict[str, Callable[[], None]] = {"play": self._play, "pause": self._pause}
@@ -144,11 +176,15 @@ class Session:
         elif command == "what_if":
             incident = read_incident(message, self.mission.scenario)
             watcher.tell(json.dumps(await self._what_if(incident)))
+        elif command == "replan":
+            self._search_plan(read_search(message))
+        elif command == "take_over":
+            await self._take_over()
         elif command == "save":
             async with self.lock:
                 paths = await asyncio.to_thread(self.save)
-            names = [str(path) for path in paths]
-            watcher.tell(json.dumps({"kind": "saved", "paths": names}))
+            saved = {"kind": "saved", "paths": [str(path) for path in paths], "note": self.note}
+            watcher.tell(json.dumps(saved))
         else:
             raise TeamformerError(f"a mission under way cannot '{command}'")
 
@@ -165,10 +201,42 @@ class Session:
 
     async def _what_if(self, incident: Incident) -> Tree:
         async with self.lock:
-            without = await asyncio.to_thread(self.mission.forecast)
-            tally = await asyncio.to_thread(self.mission.forecast, incident)
-        ends = {"status": tally.status, "steps": tally.steps}
-        return {"kind": "what_if", **ends, "without": without.steps, "text": incident.text()}
+            past = self.mission.past()
+            changed = await asyncio.to_thread(self.mission.past_with, incident)
+        without = await asyncio.to_thread(forecast, past)
+        found = await asyncio.to_thread(forecast, changed)
+        ends = _forecast_to_tree(found) | {"without": _forecast_to_tree(without)}
+        return {"kind": "what_if", **ends, "text": incident.text()}
+
+    def _search_plan(self, seconds: float) -> None:
+        """Begin to search for a better plan; the mission pauses, as the plan is for now."""
+        if self._search is not None and not self._search.done():
+            raise TeamformerError("a plan is being searched for already")
+        self._pause()
+        self._search = asyncio.create_task(self._offer_plan(seconds))
+
+    async def _offer_plan(self, seconds: float) -> None:
+        async with self.lock:
+            past, moment = self.mission.past(), self._moment()
+        self._tell_all("searching", {"seconds": seconds})
+        try:
+            found = await asyncio.to_thread(search_plan, past, seconds)
+        except TeamformerError as error:
+            self._tell_all("refused", {"text": str(error)})
+            return
+        self._offer = (moment, found)
+        ends = _forecast_to_tree(found.forecast) | {"without": _forecast_to_tree(found.without)}
+        self._tell_all("offer", ends | {"text": "a plan of central", "at": moment[0]})
+
+    async def _take_over(self) -> None:
+        if self._offer is None:
+            raise TeamformerError("there is no plan to take over; plan anew")
+        moment, plan = self._offer
+        self._offer = None
+        await self.happen(plan, moment)
+
+    def _moment(self) -> Moment:
+        return self.mission.steps, len(self.mission.incidents)
 
     def _predict(self) -> None:
         """Work out the mission's end in the background; only incidents change it."""
@@ -178,19 +246,27 @@ class Session:
         self._forecast = asyncio.create_task(self._tell_forecast())
 
     async def _tell_forecast(self) -> None:
-        async with self.lock:
-            with contextlib.suppress(TeamformerError):  # of a policy; its step will tell
-                tally = await asyncio.to_thread(self.mission.forecast)
-                self._outlook = {"status": tally.status, "steps": tally.steps}
-                self._tell_all("forecast", self._outlook)
+        self._is_outdated = True
+        while self._is_outdated:
+            self._is_outdated = False
+            async with self.lock:
+                past = self.mission.past()
+            is_over = threading.Event()
+            try:
+                found = await asyncio.to_thread(forecast, past, is_over.is_set)
+            except TeamformerError:  # of a policy; its step will tell
+                return
+            finally:
+                is_over.set()
+            self._outlook = _forecast_to_tree(found)
+            self._tell_all("forecast", self._outlook)
 
     def _record(self) -> Tree:
         """Return the record so far as a page reads it: no infinity, which JSON cannot say."""
         tree = replay_to_tree(self.mission.record())
         if self.mission.is_running:
             tree["end"]["status"] = "running"
-        tree["scenario"] = _finite(scenario_to_tree(self.mission.scenario))
-        return tree
+        return finite(tree)
 
     def _news(self) -> Tree:
         """Return what the latest step changed."""
@@ -219,9 +295,23 @@ class Session:
             watcher.tell(text)
 
 
-def _finite(tree: Tree) -> Tree:
+def _forecast_to_tree(found: Forecast) -> Tree:
+    """Return how a mission ends; with a band, and in how many futures, where there are several."""
+    other = found.otherwise
+    if not found.ends:
+        assert other is not None
+        return {"status": other.status, "steps": other.steps}
+    tree: Tree = {"status": "completed", "steps": found.ends[0]}
+    if found.futures > 1:
+        several = {"band": found.band, "done": len(found.ends), "futures": found.futures}
+        tree |= several | {"steps": round(found.mean, 1)}
+    return tree
+
+
+def finite(record: Tree) -> Tree:
     """Replace infinite radii, which JSON cannot say, by null; the page knows what it means."""
-    return {key: None if value == math.inf else value for key, value in tree.items()}
+    scenario = record["scenario"].items()
+    return record | {"scenario": {k: None if value == math.inf else value for k, value in scenario}}
 
 
 def _plans_of(record: Replay) -> Iterator[tuple[str, Sequence[tuple[Any, ...]]]]:

@@ -71,6 +71,11 @@ class Workshop:
         except TeamformerError as error:
             watcher.tell(json.dumps({"kind": "refused", "text": str(error)}))
 
+    @property
+    def note(self) -> str:
+        """Return what there is to know of what is saved."""
+        return "" if self.session is None else self.session.note
+
     def save(self) -> tuple[Path, ...]:
         """Save the mission, if one runs; drafts are saved when one asks for it."""
         return () if self.session is None else self.session.save()

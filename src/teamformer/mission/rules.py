@@ -67,12 +67,12 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
 def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
     """Return why a scenario cannot be played where everything has to be known; nothing if it can.
 
-    So it is where missions are forecast, or are to be done by robots that are real.
+    So it is where missions are to be done by robots that are real.
     """
     yield from rules_not_played(scenario)
     for where, what in find_surprises(scenario):
         remedy = f"make {where[-1]} sure, or use one of these"
-        yield Problem(where, f"{what}, which only `teamformer run` and `compare` know; {remedy}")
+        yield Problem(where, f"{what}, which only `run`, `compare` and `live` know; {remedy}")
 
 
 def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:

@@ -23,5 +23,6 @@ PLAN_REASONS = (
     "needs known",
     "service overdue",
     "task found",
+    "taken over",
 )
 """Why a shared plan is made, as records say it."""

@@ -13,7 +13,9 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
+from teamformer.planning.teams.facts import Facts, SharedPlan
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.allocation.plan_updates import plan_in, take_over_plan
 from teamformer.sim.allocation.task_order import orderings_for
 from teamformer.sim.arrays import RUNNING, STATUS_NAMES, Array, Worlds
 from teamformer.sim.packing import pack_worlds
@@ -174,6 +176,17 @@ class TeamFormation:
         inside = np.clip(np.round(places, DECIMALS), 0.0, corners[:, None])
         finish_worlds(self.worlds, inside, self._weights, self.rewards)
         self._order_tasks(self.worlds)
+
+    def plan_now(self, w: int = 0) -> tuple[Scenario, Facts, SharedPlan]:
+        """Return what is believed of a world under `allocation: plan`, its present and its plan."""
+        return plan_in(self.worlds, w, self.scenarios[w])
+
+    def take_over_plan(self, plan: SharedPlan, w: int = 0) -> None:
+        """Let the teams of a world under `allocation: plan` go by a plan from the next step on.
+
+        It holds until something happens that a new one is made after.
+        """
+        take_over_plan(self.worlds, w, self.scenarios[w], plan)
 
     def _order_tasks(self, worlds: Worlds) -> None:
         for bring_up_to_date in self._orderings:

@@ -89,6 +89,17 @@ class Recorder:
             self._write_order(steps)
         self._before = after  # last: only now does the step count as written down
 
+    def replan(self) -> None:
+        """Write down the plan that has been taken over since the latest step."""
+        steps = self._before.tally.steps
+        replaced = [plan for at, plan in self._shared_plans if at == steps]
+        self._orders = [row for row in self._orders if row[0] < steps]
+        self._shared_plans = [row for row in self._shared_plans if row[0] < steps]
+        self._write_order(steps)
+        (_, plan) = self._shared_plans.pop()
+        why = tuple(dict.fromkeys(reason for it in (*replaced, plan) for reason in it.reasons))
+        self._shared_plans.append((steps, SharedPlanMade(why, plan.coalitions)))
+
     def finish(self, policy: str, seed: int, lower_bound: int | None) -> Replay:
         """Return the record so far: one of a trial that still runs is of an interrupted one."""
         made = self._before.tally.steps

@@ -7,17 +7,34 @@ import secrets
 import socket
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import ready_policy
+from teamformer.commands.robots.rehearse import require_extra
 from teamformer.errors import TeamformerError
-from teamformer.mission.rules import rules_of_sure_missions
+from teamformer.mission.rules import rules_not_played, rules_of_simulated_missions
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario
 
+if TYPE_CHECKING:
+    from teamformer.fleet.observer.session import ObserverSession
+    from teamformer.live.session import Session
+    from teamformer.live.workshop import Workshop
+
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+@dataclass(frozen=True)
+class FleetAt:
+    """Where a running fleet is heard: the endpoint of one of its agents."""
+
+    endpoint: str
+    pace: float
+    key: Path | None
+    tls: Path | None
 
 
 @dataclass(frozen=True)
@@ -31,6 +48,7 @@ class Options:
     speed: float
     time_limit: float
     folder: Path
+    fleet: FleetAt | None = None
 
 
 def live(path: Path | None, options: Options) -> int:
@@ -45,29 +63,15 @@ def live(path: Path | None, options: Options) -> int:
             f"live needs starlette, uvicorn and websockets ({error})",
             "pip install 'teamformer[live]'",
         ) from None
-    from teamformer.live.mission import Mission
-    from teamformer.live.session import Session
-    from teamformer.live.workshop import Workshop
     from teamformer.viewer.html import live_page
 
-    scenario = None if path is None else read_scenario(path, rules_of_sure_missions)
-    ready_policy(options.policy, options.time_limit)  # refused before anything is served
     prepare_folder(options.folder)
     _check_port(options.host, options.port)
-    has_plan = scenario is not None and scenario.allocation == "plan"
-    announce_compiling([options.policy], scenario is None or scenario.is_planned, has_plan)
-
-    def start(scenario: Scenario) -> Mission:
-        def make() -> Policy:
-            return ready_policy(options.policy, options.time_limit)
-
-        return Mission(scenario, make, options.policy, options.seed)
-
-    session: Session | Workshop
-    if scenario is None:
-        session, name = Workshop(start, options.folder, options.speed), "editor"
+    session: Session | Workshop | ObserverSession
+    if options.fleet is not None:
+        session, name = _observe(path, options.fleet, options.folder), "fleet"
     else:
-        session, name = Session(start(scenario), options.folder, options.speed), scenario.name
+        session, name = _prepare(path, options)
     token = None if options.host in LOOPBACK else secrets.token_urlsafe(16)
     doors = Doors(_names(options.host, options.port), token)
     address = f"http://{_bracketed(options.host)}:{options.port}/"
@@ -81,11 +85,61 @@ def live(path: Path | None, options: Options) -> int:
     def save() -> None:
         for saved in session.save():
             say(f"saved: {saved}")
+        if session.note:
+            say(f"note: {session.note}")
 
     app = make_app(session, lambda: live_page(name), doors, save)
     with contextlib.suppress(KeyboardInterrupt):
         serve(app, options.host, options.port, tell)
     return 0
+
+
+def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, str]:
+    """Return the session of a mission, or the editor; what is wrong is refused at once."""
+    from teamformer.live.mission import Mission
+    from teamformer.live.session import Session
+    from teamformer.live.workshop import Workshop
+
+    scenario = None if path is None else read_scenario(path, rules_not_played)
+    ready_policy(options.policy, options.time_limit)
+    has_plan = scenario is not None and scenario.allocation == "plan"
+    announce_compiling([options.policy], scenario is None or scenario.is_planned, has_plan)
+
+    def start(scenario: Scenario) -> Mission:
+        def make() -> Policy:
+            return ready_policy(options.policy, options.time_limit)
+
+        return Mission(scenario, make, options.policy, options.seed)
+
+    if scenario is None:
+        return Workshop(start, options.folder, options.speed), "editor"
+    return Session(start(scenario), options.folder, options.speed), scenario.name
+
+
+def _observe(path: Path | None, fleet: FleetAt, folder: Path) -> ObserverSession:
+    """Return the session of a running fleet."""
+    require_extra("zenoh")
+    from teamformer.fleet.messages import OPERATOR
+    from teamformer.fleet.mission import Mission, seconds_a_step
+    from teamformer.fleet.observer.session import ObserverSession
+    from teamformer.fleet.observer.watch import Watch
+    from teamformer.fleet.transports.transport import (
+        check_endpoints,
+        read_certificates,
+        read_secret,
+    )
+    from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
+
+    if path is None:
+        raise TeamformerError("which mission is the fleet on?", "name its scenario file")
+    scenario = read_scenario(path, rules_of_simulated_missions)
+    mission = Mission(scenario, seconds_a_step(scenario, fleet.pace))
+    secret, certificates = read_secret(fleet.key), read_certificates(fleet.tls)
+    check_endpoints([fleet.endpoint], secret, certificates)
+    transport = ZenohTransport(
+        mission.number, OPERATOR, None, [fleet.endpoint], certificates=certificates
+    )
+    return ObserverSession(Watch(mission), transport, secret, folder)
 
 
 def _names(host: str, port: int) -> frozenset[str]:

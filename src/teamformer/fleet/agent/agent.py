@@ -152,8 +152,12 @@ class Agent:
             self.keeper.take(body, now)
         elif type(body) is FactsNote:
             self.knowledge.merge(body, now)
-        elif type(body) is Offer and self.knowledge.add_task(body.task):
-            notices.append(Notice(OPERATOR, Receipt(body.task.key)))
+        elif type(body) is Offer:
+            is_known = body.task.key in self.knowledge.tasks
+            if self.knowledge.add_task(body.task):
+                notices.append(Notice(OPERATOR, Receipt(body.task.key)))
+            if is_known:  # who offers what is known wants to know what is
+                notices.append(Notice(OPERATOR, self.knowledge.note()))
 
     def _hear_beat(self, beat: Beat, sender: int, now: float, notices: list[Notice]) -> None:
         membership, words = self.membership, self.knowledge.words

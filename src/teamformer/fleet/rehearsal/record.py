@@ -132,8 +132,8 @@ class _Teller:
         for robot, (team, _) in self._says.items():
             groups.setdefault((team, places[robot]), []).append(robot)
         teams = {min(robots): tuple(sorted(robots)) for robots in groups.values()}
-        before = _without(self._teams, lost)
-        splits, joins = _changes(before, teams)
+        before = teams_without(self._teams, lost)
+        splits, joins = team_changes(before, teams)
         self._teams = teams
         shown = {}
         for slot in sorted(teams):
@@ -164,12 +164,13 @@ class _Teller:
         return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
 
 
-def _without(teams: Teams, lost: Sequence[int]) -> Teams:
+def teams_without(teams: Teams, lost: Sequence[int]) -> Teams:
+    """Return teams without some robots, by their lowest robots then."""
     left = [tuple(r for r in robots if r not in lost) for robots in teams.values()]
     return {min(robots): robots for robots in left if robots}
 
 
-def _changes(
+def team_changes(
     before: Teams, after: Teams
 ) -> tuple[
     tuple[tuple[tuple[int, ...], tuple[int, ...]], ...],

@@ -101,7 +101,7 @@ def plan_mission(
     rounds = rounds_for(situation.problem, old is not None)
     if is_brief:
         rounds = Rounds(rounds.crews // BRIEF, rounds.relaxed, rounds.team // BRIEF)
-    kept = None if old is None else _kept(situation, old)
+    kept = None if old is None else kept_plan(situation, old)
     entered = [
         _enter(situation, rounds, *start) for start in _first_starts(situation, rounds, kept)
     ]
@@ -115,7 +115,7 @@ def plan_mission(
         left = unchanged.makespan - facts.step
         if best.makespan + left // SMALLEST_GAIN >= unchanged.makespan:
             best, chosen = unchanged, "kept"
-    return _plan_of(situation, best, chosen)
+    return shared_plan_of(situation, best, chosen)
 
 
 class _Entered(NamedTuple):
@@ -187,7 +187,7 @@ def _search_from(situation: Situation, start: TeamPlan) -> ThresholdSearch:
     return search
 
 
-def _kept(situation: Situation, old: SharedPlan) -> TeamPlan:
+def kept_plan(situation: Situation, old: SharedPlan) -> TeamPlan:
     """Return what is left of an old plan, with new tasks at its end."""
     number = {robot: index for index, robot in enumerate(situation.robots)}
     place = {task: index for index, task in enumerate(situation.tasks)}
@@ -200,7 +200,7 @@ def _kept(situation: Situation, old: SharedPlan) -> TeamPlan:
     return complete_plan(situation.problem, order, coalitions)
 
 
-def _plan_of(situation: Situation, search: ThresholdSearch, start: str) -> SharedPlan:
+def shared_plan_of(situation: Situation, search: ThresholdSearch, start: str) -> SharedPlan:
     """Return what a search found in the numbers of the mission."""
     plan, ends = search.best, search.ends
     order = plan.order.tolist()

@@ -10,14 +10,15 @@ import numpy as np
 from teamformer.grid import Grid
 from teamformer.jit import entry
 from teamformer.model import Scenario
-from teamformer.planning.teams.facts import Facts, SharedPlan
+from teamformer.planning.teams.facts import Facts, SharedPlan, possible_tasks
 from teamformer.planning.teams.shared_plan import plan_mission
 from teamformer.rules.constants import NOBODY, PLAN_REASONS
 from teamformer.sim.allocation.plan_moves import follow_shared_plans
 from teamformer.sim.arrays import PLAN, RUNNING, Array, Worlds, world_at
 from teamformer.truth import believed_mission, expected_mission
 
-START, APPEARED, LOST, BROKEN_OFF, BACK, SHOWN, OVERDUE, FOUND = 1, 2, 4, 8, 16, 32, 64, 128
+START, APPEARED, LOST, BROKEN_OFF = 1, 2, 4, 8
+BACK, SHOWN, OVERDUE, FOUND, TAKEN_OVER = 16, 32, 64, 128, 256
 """Why a plan is made, in bits, in the order of `PLAN_REASONS`."""
 
 
@@ -39,6 +40,34 @@ def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario]) -> None:
             plan = plan_mission(believed, facts, _read_plan(worlds, w))
         _write_plan(worlds, w, plan)
     follow_shared_plans(worlds, reasons != 0)
+
+
+def take_over_plan(worlds: Worlds, w: int, scenario: Scenario, plan: SharedPlan) -> None:
+    """Put a plan that somebody else has made into a world; teams go by it from the next step on.
+
+    Tasks that it does not know yet are planned after it, as when they appear.
+    """
+    believed, facts, _ = plan_in(worlds, w, scenario)
+    plan = _of_open_tasks(plan, facts)
+    if set(possible_tasks(believed, facts)) - set(plan.order):
+        plan = plan_mission(believed, facts, plan)
+    _write_plan(worlds, w, plan)
+    worlds.count["reason"][w] = TAKEN_OVER
+    is_new = np.arange(len(worlds.rules)) == w
+    follow_shared_plans(worlds, is_new.astype(np.bool_))
+
+
+def _of_open_tasks(plan: SharedPlan, facts: Facts) -> SharedPlan:
+    """Return a plan without tasks that are done or being served."""
+    pairs = zip(plan.order, plan.coalitions, strict=True)
+    rows = [(task, robots) for task, robots in pairs if task in facts.open_tasks]
+    order, coalitions = tuple(zip(*rows, strict=True)) or ((), ())
+    return SharedPlan(order, coalitions, (), plan.start)
+
+
+def plan_in(worlds: Worlds, w: int, scenario: Scenario) -> tuple[Scenario, Facts, SharedPlan]:
+    """Return the mission as it is believed to be in a world, the present, and the plan it has."""
+    return _believed(worlds, w, scenario), facts_of(worlds, w, scenario), _read_plan(worlds, w)
 
 
 class _Same:

@@ -33,8 +33,9 @@ class LiveApp extends App {
     if (kind === "step") this.take(message);
     if (kind === "incident") this.change(message);
     if ("is_playing" in message) this.takeState(message);
-    if (kind === "forecast" || kind === "what_if") this.panel.tell(message);
-    if (kind === "saved") notify(`Saved: ${message.paths.join(", ")}`, "good");
+    if (["forecast", "what_if", "offer"].includes(kind)) this.panel.tell(message);
+    if (kind === "searching") this.panel.searching(message);
+    if (kind === "saved") notify(savedText(message), "good");
     if (kind === "refused") notify(`Not done: ${message.text}.`);
   }
 
@@ -68,9 +69,9 @@ class LiveApp extends App {
     notify(`Incident in ${text}.`, "good");
   }
 
-  takeState({ is_playing, speed, watchers, incidents }) {
+  takeState({ is_playing, speed, watchers, incidents, is_fleet = false }) {
     const { player } = this;
-    this.state = { watchers, incidents };
+    this.state = { watchers, incidents, isFleet: is_fleet };
     Object.assign(player, { isPlaying: is_playing, speed });
     this.panel.show();
     this.show(true);
@@ -102,6 +103,7 @@ class LiveApp extends App {
   }
 
   actionsFor(robot) {
+    if (this.state.isFleet) return []; // its robots are lost and back by themselves
     const { last, scenario, replay } = this.history;
     const name = robotName(scenario, robot);
     const isGone = isLost(this.history, robot, last);
@@ -133,6 +135,10 @@ class LiveApp extends App {
     if (isBeside) super.open(record, true);
     else notify("This page shows a live mission; put the record beside it, or open it with `view`.");
   }
+}
+
+function savedText({ paths, note }) {
+  return `Saved: ${paths.join(", ")}${note ? `; ${note}` : ""}`;
 }
 
 function act(text, on, key) {

@@ -6,6 +6,8 @@ class MissionPanel {
     this.head = element("h2", {});
     this.outlook = element("p", { role: "status", id: "outlook" });
     this.answer = element("p", { role: "status", id: "answer" });
+    this.offer = element("div", { class: "acts", id: "offer" });
+    this.planAnew = act("Plan anew, 10 s", () => app.ask({ do: "replan", seconds: 10 }));
     this.incidents = element("ul", { id: "incidents", "aria-label": "Incidents" });
     this.form = element("form", { id: "new-task", hidden: "" });
     this.form.addEventListener("submit", (event) => this.submit(event));
@@ -13,17 +15,20 @@ class MissionPanel {
       "div",
       { class: "acts" },
       act("New task …", () => this.askForTask(null)),
+      this.planAnew,
       act("Save", () => app.ask({ do: "save" })),
     );
-    box.replaceChildren(this.head, this.outlook, acts, this.form, this.answer, this.incidents);
+    box.replaceChildren(this.head, this.outlook, acts, this.form, this.answer, this.offer, this.incidents);
     box.hidden = false;
   }
 
   show() {
     const { state, player, history } = this.app;
     const isOn = player.isPlaying;
-    const status = history.end.status === "running" ? (isOn ? "Live" : "Live, paused") : "Live, over";
+    const running = state.isFleet ? "The fleet" : isOn ? "Live" : "Live, paused";
+    const status = history.end.status === "running" ? running : "Live, over";
     const pages = state.watchers > 1 ? `, ${state.watchers} pages` : "";
+    this.planAnew.hidden = history.replay.scenario.allocation !== "plan" || history.end.status !== "running";
     this.head.replaceChildren(
       element("span", { class: `pulse ${isOn ? "on" : ""}` }),
       `${status}${this.app.isCutOff ? ", connection lost" : pages}`,
@@ -42,9 +47,30 @@ class MissionPanel {
       this.outlook.textContent = `If nothing more happens: ${end}.`;
       return;
     }
-    const more = message.steps - message.without;
-    const change = more === 0 ? "no later" : `${describeSpan(world, Math.abs(more))} ${more > 0 ? "later" : "earlier"}`;
+    const more = message.steps - message.without.steps;
+    const mean = message.band ? " on average" : "";
+    const change = more === 0 ? "no later" : `${describeSpan(world, Number(Math.abs(more).toFixed(1)))} ${more > 0 ? "later" : "earlier"}${mean}`;
     this.answer.textContent = `With ${message.text}: ${end}, ${change}.`;
+    if (message.kind === "offer") this.propose(more);
+  }
+
+  searching({ seconds }) {
+    this.offer.replaceChildren();
+    this.answer.textContent = `Searching for a better plan for ${seconds} s; the mission waits …`;
+  }
+
+  // A plan that would end the mission sooner can be taken over, for as long as nothing goes on.
+  propose(more) {
+    if (more >= 0) {
+      this.answer.textContent += " Nothing to gain.";
+      return;
+    }
+    const decide = (take) => () => {
+      this.offer.replaceChildren();
+      this.answer.textContent = "";
+      if (take) this.app.ask({ do: "take_over" });
+    };
+    this.offer.replaceChildren(act("Take it over", decide(true)), act("Leave it", decide(false)));
   }
 
   weigh(incident) {
@@ -79,7 +105,7 @@ class MissionPanel {
         "div",
         { class: "acts" },
         element("button", { type: "submit", class: "switch", "aria-pressed": "true" }, "Add task"),
-        act("What would that cost?", () => this.weigh({ task: this.task() })),
+        this.app.state.isFleet ? "" : act("What would that cost?", () => this.weigh({ task: this.task() })),
         act("Cancel", () => this.close()),
       ),
     );
@@ -124,7 +150,14 @@ class MissionPanel {
   }
 }
 
-function describeOutcome(world, { status, steps }) {
+// How a mission ends, with several futures as a band from a tenth of them to nine tenths.
+function describeOutcome(world, { status, steps, band, done, futures }) {
+  if (band) {
+    const [low, high] = band.map((end) => describeMoment(world, end));
+    const when = low === high ? describeAt(world, band[0]) : `between ${low} and ${high}`;
+    const part = done < futures ? `; in ${futures - done} of them never` : "";
+    return `all done ${when}, in 8 of 10 of ${futures} futures${part}`;
+  }
   if (status === "completed") return `all done ${describeAt(world, steps)}`;
   if (status === "infeasible") return `given up ${describeAt(world, steps)}, for something can never be done`;
   return `not done within ${describeSpan(world, steps)}`;

@@ -74,7 +74,9 @@ function reasonForRest(history, team, step) {
 function planText(history, step) {
   const made = latestPlan(history, step);
   if (!made) return "";
-  const causes = causesIn(history, made) || (sharedPlanAt(history, step)?.reasons ?? []).join(", ");
+  const reasons = sharedPlanAt(history, step)?.reasons ?? [];
+  const taken = reasons.includes("taken over") ? "a longer search was taken over" : "";
+  const causes = [causesIn(history, made), taken].filter(Boolean).join(", ") || reasons.join(", ");
   const when = describeMoment(history.scenario.world, made);
   return `planned anew ${history.scenario.world.isPlane ? "at" : "after"} ${when}${causes ? `: ${causes}` : ""}`;
 }

@@ -1,0 +1,1 @@
+"""A page that watches a running fleet, and adds tasks to it."""

@@ -1,0 +1,191 @@
+"""A running fleet and all who watch it in the browser: what they add, it publishes.
+
+It offers what a session of a live mission does (`live/session.py`), so that the server need not
+know which of them it has. The fleet goes its own way: nobody here can stop it, and when this ends
+nothing changes.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import secrets
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from teamformer.errors import TeamformerError
+from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
+from teamformer.fleet.mission import count
+from teamformer.fleet.observer.watch import Watch
+from teamformer.fleet.operator import AGAIN, Operator
+from teamformer.fleet.transports.transport import Transport
+from teamformer.live.incidents import NewTask
+from teamformer.live.messages import Message, read_incident, read_message
+from teamformer.live.session import Watcher, finite
+from teamformer.sim.replay.writing import replay_to_tree, step_to_tree, write_replay
+
+SILENCE = 10.0
+"""Seconds without any word after which the page is told that nothing is heard."""
+
+PATIENCE = 20.0
+"""Seconds until a task that too few robots hold is given up."""
+
+Tree = dict[str, Any]
+
+
+class ObserverSession:
+    """Hears a fleet, writes down a step each so many seconds and tells everybody."""
+
+    def __init__(self, watch: Watch, transport: Transport, secret: bytes, folder: Path) -> None:
+        self.watch, self.folder = watch, folder
+        self.lock = asyncio.Lock()
+        self.note = "this is what was seen of the fleet; its robots keep no record"
+        self._transport = transport
+        mission = watch.mission
+        self._post = Post(mission.number, mission.robots, secret)
+        self._watchers: set[Watcher] = set()
+        self._operators: dict[int, Operator] = {}
+        self._incidents: list[tuple[int, str]] = []
+        self._heard_at = time.monotonic()
+        self._is_silent = False
+        transport.listen_to(range(mission.robots))
+
+    async def run(self) -> None:
+        """Hear and tell until cancelled."""
+        due = asked = time.monotonic()
+        while True:
+            came = await asyncio.to_thread(self._transport.receive, min(0.1, AGAIN))
+            now = time.monotonic()
+            self._hear(came, now)
+            if not self.watch.has_facts and now >= asked:
+                asked = now + AGAIN
+                self._ask_for_facts()
+            if now >= due:
+                due = max(due + self.watch.mission.step, now)
+                self._make_step()
+
+    def join(self) -> Watcher:
+        """Let a page watch: it is sent what has been seen so far, then what happens."""
+        watcher = Watcher()
+        self._watchers.add(watcher)
+        watcher.tell(json.dumps({"kind": "mission", "record": self._record()} | self._state()))
+        self._tell_all("state", self._state())
+        return watcher
+
+    def leave(self, watcher: Watcher) -> None:
+        """Let a page go."""
+        self._watchers.discard(watcher)
+        self._tell_all("state", self._state())
+
+    async def act(self, watcher: Watcher, text: str) -> None:
+        """Do what a page asks for, or tell it why not."""
+        try:
+            await self._do(watcher, read_message(text))
+        except TeamformerError as error:
+            watcher.tell(json.dumps({"kind": "refused", "text": str(error)}))
+
+    def save(self) -> tuple[Path, ...]:
+        """Write what has been seen; return the path."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / "replay.json"
+        write_replay(self.watch.record(), path)
+        return (path,)
+
+    def close(self) -> None:
+        """Hear no more."""
+        self._transport.close()
+
+    async def _do(self, watcher: Watcher, message: Message) -> None:
+        command = message["do"]
+        if command == "happen":
+            incident = read_incident(message, self.watch.scenario)
+            if not isinstance(incident, NewTask):
+                raise TeamformerError(
+                    "a fleet's robots are lost and back by themselves; end or start their agents"
+                )
+            await self._add(incident)
+        elif command == "save":
+            saved = {"kind": "saved", "paths": [str(p) for p in self.save()], "note": self.note}
+            watcher.tell(json.dumps(saved))
+        else:
+            raise TeamformerError(
+                f"the fleet goes its own way; nobody can '{command}' it from here"
+            )
+
+    async def _add(self, new: NewTask) -> None:
+        """Offer a task until enough robots hold it, and tell who does."""
+        mission = self.watch.mission
+        caps, names = mission.scenario.capabilities, {t.name for t in self.watch.scenario.tasks}
+        if new.name in names:
+            raise TeamformerError(f"the name '{new.name}' is used already; take another")
+        key = (1 + secrets.randbits(36)) << 24
+        name = new.name or f"t{len(names) + 1}"
+        x, y = float(new.at[0]), float(new.at[1])
+        task = TaskFact(key, name, x, y, count(new.needs, caps), new.duration * mission.step)
+        if not mission.scenario.world.is_free(new.at):
+            raise TeamformerError(f"[{x:g}, {y:g}] is not free on the map; name another place")
+        if not mission.can_do(range(mission.robots), task):
+            raise TeamformerError(f"all robots together cannot do '{name}'; lower what it needs")
+        operator = self._operators[key] = Operator(task, mission.robots)
+        deadline = time.monotonic() + PATIENCE
+        while not operator.is_accepted and time.monotonic() < deadline:
+            self._say(operator.offer())
+            await asyncio.sleep(AGAIN)
+        del self._operators[key]
+        holders = [mission.scenario.robots[robot].name for robot in sorted(operator.holders)]
+        if not operator.is_accepted:
+            have = f"only {', '.join(holders)} hold it" if holders else "no robot answered"
+            raise TeamformerError(f"task {name} is not accepted, {have}; it may still be done")
+        self.watch.learn(task)
+        self._tell_of_task(f"task {name} accepted, held by {', '.join(holders)}")
+
+    def _hear(self, came: Sequence[bytes], now: float) -> None:
+        for data in came:
+            message, _ = self._post.judge(data)
+            if message is None:
+                continue
+            self._heard_at = now
+            for operator in self._operators.values():
+                operator.hear(message)
+            if self.watch.hear(message):
+                self._tell_of_task("a task that an operator added")
+        is_silent = now - self._heard_at > SILENCE
+        if is_silent and not self._is_silent:
+            self._tell_all("refused", {"text": f"no robot has been heard for {SILENCE:g} s"})
+        self._is_silent = is_silent
+
+    def _ask_for_facts(self) -> None:
+        """Offer a task that all know: who holds it says what else it knows."""
+        if self.watch.mission.tasks:
+            self._say(Notice(EVERYBODY, Offer(self.watch.mission.tasks[0])))
+
+    def _say(self, notice: Notice) -> None:
+        self._transport.send(notice.to, self._post.seal(OPERATOR, notice))
+
+    def _make_step(self) -> None:
+        step = self.watch.step()
+        self._tell_all("step", {"at": len(self.watch.steps), "step": step_to_tree(step)})
+
+    def _tell_of_task(self, text: str) -> None:
+        self._incidents.append((len(self.watch.steps), text))
+        record = self._record()
+        record["steps"] = record["steps"][-1:]
+        text = f"step {len(self.watch.steps)}: {text}"
+        self._tell_all("incident", {"text": text, "record": record} | self._state())
+
+    def _record(self) -> Tree:
+        tree = replay_to_tree(self.watch.record())
+        tree["end"]["status"] = "running"
+        return finite(tree)
+
+    def _state(self) -> Tree:
+        speed = 1 / self.watch.mission.step
+        watched = {"is_playing": True, "speed": speed, "watchers": len(self._watchers)}
+        return watched | {"incidents": self._incidents, "is_fleet": True}
+
+    def _tell_all(self, kind: str, news: Tree) -> None:
+        text = json.dumps({"kind": kind} | news, separators=(",", ":"))
+        for watcher in self._watchers:
+            watcher.tell(text)

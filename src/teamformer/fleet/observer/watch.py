@@ -1,0 +1,161 @@
+"""What an onlooker makes of what robots say: a record that grows by a step each so many seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from teamformer.fleet.messages import NOBODY, Beat, FactsNote, Message, TaskFact, Word
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.rehearsal.record import Teams, team_changes, teams_without
+from teamformer.grid import Grid, Place
+from teamformer.model import Task
+from teamformer.plane import DECIMALS
+from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
+
+
+class Watch:
+    """Keeps everybody's newest word, the tasks and which are done; `step` writes down what changed.
+
+    A robot is lost while its newest word says so. Robots in one place that say they are one team
+    are shown as one.
+    """
+
+    def __init__(self, mission: Mission) -> None:
+        self.mission = mission
+        self.scenario = mission.scenario
+        self.words: dict[int, Word] = {}
+        self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
+        self.steps: list[Step] = []
+        self.has_facts = False  # whether it has been told what was done before it came
+        self._number = {task.key: number for number, task in enumerate(mission.tasks)}
+        self._done: dict[int, int] = {}  # task -> step in which that was heard of
+        self._news: list[int] = []
+        self._lost: set[int] = set()
+        self._teams: Teams = {robot: (robot,) for robot in range(mission.robots)}
+        self._shown: dict[int, TeamAt] = {}
+
+    @property
+    def is_over(self) -> bool:
+        """Say whether all tasks that it knows are done."""
+        return len(self._done) == len(self.tasks)
+
+    def hear(self, message: Message) -> bool:
+        """Take in a message; say whether it tells of a task that was not known."""
+        body = message.body
+        if type(body) is Beat:
+            for word in (body.word, *body.others):
+                self._take(word)
+            for key in body.news:
+                self._note_done(key)
+        elif type(body) is FactsNote:
+            self.has_facts = True
+            is_new = [self.learn(task) for task in body.added]
+            for key in body.done:
+                self._note_done(key)
+            return any(is_new)
+        return False
+
+    def learn(self, task: TaskFact) -> bool:
+        """Take in an operator's task; say whether it was not known."""
+        if task.key in self.tasks or len(task.needs) != len(self.scenario.capabilities):
+            return False
+        if not self.scenario.world.is_free((task.x, task.y)):
+            return False
+        self._number[task.key] = len(self.tasks)
+        self.tasks[task.key] = task
+        added = self._as_task(task, len(self.steps))
+        self.scenario = replace(self.scenario, tasks=(*self.scenario.tasks, added))
+        return True
+
+    def step(self) -> Step:
+        """Write down what has changed since the last step, and return it."""
+        gone = {robot for robot, word in self.words.items() if word.is_lost}
+        lost, back = sorted(gone - self._lost), sorted(self._lost - gone)
+        self._lost = gone
+        places = {robot: self._place(robot) for robot in range(self.mission.robots)}
+        groups: dict[tuple[int, Place], list[int]] = {}
+        for robot in sorted(set(places) - gone):
+            team = NOBODY - robot if robot in back else self._team_of(robot)  # alone at first
+            groups.setdefault((team, places[robot]), []).append(robot)
+        teams = {min(robots): tuple(robots) for robots in groups.values()}
+        before = teams_without(self._teams, lost) | {robot: (robot,) for robot in back}
+        splits, joins = team_changes(before, teams)
+        self._teams = teams
+        shown = {slot: TeamAt(slot, *places[slot], self._goal_of(slot)) for slot in sorted(teams)}
+        rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
+        self._shown = shown
+        done = tuple((self._number[key], self._who(key)) for key in self._news)
+        self._news = []
+        made = Step(joins, splits, tuple(lost), tuple(back), rows, done)
+        self.steps.append(made)
+        return made
+
+    def record(self) -> Replay:
+        """Return what has been seen so far."""
+        tasks, steps = self.scenario.tasks, len(self.steps)
+        done = sum(len(step.done) for step in self.steps)
+        return Replay(
+            scenario=replace(self.scenario, teams=(), allocation="paper"),
+            policy="fleet",
+            seed=0,
+            orders=((0, tuple(k for k, task in enumerate(tasks) if task.appears == 0)),),
+            start=tuple((r, (r,), *at.at) for r, at in enumerate(self.scenario.robots)),
+            steps=tuple(self.steps),
+            end=Ending(
+                status="completed" if done == len(tasks) else "interrupted",
+                makespan=steps if done == len(tasks) else None,
+                steps=steps,
+                tasks_done=done,
+                joins=sum(len(step.joins) for step in self.steps),
+                splits=sum(len(step.splits) for step in self.steps),
+                illegal_decisions=0,
+            ),
+        )
+
+    def _take(self, word: Word) -> None:
+        known = self.words.get(word.robot)
+        if known is None or word.version > known.version:
+            self.words[word.robot] = word
+
+    def _note_done(self, key: int) -> None:
+        if key in self.tasks and key not in self._done:
+            self._done[key] = len(self.steps) + 1
+            self._news.append(key)
+
+    def _place(self, robot: int) -> Place:
+        word = self.words.get(robot)
+        if word is None:
+            return self.scenario.robots[robot].at
+        if isinstance(self.scenario.world, Grid):
+            return round(word.x), round(word.y)
+        return round(word.x, DECIMALS), round(word.y, DECIMALS)
+
+    def _team_of(self, robot: int) -> int:
+        word = self.words.get(robot)
+        return robot if word is None or word.team == NOBODY else word.team
+
+    def _goal_of(self, robot: int) -> int | None:
+        word = self.words.get(robot)
+        number = None if word is None else self._number.get(word.goal)
+        return None if number is None or word is None or word.goal in self._done else number
+
+    def _who(self, key: int) -> int:
+        """Return the team to show as the one that did a task: one that stands nearest to it."""
+        task = self.tasks[key]
+
+        def away(slot: int) -> float:
+            at = self._shown[slot]
+            return (at.x - task.x) ** 2 + (at.y - task.y) ** 2
+
+        return min(sorted(self._shown), key=away, default=0)
+
+    def _as_task(self, task: TaskFact, steps: int) -> Task:
+        names = {other.name for other in self.scenario.tasks}
+        name = task.name if task.name not in names else f"{task.name} ({len(names) + 1})"
+        at = (task.x, task.y)
+        if isinstance(self.scenario.world, Grid):
+            at = (int(task.x), int(task.y))
+        caps: Mapping[str, int] = dict(zip(self.scenario.capabilities, task.needs, strict=True))
+        needs = {cap: count for cap, count in caps.items() if count}
+        return Task(name, at, needs, round(task.duration / self.mission.step), steps)

@@ -1,0 +1,210 @@
+"""How a mission ends if nothing more happens: played ahead, in many futures where it is uncertain.
+
+A future is a truth that could be behind what has been seen so far. It is drawn, the past is played
+again in it, and where that comes out as it did the mission is played to its end.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from teamformer.grid import Grid, Place
+from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.planning.teams.facts import SharedPlan
+from teamformer.policies.protocol import Policy
+from teamformer.rules.constants import NOBODY
+from teamformer.sim.env import Decision, Tally, TeamFormation
+from teamformer.truth import draw_truth, draw_truth_of_robot
+
+SAMPLES = 40
+"""Futures at most."""
+
+SECONDS = 20.0
+"""For all futures together."""
+
+BAND = (0.1, 0.9)
+"""The parts of the futures that have ended by the two steps of a band."""
+
+
+@dataclass(frozen=True)
+class Past:
+    """The present of a mission, and how it came about."""
+
+    scenario: Scenario
+    env: TeamFormation
+    begin_policy: Callable[[], Policy]
+    decisions: Sequence[Decision]
+    plans: Sequence[tuple[int, SharedPlan]]  # taken over after so many steps
+
+    def with_plan(self, plan: SharedPlan) -> Past:
+        """Return the same if a plan were taken over now."""
+        env, steps = self.env.fork(), self.env.tally().steps
+        env.take_over_plan(plan)
+        return replace(self, env=env, plans=(*self.plans, (steps, plan)))
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """How a mission ends, in one future or several: steps, the fastest first, of those done."""
+
+    futures: int
+    ends: tuple[int, ...]
+    otherwise: Tally | None = None  # of one that is not done
+
+    def text(self) -> str:
+        """Return how it ends as words."""
+        is_sure = self.futures == len(self.ends)
+        part = "" if is_sure else f" in {len(self.ends)} of {self.futures} futures"
+        if not self.ends:
+            assert self.otherwise is not None
+            return f"{self.otherwise.status} after {self.otherwise.steps} steps"
+        low, high = self.band
+        return f"done after {low if low == high else f'{low} to {high}'} steps{part}"
+
+    @property
+    def band(self) -> tuple[int, int]:
+        """Return the steps after which a tenth and nine tenths of the futures done are done."""
+        low, high = (self.ends[int(part * (len(self.ends) - 1) + 0.5)] for part in BAND)
+        return low, high
+
+    @property
+    def mean(self) -> float:
+        """Return the mean steps of the futures that are done."""
+        return sum(self.ends) / len(self.ends)
+
+
+def play_ahead(env: TeamFormation, policy: Policy) -> Tally:
+    """Play an environment to its end; return how that is."""
+    while env.is_running[0]:
+        env.step(policy.decide(env.view()))
+    return env.tally()
+
+
+def forecast(
+    past: Past, is_over: Callable[[], bool] = lambda: False, seconds: float = SECONDS
+) -> Forecast:
+    """Return how the mission ends; `is_over` says that nobody wants to know any more."""
+    if not past.scenario.has_surprises:
+        return _summed_up([play_ahead(past.env.fork(), past.begin_policy())])
+    until = time.monotonic() + seconds
+    tallies: list[Tally] = []
+    for seed in range(SAMPLES):
+        env = _future(past, seed)
+        if env is not None:
+            tallies.append(play_ahead(env, past.begin_policy()))
+        if tallies and (is_over() or time.monotonic() > until):
+            break
+    return _summed_up(tallies or [play_ahead(past.env.fork(), past.begin_policy())])
+
+
+def _summed_up(tallies: Sequence[Tally]) -> Forecast:
+    done = sorted(tally.steps for tally in tallies if tally.status == "completed")
+    others = [tally for tally in tallies if tally.status != "completed"]
+    return Forecast(len(tallies), tuple(done), others[0] if others else None)
+
+
+def _future(past: Past, seed: int) -> TeamFormation | None:
+    """Return the present under a truth that is drawn; None if the past would have been another."""
+    truth = possible_truth(past.scenario, past.env, seed)
+    env = TeamFormation([past.scenario], truths=[truth])
+    for made, decision in enumerate([*past.decisions, None]):
+        for plan in (plan for steps, plan in past.plans if steps == made):
+            env.take_over_plan(plan)
+        if decision is None:
+            break
+        view = env.view()
+        if not env.is_running[0] or len(view.slot) != len(decision.wanted):
+            return None
+        env.step(decision)
+    return env if _looks_alike(env, past.env) else None
+
+
+def _looks_alike(one: TeamFormation, other: TeamFormation) -> bool:
+    """Say whether two environments stand alike, as far as anybody can see."""
+    fields = {
+        "teams": ("x", "y", "size", "serves"),
+        "tasks": ("is_open", "served", "done_at", "shown_at", "found_at", "x", "y"),
+        "robots": ("team",),
+    }
+    return all(
+        np.array_equal(getattr(one.worlds, part)[name], getattr(other.worlds, part)[name])
+        for part, names in fields.items()
+        for name in names
+    )
+
+
+def possible_truth(scenario: Scenario, env: TeamFormation, seed: int) -> Scenario:
+    """Draw a truth that could be behind what has been seen in an environment so far."""
+    drawn, known = draw_truth(scenario, seed), env.truths[0]
+    rng, steps = np.random.default_rng(seed), env.tally().steps
+    seen = env.worlds.tasks[0]
+    tasks = (
+        _possible_task(task, other, real, seen[number], _places_left(env, number), rng)
+        for number, (task, other, real) in enumerate(
+            zip(scenario.tasks, drawn.tasks, known.tasks, strict=True)
+        )
+    )
+    robots = (
+        real if robot.breaks is None else _possible_robot(robot, real, steps, rng)
+        for robot, real in zip(scenario.robots, known.robots, strict=True)
+    )
+    return replace(drawn, tasks=tuple(tasks), robots=tuple(robots))
+
+
+def _possible_task(
+    task: Task,
+    drawn: Task,
+    real: Task,
+    seen: np.void,
+    places: Sequence[Place],
+    rng: np.random.Generator,
+) -> Task:
+    """Return a task as it could be.
+
+    Where it is once it is found, else in one of the places left; what it needs once that is shown;
+    how long it takes once it is done.
+    """
+    at = drawn.at
+    if task.within:
+        at = real.at if seen["found_at"] != NOBODY else places[int(rng.integers(len(places)))]
+    needs = real.needs if seen["shown_at"] != NOBODY else drawn.needs
+    duration = drawn.duration
+    if seen["done_at"] != NOBODY:
+        duration = real.duration
+    elif task.lasts is not None and seen["served"] > 0:
+        duration = int(rng.integers(max(task.lasts[0], seen["served"] + 1), task.lasts[1] + 1))
+    return task.once_known(at, needs, duration)
+
+
+def _places_left(env: TeamFormation, task: int) -> list[Place]:
+    """Return where a task may be whose place is not known."""
+    along = int if isinstance(env.scenarios[0].world, Grid) else float
+    spots = env.worlds.spots[0]
+    left = spots[task][spots[task]["is_possible"]] if len(spots) else ()
+    return [(along(spot["x"]), along(spot["y"])) for spot in left]
+
+
+def _possible_robot(robot: Robot, real: Robot, steps: int, rng: np.random.Generator) -> Robot:
+    """Return a robot as it could be: lost when it was, or later, and back when nobody knows."""
+    breaks = robot.breaks
+    assert breaks is not None
+    away = real.absences[0] if real.absences and real.absences[0].lost <= steps else None
+    if away is not None and (away.back is None or away.back <= steps):
+        return real
+    if away is None:
+        later = draw_truth_of_robot(robot, rng)
+        return replace(
+            later,
+            absences=tuple(
+                Absence(it.lost + steps, None if it.back is None else it.back + steps)
+                for it in later.absences
+            ),
+        )
+    assert breaks.repair is not None
+    least = max(breaks.repair[0], steps + 1 - away.lost)
+    back = away.lost + int(rng.integers(least, breaks.repair[1], endpoint=True))
+    return replace(real, absences=(Absence(away.lost, back),))

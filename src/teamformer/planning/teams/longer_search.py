@@ -1,0 +1,60 @@
+"""A longer search for the shared plan from the present on, as `central` searches, by the clock."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+from teamformer.model import Scenario
+from teamformer.planning.teams.facts import Facts, SharedPlan, possible_tasks, situation_of
+from teamformer.planning.teams.initial import crew_plans
+from teamformer.planning.teams.shared_plan import kept_plan, shared_plan_of
+from teamformer.planning.teams.solve import (
+    BestPlan,
+    from_best,
+    from_coalitions,
+    improve,
+    is_able,
+    start_search,
+)
+
+CENTRAL = "central"
+"""What such a plan is made from."""
+
+
+def search_longer(
+    scenario: Scenario, facts: Facts, old: SharedPlan, seconds: float, seed: int = 0
+) -> SharedPlan:
+    """Return the best plan found in some seconds on two threads; never worse than the old one.
+
+    What is still to come in the scenario is not looked at. It is no pure function of the facts, as
+    what is found hangs on the clock.
+    """
+    begun = time.perf_counter()
+    facts = replace(facts, open_tasks=possible_tasks(scenario, facts))
+    if not facts.open_tasks:
+        return SharedPlan((), (), (), "nothing")
+    situation = situation_of(scenario, facts)
+    problem = situation.problem
+    search = start_search(situation, seed)
+    search.begin(kept_plan(situation, old))
+    for start in crew_plans(problem):
+        if is_able(problem, start):
+            search.begin(start)
+    best = BestPlan(begun, search)
+    coalitions = from_coalitions(problem, best, seed)
+    other = start_search(situation, seed + 1)
+    with ThreadPoolExecutor(2) as pool:
+        work = [
+            pool.submit(improve, best, search, begun + seconds, from_best(best)),
+            pool.submit(improve, best, other, begun + seconds, coalitions),
+        ]
+        try:
+            for done in work:
+                done.result()
+        finally:
+            best.stop()
+    timed = start_search(situation, seed)
+    timed.begin(best.plan)
+    return shared_plan_of(situation, timed, CENTRAL)

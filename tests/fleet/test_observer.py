@@ -1,0 +1,170 @@
+"""A page that watches a fleet: what it makes of words and facts, and what it may do."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from small_worlds import make, robot, task
+from teamformer.fleet.messages import (
+    LIFE,
+    LOST,
+    NOBODY,
+    OPERATOR,
+    Beat,
+    Body,
+    FactsNote,
+    Message,
+    Notice,
+    Offer,
+    Post,
+    Receipt,
+    TaskFact,
+    Word,
+)
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.observer.session import ObserverSession
+from teamformer.fleet.observer.watch import Watch
+from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.replay.record import TeamAt
+
+MISSION = Mission(
+    make([robot("a", 0), robot("a", 1), robot("b", 9)], [task("a", 3), task("ab", 7)])
+)
+EXTRA = TaskFact(7 << 24, "extra", 5.0, 0.0, (1, 0, 0))
+
+
+def message(body: Body, sender: int = 0) -> Message:
+    return Message(1, MISSION.number, sender, -1, body)
+
+
+def word(robot: int, version: int, x: float, team: int, goal: int = NOBODY) -> Word:
+    return Word(robot, version, x, 0.0, team, goal)
+
+
+def test_words_become_steps_of_a_record() -> None:
+    """0 walks to 1, they are one team and head for t0; 2 is lost, then back in another life."""
+    watch = Watch(MISSION)
+    watch.hear(message(Beat(word(0, 2, 1, 0, 0), (word(1, 2, 1, 0, 0),))))
+    first = watch.step()
+    assert first.joins == ((1, 0),)
+    assert first.teams == (TeamAt(0, 1, 0, 0), TeamAt(2, 9, 0, None))
+    watch.hear(message(Beat(word(0, 1, 0, 0))))  # late: an older one
+    watch.hear(message(Beat(word(2, LIFE + LOST + 1, 9, 2), news=(0,)), sender=2))
+    second = watch.step()
+    assert (second.lost, second.done, second.joins) == ((2,), ((0, 0),), ())
+    watch.hear(message(Beat(word(2, 2 * LIFE, 8, 2), news=(0,)), sender=2))
+    third = watch.step()
+    assert (third.back, third.done) == ((2,), ())
+    assert TeamAt(2, 8, 0, None) in third.teams
+    assert TeamAt(0, 1, 0, None) in second.teams  # what is done is headed for no more
+
+
+def test_facts_tell_what_was_done_before_and_what_operators_added() -> None:
+    watch = Watch(MISSION)
+    assert not watch.has_facts
+    assert watch.hear(message(FactsNote((0, EXTRA.key), (EXTRA,))))
+    assert not watch.hear(message(FactsNote((0, EXTRA.key), (EXTRA,))))
+    assert watch.has_facts
+    assert {number for number, _ in watch.step().done} == {0, 2}
+    assert watch.scenario.tasks[2].needs == {"a": 1}
+    watch.hear(message(FactsNote((99,), (TaskFact(8 << 24, "wall", 99.0, 0.0, (1, 0, 0)),))))
+    assert len(watch.tasks) == 3  # what makes no sense is left out
+    assert watch.record().end.tasks_done == 2
+
+
+class Loopback:
+    """A transport to three robots that hold whatever they are offered, and say so."""
+
+    def __init__(self, holders: int) -> None:
+        self._post = Post(MISSION.number, MISSION.robots)
+        self._holders = holders
+        self.offered: list[TaskFact] = []
+        self._waiting: list[bytes] = []
+
+    def send(self, to: int, data: bytes) -> None:
+        said = self._post.open(data)
+        assert said is not None
+        assert isinstance(said.body, Offer)
+        self.offered.append(said.body.task)
+        for sender in range(self._holders):
+            bodies: list[Body] = [Receipt(said.body.task.key)]
+            if said.body.task.key < 1 << 24:  # known: then they say what else is
+                bodies.append(FactsNote((0,)))
+            sealed = [self._post.seal(sender, Notice(OPERATOR, body)) for body in bodies]
+            self._waiting += sealed
+
+    def listen_to(self, robots: Iterable[int]) -> None:
+        assert list(robots) == [0, 1, 2]
+
+    def receive(self, seconds: float) -> Sequence[bytes]:
+        came, self._waiting = self._waiting, []
+        return [*came, b"no message at all"]
+
+    def close(self) -> None:
+        pass
+
+
+def heard_by_a_page(session: ObserverSession, *asked: Any) -> list[dict[str, Any]]:
+    """Return what a page is told that asks for something while the session runs."""
+
+    async def talk() -> list[dict[str, Any]]:
+        running = asyncio.create_task(session.run())
+        watcher = session.join()
+        for message in asked:
+            await session.act(watcher, message if isinstance(message, str) else json.dumps(message))
+        while not session.watch.steps or not session.watch.has_facts:
+            await asyncio.sleep(0.01)
+        running.cancel()
+        told = []
+        while not watcher.outbox.empty():
+            told.append(json.loads(watcher.outbox.get_nowait() or "{}"))
+        return told
+
+    return asyncio.run(talk())
+
+
+def test_a_task_that_a_page_adds_is_published_and_told_once_it_is_held(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("teamformer.fleet.observer.session.AGAIN", 0.02)
+    transport = Loopback(holders=3)
+    session = ObserverSession(Watch(MISSION), transport, b"", tmp_path)
+    new = {"at": [4, 0], "needs": ["b"], "name": "late"}
+    told = heard_by_a_page(session, {"do": "happen", "task": new}, {"do": "save"})
+    assert told[0]["kind"] == "mission"
+    (incident,) = [message for message in told if message["kind"] == "incident"]
+    assert incident["text"].endswith("task late accepted, held by r0, r1, r2")
+    assert incident["record"]["scenario"]["tasks"][2]["name"] == "late"
+    assert incident["is_fleet"]
+    assert {"late", "t0"} <= {task.name for task in transport.offered}
+    record = read_replay(tmp_path / "replay.json")
+    assert record.policy == "fleet"
+    assert [step["kind"] for step in told].count("step") >= 1
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"do": "pause"}, "the fleet goes its own way; nobody can 'pause' it from here"),
+        ({"do": "happen", "lost": "r1"}, "a fleet's robots are lost and back by themselves"),
+        ({"do": "happen", "task": {"at": [99, 0], "needs": ["a"]}}, "outside the map"),
+        ({"do": "happen", "task": {"at": [4, 0], "needs": {"b": 2}}}, "all robots together"),
+        ({"do": "happen", "task": {"at": [4, 0], "needs": ["a"], "name": "t0"}}, "used already"),
+        ({"do": "happen", "task": {"at": [4, 0], "needs": ["a"]}}, "only r0 hold it"),
+        ("{", "the message is no JSON"),
+    ],
+)
+def test_what_a_page_may_not_do_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked: Any, said: str
+) -> None:
+    monkeypatch.setattr("teamformer.fleet.observer.session.AGAIN", 0.02)
+    monkeypatch.setattr("teamformer.fleet.observer.session.PATIENCE", 0.1)
+    session = ObserverSession(Watch(MISSION), Loopback(holders=1), b"", tmp_path)
+    told = heard_by_a_page(session, asked)
+    assert [said in message["text"] for message in told if message["kind"] == "refused"] == [True]

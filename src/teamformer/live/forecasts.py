@@ -72,6 +72,11 @@ class Forecast:
         return low, high
 
     @property
+    def rank(self) -> tuple[int, float]:
+        """Return what is lower for better forecasts: futures not done, then the mean end."""
+        return self.futures - len(self.ends), self.mean if self.ends else 0.0
+
+    @property
     def mean(self) -> float:
         """Return the mean steps of the futures that are done."""
         return sum(self.ends) / len(self.ends)

@@ -13,6 +13,9 @@ from teamformer.model import Absence, Scenario, Task
 from teamformer.planning.teams.facts import SharedPlan
 from teamformer.planning.teams.longer_search import search_longer
 
+SEARCHES = 4
+"""Plans that are searched for, each from other random numbers, and played: the best play counts."""
+
 
 @dataclass(frozen=True)
 class NewTask:
@@ -113,8 +116,11 @@ def search_plan(past: Past, seconds: float) -> PlanTakenOver:
             "a mission with allocation plan can be planned anew"
         )
     believed, facts, old = past.env.plan_now()
-    plan = search_longer(believed, facts, old, seconds)
-    return PlanTakenOver(plan, forecast(past.with_plan(plan)), forecast(past))
+    searches = 1 if past.scenario.has_surprises else SEARCHES
+    plans = [search_longer(believed, facts, old, seconds / searches, n) for n in range(searches)]
+    found = [PlanTakenOver(plan, forecast(past.with_plan(plan)), Forecast(0, ())) for plan in plans]
+    best = min(found, key=lambda it: it.forecast.rank)
+    return replace(best, without=forecast(past))
 
 
 def _number_of(scenario: Scenario, name: str) -> int:

@@ -52,6 +52,7 @@ class MissionPanel {
     const change = more === 0 ? "no later" : `${describeSpan(world, Number(Math.abs(more).toFixed(1)))} ${more > 0 ? "later" : "earlier"}${mean}`;
     this.answer.textContent = `With ${message.text}: ${end}, ${change}.`;
     if (message.kind === "offer") this.propose(more);
+    this.answer.scrollIntoView({ block: "nearest" });
   }
 
   searching({ seconds }) {

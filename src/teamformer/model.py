@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from teamformer.capabilities import total
 from teamformer.errors import ScenarioError
@@ -180,7 +181,7 @@ class Scenario:
         alone = ((robot,) for robot in range(len(self.robots)) if robot not in together)
         return tuple(sorted((*(tuple(sorted(team)) for team in self.teams), *alone)))
 
-    @property
+    @cached_property
     def has_surprises(self) -> bool:
         """Say whether something of the mission is only known while it runs."""
         return any(

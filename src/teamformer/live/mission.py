@@ -58,7 +58,7 @@ class Mission:
         """Say whether the latest step has told something of an uncertain mission."""
         if not self.scenario.has_surprises:
             return False
-        latest = self.record().steps[-1]
+        latest = self._recorder.latest
         shown = latest.shown or latest.found or latest.moved or latest.done
         return bool(shown or latest.lost or latest.back)
 
@@ -68,7 +68,7 @@ class Mission:
         self._env.step(decision)
         self._decisions.append(decision)
         self._recorder.step()
-        return self.record().steps[-1]
+        return self._recorder.latest
 
     def happen(self, incident: Happening) -> None:
         """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""

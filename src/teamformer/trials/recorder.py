@@ -100,6 +100,11 @@ class Recorder:
         why = tuple(dict.fromkeys(reason for it in (*replaced, plan) for reason in it.reasons))
         self._shared_plans.append((steps, SharedPlanMade(why, plan.coalitions)))
 
+    @property
+    def latest(self) -> Step:
+        """Return what the latest step has changed."""
+        return self._steps[-1]
+
     def finish(self, policy: str, seed: int, lower_bound: int | None) -> Replay:
         """Return the record so far: one of a trial that still runs is of an interrupted one."""
         made = self._before.tally.steps
@@ -227,8 +232,12 @@ def _splits(
     bring together, (robots, caps), can have stayed.
     """
     splits = []
+    slot_of = {robot: slot for slot, robots in formed.items() for robot in robots}
     for robots in before.values():
-        parts = [part for part in formed.values() if set(part) < set(robots)]
+        if len(robots) == 1:
+            continue
+        slots = sorted({slot_of[robot] for robot in robots})
+        parts = [formed[slot] for slot in slots if set(formed[slot]) < set(robots)]
         if len(parts) == 2:
             one, other = parts
             if not stays[one[0]] or not _are_first(one, robots, brings):
@@ -254,11 +263,13 @@ def _changed_teams(
     before: _Snapshot, after: _Snapshot, along: Callable[[float], float]
 ) -> tuple[TeamAt, ...]:
     """Return the teams that are new or elsewhere or head elsewhere; `along` turns coordinates."""
-    changed = []
-    for slot in sorted(after.groups):
-        was, now = before.teams[slot], after.teams[slot]
-        same = all(was[field] == now[field] for field in ("x", "y", "task"))
-        if slot not in before.groups or not same:
-            task = None if now["task"] == NOBODY else int(now["task"])
-            changed.append(TeamAt(slot, along(now["x"]), along(now["y"]), task))
-    return tuple(changed)
+    fields = ("x", "y", "task")
+    is_other = np.any([before.teams[name] != after.teams[name] for name in fields], axis=0)
+    new = [slot for slot in after.groups if slot not in before.groups or is_other[slot]]
+    rows = zip(
+        sorted(new), *(after.teams[name][sorted(new)].tolist() for name in fields), strict=True
+    )
+    return tuple(
+        TeamAt(slot, along(x), along(y), None if task == NOBODY else task)
+        for slot, x, y, task in rows
+    )

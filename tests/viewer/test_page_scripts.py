@@ -107,8 +107,9 @@ def two_robots(steps: list[Tree], needs: Any = ("lift",), duration: int = 0) -> 
 def test_a_robot_is_lost_and_back_again_and_again(scripts: Any) -> None:
     steps = [{"lost": [0]}, {"back": [0], "teams": [[0, 4, 3, None]]}, {}, {"lost": [0]}, {}]
     ask = """(tree) => { const history = frames(tree);
-      return [0, 1, 2, 3, 4, 5].map((step) => [robotsLostAt(history, step),
-        absenceAt(history, 0, step)?.from ?? null, absenceAt(history, 0, step)?.place ?? null]); }"""
+      const away = (step) => absenceAt(history, 0, step);
+      return [0, 1, 2, 3, 4, 5].map((step) =>
+        [robotsLostAt(history, step), away(step)?.from ?? null, away(step)?.place ?? null]); }"""
     here, lost, again = [[], None, None], [[0], 1, [3, 3]], [[0], 4, [4, 3]]
     assert scripts.evaluate(ask, two_robots(steps)) == [here, lost, here, here, again, again]
 

@@ -226,6 +226,11 @@ def test_a_longer_search_is_never_worse_and_its_gain_is_what_comes() -> None:
     assert found.forecast.ends == (run.steps,)
 
 
+def test_a_search_that_nobody_waits_for_ends_at_once() -> None:
+    found = search_plan(planned().past(), seconds=3600, is_over=lambda: True)
+    assert found.forecast.ends[0] <= found.without.ends[0]
+
+
 def test_only_a_shared_plan_can_be_another() -> None:
     run = mission()
     past = replace(run.past(), scenario=replace(run.scenario, allocation="crews"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from teamformer.capabilities import describe
@@ -107,8 +107,13 @@ class PlanTakenOver:
 Happening = Incident | PlanTakenOver
 
 
-def search_plan(past: Past, seconds: float) -> PlanTakenOver:
-    """Search for a better plan from the present on, as `central` does; say what it would gain."""
+def search_plan(
+    past: Past, seconds: float, is_over: Callable[[], bool] = lambda: False
+) -> PlanTakenOver:
+    """Search for a better plan from the present on, as `central` does; say what it would gain.
+
+    `is_over` says that nobody wants to know any more.
+    """
     allocation = past.scenario.allocation
     if allocation != "plan":
         raise TeamformerError(
@@ -117,7 +122,11 @@ def search_plan(past: Past, seconds: float) -> PlanTakenOver:
         )
     believed, facts, old = past.env.plan_now()
     searches = 1 if past.scenario.has_surprises else SEARCHES
-    plans = [search_longer(believed, facts, old, seconds / searches, n) for n in range(searches)]
+    plans = [
+        search_longer(believed, facts, old, seconds / searches, seed, is_over)
+        for seed in range(searches)
+        if seed == 0 or not is_over()
+    ]
     found = [PlanTakenOver(plan, forecast(past.with_plan(plan)), Forecast(0, ())) for plan in plans]
     best = min(found, key=lambda it: it.forecast.rank)
     return replace(best, without=forecast(past))

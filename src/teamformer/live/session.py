@@ -219,11 +219,14 @@ class Session:
         async with self.lock:
             past, moment = self.mission.past(), self._moment()
         self._tell_all("searching", {"seconds": seconds})
+        is_over = threading.Event()
         try:
-            found = await asyncio.to_thread(search_plan, past, seconds)
+            found = await asyncio.to_thread(search_plan, past, seconds, is_over.is_set)
         except TeamformerError as error:
             self._tell_all("refused", {"text": str(error)})
             return
+        finally:
+            is_over.set()
         self._offer = (moment, found)
         ends = _forecast_to_tree(found.forecast) | {"without": _forecast_to_tree(found.without)}
         self._tell_all("offer", ends | {"text": "a plan of central", "at": moment[0]})

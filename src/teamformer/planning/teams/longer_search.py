@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 
 from teamformer.model import Scenario
@@ -19,17 +20,25 @@ from teamformer.planning.teams.solve import (
     start_search,
 )
 
+LOOK = 0.1
+"""Seconds between two looks at whether anybody still waits."""
+
 CENTRAL = "central"
 """What such a plan is made from."""
 
 
 def search_longer(
-    scenario: Scenario, facts: Facts, old: SharedPlan, seconds: float, seed: int = 0
+    scenario: Scenario,
+    facts: Facts,
+    old: SharedPlan,
+    seconds: float,
+    seed: int = 0,
+    is_over: Callable[[], bool] = lambda: False,
 ) -> SharedPlan:
     """Return the best plan found in some seconds on two threads; never worse than the old one.
 
     What is still to come in the scenario is not looked at. It is no pure function of the facts, as
-    what is found hangs on the clock.
+    what is found hangs on the clock. `is_over` says that nobody waits for it any more.
     """
     begun = time.perf_counter()
     facts = replace(facts, open_tasks=possible_tasks(scenario, facts))
@@ -51,10 +60,12 @@ def search_longer(
             pool.submit(improve, best, other, begun + seconds, coalitions),
         ]
         try:
-            for done in work:
-                done.result()
+            while wait(work, timeout=LOOK).not_done and not is_over():
+                pass
         finally:
             best.stop()
+        for done in work:
+            done.result()
     timed = start_search(situation, seed)
     timed.begin(best.plan)
     return shared_plan_of(situation, timed, CENTRAL)

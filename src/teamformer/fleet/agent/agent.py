@@ -72,7 +72,7 @@ class Agent:
         self._namesakes = 0
         self._mates_changes = 0  # grows when somebody says something new about the task at hand
         self._report = Report(*self._place)
-        self._decided: tuple[int, ...] = ()
+        self._decided = -1  # the changes that it has decided upon
         self._plan_at = float("inf")
         others = frozenset(range(mission.robots)) - {me}
         self.watched = others if mission.robots <= HEARS_ALL else self._neighbours()
@@ -91,7 +91,7 @@ class Agent:
             self._hear(message, now, notices)
         if report.number < self._report.number:
             report = self._report  # this one came late
-        if now < self.due and report == self._report and self._state() == self._decided:
+        if now < self.due and self._changes() == self._decided and report == self._report:
             return self.command, notices
         self._report = report
         self._sense(report, now)
@@ -104,13 +104,13 @@ class Agent:
         self._steer(now)
         self.voice.speak(now, self._place, notices)
         self.due = min(self._next_time(now), self.voice.next_beat)
-        self._decided = self._state()
+        self._decided = self._changes()
         return self.command, notices
 
-    def _state(self) -> tuple[int, ...]:
-        """Return what changes whenever there may be something to decide."""
-        changes = (self.knowledge.changes, self.membership.changes, self._mates_changes)
-        return *changes, *self.keeper.plan.version
+    def _changes(self) -> int:
+        """Return what grows whenever there may be something to decide."""
+        news = self.knowledge.changes + self.membership.changes
+        return news + self._mates_changes + self.keeper.changes
 
     def age(self, now: float) -> float:
         """Return how long the mission has been going on, in seconds."""
@@ -254,10 +254,12 @@ class Agent:
             place = self.mission.base_of(self.me) if self._misses_somebody(now) else None
         if place is None and service.goal == command.task != NOBODY:
             place = command.place  # forming where it stands
-        if (place, service.goal) != (command.place, command.task):
-            command = Command(command.leg + 1, place, service.goal)
-        is_serving = service.phase == SERVE
-        self.command = command._replace(serve=is_serving, team=service.team)
+        leg = command.leg
+        if service.goal != command.task or place != command.place:
+            leg += 1
+        new = Command(leg, place, service.goal, service.team, service.phase == SERVE)
+        if new != command:
+            self.command = new
 
     def _misses_somebody(self, now: float) -> bool:
         """Say whether somebody is out of hearing: then who has nothing to do goes to the base."""
@@ -287,8 +289,7 @@ class Agent:
 
     def _next_time(self, now: float) -> float:
         """Return when something is to be decided, even if nothing is heard until then."""
-        times = [self._look_at, self._plan_at, self._leaves_when]
-        if self.service.formed > now:
-            times.append(self.service.formed)
-        times.append(self._born + self.knowledge.appears_next)
-        return min(times)
+        formed = self.service.formed
+        appears = self._born + self.knowledge.appears_next
+        time = min(self._look_at, self._plan_at, self._leaves_when, appears)
+        return formed if now < formed < time else time

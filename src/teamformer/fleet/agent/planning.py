@@ -85,7 +85,8 @@ class PlanKeeper:
         self._knowledge = knowledge
         self._planner = planner
         self._reason_since: float | None = None
-        self._looked_at = (-1, -1, -1, -1)
+        self.changes = 0  # grows with every plan that is followed
+        self._looked_at = -1  # the changes after which it last looked for a reason
         self._next = 0
 
     def take(self, note: PlanNote, now: float) -> bool:
@@ -100,6 +101,7 @@ class PlanKeeper:
 
     def _follow(self, plan: FleetPlan, now: float) -> None:
         self.plan, self.since, self._next = plan, now, 0
+        self.changes += 1
 
     def next_task(self, robot: int) -> int:
         """Return a robot's first task that is known here and not done, or NOBODY."""
@@ -150,7 +152,7 @@ class PlanKeeper:
     def _look(self, now: float, membership: Membership) -> None:
         """Look for a reason to plan, where anything has changed since the last look."""
         knowledge = self._knowledge
-        looked = (knowledge.changes, membership.changes, *self.plan.version[:2])
+        looked = knowledge.changes + membership.changes + self.changes  # all of which grow
         if looked == self._looked_at:
             return
         self._looked_at = looked

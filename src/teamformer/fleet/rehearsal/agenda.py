@@ -10,13 +10,16 @@ from teamformer.fleet.messages import Message
 Happening = tuple[str, int]
 """What begins or ends, and whom or which fault it is about."""
 
+Letter = tuple[int, int, Message]
+"""From whom, to whom, and what."""
+
 
 class Agenda:
     """What comes when; whole ticks, and none twice."""
 
     def __init__(self) -> None:
         self.happenings: dict[int, list[Happening]] = defaultdict(list)
-        self.letters: dict[int, list[tuple[int, int, Message]]] = defaultdict(list)
+        self.letters: dict[int, list[Letter]] = defaultdict(list)
         self.wakes: dict[int, list[int]] = defaultdict(list)
         self._ticks: list[int] = []
         self._planned: set[int] = set()

@@ -11,8 +11,8 @@ import math
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.knowledge import Remembered
 from teamformer.fleet.agent.planning import FleetPlan
-from teamformer.fleet.bodies.body import Report
-from teamformer.fleet.bodies.world import FleetWorld
+from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.bodies.world import NEVER, FleetWorld
 from teamformer.fleet.messages import NOBODY, OPERATOR, Beat, Message, Notice, Post
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.operator import AGAIN, Operator
@@ -62,8 +62,11 @@ class Rehearsal:
         self._skew = faults.skew or (0.0,) * robots
         self._drift = faults.drift or (0.0,) * robots
         self._tick = 0
+        self.now = 0.0  # the true time in seconds
         self._agenda = Agenda()
         self._wake = [0] * robots  # when each is to be ticked next
+        self._due = [0.0] * robots  # what each will be awake for, by its own clock
+        self._next_event = NEVER  # of the world, that has been put on the agenda
         self._inbox: list[list[Message]] = [[] for _ in range(robots)]
         self._paused = [0] * robots
         self._saved: list[Remembered | None] = [None] * robots
@@ -86,11 +89,6 @@ class Rehearsal:
         self.agents: list[Agent | None] = [self._start(robot, None) for robot in range(robots)]
         self._plan_happenings()
 
-    @property
-    def now(self) -> float:
-        """Return the true time in seconds."""
-        return self._tick * TICK
-
     def run(self, deadline: float) -> Outcome:
         """Play until all is done that can be done and the last fault is over, or the deadline."""
         last, over = math.ceil(deadline / TICK), self.faults.over
@@ -100,7 +98,7 @@ class Rehearsal:
             tick = self._agenda.next_tick()
             if tick > last:
                 break
-            self._tick = tick
+            self._tick, self.now = tick, tick * TICK
             self._step()
             if self._is_to_look and self.now >= over and self._is_over():
                 status = "infeasible" if self._impossible() else "ended"
@@ -126,47 +124,53 @@ class Rehearsal:
             if self._wake[robot] == tick:
                 awake.add(robot)
         for robot in sorted(awake):
-            if self.agents[robot] is not None and not self._paused[robot]:
-                self._tick_agent(robot)
-        self._schedule(math.ceil(min(self.world.next_event, 1e9) / TICK - 1e-9))
+            agent = self.agents[robot]
+            if agent is not None and not self._paused[robot]:
+                self._tick_agent(robot, agent)
+        self._note_walks()
+        next_event = self.world.next_event
+        if next_event != self._next_event and next_event < NEVER:
+            self._next_event = next_event
+            self._agenda.visit(max(self._tick + 1, math.ceil(next_event / TICK - 1e-9)))
 
     def _advance(self) -> set[int]:
         """Let the world go on to now."""
         awake = self.world.advance(self.now)
-        for done in list(self.world.done.values())[self._finished :]:
-            self.trace.events.append(Finished(done.at, done.key))
+        if len(self.world.done) > self._finished:
+            for done in list(self.world.done.values())[self._finished :]:
+                self.trace.events.append(Finished(done.at, done.key))
+            self._finished = len(self.world.done)
             self._is_to_look = True
-        self._finished = len(self.world.done)
         return awake
 
-    def _tick_agent(self, robot: int) -> None:
-        agent = self.agents[robot]
-        assert agent is not None
-        inbox, self._inbox[robot] = self._inbox[robot], []
+    def _tick_agent(self, robot: int, agent: Agent) -> None:
+        inbox = self._inbox[robot]
+        if inbox:
+            self._inbox[robot] = []
         clock = self._clock(robot)
         if robot in self._touched or clock >= agent.due:
             self._touched.discard(robot)
             self._sensed[robot] = self._report(robot)
-        plans, before = agent.keeper.made, agent.command
+        before, plans = agent.command, agent.keeper.made
         command, notices = agent.tick(clock, self._sensed[robot], inbox)
-        if command is before and not notices:  # it had nothing to decide
-            if self._wake[robot] <= self._tick:
-                self._wake_when_due(robot, agent)
-            return
-        self._plans += agent.keeper.made - plans
-        self._save(robot, agent, clock)
-        self._note(robot, agent)
-        touched = self.world.command(robot, command)
-        for other in touched:
-            self._touched.add(other)
-            self._wake_at(other, self._tick + 1)
+        if agent.memory_version != self._saved_version[robot]:
+            self._saved_version[robot] = agent.memory_version
+            self._saved[robot] = agent.remember(clock)
+        if command is not before:
+            self._note_work(robot, command)
+            for other in self.world.command(robot, command):
+                self._touched.add(other)
+                self._wake_at(other, self._tick + 1)
         for notice in notices:
             self._send(robot, notice)
-        self._wake_when_due(robot, agent)
+        self._plans += agent.keeper.made - plans
+        if self._wake[robot] <= self._tick or agent.due < self._due[robot]:
+            self._wake_when_due(robot, agent)
 
     def _wake_when_due(self, robot: int, agent: Agent) -> None:
         due = (agent.due - self._skew[robot]) / (1 + self._drift[robot])
         self._wake_at(robot, max(self._tick + 1, math.ceil(due / TICK - 1e-9)))
+        self._due[robot] = agent.due
 
     def _clock(self, robot: int) -> float:
         return self._skew[robot] + self.now * (1 + self._drift[robot])
@@ -183,22 +187,19 @@ class Rehearsal:
             self._touched.add(robot)
         return reports.at(self.now)
 
-    def _save(self, robot: int, agent: Agent, clock: float) -> None:
-        if agent.memory_version != self._saved_version[robot]:
-            self._saved_version[robot] = agent.memory_version
-            self._saved[robot] = agent.remember(clock)
-
-    def _note(self, robot: int, agent: Agent) -> None:
+    def _note_work(self, robot: int, command: Command) -> None:
         """Write down what a robot begins or stops to do."""
-        command, work = agent.command, (NOBODY, NOBODY)
-        if command.serve:
-            work = (command.task, command.team)
+        work = (command.task, command.team) if command.serve else (NOBODY, NOBODY)
         if work != self._worked[robot]:
             self._worked[robot] = work
             self.trace.events.append(Worked(self.now, robot, *work))
-        for at, who, points, begin, time in self.world.walks[self._walks :]:
-            self.trace.events.append(Walked(at, who, points, begin, time))
-        self._walks = len(self.world.walks)
+
+    def _note_walks(self) -> None:
+        """Write down who has set out."""
+        walks = self.world.walks
+        if len(walks) > self._walks:
+            self.trace.events += [Walked(*walk) for walk in walks[self._walks :]]
+            self._walks = len(walks)
 
     def _send(self, robot: int, notice: Notice) -> None:
         body = notice.body
@@ -223,19 +224,15 @@ class Rehearsal:
     def _deliver(self, at: float, sender: int, receiver: int, message: Message) -> None:
         tick = max(self._tick + 1, math.ceil(at / TICK))
         self._agenda.letters[tick].append((sender, receiver, message))
-        self._schedule(tick)
+        self._agenda.visit(tick)
 
     def _wake_at(self, robot: int, tick: int) -> None:
         """Tick an agent then; or before, if that is planned already."""
         if self._wake[robot] > self._tick and self._wake[robot] <= tick:
             return
-        self._wake[robot] = tick
+        self._wake[robot], self._due[robot] = tick, NEVER
         self._agenda.wakes[tick].append(robot)
-        self._schedule(tick)
-
-    def _schedule(self, tick: int) -> None:
-        if tick > self._tick:
-            self._agenda.visit(tick)
+        self._agenda.visit(tick)
 
     def _start(self, robot: int, remembered: Remembered | None) -> Agent:
         nonce = robot + 1000 * len(self.trace.events)
@@ -273,7 +270,7 @@ class Rehearsal:
     def _put(self, at: float, what: str, who: int) -> None:
         tick = max(self._tick + 1, math.ceil(at / TICK))
         self._agenda.happenings[tick].append((what, who))
-        self._schedule(tick)
+        self._agenda.visit(tick)
 
     def _happen(self, what: str, who: int) -> set[int]:
         """Let a fault begin or end; return the robots that sense it."""

@@ -5,8 +5,8 @@ The promises:
 - nobody serves in two teams: a robot at work is so for one task, with the team that its last word
   names, standing at that task;
 - nobody begins to serve a task that is open unless robots that stand there, itself included, have
-  what it needs and have said that they will stay (a body that reports late may let its mind begin
-  what is done already, which does nothing);
+  what it needs and have said that they will stay; nor to serve one that is done, but for the
+  moment that a body which reports late does not know that it is done, in which nothing happens;
 - who says that it stays, stays: until the time is over or the task is done;
 - no task is done twice, and none without a team that was at work on it for its whole duration and
   had what it needs all the while;
@@ -36,6 +36,10 @@ DRIFT = 0.06
 
 A_TICK = 0.05
 """Seconds in which things count as happening at once."""
+
+
+LATEST = 3.0
+"""Seconds that a body may take to report at most: twice what a schedule lets it be late."""
 
 
 @dataclass
@@ -153,7 +157,9 @@ class Checker:
                 and (other.has_forgotten or self._stands_at(number, event.task, event.at))
             )
         ]
-        if event.task not in self._done and not self._covers(bound, event.task):
+        done_at = self._done.get(event.task)
+        is_just_done = done_at is not None and event.at - done_at <= LATEST
+        if not is_just_done and not self._covers(bound, event.task):
             self._blame(
                 f"{event.at:.2f} s: {who} begins to serve task '{task}' although not all that it "
                 "needs is bound to be there"

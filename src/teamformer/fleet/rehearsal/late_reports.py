@@ -7,6 +7,9 @@ from collections.abc import Callable
 
 from teamformer.fleet.bodies.body import Report
 
+EVERY = 0.1
+"""Seconds between two reports of nothing but another place."""
+
 
 class LateReports:
     """The reports of one body, each `lag` seconds late; at times an older one comes again.
@@ -21,8 +24,14 @@ class LateReports:
         self._kept: deque[tuple[float, Report]] = deque()
 
     def is_news(self, report: Report) -> bool:
-        """Say whether a report is to be kept: there was none, or another was the last."""
+        """Say whether there was no report yet, or another was the last."""
         return not self._kept or self._kept[-1][1][:-1] != report[:-1]
+
+    def is_due(self, now: float, report: Report) -> bool:
+        """Say whether news is to be kept now: nothing but another place has to wait."""
+        if not self._kept or self._kept[-1][1][2:-1] != report[2:-1]:
+            return True
+        return now - self._kept[-1][0] > EVERY - 1e-9
 
     def keep(self, now: float, report: Report) -> None:
         """Keep a report until its time has come."""

@@ -18,8 +18,9 @@ from teamformer.fleet.mission import Mission
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.planner import Planner
 from teamformer.fleet.rehearsal.agenda import Agenda
+from teamformer.fleet.rehearsal.ending import Ending
 from teamformer.fleet.rehearsal.faults import Faults
-from teamformer.fleet.rehearsal.late_reports import LateReports
+from teamformer.fleet.rehearsal.late_reports import EVERY, LateReports
 from teamformer.fleet.rehearsal.network import RehearsedNetwork
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.trace import (
@@ -83,6 +84,7 @@ class Rehearsal:
         self._finished = 0
         self._is_to_look = True  # something has changed that a mission can end with
         self._operators = [Operator(order.task, robots) for order in faults.orders]
+        self._ending = Ending(mission, faults, self.world, self._operators)
         self._plans = 0
         self._alive_since = [0.0] * robots
         self._robot_seconds = 0.0
@@ -100,9 +102,12 @@ class Rehearsal:
                 break
             self._tick, self.now = tick, tick * TICK
             self._step()
-            if self._is_to_look and self.now >= over and self._is_over():
-                status = "infeasible" if self._impossible() else "ended"
-                break
+            if self._is_to_look and self.now >= over:
+                self._is_to_look = False
+                left = self._ending.left(self.now, self._held())
+                if left is not None:
+                    status = "infeasible" if left else "ended"
+                    break
         return self._outcome(status)
 
     def _step(self) -> None:
@@ -182,8 +187,11 @@ class Rehearsal:
         if not reports.lag and not self.faults.stutter:
             return report
         if reports.is_news(report):
-            reports.keep(self.now, report)
-            self._wake_at(robot, self._tick + max(1, math.ceil(reports.lag / TICK)))
+            wait = EVERY
+            if reports.is_due(self.now, report):
+                reports.keep(self.now, report)
+                wait = max(reports.lag, EVERY)
+            self._wake_at(robot, self._tick + math.ceil(wait / TICK))
             self._touched.add(robot)
         return reports.at(self.now)
 
@@ -334,53 +342,22 @@ class Rehearsal:
         self._put(self.now + 1 / self.faults.junk, "junk", 0)
         return set()
 
-    def _able(self) -> list[int]:
-        """Return the robots that are, or will be, able to work."""
-        robots = self.world.robots
-        gone = {spell.robot for spell in self.faults.stuck if spell.end is None}
-        return [r for r in range(len(robots)) if not robots[r].is_dead and r not in gone]
-
-    def _impossible(self) -> list[str]:
-        """Return the tasks that are not done, and that the robots left cannot do or know."""
-        able, lost = self._able(), self._lost_orders()
-        return [
-            task.name
-            for key, task in self.world.tasks.items()
-            if key not in self.world.done and (key in lost or not self.mission.can_do(able, task))
-        ]
-
-    def _lost_orders(self) -> set[int]:
-        """Return the accepted tasks that all who held them have lost with their memory."""
-        forgetful = {
-            crash.robot: crash.at
-            for crash in self.faults.crashes
-            if crash.at <= self.now and (crash.back is None or not crash.keeps_facts)
-        }
-        return {
-            order.task.key
-            for operator, order in zip(self._operators, self.faults.orders, strict=True)
-            if operator.is_accepted
-            and all(forgetful.get(robot, -1.0) >= order.at for robot in operator.holders)
-        }
-
-    def _is_over(self) -> bool:
-        """Say whether all is done that can be done."""
-        self._is_to_look = False
-        able = self._able()
-        taken = {o.task.key for o in self._operators if not o.is_accepted} | self._lost_orders()
-        if any(len(able) >= o.needed for o in self._operators if not o.is_accepted):
-            return False
-        return all(
-            key in self.world.done or key in taken or not self.mission.can_do(able, task)
-            for key, task in self.world.tasks.items()
-        )
+    def _held(self) -> set[int]:
+        """Return the operators' tasks that somebody knows, or has on its disk and will be back."""
+        agents = [agent for agent in self.agents if agent is not None]
+        held = {task.key for agent in agents for task in agent.knowledge.added}
+        for crash in self.faults.crashes:
+            saved = self._saved[crash.robot]
+            if saved and crash.keeps_facts and crash.back is not None and crash.back > self.now:
+                held |= {task.key for task in saved.added}
+        return held
 
     def _outcome(self, status: str) -> Outcome:
         world, network = self.world, self._network
         alive = [r for r, agent in enumerate(self.agents) if agent is not None]
         seconds = self._robot_seconds + sum(self.now - self._alive_since[r] for r in alive)
         undone = [task for key, task in world.tasks.items() if key not in world.done]
-        impossible = self._impossible()
+        impossible = [task.name for task in self._ending.impossible(self.now, self._held())]
         blocked = [task.name for task in undone if task.name not in impossible]
         return Outcome(
             status=status,

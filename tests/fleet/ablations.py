@@ -52,11 +52,8 @@ def break_off_at_once(self: Service, now: float, fellows: list[Word], is_busy: b
     return NEXT_PHASE(self, now, fellows, is_busy)
 
 
-def join_the_lowest(self: Service, now: float, going: list[Word], here: list[Word]) -> None:
-    company = {word.robot for word in here} | {self._knowledge.me}
-    if min(company) != self.team:
-        self.team = min(company)
-        self.formed = now + self._knowledge.mission.forming
+def join_the_lowest(self: Service, going: list[Word], here: list[Word]) -> int:
+    return min({word.robot for word in here} | {self._knowledge.me})
 
 
 HEAR, JUDGE, TELL = Membership.hear, Membership.judge_myself, Voice.tell

@@ -11,6 +11,10 @@ import typer
 from teamformer.cli.app import AsJson, ScenarioPath, Seed, app
 from teamformer.errors import TeamformerError
 
+Policy = Annotated[
+    str | None, typer.Option(help="who decides for teams; the shared plan by default")
+]
+
 
 @app.command()
 def robotarium(
@@ -56,13 +60,14 @@ def rehearse(
     workers: Annotated[
         int | None, typer.Option(min=1, help="processes; one for each core by default")
     ] = None,
+    policy: Policy = None,
     as_json: AsJson = False,
 ) -> None:
     """Try the fleet's own agents under random faults: every robot a mind of its own, no server."""
     from teamformer.commands.robots.rehearse import Options
     from teamformer.commands.robots.rehearse import rehearse as command
 
-    options = Options(schedules, seed, loss, crashes, schedule, out, workers)
+    options = Options(schedules, seed, loss, crashes, schedule, out, workers, policy)
     raise typer.Exit(command(scenario, options, as_json))
 
 
@@ -75,6 +80,7 @@ def fleet(
     ] = 0.0,
     facts: Annotated[Path | None, typer.Option(help="folder for the agents' facts files")] = None,
     time_limit: Annotated[float, typer.Option(min=1, help="seconds until it gives up")] = 3600.0,
+    policy: Policy = None,
     task: Annotated[str | None, typer.Option(help="add: the new task's name")] = None,
     at: Annotated[str | None, typer.Option(help="add: its place, X,Y")] = None,
     needs: Annotated[str | None, typer.Option(help="add: such as lift:2,scan")] = None,
@@ -93,7 +99,7 @@ def fleet(
     if verbs not in ([], ["add"]):
         raise TeamformerError(f"'{' '.join(words)}' is not one scenario", "give one file")
     if not verbs:
-        options = Options(pace, drop, facts, time_limit)
+        options = Options(pace, drop, facts, time_limit, policy)
         raise typer.Exit(command(Path(path), options, as_json))
     if task is None or at is None or needs is None:
         raise TeamformerError("a task to add needs --task NAME, --at X,Y and --needs ...")
@@ -118,10 +124,12 @@ def agent(
     drop: Annotated[
         float, typer.Option(min=0, max=0.95, help="of messages to throw away, for trials")
     ] = 0.0,
+    policy: Policy = None,
 ) -> None:
     """Run the mind of one robot, over Zenoh from peer to peer."""
     from teamformer.commands.robots.agent import Options
     from teamformer.commands.robots.agent import agent as command
 
-    options = Options(robot, body, listen, tuple(connect or ()), key, tls, facts, plan, pace, drop)
+    ends = (listen, tuple(connect or ()))
+    options = Options(robot, body, *ends, key, tls, facts, plan, pace, drop, policy)
     raise typer.Exit(command(scenario, options))

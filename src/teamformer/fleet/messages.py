@@ -127,7 +127,14 @@ class Receipt(Struct, frozen=True, array_like=True, tag=5):
     key: Key
 
 
-Body = Beat | FactsNote | PlanNote | Offer | Receipt
+class LeadNote(Struct, frozen=True, array_like=True, tag=6):
+    """What a policy wants of others: a team is to join the sender's, robots are to leave it."""
+
+    calls: Number = NOBODY
+    sends_off: Annotated[tuple[Number, ...], Meta(max_length=MOST_TASKS)] = ()
+
+
+Body = Beat | FactsNote | PlanNote | Offer | Receipt | LeadNote
 
 
 class Message(Struct, frozen=True, array_like=True):

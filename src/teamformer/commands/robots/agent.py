@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.commands.robots.rehearse import require_extra
+from teamformer.commands.robots.rehearse import check_policy, require_extra
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.model import Scenario
@@ -30,6 +30,7 @@ class Options:
     plan: Path | None
     pace: float
     drop: float
+    policy: str | None = None
 
 
 def agent(path: Path, options: Options) -> int:
@@ -38,6 +39,7 @@ def agent(path: Path, options: Options) -> int:
     from teamformer.fleet.agent.planning import FleetPlan, first_plan
     from teamformer.fleet.mission import Mission, seconds_a_step
     from teamformer.fleet.planner import SharedPlanner
+    from teamformer.fleet.policies import policy_of
     from teamformer.fleet.process.facts_file import FactsFile
     from teamformer.fleet.process.loop import AgentProcess
     from teamformer.fleet.transports.transport import (
@@ -64,11 +66,15 @@ def agent(path: Path, options: Options) -> int:
         plan = FleetPlan(_read_plan(options.plan))
     else:
         plan = first_plan(mission, SharedPlanner())
+    check_policy(options.policy, scenario)
+    policy = None if options.policy is None else policy_of(options.policy, robot)
     make_body = _body_maker(options.body, mission, robot)
     ends = (options.listen, options.connect)
     transport = ZenohTransport(mission.number, robot, *ends, options.drop, certificates)
     try:
-        process = AgentProcess(mission, robot, plan, transport, make_body(transport), secret, facts)
+        process = AgentProcess(
+            mission, robot, plan, transport, make_body(transport), secret, facts, policy
+        )
         print(f"agent {options.robot} of mission {mission.number:x}", file=sys.stderr, flush=True)
         return process.run()
     finally:

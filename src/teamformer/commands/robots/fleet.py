@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from teamformer.commands.console import out, prepare_folder, print_json, say
-from teamformer.commands.robots.rehearse import require_extra
+from teamformer.commands.robots.rehearse import check_policy, require_extra
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.scenarios.files import read_scenario
@@ -23,6 +23,7 @@ class Options:
     drop: float
     folder: Path | None
     time_limit: float
+    policy: str | None = None
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,11 @@ def fleet(path: Path, options: Options, as_json: bool) -> int:
     scenario = read_scenario(path, rules_of_simulated_missions)
     if options.folder is not None:
         prepare_folder(options.folder)
+    check_policy(options.policy, scenario)
     mission = Mission(scenario, seconds_a_step(scenario, options.pace))
     with TemporaryDirectory(prefix="teamformer-facts-") as temporary:
         folder = options.folder or Path(temporary)
-        local = LocalFleet(mission, options.pace, options.drop, folder, say)
+        local = LocalFleet(mission, options.pace, options.drop, folder, say, options.policy)
         result = local.run(options.time_limit)
     makespan = max((done.at for done in result.done), default=None)
     robots = scenario.robots

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from statistics import fmean
@@ -31,6 +32,7 @@ class Options:
     schedule: int | None
     folder: Path | None
     workers: int | None
+    policy: str | None = None
 
 
 def rehearse(path: Path, options: Options, as_json: bool) -> int:
@@ -45,7 +47,8 @@ def rehearse(path: Path, options: Options, as_json: bool) -> int:
             raise TeamformerError("--out is for one schedule", "say which with --schedule K")
         prepare_folder(options.folder)
     _check(scenario, options)
-    stage = set_stage(Mission(scenario, seconds_a_step(scenario)))
+    check_policy(options.policy, scenario)
+    stage = set_stage(Mission(scenario, seconds_a_step(scenario)), options.policy)
     if stage.undisturbed.status == "blocked":
         names = ", ".join(stage.undisturbed.blocked_tasks)
         raise TeamformerError(f"undisturbed, the fleet never does {names}", "report this mission")
@@ -62,6 +65,15 @@ def require_extra(*libraries: str) -> None:
                 f"the fleet needs a library that is not installed: {library}",
                 "pip install 'teamformer[fleet]'",
             )
+
+
+def check_policy(name: str | None, scenario: Scenario) -> None:
+    """Refuse a policy that no robot could have, or that was made for another allocation."""
+    from teamformer.fleet.policies import policy_of
+    from teamformer.trials.suiting import refuse_unknown
+
+    if name is not None:
+        refuse_unknown(policy_of(name, 0), name, scenario.allocation)
 
 
 def _check(scenario: Scenario, options: Options) -> None:
@@ -158,7 +170,7 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
 
     faults = faults_of(stage, options.seed, schedule, Knobs(options.loss, options.crashes))
     trace = Trace(with_messages=options.folder is not None)
-    rehearsal, outcome, violations = play(stage.mission, stage.plan, faults, trace)
+    rehearsal, outcome, violations = play(stage.mission, stage.plan, faults, trace, stage.policy)
     if options.folder is not None:
         replay = record_of(rehearsal, outcome, trace.events, options.seed)
         write_replay(replay, options.folder / "replay.json")
@@ -186,7 +198,8 @@ def _shrink(stage: Any, options: Options, schedule: int) -> None:
 
     say(f"looking for a smaller one than schedule {schedule} ...")
     faults = faults_of(stage, options.seed, schedule, Knobs(options.loss, options.crashes))
-    mission, faults = shrink(stage.mission, faults, fails)
+    fails_so = partial(fails, policy=stage.policy)
+    mission, faults = shrink(stage.mission, faults, fails_so)
     names = ", ".join(task.name for task in mission.tasks)
     say(f"the smallest that fails has the tasks {names} and these faults:")
     for line in faults.lines(mission):

@@ -6,6 +6,7 @@ It asks no clock, network or body; what runs it does, here in a rehearsal and on
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.membership import HEARS_ALL, Membership
@@ -22,6 +23,7 @@ from teamformer.fleet.messages import (
     WALK,
     Beat,
     FactsNote,
+    LeadNote,
     Message,
     Notice,
     Offer,
@@ -31,6 +33,10 @@ from teamformer.fleet.messages import (
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import Planner
 from teamformer.grid import Place
+
+if TYPE_CHECKING:
+    from teamformer.fleet.agent.leading import Leading
+    from teamformer.policies.protocol import Policy
 
 LOOK = 1.0
 """Seconds between two looks at who is lost and whether this robot gets on."""
@@ -51,6 +57,7 @@ class Agent:
         now: float,
         remembered: Remembered | None = None,
         nonce: int = 0,
+        policy: Policy | None = None,
     ) -> None:
         kept = remembered or Remembered()
         self.mission = mission
@@ -60,6 +67,7 @@ class Agent:
         self.membership = Membership(self.knowledge, mission.timers, life, now)
         self.keeper = PlanKeeper(self.knowledge, plan, planner)
         self.service = Service(self.knowledge, self.membership)
+        self.leading = None if policy is None else self._lead_by(policy, now)
         self.voice = Voice(self, now, nonce)
         self.command = Command()
         self.due = now
@@ -99,7 +107,7 @@ class Agent:
         if now >= self._look_at - LOOK / 4:  # together with a heartbeat, if one is near
             self._look(now)
         self._plan(now, notices)
-        self._serve(now, report)
+        self._serve(now, report, notices)
         self._listen(now)
         self._steer(now)
         self.voice.speak(now, self._place, notices)
@@ -152,6 +160,10 @@ class Agent:
             self.keeper.take(body, now)
         elif type(body) is FactsNote:
             self.knowledge.merge(body, now)
+        elif type(body) is LeadNote:
+            if self.leading is not None and not self.leading.rests(now):
+                self.leading.hear(body, sender, now)
+                self._mates_changes += 1
         elif type(body) is Offer:
             is_known = body.task.key in self.knowledge.tasks
             if self.knowledge.add_task(body.task):
@@ -211,20 +223,32 @@ class Agent:
             self._plan_at = float("inf")
             notices.append(Notice(EVERYBODY, self.keeper.plan.note))
 
-    def _serve(self, now: float, report: Report) -> None:
+    def _lead_by(self, policy: Policy, now: float) -> Leading:
+        from teamformer.fleet.agent.leading import Leading  # brings the simulator's views
+
+        parts = (self.knowledge, self.membership, self.keeper, self.service)
+        return Leading(*parts, policy, now)
+
+    def _serve(self, now: float, report: Report, notices: list[Notice]) -> None:
         service = self.service
+        leading = None if self.leading is None or self.leading.rests(now) else self.leading
         self._leaves_when = float("inf")
-        goal = self.keeper.next_task(self.me)
+        goal = self.keeper.next_task(self.me) if leading is None else leading.next_goal(now)
         is_done = service.goal in self.knowledge.done
         if is_done or (goal != service.goal and service.phase != SERVE):
             if now < service.promised and not is_done:
                 service.phase, service.waits = HERE, False  # it takes READY back, and stays
                 self._leaves_when = service.promised
                 return
-            service.head_for(goal, now, self._fellows(goal))
+            if leading is None:
+                service.head_for(goal, now, self._fellows(goal))
+            else:
+                leading.part(now, self._place, goal, notices)
+                service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
         is_there = is_for_it and self._is_at(service.goal)
-        service.stand_by(now, is_there, report.is_busy)
+        chosen = None if leading is None else leading.decide(now, self._place, notices)
+        service.stand_by(now, is_there, report.is_busy, chosen)
 
     def _fellows(self, goal: int) -> frozenset[int]:
         """Return the robots that go to the same task as this one next."""

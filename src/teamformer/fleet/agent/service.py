@@ -49,6 +49,16 @@ class Service:
         self.goal, self.phase, self.waits = goal, WALK, False
         self.promised = float("-inf")
 
+    def go_along(self, goal: int, team: int) -> None:
+        """Take another task with the whole team."""
+        self.goal, self.team, self.phase, self.waits = goal, team, WALK, False
+        self.promised = float("-inf")
+
+    @property
+    def is_gathering(self) -> bool:
+        """Say whether it stands at its task and has promised nothing."""
+        return self.phase == HERE
+
     def _members(self, now: float) -> Iterable[Word]:
         """Return the words of the others that are in this robot's team at its task."""
         if self.goal == NOBODY:
@@ -62,8 +72,13 @@ class Service:
         near = self._membership.is_near(word.robot, now)
         return word.robot != me and near and not word.is_lost
 
-    def stand_by(self, now: float, is_there: bool, is_busy: bool) -> None:
-        """Go on with the task at hand: gather, promise, begin, break off."""
+    def stand_by(
+        self, now: float, is_there: bool, is_busy: bool, chosen: int | None = None
+    ) -> None:
+        """Go on with the task at hand: gather, promise, begin, break off.
+
+        `chosen` is the team to stand with; without one it is that of the lowest robot there.
+        """
         if not is_there or self.goal == NOBODY:
             self.phase, self.waits = WALK, False
             return
@@ -71,7 +86,10 @@ class Service:
         going = [word for word in going if self._is_fellow(word, now)]
         here = [word for word in going if word.phase >= HERE]
         if self.phase != SERVE:
-            self._choose_team(now, going, here)
+            team = self._choose_team(going, here) if chosen is None else chosen
+            if team != self.team:
+                self.team = team
+                self.formed = now + self._knowledge.mission.forming
         fellows = [word for word in here if word.team == self.team]
         if now < self.formed and self.phase != SERVE:
             self.phase = HERE
@@ -79,8 +97,8 @@ class Service:
             self.phase = self._next_phase(now, fellows, is_busy)
         self.waits = self.phase == READY or any(word.phase == READY for word in fellows)
 
-    def _choose_team(self, now: float, going: list[Word], here: list[Word]) -> None:
-        """Join the team that serves here, or is ready to, or else that of the lowest robot."""
+    def _choose_team(self, going: list[Word], here: list[Word]) -> int:
+        """Return the team that serves here, or is ready to, or else that of the lowest robot."""
         me = self._knowledge.me
         company = {word.robot for word in here} | {me}
         company |= {word.robot for word in going if word.team == self.team}
@@ -91,10 +109,7 @@ class Service:
             teams = teams if phase == SERVE else [team for team in teams if team in company]
             if teams:
                 break
-        team = min(teams) if teams else min(company)
-        if team != self.team:
-            self.team = team
-            self.formed = now + self._knowledge.mission.forming
+        return min(teams) if teams else min(company)
 
     def _next_phase(self, now: float, fellows: list[Word], is_busy: bool) -> int:
         me, covers = self._knowledge.me, self._knowledge.covers

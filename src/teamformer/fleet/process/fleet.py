@@ -43,10 +43,16 @@ class LocalFleet:
     """Starts the processes, and holds the world until the mission ends."""
 
     def __init__(
-        self, mission: Mission, pace: float, drop: float, folder: Path, tell: Callable[[str], None]
+        self,
+        mission: Mission,
+        pace: float,
+        drop: float,
+        folder: Path,
+        tell: Callable[[str], None],
+        policy: str | None = None,
     ) -> None:
         self._mission, self._pace, self._drop = mission, pace, drop
-        self._folder, self._tell = folder, tell
+        self._folder, self._tell, self._policy = folder, tell, policy
         self._agents: list[subprocess.Popen[bytes]] = []
         self._commands: list[list[str]] = []  # that start them
 
@@ -87,6 +93,7 @@ class LocalFleet:
         command += ["--robot", name, "--body", "sim", "--listen", endpoints[robot]]
         command += ["--plan", str(ship), "--pace", repr(self._pace), "--drop", repr(self._drop)]
         command += ["--facts", str(self._folder / f"facts-{robot}")]
+        command += ["--policy", self._policy] if self._policy else []
         for endpoint in (endpoints[-1], *endpoints[:robot]):
             command += ["--connect", endpoint]
         return command

@@ -10,6 +10,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import FrameType
+from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan
@@ -19,6 +20,9 @@ from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.transports.transport import Sluice, Transport
+
+if TYPE_CHECKING:
+    from teamformer.policies.protocol import Policy
 
 LONGEST_WAIT = 0.1
 """Seconds between two ticks at most."""
@@ -44,6 +48,7 @@ class AgentProcess:
     body: Body
     secret: bytes = b""
     facts: FactsFile | None = None
+    policy: Policy | None = None  # who decides for the team; None is the plan
 
     def __post_init__(self) -> None:
         self.is_ending = False
@@ -63,9 +68,8 @@ class AgentProcess:
         if self.robot < FIRST_PLANNERS:
             threading.Thread(target=planner.warm_up, daemon=True).start()
         now = time.monotonic()
-        agent = Agent(
-            self.mission, self.robot, planner, self.plan, now, remembered, secrets.randbits(60)
-        )
+        ours = (self.mission, self.robot, planner, self.plan)
+        agent = Agent(*ours, now, remembered, secrets.randbits(60), self.policy)
         saved = self._save(agent, (-1, -1))
         watched: frozenset[int] = frozenset()
         while not self.is_ending:

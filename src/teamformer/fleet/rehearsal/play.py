@@ -7,6 +7,7 @@ something new and when it is due, not otherwise.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.knowledge import Remembered
@@ -34,6 +35,9 @@ from teamformer.fleet.rehearsal.trace import (
     Worked,
 )
 
+if TYPE_CHECKING:
+    from teamformer.fleet.agent.leading import MakePolicy
+
 TICK = 0.02
 """Seconds; nothing happens between two ticks."""
 
@@ -51,13 +55,14 @@ class Rehearsal:
         plan: FleetPlan,
         faults: Faults,
         trace: Trace | None = None,
+        make_policy: MakePolicy | None = None,
     ) -> None:
         robots = mission.robots
         self.mission = mission
         self.faults = faults
         self.world = FleetWorld(mission)
         self.trace = trace or Trace()
-        self._planner, self._plan = planner, plan
+        self._planner, self._plan, self._make_policy = planner, plan, make_policy
         self._post = Post(mission.number, robots)
         self._network = RehearsedNetwork(self._post, faults, self._deliver)
         self._skew = faults.skew or (0.0,) * robots
@@ -252,6 +257,7 @@ class Rehearsal:
             self._clock(robot),
             remembered,
             nonce,
+            self._make_policy(robot) if self._make_policy else None,
         )
 
     def _plan_happenings(self) -> None:

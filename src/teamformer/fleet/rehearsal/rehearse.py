@@ -11,6 +11,7 @@ from itertools import islice
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import SharedPlanner
+from teamformer.fleet.policies import policy_of
 from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
@@ -28,6 +29,7 @@ class Stage:
     mission: Mission
     plan: FleetPlan
     undisturbed: Outcome
+    policy: str | None = None  # who decides for teams; None is the plan
 
 
 @dataclass(frozen=True)
@@ -45,19 +47,24 @@ class Verdict:
         return not self.violations and self.outcome.status != "blocked"
 
 
-def set_stage(mission: Mission) -> Stage:
+def set_stage(mission: Mission, policy: str | None = None) -> Stage:
     """Make the plan that ships with a mission, and play it undisturbed."""
     plan = first_plan(mission, SharedPlanner())
-    _, outcome, _ = play(mission, plan, Faults())
-    return Stage(mission, plan, outcome)
+    _, outcome, _ = play(mission, plan, Faults(), policy=policy)
+    return Stage(mission, plan, outcome, policy)
 
 
 def play(
-    mission: Mission, plan: FleetPlan, faults: Faults, trace: Trace | None = None
+    mission: Mission,
+    plan: FleetPlan,
+    faults: Faults,
+    trace: Trace | None = None,
+    policy: str | None = None,
 ) -> tuple[Rehearsal, Outcome, list[str]]:
     """Play one schedule; return it, how it ended and what was promised and not kept."""
     trace = trace or Trace()
-    rehearsal = Rehearsal(mission, SharedPlanner(), plan, faults, trace)
+    make_policy = None if policy is None else partial(policy_of, policy)
+    rehearsal = Rehearsal(mission, SharedPlanner(), plan, faults, trace, make_policy)
     outcome = rehearsal.run(deadline(mission, faults))
     names = set(outcome.blocked_tasks) if outcome.status == "blocked" else set()
     tasks = rehearsal.world.tasks
@@ -84,7 +91,7 @@ def faults_of(stage: Stage, seed: int, schedule: int, knobs: Knobs) -> Faults:
 def judge(stage: Stage, seed: int, knobs: Knobs, schedule: int) -> Verdict:
     """Play and judge a schedule by its number."""
     faults = faults_of(stage, seed, schedule, knobs)
-    _, outcome, violations = play(stage.mission, stage.plan, faults)
+    _, outcome, violations = play(stage.mission, stage.plan, faults, policy=stage.policy)
     return Verdict(schedule, outcome, tuple(violations), faults.kinds)
 
 
@@ -102,8 +109,8 @@ def judge_many(
             yield from pool.map(one, batch, chunksize=8)
 
 
-def fails(mission: Mission, faults: Faults) -> bool:
+def fails(mission: Mission, faults: Faults, policy: str | None = None) -> bool:
     """Say whether a mission, planned anew, breaks a promise or blocks under a schedule."""
     plan = first_plan(mission, SharedPlanner())
-    _, outcome, violations = play(mission, plan, faults)
+    _, outcome, violations = play(mission, plan, faults, policy=policy)
     return bool(violations) or outcome.status == "blocked"

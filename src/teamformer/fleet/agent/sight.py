@@ -1,0 +1,123 @@
+"""The view that a policy gets of what one robot knows: as in the simulator, for one team.
+
+The own team is the robots whose fresh words name this one as their lowest, wherever they are on
+the way; other teams are seen by the fresh words of their robots within the sensing radius. Tasks
+are numbered as this robot learned of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.fleet.agent.knowledge import Knowledge
+from teamformer.fleet.messages import NOBODY, SERVE, Word
+from teamformer.grid import Place
+from teamformer.plane import Plane
+from teamformer.sim.view import NEAREST_TEAMS, NEXT_TASKS, View, make_view
+
+
+class Company(NamedTuple):
+    """Robots that stand or go together, by their words; `lead` is the lowest of them."""
+
+    lead: int
+    robots: tuple[int, ...]
+    place: Place
+    goal: int
+    is_serving: bool
+
+
+def companies(words: Iterable[Word]) -> list[Company]:
+    """Return the teams that words tell of, by their lowest robots that are in sight."""
+    teams: dict[int, list[Word]] = {}
+    for word in words:
+        teams.setdefault(word.team, []).append(word)
+    found = []
+    for members in teams.values():
+        members.sort(key=lambda word: word.robot)
+        first = members[0]
+        robots = tuple(word.robot for word in members)
+        is_serving = any(word.phase == SERVE for word in members)
+        found.append(Company(first.robot, robots, (first.x, first.y), first.goal, is_serving))
+    return sorted(found)
+
+
+def view_of(
+    knowledge: Knowledge, own: Company, seen: Sequence[Company], order: Sequence[int], want: int
+) -> View:
+    """Return the view of the team `own`; `seen` are others, `order` the open tasks in their order.
+
+    `want` is the bare slot of the team that the plan wants it to join, its own to maintain.
+    """
+    mission, scenario = knowledge.mission, knowledge.mission.scenario
+    caps, world = len(scenario.capabilities), scenario.world
+    number = {key: place for place, key in enumerate(knowledge.tasks)}
+    room = make_view(1, mission.robots, max(1, len(number)), caps)
+    view = View(*(part[:1] for part in room))._replace(
+        first_member=np.array([0, len(own.robots)]),
+        member=np.array(own.robots, np.int32),
+        member_counts=np.array([mission.counts[r] for r in own.robots], np.int16).reshape(-1, caps),
+    )
+    view.slot[0], view.place[0], view.size[0] = own.lead, own.place, len(own.robots)
+    view.counts[0] = view.planned[0] = view.member_counts.sum(axis=0)
+    goal = knowledge.tasks.get(own.goal)
+    view.task[0] = number.get(own.goal, NOBODY)
+    view.is_at_task[0] = goal is not None and mission.is_same_place(*own.place, goal.x, goal.y)
+    view.is_serving[0] = own.is_serving
+    view.has_plan[0] = scenario.allocation == "plan"
+    view.unit[0] = world.unit if isinstance(world, Plane) else 1.0
+    view.arrival_radius[0] = mission.radius
+    view.pace[0] = min(mission.paces[robot] for robot in own.robots) * mission.step
+    for column, team in enumerate(nearest_first(knowledge, own, seen)[: view.seen_slot.shape[1]]):
+        _write_seen(knowledge, view, column, own, team, number)
+        if team.lead == want:
+            view.planned[0] += view.seen_counts[0, column]
+    view.seen_slot[0, min(len(seen), NEAREST_TEAMS) :] = NOBODY
+    view.seen_task[0, min(len(seen), NEAREST_TEAMS) :] = NOBODY
+    view.task_number[0] = NOBODY
+    shown = [own.goal] if own.goal in order else []
+    shown += [key for key in order if key != own.goal]
+    for column, key in enumerate(shown[: min(NEXT_TASKS, view.task_number.shape[1])]):
+        task = knowledge.tasks[key]
+        view.task_number[0, column], view.task_rank[0, column] = number[key], order.index(key)
+        view.task_place[0, column], view.task_needs[0, column] = (task.x, task.y), task.needs
+    return view
+
+
+def _write_seen(
+    knowledge: Knowledge,
+    view: View,
+    column: int,
+    own: Company,
+    team: Company,
+    number: dict[int, int],
+) -> None:
+    mission = knowledge.mission
+    view.seen_slot[0, column], view.seen_place[0, column] = team.lead, team.place
+    view.seen_counts[0, column] = np.sum([mission.counts[robot] for robot in team.robots], axis=0)
+    view.seen_task[0, column] = number.get(team.goal, NOBODY)
+    view.is_here[0, column] = mission.is_same_place(*own.place, *team.place)
+    is_busy = own.is_serving or team.is_serving
+    reach = max(mission.scenario.join_radius, mission.radius)
+    view.can_join[0, column] = not is_busy and math.dist(own.place, team.place) <= reach
+    view.is_mate[0, column] = True
+
+
+def nearest_first(knowledge: Knowledge, own: Company, seen: Iterable[Company]) -> list[Company]:
+    """Return other teams as views have them: near first, then those that help, by task, by slot."""
+    mission, goal = knowledge.mission, knowledge.tasks.get(own.goal)
+    have = np.sum([mission.counts[robot] for robot in own.robots], axis=0)
+    lacking = have < (have if goal is None else goal.needs)  # (caps,)
+
+    def key(team: Company) -> tuple[float, int, int]:
+        away = math.dist(own.place, team.place)
+        if mission.is_same_place(*own.place, *team.place):
+            away = -1.0  # all in the same place are equally near
+        brings = np.sum([mission.counts[robot] for robot in team.robots], axis=0) > 0
+        use = (0 if team.goal == own.goal else 1) if (lacking & brings).any() else 2
+        return away, use, 2 * abs(team.lead - own.lead) + (team.lead > own.lead)
+
+    return sorted(seen, key=key)

@@ -47,7 +47,7 @@ SEES = {
     "train": {*BELOW_POLICIES, "policies", "trials", "nets"},
     "bench": {*BELOW_POLICIES, "policies", "trials", "referee"},
     "robotarium": {*BELOW_POLICIES, "policies", "trials"},
-    "fleet": {*BELOW_POLICIES, "live"},  # whose pages may watch it
+    "fleet": {*BELOW_POLICIES, "policies", "trials", "live"},  # whose pages may watch it
     "commands": {*BELOW_COMMANDS, "train", "robotarium", "fleet"},
     "cli": {*BELOW_COMMANDS, "commands"},
 }

@@ -44,6 +44,12 @@ def test_to_begin_what_is_done_already_is_no_fault() -> None:
     assert found([*GOOD, late, Worked(9.5, 0, 0, 0), Worked(9.6, 0, NOBODY, NOBODY)]) == ""
 
 
+def test_to_begin_what_was_done_long_ago_is_found() -> None:
+    """No body reports so late: 3.2 s after the task was done."""
+    late = Walked(8.4, 1, ((6, 0), (5, 0)), 8.4, 1.0)
+    assert "begins to serve task 't0' although" in found([*GOOD, late, Worked(11.5, 0, 0, 0)])
+
+
 def test_to_be_elsewhere_is_found() -> None:
     late = Walked(0.0, 0, tuple((x, 0) for x in range(7)), 1.0, 1.0)
     assert "serves task 't0' without being there" in found([late, *GOOD[1:]])

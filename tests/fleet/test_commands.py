@@ -65,6 +65,9 @@ def test_one_schedule_becomes_a_page(
         (("agent", "MISSION", "--robot", "r0"), "has no way to the others"),
         (("agent", "MISSION", "--robot", "r0", "--listen", "tcp/10.0.0.1:1"), "--key FILE"),
         (("agent", "MISSION", "--robot", "r0", "--listen", "tls/10.0.0.1:1"), "--tls FOLDER"),
+        (("rehearse", "MISSION", "--policy", "central"), "no robot does"),
+        (("rehearse", "MISSION", "--policy", "nobody:Nobody"), "nobody"),
+        (("fleet", "MISSION", "--sign", "no-folder"), "r0.pub: cannot be read"),
         (("fleet", "add", "MISSION"), "needs --task NAME"),
         (
             ("fleet", "add", "MISSION", "--task", "t", "--at", "x", "--needs", "a"),

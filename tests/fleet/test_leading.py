@@ -91,15 +91,18 @@ def test_a_users_own_class_decides_with_whom_robots_stand(policy: str) -> None:
 
 
 def test_a_team_stays_together_until_its_policy_parts_it() -> None:
-    """Tasks for a, bc, abc, c, ab: who never parts does them as one; who parts goes its own way."""
+    """Tasks for a, bc, abc, c, ab in one row: who never parts walks to all of them as one."""
     teams: dict[str, set[int]] = {}
+    spans: dict[str, float] = {}
     for policy in ("Sociable", "Parting"):
         trace = Trace()
         _, outcome, violations = play(trio(), plan_of(trio()), Faults(), trace, OWN + policy)
         assert (outcome.status, outcome.tasks_done, violations) == ("ended", 5, [])
         worked = [event for event in trace.events if isinstance(event, Worked)]
-        teams[policy] = {event.robot for event in worked if event.task == 3}
-    assert teams["Parting"] < teams["Sociable"]
+        teams[policy] = {event.team for event in worked if event.task == 3}
+        spans[policy] = outcome.makespan or 0.0
+    assert teams == {"Sociable": {0}, "Parting": {2}}  # c's task: with a and b, or alone
+    assert spans["Parting"] < spans["Sociable"] - 5
 
 
 def test_where_a_policy_does_nothing_the_plan_does() -> None:

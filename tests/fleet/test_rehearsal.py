@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 
 from fleets import PLANNER, pair, plan_of, trio
 from small_worlds import make, robot, task
+from teamformer.fleet import operator
 from teamformer.fleet.agent.planning import FleetPlan
-from teamformer.fleet.messages import PlanNote, TaskFact
+from teamformer.fleet.messages import OPERATOR, PlanNote, TaskFact
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Knobs, Order, Spell, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
@@ -19,7 +22,7 @@ from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, judge, play, set_stage
 from teamformer.fleet.rehearsal.shrink import shrink
-from teamformer.fleet.rehearsal.trace import Trace, Walked, Worked
+from teamformer.fleet.rehearsal.trace import Sent, Trace, Walked, Worked
 from teamformer.grid import Grid
 from teamformer.plane import Plane
 from teamformer.scenarios.generate import Spec, generate
@@ -157,6 +160,32 @@ def test_an_accepted_task_outlives_its_holders_if_one_keeps_its_facts(
     outcome = outcome_of(Mission(scenario), Faults(crashes=crashes, orders=(Order(1.0, extra),)))
     assert outcome.status == status
     assert outcome.blocked_tasks == (() if keeps_facts else ("extra",))
+
+
+def test_an_accepted_task_is_lost_only_if_nobody_is_left_who_knows_it() -> None:
+    """Both that acknowledged it forget it; the third one heard of it from them, and does it."""
+    scenario = make([robot("a", 0), robot("a", 1), robot("a", 18)], [task("a", 3)])
+    extra = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
+    orders, mission = (Order(1.0, extra),), Mission(scenario)
+    crashes = (Crash(0, 3.0), Crash(1, 3.0))
+    with patch.object(operator, "COPIES", 2):
+        for cuts, status in (
+            ((), "ended"),
+            ((Cut(frozenset({0, 1, OPERATOR}), frozenset({2}), 0.0, 9.0),), "infeasible"),
+        ):
+            faults = Faults(crashes=crashes, orders=orders, cuts=cuts)
+            _, outcome, violations = play(mission, plan_of(mission), faults)
+            assert (outcome.status, violations) == (status, [])
+
+
+def test_a_mind_thinks_when_it_is_due_however_late_its_body_reports() -> None:
+    """So it says a heartbeat every second, though it knows 1.4 s late where it is."""
+    trace = Trace(with_messages=True)
+    faults = Faults(lag=(1.4, 0.0, 0.0))
+    rehearsal = Rehearsal(trio(), PLANNER, plan_of(trio()), faults, trace)
+    assert rehearsal.run(300.0).status == "ended"
+    heard = [e.at for e in trace.events if isinstance(e, Sent) and e[1:3] == (0, 1)]
+    assert max(after - before for before, after in itertools.pairwise(heard)) < 1.1
 
 
 def small_missions() -> list[Mission]:

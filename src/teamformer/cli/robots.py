@@ -15,6 +15,10 @@ Policy = Annotated[
     str | None, typer.Option(help="who decides for teams; the shared plan by default")
 ]
 
+Sign = Annotated[
+    Path | None, typer.Option(help="folder of the robots' public keys and the own private one")
+]
+
 
 @app.command()
 def robotarium(
@@ -81,6 +85,7 @@ def fleet(
     facts: Annotated[Path | None, typer.Option(help="folder for the agents' facts files")] = None,
     time_limit: Annotated[float, typer.Option(min=1, help="seconds until it gives up")] = 3600.0,
     policy: Policy = None,
+    sign: Sign = None,
     task: Annotated[str | None, typer.Option(help="add: the new task's name")] = None,
     at: Annotated[str | None, typer.Option(help="add: its place, X,Y")] = None,
     needs: Annotated[str | None, typer.Option(help="add: such as lift:2,scan")] = None,
@@ -99,11 +104,11 @@ def fleet(
     if verbs not in ([], ["add"]):
         raise TeamformerError(f"'{' '.join(words)}' is not one scenario", "give one file")
     if not verbs:
-        options = Options(pace, drop, facts, time_limit, policy)
+        options = Options(pace, drop, facts, time_limit, policy, sign)
         raise typer.Exit(command(Path(path), options, as_json))
     if task is None or at is None or needs is None:
         raise TeamformerError("a task to add needs --task NAME, --at X,Y and --needs ...")
-    added = Added(task, at, needs, duration, connect, key, tls, pace, patience)
+    added = Added(task, at, needs, duration, connect, key, tls, pace, patience, sign)
     raise typer.Exit(add(Path(path), added, as_json))
 
 
@@ -125,11 +130,12 @@ def agent(
         float, typer.Option(min=0, max=0.95, help="of messages to throw away, for trials")
     ] = 0.0,
     policy: Policy = None,
+    sign: Sign = None,
 ) -> None:
     """Run the mind of one robot, over Zenoh from peer to peer."""
     from teamformer.commands.robots.agent import Options
     from teamformer.commands.robots.agent import agent as command
 
     ends = (listen, tuple(connect or ()))
-    options = Options(robot, body, *ends, key, tls, facts, plan, pace, drop, policy)
+    options = Options(robot, body, *ends, key, tls, facts, plan, pace, drop, policy, sign)
     raise typer.Exit(command(scenario, options))

@@ -11,10 +11,13 @@ import hmac
 import math
 import zlib
 from collections import Counter
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from msgspec import DecodeError, Meta, Struct, ValidationError, field
 from msgspec.msgpack import Decoder, Encoder
+
+if TYPE_CHECKING:
+    from teamformer.fleet.signatures import Signatures
 
 PROTOCOL = 1
 """The version of the messages; others are dropped and counted."""
@@ -158,18 +161,22 @@ class Post(Struct):
     """Seals and opens the messages of one mission; what does not open is counted and dropped.
 
     With a `secret` the seal is a keyed hash, so that only who has the secret can speak; without
-    one it is a checksum against damage.
+    one it is a checksum against damage. With `signatures` every message is signed by its sender.
     """
 
     mission: int
     robots: int
     secret: bytes = b""
+    signatures: Signatures | None = None
     dropped: Counter[str] = field(default_factory=Counter)
 
     def seal(self, sender: int, notice: Notice) -> bytes:
         """Return a message as bytes."""
         message = Message(PROTOCOL, self.mission, sender, notice.to, notice.body)
-        payload = _ENCODER.encode(message)
+        if self.signatures is None:
+            payload = _ENCODER.encode(message)
+        else:
+            payload = self.signatures.wrap(message, _ENCODER)
         return self._mark(payload) + payload
 
     def open(self, data: bytes) -> Message | None:
@@ -187,6 +194,12 @@ class Post(Struct):
         payload = data[size:]
         if not hmac.compare_digest(data[:size], self._mark(payload)):
             return None, "bad seal"
+        signed = None
+        if self.signatures is not None:
+            signed = self.signatures.unwrap(payload)
+            if signed is None:
+                return None, "not signed"
+            payload = signed.payload
         try:
             message = _DECODER.decode(payload)
         except (ValidationError, DecodeError, RecursionError):
@@ -199,6 +212,8 @@ class Post(Struct):
         if not is_from_robot and not (message.sender == OPERATOR and type(message.body) is Offer):
             return None, "unknown sender"
         fault = _fault_of(message, self.robots)
+        if not fault and self.signatures is not None and signed is not None:
+            fault = self.signatures.fault_of(message, signed)
         return (None, fault) if fault else (message, "")
 
     def _mark(self, payload: bytes) -> bytes:

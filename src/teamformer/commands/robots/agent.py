@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.commands.robots.rehearse import check_policy, require_extra
+from teamformer.commands.robots.rehearse import check_policy, require_extra, signatures_in
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.model import Scenario
@@ -31,6 +31,7 @@ class Options:
     pace: float
     drop: float
     policy: str | None = None
+    sign: Path | None = None
 
 
 def agent(path: Path, options: Options) -> int:
@@ -59,6 +60,7 @@ def agent(path: Path, options: Options) -> int:
         )
     check_endpoints(endpoints, secret, certificates)
     mission = Mission(scenario, seconds_a_step(scenario, options.pace))
+    signatures = signatures_in(options.sign, mission, robot)
     facts = FactsFile(options.facts, mission.number, robot) if options.facts else None
     if facts is not None:
         facts.read()  # a broken file is told before anything moves
@@ -73,7 +75,7 @@ def agent(path: Path, options: Options) -> int:
     transport = ZenohTransport(mission.number, robot, *ends, options.drop, certificates)
     try:
         process = AgentProcess(
-            mission, robot, plan, transport, make_body(transport), secret, facts, policy
+            mission, robot, plan, transport, make_body(transport), secret, facts, signatures, policy
         )
         print(f"agent {options.robot} of mission {mission.number:x}", file=sys.stderr, flush=True)
         return process.run()

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from teamformer.commands.console import out, prepare_folder, print_json, say
-from teamformer.commands.robots.rehearse import check_policy, require_extra
+from teamformer.commands.robots.rehearse import check_policy, require_extra, signatures_in
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.scenarios.files import read_scenario
@@ -24,6 +24,7 @@ class Options:
     folder: Path | None
     time_limit: float
     policy: str | None = None
+    sign: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class Added:
     tls: Path | None
     pace: float
     patience: float
+    sign: Path | None = None
 
 
 def fleet(path: Path, options: Options, as_json: bool) -> int:
@@ -52,9 +54,12 @@ def fleet(path: Path, options: Options, as_json: bool) -> int:
         prepare_folder(options.folder)
     check_policy(options.policy, scenario)
     mission = Mission(scenario, seconds_a_step(scenario, options.pace))
+    signatures = signatures_in(options.sign, mission, None)
     with TemporaryDirectory(prefix="teamformer-facts-") as temporary:
         folder = options.folder or Path(temporary)
-        local = LocalFleet(mission, options.pace, options.drop, folder, say, options.policy)
+        more = ["--policy", options.policy] if options.policy else []
+        more += ["--sign", str(options.sign)] if options.sign else []
+        local = LocalFleet(mission, options.pace, options.drop, folder, say, more, signatures)
         result = local.run(options.time_limit)
     makespan = max((done.at for done in result.done), default=None)
     robots = scenario.robots
@@ -119,7 +124,9 @@ def add(path: Path, added: Added, as_json: bool) -> int:
     transport = ZenohTransport(
         mission.number, OPERATOR, None, [added.connect], certificates=certificates
     )
-    post, operator = Post(mission.number, mission.robots, secret), Operator(task, mission.robots)
+    signatures = signatures_in(added.sign, mission, OPERATOR)
+    post = Post(mission.number, mission.robots, secret, signatures)
+    operator = Operator(task, mission.robots)
     deadline = time.monotonic() + added.patience
     try:
         while not operator.is_accepted and time.monotonic() < deadline:

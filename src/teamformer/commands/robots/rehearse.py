@@ -67,6 +67,16 @@ def require_extra(*libraries: str) -> None:
             )
 
 
+def signatures_in(folder: Path | None, mission: Any, who: int | None) -> Any:
+    """Return the keys in a folder for a robot, or OPERATOR; none without a folder."""
+    if folder is None:
+        return None
+    require_extra("cryptography")
+    from teamformer.fleet.signatures import read_signatures
+
+    return read_signatures(folder, mission.scenario, mission.number, who)
+
+
 def check_policy(name: str | None, scenario: Scenario) -> None:
     """Refuse a policy that no robot could have, or that was made for another allocation."""
     from teamformer.fleet.policies import policy_of

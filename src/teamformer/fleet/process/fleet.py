@@ -12,6 +12,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from msgspec.msgpack import encode
 
@@ -23,6 +24,9 @@ from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.process.world_server import WorldServer
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 from teamformer.scenarios.files import write_scenario
+
+if TYPE_CHECKING:
+    from teamformer.fleet.signatures import Signatures
 
 PATIENCE = 10.0
 """Seconds that agents have to leave in order before they are ended."""
@@ -49,10 +53,13 @@ class LocalFleet:
         drop: float,
         folder: Path,
         tell: Callable[[str], None],
-        policy: str | None = None,
+        more: Sequence[str] = (),
+        signatures: Signatures | None = None,
     ) -> None:
         self._mission, self._pace, self._drop = mission, pace, drop
-        self._folder, self._tell, self._policy = folder, tell, policy
+        self._folder, self._tell = folder, tell
+        self._more = tuple(more)  # that agents are told besides
+        self._signatures = signatures
         self._agents: list[subprocess.Popen[bytes]] = []
         self._commands: list[list[str]] = []  # that start them
 
@@ -67,7 +74,7 @@ class LocalFleet:
             endpoints = [f"tcp/127.0.0.1:{port}" for port in free_ports(len(robots) + 1)]
             transport = ZenohTransport(self._mission.number, NOBODY, endpoints[-1], ())
             try:
-                server = WorldServer(self._mission, transport, b"")
+                server = WorldServer(self._mission, transport, b"", self._signatures)
                 self._tell(f"world at {endpoints[-1]}")
                 for number in range(len(robots)):
                     self._commands.append(self._command(number, scenario, ship, endpoints))
@@ -93,7 +100,7 @@ class LocalFleet:
         command += ["--robot", name, "--body", "sim", "--listen", endpoints[robot]]
         command += ["--plan", str(ship), "--pace", repr(self._pace), "--drop", repr(self._drop)]
         command += ["--facts", str(self._folder / f"facts-{robot}")]
-        command += ["--policy", self._policy] if self._policy else []
+        command += self._more
         for endpoint in (endpoints[-1], *endpoints[:robot]):
             command += ["--connect", endpoint]
         return command

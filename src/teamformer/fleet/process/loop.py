@@ -22,6 +22,7 @@ from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.transports.transport import Sluice, Transport
 
 if TYPE_CHECKING:
+    from teamformer.fleet.signatures import Signatures
     from teamformer.policies.protocol import Policy
 
 LONGEST_WAIT = 0.1
@@ -48,11 +49,13 @@ class AgentProcess:
     body: Body
     secret: bytes = b""
     facts: FactsFile | None = None
+    signatures: Signatures | None = None
     policy: Policy | None = None  # who decides for the team; None is the plan
 
     def __post_init__(self) -> None:
         self.is_ending = False
-        self.post = Post(self.mission.number, self.mission.robots, self.secret)
+        ours = (self.mission.number, self.mission.robots)
+        self.post = Post(*ours, self.secret, self.signatures)
         self.sluice = Sluice()
         self._told: dict[str, float] = {}
 
@@ -123,6 +126,9 @@ class AgentProcess:
             hint = {
                 "another mission": "; do all robots have the same scenario file?",
                 "bad seal": "; do all robots have the same key?",
+                "not signed": "; do all robots have --sign?",
+                "bad signature": "; somebody speaks for another, or has another key",
+                "forged word": "; somebody tells what another never said",
             }
             self._say(f"dropped a message: {fault}{hint.get(fault, '')}")
 

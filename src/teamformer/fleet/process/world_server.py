@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import TYPE_CHECKING
 
 from msgspec import DecodeError, ValidationError
 
@@ -12,6 +13,9 @@ from teamformer.fleet.bodies.world import Done, FleetWorld
 from teamformer.fleet.messages import Offer, Post
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
+
+if TYPE_CHECKING:
+    from teamformer.fleet.signatures import Signatures
 
 REPORT_EVERY = 0.2
 """Seconds between two reports of a body to which nothing happens."""
@@ -27,10 +31,16 @@ LATEST = 120.0
 class WorldServer:
     """Obeys orders and reports; time begins when every mind has given an order."""
 
-    def __init__(self, mission: Mission, transport: ZenohTransport, secret: bytes) -> None:
+    def __init__(
+        self,
+        mission: Mission,
+        transport: ZenohTransport,
+        secret: bytes,
+        signatures: Signatures | None = None,
+    ) -> None:
         self.world = FleetWorld(mission)
         self._transport = transport
-        self._post = Post(mission.number, mission.robots, secret)
+        self._post = Post(mission.number, mission.robots, secret, signatures)
         self._opened = time.monotonic()
         self._begun: float | None = None
         self._heard = [float("inf")] * mission.robots

@@ -156,8 +156,8 @@ function describeOutcome(world, { status, steps, band, done, futures }) {
   if (band) {
     const [low, high] = band.map((end) => describeMoment(world, end));
     const when = low === high ? describeAt(world, band[0]) : `between ${low} and ${high}`;
-    const part = done < futures ? `; in ${futures - done} of them never` : "";
-    return `all done ${when}, in 8 of 10 of ${futures} futures${part}`;
+    const part = done < futures ? `; in ${futures - done} never` : "";
+    return `all done ${when}, in ${Math.round(0.8 * done)} of ${futures} futures${part}`;
   }
   if (status === "completed") return `all done ${describeAt(world, steps)}`;
   if (status === "infeasible") return `given up ${describeAt(world, steps)}, for something can never be done`;

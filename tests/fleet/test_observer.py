@@ -68,8 +68,8 @@ def test_words_become_steps_of_a_record() -> None:
 def test_facts_tell_what_was_done_before_and_what_operators_added() -> None:
     watch = Watch(MISSION)
     assert not watch.has_facts
-    assert watch.hear(message(FactsNote((0, EXTRA.key), (EXTRA,))))
-    assert not watch.hear(message(FactsNote((0, EXTRA.key), (EXTRA,))))
+    assert watch.hear(message(FactsNote((0, EXTRA.key), (EXTRA,)))) == [EXTRA]
+    assert watch.hear(message(FactsNote((0, EXTRA.key), (EXTRA,)))) == []
     assert watch.has_facts
     assert {number for number, _ in watch.step().done} == {0, 2}
     assert watch.scenario.tasks[2].needs == {"a": 1}
@@ -94,8 +94,8 @@ class Loopback:
         self.offered.append(said.body.task)
         for sender in range(self._holders):
             bodies: list[Body] = [Receipt(said.body.task.key)]
-            if said.body.task.key < 1 << 24:  # known: then they say what else is
-                bodies.append(FactsNote((0,)))
+            is_own = said.body.task.key < 1 << 24  # known: then they say what else is
+            bodies.append(FactsNote((0,)) if is_own else FactsNote((), (said.body.task,)))
             sealed = [self._post.seal(sender, Notice(OPERATOR, body)) for body in bodies]
             self._waiting += sealed
 
@@ -108,6 +108,11 @@ class Loopback:
 
     def close(self) -> None:
         pass
+
+
+def watching(transport: Loopback, folder: Path) -> ObserverSession:
+    post = Post(MISSION.number, MISSION.robots)
+    return ObserverSession(Watch(MISSION), transport, post, folder)
 
 
 def heard_by_a_page(session: ObserverSession, *asked: Any) -> list[dict[str, Any]]:
@@ -134,7 +139,9 @@ def test_a_task_that_a_page_adds_is_published_and_told_once_it_is_held(
 ) -> None:
     monkeypatch.setattr("teamformer.fleet.observer.session.AGAIN", 0.02)
     transport = Loopback(holders=3)
-    session = ObserverSession(Watch(MISSION), transport, b"", tmp_path)
+    session = ObserverSession(
+        Watch(MISSION), transport, Post(MISSION.number, MISSION.robots), tmp_path
+    )
     new = {"at": [4, 0], "needs": ["b"], "name": "late"}
     told = heard_by_a_page(session, {"do": "happen", "task": new}, {"do": "save"})
     assert told[0]["kind"] == "mission"
@@ -142,10 +149,19 @@ def test_a_task_that_a_page_adds_is_published_and_told_once_it_is_held(
     assert incident["text"].endswith("task late accepted, held by r0, r1, r2")
     assert incident["record"]["scenario"]["tasks"][2]["name"] == "late"
     assert incident["is_fleet"]
-    assert {"late", "t0"} <= {task.name for task in transport.offered}
+    assert {task.name for task in transport.offered} == {"late"}
     record = read_replay(tmp_path / "replay.json")
     assert record.policy == "fleet"
     assert [step["kind"] for step in told].count("step") >= 1
+
+
+def test_who_comes_late_asks_what_has_been_done(tmp_path: Path) -> None:
+    transport = Loopback(holders=1)
+    session = watching(transport, tmp_path)
+    heard_by_a_page(session)
+    assert {task.key for task in transport.offered} == {0}
+    session.watch.step()
+    assert session.watch.record().end.tasks_done == 1
 
 
 @pytest.mark.parametrize(
@@ -165,6 +181,8 @@ def test_what_a_page_may_not_do_is_refused(
 ) -> None:
     monkeypatch.setattr("teamformer.fleet.observer.session.AGAIN", 0.02)
     monkeypatch.setattr("teamformer.fleet.observer.session.PATIENCE", 0.1)
-    session = ObserverSession(Watch(MISSION), Loopback(holders=1), b"", tmp_path)
+    session = ObserverSession(
+        Watch(MISSION), Loopback(holders=1), Post(MISSION.number, MISSION.robots), tmp_path
+    )
     told = heard_by_a_page(session, asked)
     assert [said in message["text"] for message in told if message["kind"] == "refused"] == [True]

@@ -166,6 +166,7 @@ def live(
     pace: Annotated[float, typer.Option(min=0.01, help="fleet: its --pace")] = 1.0,
     key: Annotated[Path | None, typer.Option(help="fleet: file of its shared key")] = None,
     tls: Annotated[Path | None, typer.Option(help="fleet: folder of certificates")] = None,
+    sign: Annotated[Path | None, typer.Option(help="fleet: folder of keys to sign with")] = None,
 ) -> None:
     """Draw a mission in the browser and run it: watch it, add tasks, lose robots.
 
@@ -174,6 +175,6 @@ def live(
     from teamformer.commands.missions.live import FleetAt, Options
     from teamformer.commands.missions.live import live as command
 
-    at = None if fleet is None else FleetAt(fleet, pace, key, tls)
+    at = None if fleet is None else FleetAt(fleet, pace, key, tls, sign)
     options = Options(policy, seed, port, host, speed, time_limit, out, at)
     raise typer.Exit(command(scenario, options))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import ready_policy
-from teamformer.commands.robots.rehearse import require_extra
+from teamformer.commands.robots.rehearse import require_extra, signatures_in
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_not_played, rules_of_simulated_missions
 from teamformer.model import Scenario
@@ -35,6 +35,7 @@ class FleetAt:
     pace: float
     key: Path | None
     tls: Path | None
+    sign: Path | None
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, s
 def _observe(path: Path | None, fleet: FleetAt, folder: Path) -> ObserverSession:
     """Return the session of a running fleet."""
     require_extra("zenoh")
-    from teamformer.fleet.messages import OPERATOR
+    from teamformer.fleet.messages import OPERATOR, Post
     from teamformer.fleet.mission import Mission, seconds_a_step
     from teamformer.fleet.observer.session import ObserverSession
     from teamformer.fleet.observer.watch import Watch
@@ -139,7 +140,9 @@ def _observe(path: Path | None, fleet: FleetAt, folder: Path) -> ObserverSession
     transport = ZenohTransport(
         mission.number, OPERATOR, None, [fleet.endpoint], certificates=certificates
     )
-    return ObserverSession(Watch(mission), transport, secret, folder)
+    signatures = signatures_in(fleet.sign, mission, OPERATOR)
+    post = Post(mission.number, mission.robots, secret, signatures)
+    return ObserverSession(Watch(mission), transport, post, folder)
 
 
 def _names(host: str, port: int) -> frozenset[str]:

@@ -38,19 +38,18 @@ Tree = dict[str, Any]
 class ObserverSession:
     """Hears a fleet, writes down a step each so many seconds and tells everybody."""
 
-    def __init__(self, watch: Watch, transport: Transport, secret: bytes, folder: Path) -> None:
+    def __init__(self, watch: Watch, transport: Transport, post: Post, folder: Path) -> None:
         self.watch, self.folder = watch, folder
         self.lock = asyncio.Lock()
         self.note = "this is what was seen of the fleet; its robots keep no record"
         self._transport = transport
-        mission = watch.mission
-        self._post = Post(mission.number, mission.robots, secret)
+        self._post = post
         self._watchers: set[Watcher] = set()
         self._operators: dict[int, Operator] = {}
         self._incidents: list[tuple[int, str]] = []
         self._heard_at = time.monotonic()
         self._is_silent = False
-        transport.listen_to(range(mission.robots))
+        transport.listen_to(range(watch.mission.robots))
 
     async def run(self) -> None:
         """Hear and tell until cancelled."""
@@ -149,8 +148,9 @@ class ObserverSession:
             self._heard_at = now
             for operator in self._operators.values():
                 operator.hear(message)
-            if self.watch.hear(message):
-                self._tell_of_task("a task that an operator added")
+            for task in self.watch.hear(message):
+                if task.key not in self._operators:  # that one is told once it is accepted
+                    self._tell_of_task(f"task {task.name} added by an operator")
         is_silent = now - self._heard_at > SILENCE
         if is_silent and not self._is_silent:
             self._tell_all("refused", {"text": f"no robot has been heard for {SILENCE:g} s"})

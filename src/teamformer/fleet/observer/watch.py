@@ -40,8 +40,8 @@ class Watch:
         """Say whether all tasks that it knows are done."""
         return len(self._done) == len(self.tasks)
 
-    def hear(self, message: Message) -> bool:
-        """Take in a message; say whether it tells of a task that was not known."""
+    def hear(self, message: Message) -> list[TaskFact]:
+        """Take in a message; return the operators' tasks in it that were not known."""
         body = message.body
         if type(body) is Beat:
             for word in (body.word, *body.others):
@@ -50,11 +50,11 @@ class Watch:
                 self._note_done(key)
         elif type(body) is FactsNote:
             self.has_facts = True
-            is_new = [self.learn(task) for task in body.added]
+            new = [task for task in body.added if self.learn(task)]
             for key in body.done:
                 self._note_done(key)
-            return any(is_new)
-        return False
+            return new
+        return []
 
     def learn(self, task: TaskFact) -> bool:
         """Take in an operator's task; say whether it was not known."""

@@ -30,10 +30,10 @@ CREWS, COALITIONS = "crews", "coalitions"
 """What a plan is made from: what crews do, or coalitions that are best where joining is free."""
 
 CLEARLY = 16
-"""Crews are clearly better if coalitions cost a sixteenth more."""
+"""Crews are clearly better if plans from coalitions take a sixteenth longer."""
 
-SEEDS = 6
-"""How often coalitions are looked for, where crews are not clearly better."""
+HOPELESS = 4
+"""Crews are not searched from at all if they take a quarter longer to begin with."""
 
 CREW_SEARCHES = (8, 20)
 """How long crews are looked for again where they are, in tenths of the first time."""
@@ -50,34 +50,41 @@ MOST_AT_ONCE = 10_000_000
 SMALLEST_GAIN = 50
 """The part of the steps left that a new plan must gain for anybody to turn round: a fiftieth."""
 
+LARGE = 60
+"""From so many tasks on more time is taken to find coalitions."""
 
 BRIEF = 4
 """A brief search is so much shorter, and begins with one plan of each kind."""
 
 
 class Rounds(NamedTuple):
-    """How long to search: for lists of crews, each time without forming counted, and with."""
+    """How long to search: for lists of crews, each time without forming counted, and with.
+
+    `coalitions` is how often it is searched without, where crews are not clearly better.
+    """
 
     crews: int
     relaxed: int
     team: int
+    coalitions: int
 
 
 def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     """Return the rounds for a mission of a size: fixed, as a clock would not be the same for all.
 
-    A second or two of one core for 16 robots and 60 tasks, a fifth of that when planned again.
+    A second or two of one core for 16 robots and 60 tasks, a fifth of that when planned again; some
+    ten seconds for 100 robots and 300 tasks.
     """
-    tasks, robots = len(problem.appears), len(problem.pace)
-    size = tasks * (tasks + robots)
+    tasks, needs = len(problem.appears), int(problem.needs.sum())
     crews = 1500 * tasks
-    relaxed = min(3 * tasks * tasks, 18_000_000 // size) // 2
-    team = min(100 * tasks * tasks, max(70_000, 1200 * tasks), 120_000)
-    team = min(team, 900_000_000_000 // (tasks * size))  # what timing a plan takes grows so
-    team = min(team, 1_200_000_000 // (int(problem.needs.sum()) * problem.needs.shape[1]))
+    relaxed = 130_000 * max(tasks, LARGE) // (LARGE * (tasks + 10 * needs // tasks))
+    relaxed = min(3 * tasks * tasks // 2, relaxed)
+    team = min(100 * tasks * tasks, max(60_000, 1000 * tasks), 120_000)
+    team = min(team, 15_000_000 // tasks)  # what timing a plan takes grows so
+    team = min(team, 1_200_000_000 // (needs * problem.needs.shape[1]))
     if is_again:
-        return Rounds(crews // 5, 1 + relaxed // 5, team // 5)
-    return Rounds(crews, relaxed, team)
+        return Rounds(crews // 5, 1 + relaxed // 5, team // 5, 3)
+    return Rounds(crews, relaxed, team, 6)
 
 
 def is_too_large(scenario: Scenario) -> bool:
@@ -100,15 +107,17 @@ def plan_mission(
     situation = situation_of(scenario, facts)
     rounds = rounds_for(situation.problem, old is not None)
     if is_brief:
-        rounds = Rounds(rounds.crews // BRIEF, rounds.relaxed, rounds.team // BRIEF)
+        rounds = rounds._replace(crews=rounds.crews // BRIEF, team=rounds.team // BRIEF)
     kept = None if old is None else kept_plan(situation, old)
-    entered = [
-        _enter(situation, rounds, *start) for start in _first_starts(situation, rounds, kept)
-    ]
+    fresh = list(_first_searches(situation, rounds, facts.step))
+    entered = [] if kept is None else [_Entered("old plan", _search_from(situation, kept))]
+    entered += fresh
+    _run(entered, rounds.team // FIRST_LAP)
     if not is_brief:
-        crews_are_better = _are_crews_better(entered[kept is not None :])
-        more = _more_starts(situation, rounds, crews_are_better)
-        entered += [_enter(situation, rounds, *start) for start in more]
+        is_better = _are_crews_better(fresh, facts.step)
+        more = list(_more_searches(situation, rounds, is_better))
+        _run(more, rounds.team // FIRST_LAP)
+        entered += more
     chosen, best = _race(entered, rounds)
     if kept is not None:
         unchanged = _search_from(situation, kept)
@@ -124,59 +133,66 @@ class _Entered(NamedTuple):
     name: str
     search: ThresholdSearch
 
+    def steps_left(self, step: int) -> int:
+        """Return how many steps its best plan takes from a step on."""
+        return self.search.makespan - step
+
 
 def _cost_of(entered: _Entered) -> int:
     return entered.search.cost
 
 
-def _enter(situation: Situation, rounds: Rounds, name: str, start: TeamPlan) -> _Entered:
-    """Search for a while from a plan."""
-    search = _search_from(situation, start)
-    search.run(rounds.team // FIRST_LAP, HOT)
-    return _Entered(name, search)
+def _run(entered: list[_Entered], rounds: int) -> None:
+    for _, search in entered:
+        search.run(rounds, HOT)
 
 
 def _race(entered: list[_Entered], rounds: Rounds) -> _Entered:
     """Let the best searches go on, fewer and fewer of them, and return the best."""
     for number, part in LAPS:
         entered = sorted(entered, key=_cost_of)[:number]
-        for _, search in entered:
-            search.run(rounds.team // part, HOT)
+        _run(entered, rounds.team // part)
     return min(entered, key=_cost_of)
 
 
-def _are_crews_better(fresh: list[_Entered]) -> bool:
+def _first_searches(situation: Situation, rounds: Rounds, step: int) -> Iterator[_Entered]:
+    """Return a search from a plan of each kind; from crews only if there is hope."""
+    problem = situation.problem
+    crews = plan_from_crews(problem, situation.company, rounds.crews)
+    entered = _Entered(CREWS, _search_from(situation, crews))
+    relaxed = plan_from_coalitions(problem, rounds.relaxed)
+    if relaxed is None:
+        yield entered
+        return
+    other = _Entered(COALITIONS, _search_from(situation, relaxed))
+    most = other.steps_left(step) * (HOPELESS + 1) // HOPELESS
+    if entered.steps_left(step) <= most:
+        yield entered
+    yield other
+
+
+def _are_crews_better(fresh: list[_Entered], step: int) -> bool:
     """Say whether crews are clearly better than coalitions, or there are no coalitions."""
-    crews, *coalitions = map(_cost_of, fresh)
-    return all(cost > crews + crews // CLEARLY for cost in coalitions)
+    left = {entered.name: entered.steps_left(step) for entered in fresh}
+    if len(left) == 1:
+        return CREWS in left
+    return left[COALITIONS] > left[CREWS] + left[CREWS] // CLEARLY
 
 
-def _first_starts(
-    situation: Situation, rounds: Rounds, kept: TeamPlan | None
-) -> Iterator[tuple[str, TeamPlan]]:
-    """Return a plan of each kind that the search begins with, the old one first."""
-    if kept is not None:
-        yield "old plan", kept
-    yield CREWS, plan_from_crews(situation.problem, situation.company, rounds.crews)
-    if rounds.relaxed >= len(situation.tasks):
-        relaxed = plan_from_coalitions(situation.problem, rounds.relaxed)
-        if relaxed is not None:
-            yield COALITIONS, relaxed
-
-
-def _more_starts(
+def _more_searches(
     situation: Situation, rounds: Rounds, crews_are_better: bool
-) -> Iterator[tuple[str, TeamPlan]]:
-    """Return more plans of the better kind: several searches find more than a long one."""
+) -> Iterator[_Entered]:
+    """Return searches from more plans of the better kind: several find more than a long one."""
     if crews_are_better:
         for longer in CREW_SEARCHES:
-            crews = rounds.crews * longer // 10
-            yield CREWS, plan_from_crews(situation.problem, situation.company, crews)
+            tries = rounds.crews * longer // 10
+            crews = plan_from_crews(situation.problem, situation.company, tries)
+            yield _Entered(CREWS, _search_from(situation, crews))
     else:
-        for seed in range(1, SEEDS):
+        for seed in range(1, rounds.coalitions):
             relaxed = plan_from_coalitions(situation.problem, rounds.relaxed, seed)
             if relaxed is not None:
-                yield COALITIONS, relaxed
+                yield _Entered(COALITIONS, _search_from(situation, relaxed))
 
 
 def _search_from(situation: Situation, start: TeamPlan) -> ThresholdSearch:

@@ -5,6 +5,7 @@ Needs mosquitto, node and `npm install -g vda-5050-lib` (or NODE_PATH with it).
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -13,12 +14,17 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
+from paho.mqtt import client as mqtt
+from paho.mqtt.enums import CallbackAPIVersion
 
 from teamformer.errors import TeamformerError
+from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.vda5050 import Vda5050Body
 from teamformer.fleet.mission import Mission
+from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.fleet import free_ports
 from teamformer.model import Robot, Scenario, Task
@@ -61,6 +67,26 @@ def running(*command: str, **env: str) -> Iterator[subprocess.Popen[bytes]]:
         process.wait(20)
 
 
+@contextmanager
+def hearing(port: int) -> Iterator[list[tuple[str, dict[str, Any]]]]:
+    """Collect all that is said over a broker, by topic."""
+    heard: list[tuple[str, dict[str, Any]]] = []
+    client = mqtt.Client(CallbackAPIVersion.VERSION2)
+    client.on_message = lambda _client, _data, message: heard.append(
+        (message.topic, json.loads(message.payload))
+    )
+    client.connect("127.0.0.1", port)
+    client.subscribe("#")
+    client.loop_start()
+    try:
+        yield heard
+    finally:
+        client.disconnect()
+        client.loop_stop()
+        if folder := os.environ.get("VDA5050_HEARD"):  # to look at
+            Path(folder).write_text(json.dumps(heard, indent=1))
+
+
 @pytest.mark.parametrize(
     "url", ["", "mqtt://host", "http://h/a/b/c", "mqtt://h/a/b", "mqtt:///a/b/c"]
 )
@@ -82,10 +108,12 @@ def test_two_vehicles_do_a_mission(tmp_path: Path) -> None:
         pytest.skip("needs mosquitto, node and vda-5050-lib")
     mission = two_vehicles()
     write_scenario(mission.scenario, tmp_path / "yard.yaml")
+    first_plan(mission, SharedPlanner())  # so that no agent has to compile what plans
     broker, *ports = free_ports(3)
     with ExitStack() as stack:
         stack.enter_context(running("mosquitto", "-p", str(broker)))
         time.sleep(2)
+        heard = stack.enter_context(hearing(broker))
         for robot in mission.scenario.robots:
             words = ("uagv", "acme", robot.name, *map(str, robot.at))
             agv = ("node", str(AGV), f"mqtt://127.0.0.1:{broker}", *words)
@@ -106,3 +134,19 @@ def test_two_vehicles_do_a_mission(tmp_path: Path) -> None:
             kept = [file.read() for file in files]
             done = [set(each.done) if each else set() for each in kept]
         assert done == [{0, 1, 2}, {0, 1, 2}]
+    served = {
+        (topic.split("/")[3], parameter["value"])
+        for topic, content in heard
+        if topic.endswith("/instantActions")
+        for action in content["actions"]
+        for parameter in action["actionParameters"]
+        if action["actionType"] == "serve" and parameter["key"] == "task"
+    }
+    assert served == {("v1", "both"), ("v2", "both"), ("v1", "one"), ("v2", "other")}
+    goals = {
+        (topic.split("/")[3], node["nodePosition"]["x"], node["nodePosition"]["y"])
+        for topic, content in heard
+        if topic.endswith("/order")
+        for node in content["nodes"][-1:]
+    }
+    assert goals == {("v1", 6.0, 4.0), ("v2", 6.0, 4.0), ("v1", 2.0, 3.0), ("v2", 9.0, 3.0)}

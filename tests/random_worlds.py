@@ -55,7 +55,7 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
         for robot in scenario.robots
     )
     rules = {
-        "foresight": str(rng.choice(["needed", "absent"])),
+        "foresight": str(rng.choice(["needed", "absent", "sampled"])),
         "finding_radius": float(rng.choice([0.0, 0.2, 1.0, 1.5, np.inf])),
         "step_limit": 0,
     }

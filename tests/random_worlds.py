@@ -9,7 +9,16 @@ import numpy as np
 from teamformer.errors import ScenarioError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.checks import totals_by_region
-from teamformer.model import Absence, Breakdown, Robot, Scenario, Task, World
+from teamformer.model import (
+    Absence,
+    Arrivals,
+    Breakdown,
+    Delays,
+    Robot,
+    Scenario,
+    Task,
+    World,
+)
 from teamformer.plane import Plane
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
@@ -51,13 +60,20 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     robots = tuple(
         robot
         if robot.absences or rng.random() < 0.6
-        else replace(robot, breaks=Breakdown(0.05, (1, 9) if rng.random() < 0.7 else None))
+        else replace(robot, breaks=Breakdown(0.03, (1, 9) if rng.random() < 0.7 else None))
         for robot in scenario.robots
     )
+    delayed = rng.random(len(robots)) < 0.3
+    robots = tuple(
+        replace(robot, delays=Delays(float(rng.choice([0.1, 0.5])))) if is_delayed else robot
+        for robot, is_delayed in zip(robots, delayed, strict=True)
+    )
+    arrivals = Arrivals(0.1, 20, duration=int(rng.integers(3)))
     rules = {
-        "foresight": str(rng.choice(["needed", "absent", "sampled"])),
+        "foresight": str(rng.choice(["needed", "absent"])),
         "finding_radius": float(rng.choice([0.0, 0.2, 1.0, 1.5, np.inf])),
         "step_limit": 0,
+        "arrivals": arrivals if rng.random() < 0.3 else None,
     }
     return replace(scenario, tasks=tuple(tasks), robots=robots, **rules)
 

@@ -22,12 +22,21 @@ MOST_WAITING = 10**9
 """What walks, forming and waits add to a step limit at most; steps are counted in 32 bits."""
 
 
+MORE_ARRIVALS = 20
+"""So many tasks beyond twice their mean appear at most, by step limits."""
+
+LEAST_WALKED = 0.01
+"""The share of its steps that a team walks in at least, by step limits, whatever happens to it."""
+
 World = Grid | Plane
+
+SLOWEST = 0.001
+"""Cells a step, on a plane metres a second: slower ones would overflow the step counts."""
 
 
 @dataclass(frozen=True)
 class Breakdown:
-    """How a robot may break down: with probability `rate` in each step, once.
+    """How a robot may break down: with probability `rate` in each step that it is there.
 
     It is back where it stood after a number of steps between the two of `repair`, each as likely
     as any other; None means never.
@@ -49,11 +58,23 @@ class Absence:
 
 
 @dataclass(frozen=True)
+class Delays:
+    """How often a robot does not get on: it stands still in a step with probability `chance`.
+
+    `seed` says in which ones, where it is known; None means that nobody knows.
+    """
+
+    chance: float
+    seed: int | None = None
+
+
+@dataclass(frozen=True)
 class Robot:
     """A robot: where it starts, what it can do, how fast it is, and when it is absent.
 
     `speed` is in cells a step, on a plane in metres a second. `breaks` says with what probability
-    it is lost and back, where nobody knows.
+    it is lost and back, where nobody knows. `delays` says how often it stands still; a team walks
+    in the steps in which none of its robots does.
     """
 
     name: str
@@ -62,6 +83,17 @@ class Robot:
     speed: float = 1.0
     absences: tuple[Absence, ...] = ()  # in the order of time
     breaks: Breakdown | None = None
+    delays: Delays | None = None
+
+    @property
+    def has_surprises(self) -> bool:
+        """Say whether what happens to it is only known once it does."""
+        return self.breaks is not None or (self.delays is not None and self.delays.seed is None)
+
+    @property
+    def expected_speed(self) -> float:
+        """Return what it is as fast as on average, alone."""
+        return max(SLOWEST, self.speed * (1 - self.delays.chance)) if self.delays else self.speed
 
     @property
     def lost_for_good(self) -> int | None:
@@ -72,6 +104,20 @@ class Robot:
     def is_due(self, steps_made: int) -> bool:
         """Say whether it will be back in a step after so many."""
         return any(away.back is not None and away.back > steps_made for away in self.absences)
+
+
+@dataclass(frozen=True)
+class Arrivals:
+    """Tasks that appear at random: after each of the first `until` steps one, with a probability.
+
+    That is `rate`. Each is in any free place, needs one to `most_needs` capabilities that robots
+    bring who can get there (0: one to all of them), once each, and takes `duration` steps.
+    """
+
+    rate: float
+    until: int
+    most_needs: int = 0
+    duration: int = 0
 
 
 @dataclass(frozen=True)
@@ -87,7 +133,8 @@ class Task:
     What is not known beforehand: `lasts` holds the least and the most steps that it may take, each
     number between them as likely as any other; `duration` is then what to expect. `may_need` says
     with what probability one more of a capability is needed. `within` says how far from `at` it may
-    be, in cells or metres; with 0 it is there.
+    be, in cells or metres; with 0 it is there. `has_arrived` says that it is one of the mission's
+    `Arrivals`: no more than a note of where it comes from.
     """
 
     name: str
@@ -101,6 +148,7 @@ class Task:
     lasts: tuple[int, int] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
+    has_arrived: bool = field(default=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.lasts is not None:
@@ -143,8 +191,8 @@ class Scenario:
     in continuous time are judged by their makespan, or by a `cost` that weighs several things.
 
     `foresight` says what is done about what may be needed: it is taken as `needed` or as `absent`
-    until it is known, or plans are made with `sampled` futures. Where a task is that is only known
-    to be `within` a distance of a place shows once a team is within `finding_radius` of it.
+    until it is known. Where a task is that is only known to be `within` a distance of a place shows
+    once a team is within `finding_radius` of it. By `arrivals` more tasks appear at random.
     """
 
     name: str
@@ -166,6 +214,7 @@ class Scenario:
     cost: Mapping[str, float] | None = None
     foresight: str = "needed"
     finding_radius: float = 1.0
+    arrivals: Arrivals | None = None
 
     def __post_init__(self) -> None:
         problems = list(find_problems(self))
@@ -184,9 +233,11 @@ class Scenario:
     @cached_property
     def has_surprises(self) -> bool:
         """Say whether something of the mission is only known while it runs."""
-        return any(
-            task.lasts is not None or task.may_need or task.within for task in self.tasks
-        ) or any(robot.breaks is not None for robot in self.robots)
+        return (
+            self.arrivals is not None
+            or any(task.lasts is not None or task.may_need or task.within for task in self.tasks)
+            or any(robot.has_surprises for robot in self.robots)
+        )
 
     @property
     def is_planned(self) -> bool:
@@ -197,21 +248,33 @@ class Scenario:
 def default_step_limit(scenario: Scenario) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 
-    They are walked by the slowest robot. A step for each robot and walk, for forming, every
+    They are walked by the slowest robot, in a team of all where robots are delayed, and as rarely
+    as the one is there that breaks down most. A step for each robot and walk, for forming, every
     duration, every repair and the latest arrival are added; and where a task is to be looked for, a
     walk to every place that it may be in.
     """
     slowest = min(scenario.world.pace(robot.speed) for robot in scenario.robots)
+    chances = (robot.delays.chance for robot in scenario.robots if robot.delays)
+    mends = ((r.breaks.rate, r.breaks.repair) for r in scenario.robots if r.breaks)
+    is_there = (1 / (1 + rate * repair[1]) for rate, repair in mends if repair)
+    share = math.prod(1 - chance for chance in chances) * min(is_there, default=1)
+    slowest *= max(LEAST_WALKED, share)
     looks = sum(
         len(possible_places(scenario.world, task.at, task.within))
         for task in scenario.tasks
         if task.within
     )
-    walks = (4 * (len(scenario.tasks) + 1) + looks) * _longest_walk(scenario)
+    count, latest = len(scenario.tasks), max(opening_step(task) for task in scenario.tasks)
+    if scenario.arrivals is not None:
+        mean, until = scenario.arrivals.rate * scenario.arrivals.until, scenario.arrivals.until
+        count += min(until, math.ceil(2 * mean) + MORE_ARRIVALS)
+        latest = max(latest, until)
+    walks = (4 * (count + 1) + looks) * _longest_walk(scenario)
     waits = sum(task.longest for task in scenario.tasks)
     waits += sum(r.breaks.repair[1] for r in scenario.robots if r.breaks and r.breaks.repair)
-    latest = max(opening_step(task) for task in scenario.tasks)
-    forming = 4 * (len(scenario.tasks) + 1) * len(scenario.robots)
+    if scenario.arrivals is not None:
+        waits += (count - len(scenario.tasks)) * scenario.arrivals.duration
+    forming = 4 * (count + 1) * len(scenario.robots)
     steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(forming, MOST_FORMING)
     return steps + min(math.ceil(waits + latest), MOST_WAITING)
 

@@ -13,11 +13,15 @@ from dataclasses import replace
 import numpy as np
 
 from teamformer.grid import Place
+from teamformer.mission.arrivals import draw_arrivals
 from teamformer.mission.checks import LARGEST_NUMBER
 from teamformer.mission.places import believed_place, possible_places
-from teamformer.model import Absence, Robot, Scenario, Task, World
+from teamformer.model import Absence, Breakdown, Robot, Scenario, Task, World
 
-OF_TASKS, OF_ROBOTS = 1, 2
+MOST_BREAKDOWNS = 1000
+"""Of a robot in a trial; after so many it holds out."""
+
+OF_TASKS, OF_ROBOTS, OF_DELAYS, OF_ARRIVALS = 1, 2, 3, 4
 """What a generator is for: every task and robot has its own, so that more of them change nothing
 about the others."""
 
@@ -28,15 +32,30 @@ def draw_truth(scenario: Scenario, seed: int) -> Scenario:
         return scenario
     return replace(
         scenario,
-        tasks=tuple(
-            _true_task(task, scenario.world, np.random.default_rng([OF_TASKS, seed, number]))
-            for number, task in enumerate(scenario.tasks)
+        arrivals=None,
+        tasks=(
+            *(
+                _true_task(task, scenario.world, np.random.default_rng([OF_TASKS, seed, number]))
+                for number, task in enumerate(scenario.tasks)
+            ),
+            *draw_arrivals(scenario, np.random.default_rng([OF_ARRIVALS, seed])),
         ),
         robots=tuple(
-            draw_truth_of_robot(robot, np.random.default_rng([OF_ROBOTS, seed, number]))
+            _true_robot(robot, scenario.step_limit, seed, number)
             for number, robot in enumerate(scenario.robots)
         ),
     )
+
+
+def _true_robot(robot: Robot, step_limit: int, seed: int, number: int) -> Robot:
+    rng, other = (np.random.default_rng([what, seed, number]) for what in (OF_ROBOTS, OF_DELAYS))
+    if robot.breaks is not None:
+        absences = draw_absences(robot.breaks, step_limit, rng)
+        robot = replace(robot, breaks=None, absences=absences)
+    if robot.delays is not None and robot.delays.seed is None:
+        seed_of_delays = int(other.integers(LARGEST_NUMBER))
+        robot = replace(robot, delays=replace(robot.delays, seed=seed_of_delays))
+    return robot
 
 
 def _true_task(task: Task, world: World, rng: np.random.Generator) -> Task:
@@ -54,19 +73,33 @@ def _true_task(task: Task, world: World, rng: np.random.Generator) -> Task:
     return task.once_known(at, needs, duration)
 
 
-def draw_truth_of_robot(robot: Robot, rng: np.random.Generator) -> Robot:
-    """Return when a robot really breaks down and is back."""
-    breaks = robot.breaks
-    if breaks is None:
-        return robot
-    sound = replace(robot, breaks=None)
-    lost = int(rng.geometric(breaks.rate)) if breaks.rate > 0 else LARGEST_NUMBER
-    if lost >= LARGEST_NUMBER // 2:
-        return sound
-    if breaks.repair is None:
-        return replace(sound, absences=(Absence(lost),))
-    back = lost + int(rng.integers(*breaks.repair, endpoint=True))
-    return replace(sound, absences=(Absence(lost, back),))
+def draw_absences(
+    breaks: Breakdown, step_limit: int, rng: np.random.Generator
+) -> tuple[Absence, ...]:
+    """Return when a robot breaks down and is back, as long as a trial may last."""
+    absences: list[Absence] = []
+    sound_from, back = 0, None
+    while breaks.rate > 0 and len(absences) < MOST_BREAKDOWNS:
+        lost = sound_from + int(rng.geometric(breaks.rate))
+        if lost > step_limit:
+            break
+        if breaks.repair is not None:
+            sound_from = back = lost + int(rng.integers(*breaks.repair, endpoint=True))
+        absences.append(Absence(lost, back))
+        if back is None:
+            break
+    return tuple(absences)
+
+
+def truth_until(scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
+    """Return a truth without the breakdowns that come after so many steps."""
+    robots = (
+        replace(real, absences=tuple(away for away in real.absences if away.lost <= steps))
+        if robot.breaks is not None
+        else real
+        for robot, real in zip(scenario.robots, truth.robots, strict=True)
+    )
+    return replace(truth, robots=tuple(robots))
 
 
 def believed_mission(
@@ -77,7 +110,7 @@ def believed_mission(
     """Return an uncertain mission as an ordinary one: with the needs that are believed, by task.
 
     `places` says where tasks are believed to be; left out, it is where they are before anybody has
-    looked. Durations are what to expect; nobody breaks down.
+    looked. Durations and speeds are what to expect; nobody breaks down, and no more tasks appear.
     """
     if not scenario.has_surprises:
         return scenario
@@ -90,8 +123,11 @@ def believed_mission(
         )
         for number, task in enumerate(scenario.tasks)
     )
-    robots = (replace(robot, breaks=None) for robot in scenario.robots)
-    return replace(scenario, tasks=tuple(tasks), robots=tuple(robots))
+    robots = (
+        replace(robot, breaks=None, delays=None, speed=robot.expected_speed)
+        for robot in scenario.robots
+    )
+    return replace(scenario, arrivals=None, tasks=tuple(tasks), robots=tuple(robots))
 
 
 def expected_mission(scenario: Scenario) -> Scenario:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -21,7 +22,7 @@ from teamformer.live.incidents import (
     search_plan,
 )
 from teamformer.live.mission import Mission
-from teamformer.model import Absence, Breakdown
+from teamformer.model import Absence, Breakdown, Delays
 from teamformer.planning.teams.facts import SharedPlan
 from teamformer.policies import POLICIES
 from teamformer.policies.scripted.join_fitting import JoinFitting
@@ -298,18 +299,32 @@ def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
     lame = replace(robot("a", 0), breaks=Breakdown(0.05, (5, 30)))
     scenario = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
     run = Mission(scenario, lambda: load_policy("join-fitting", POLICIES), "join-fitting", seed=3)
-    (real,) = draw_truth(scenario, 3).robots[0].absences
+    real = draw_truth(scenario, 3).robots[0].absences
     while run.steps < steps:
         run.step()
+    been = [away for away in real if away.lost <= steps]
     for seed in range(30):
-        (drawn,) = possible_truth(scenario, run.past().env, seed).robots[0].absences
-        if real.lost > steps:
-            assert drawn.lost > steps
-        else:
-            assert drawn.lost == real.lost
-            assert drawn.back is not None
-            assert real.back is not None
-            assert drawn.back == real.back if real.back <= steps else drawn.back > steps
+        drawn = possible_truth(scenario, run.past().env, seed).robots[0].absences
+        seen, later = drawn[: len(been)], drawn[len(been) :]
+        assert [away.lost for away in seen] == [away.lost for away in been]
+        for one, other in zip(seen, been, strict=True):
+            is_over = (other.back or 0) <= steps
+            assert one.back == other.back if is_over else (one.back or 0) > steps
+        assert all(away.lost > steps for away in later)
+        assert all(two.lost > (one.back or 0) for one, two in pairwise(drawn))
+
+
+def test_nobody_foresees_when_a_robot_stands_still() -> None:
+    slow = replace(robot("a", 0), delays=Delays(0.5))
+    scenario = make([slow], [task("a", 15)], allocation="plan")
+    run = Mission(scenario, lambda: load_policy("follow-plan", POLICIES), "follow-plan", seed=3)
+    for _ in range(3):
+        run.step()
+    early = forecast(run.past())
+    assert early.futures == 40
+    assert early.ends[-1] - early.ends[0] > 8
+    x = int(run.past().env.worlds.teams["x"][0, 0])
+    assert early.mean == pytest.approx(3 + 2 * (15 - x), abs=4)
 
 
 def test_incidents_make_sure_what_was_not() -> None:

@@ -37,11 +37,22 @@ def test_when_a_robot_can_break_down(
     assert _can_be_robot(robot, real) is can_be
 
 
-def test_a_robot_breaks_down_once() -> None:
+@pytest.mark.parametrize(
+    ("absences", "can_be"),
+    [
+        ((Absence(3, 5), Absence(6, 8)), True),
+        ((Absence(3, 5), Absence(9, 12), Absence(20, 25)), True),
+        ((Absence(3, 5), Absence(5, 8)), False),
+        ((Absence(3, 5), Absence(9, 15)), False),
+        ((Absence(3, 5), Absence(9)), False),
+        ((Absence(3), Absence(9, 12)), False),
+    ],
+)
+def test_a_robot_that_is_back_may_break_down_again(
+    absences: tuple[Absence, ...], can_be: bool
+) -> None:
     robot = Robot("r", (0, 0), {"a": 1}, breaks=Breakdown(0.1, (2, 5)))
-    assert _can_be_robot(robot, replace(robot, breaks=None, absences=(Absence(3, 5),)))
-    twice = (Absence(3, 5), Absence(9, 12))
-    assert not _can_be_robot(robot, replace(robot, breaks=None, absences=twice))
+    assert _can_be_robot(robot, replace(robot, breaks=None, absences=absences)) is can_be
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from teamformer.errors import TeamformerError
@@ -11,7 +12,7 @@ from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.scenarios.families import FAMILIES, INCIDENT_STEPS
 from teamformer.scenarios.named_settings import size_of, world_of
-from teamformer.scenarios.surprises import BREAKDOWN, LASTS, SURPRISES, WITHIN
+from teamformer.scenarios.surprises import BREAKDOWN, CALLS, DELAYS, LASTS, SURPRISES, WITHIN
 
 WORLDS = 60
 
@@ -89,7 +90,10 @@ def test_what_is_uncertain_is_all_that_is_new(name: str) -> None:
                 assert sum(task.needs.values()) >= 1
                 assert task.within in (0, WITHIN)
                 assert task.once_known(task.at, known.needs, known.duration) == known
-            assert tuple(replace(robot, breaks=None) for robot in world.robots) == plain.robots
+            robots = tuple(replace(robot, breaks=None, delays=None) for robot in world.robots)
+            assert robots == plain.robots
+            assert world.arrivals == (CALLS if kind in ("calls", "all") else None)
+            assert {robot.delays for robot in world.robots} <= {None, DELAYS}
 
 
 def test_kinds_of_surprises_are_what_they_are_called() -> None:
@@ -104,6 +108,8 @@ def test_kinds_of_surprises_are_what_they_are_called() -> None:
             assert sum(cap not in task.may_need for cap in task.worst_needs) <= 1
             assert all(type(count) is int and count > 0 for count in task.needs.values())
     assert all(robot.breaks == BREAKDOWN for world in breakdowns for robot in world.robots)
+    mixed_places = [task.within for seed in range(6) for task in world_of("real-all", seed).tasks]
+    assert np.mean([within > 0 for within in mixed_places]) == pytest.approx(0.5, abs=0.11)
     hidden = [task.within for seed in range(3) for task in world_of("real-places", seed).tasks]
     assert set(hidden) == {WITHIN}
     tasks = [task for world in mixed for task in world.tasks]

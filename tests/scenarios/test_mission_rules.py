@@ -12,6 +12,7 @@ from teamformer.grid import Grid
 from teamformer.mission.rules import (
     find_surprises,
     rules_not_played,
+    rules_of_live_missions,
     rules_of_simulated_missions,
     rules_of_sure_missions,
 )
@@ -111,6 +112,16 @@ def test_what_has_to_be_sure_refuses_all_that_is_not() -> None:
     count = sum(1 for _ in rules_of_simulated_missions(scenario))
     assert count == sum(1 for _ in find_surprises(scenario)) > 4
     assert list(rules_of_sure_missions(world_of("4N4T-C4", 0))) == []
+
+
+def test_tasks_that_appear_at_random_are_for_run_and_compare() -> None:
+    scenario = world_of("4N4T-C4-calls", 0)
+    [told] = rules_of_sure_missions(scenario)
+    assert told.where == ("arrivals",)
+    assert "drop arrivals, or use one of these" in told.message
+    assert list(rules_of_live_missions(scenario)) == [told]
+    assert list(rules_of_live_missions(world_of("4N4T-C4-mixed", 0))) == []
+    assert list(rules_not_played(scenario)) == []
 
 
 def test_continuous_time_refuses_what_is_not_sure() -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from teamformer.grid import Grid, Place
+from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.places import believed_place, possible_places
 from teamformer.model import Scenario
 from teamformer.plane import Plane
@@ -47,6 +48,7 @@ class PlainWorld:
     """Teams by slot, and one method for each phase."""
 
     def __init__(self, scenario: Scenario, truth: Scenario | None = None) -> None:
+        scenario = with_arrivals(scenario, truth or scenario)
         self.s, self.truth = scenario, truth or scenario
         self.steps = 0
         self.hidden = {k for k, task in enumerate(scenario.tasks) if task.may_need}
@@ -74,8 +76,12 @@ class PlainWorld:
         self.crew_of: list[int] = []  # robots; under crews they are given, as the order is
         self.list_of: list[int] = []  # tasks
         self.coalitions: dict[int, set[int]] = {}  # by task; under a shared plan they are given
-        self.scouts: dict[int, int] = {}  # by robot; these too
         self.joins = self.splits = self.illegal = 0
+        self.luck = {
+            number: (robot.delays.seed * 2654435769 + 88172645463325252) % 2**64
+            for number, robot in enumerate(self.truth.robots)
+            if robot.delays is not None
+        }
         self.lost_at: dict[int, Place] = {}
         self.hope()
 
@@ -98,7 +104,7 @@ class PlainWorld:
             for cap, chance in wanted.may_need.items():
                 robots = [r for r in left if self.is_way(self.s.robots[r].at, self.at[task])]
                 have = sum(self.s.robots[r].can.get(cap, 0) for r in robots)
-                if self.s.foresight != "absent" and chance > 0 and have > needs.get(cap, 0):
+                if self.s.foresight == "needed" and chance > 0 and have > needs.get(cap, 0):
                     needs[cap] = needs.get(cap, 0) + 1
             self.hopes[task] = needs
 
@@ -319,12 +325,9 @@ class PlainWorld:
         return None
 
     def task_by_plan(self, team: PlainTeam) -> int | None:
-        """Return the earliest of what its robots scout or, else, have to do first."""
-        mine = []
-        for robot in team.robots:
-            doing = [task for task in self.order if robot in self.coalitions[task]]
-            mine += [self.scouts[robot]] if robot in self.scouts else doing[:1]
-        return min(mine, key=self.order.index, default=None)
+        """Return the first task in the order that has a robot of the team in its coalition."""
+        mine = (task for task in self.order if self.coalitions[task] & set(team.robots))
+        return next(mine, None)
 
     def nearest_alone(self, slot: int, order: list[int], i: int) -> int | None:
         team = self.teams[slot]
@@ -381,10 +384,23 @@ class PlainWorld:
                 length += walk(self.s.world, there).get(here, 2**30)
         return length
 
+    def draw_delays(self) -> set[int]:
+        """Return the robots that stand still in this step."""
+        still = set()
+        for robot, state in self.luck.items():
+            for shift in (13, -7, 17):
+                state ^= (state << shift if shift > 0 else state >> -shift) % 2**64
+            self.luck[robot] = state
+            if (state >> 11) / 2**53 < self.truth.robots[robot].delays.chance:
+                still.add(robot)
+        return still
+
     def move(self, walkers: dict[int, int]) -> None:
         waits = self.s.forming_steps == 1
+        still = self.draw_delays()
+        delayed = [slot for slot, team in self.teams.items() if still & set(team.robots)]
         for slot, team in sorted(self.teams.items()):
-            if slot in walkers or team.serving or (team.formed and waits):
+            if slot in walkers or team.serving or (team.formed and waits) or slot in delayed:
                 continue
             if team.task is None:
                 team.credit = 0.0
@@ -392,7 +408,7 @@ class PlainWorld:
                 self.walk_towards(team, self.at[team.task])
         for slot, partner in sorted(walkers.items()):
             team = self.teams.get(slot)
-            if team is None or team.formed:
+            if team is None or team.formed or slot in delayed:
                 continue  # it was joined on the way
             other_slot = next(s for s, t in self.teams.items() if partner in t.robots)
             other = self.teams[other_slot]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -31,15 +32,10 @@ from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.sim.view import View
 from teamformer.trials.registry import load_policy
 from teamformer.trials.trial import run_trial
-from teamformer.truth import draw_truth
+from teamformer.truth import draw_truth, truth_until
 from test_step import step_both
 
-RULES = [
-    (allocation, foresight)
-    for allocation in ALLOCATIONS
-    for foresight in FORESIGHTS
-    if allocation == "plan" or foresight != "sampled"  # elsewhere the same as needed
-]
+RULES = [(allocation, foresight) for allocation in ALLOCATIONS for foresight in FORESIGHTS]
 
 
 def with_truth(scenario: Scenario, **true: Any) -> Scenario:
@@ -211,8 +207,7 @@ def test_nobody_knows_the_truth_before_it_shows(allocation: str, foresight: str)
 
 @pytest.mark.parametrize("policy", ["heuristic", "follow-plan", "teamformer-any"])
 def test_no_policy_knows_the_truth_before_it_shows(policy: str) -> None:
-    foresight = "sampled" if policy == "follow-plan" else "needed"
-    check_nobody_peeks("4N20T-C4-mixed", policy, "plan", foresight)
+    check_nobody_peeks("4N20T-C4-mixed", policy, "plan", "needed")
 
 
 @pytest.mark.parametrize(("allocation", "foresight"), RULES)
@@ -225,7 +220,9 @@ def test_surprised_missions_end_and_are_legal(
         replay = run_trial(scenario, load_policy("join-fitting", POLICIES), "x", seed).replay
         assert replay.end.status == "completed"
         assert judge(replay).findings == ()
-        assert replay.truth == draw_truth(scenario, seed)
+        truth = draw_truth(scenario, seed)
+        assert replay.truth == truth_until(scenario, truth, replay.end.steps + 1)
+        assert replay.truth != truth  # what breaks down later is not in the record
         write_replay(replay, tmp_path / "replay.json")
         assert read_replay(tmp_path / "replay.json") == replay
 
@@ -253,7 +250,7 @@ def test_who_is_told_everything_plays_the_truth() -> None:
 
 def test_the_truth_of_a_thing_is_drawn_from_seed_and_number() -> None:
     scenario = world_of("4N20T-C4-mixed", 0)
-    shorter = replace(scenario, tasks=scenario.tasks[:7], step_limit=0)
+    shorter = replace(scenario, tasks=scenario.tasks[:7])
     assert draw_truth(shorter, 4).tasks == draw_truth(scenario, 4).tasks[:7]
     assert draw_truth(shorter, 4).robots == draw_truth(scenario, 4).robots
     assert draw_truth(scenario, 4) != draw_truth(scenario, 5)
@@ -277,6 +274,15 @@ def test_truths_come_as_often_as_the_file_says() -> None:
     absences = [t.robots[0].absences[0] for t in truths]
     repairs = {away.back - away.lost for away in absences}  # type: ignore[operator]
     assert repairs == {3, 4, 5}
+    again = [truth.robots[0].absences for truth in truths[:50]]
+    gaps = [two.lost - (one.back or 0) for times in again for one, two in pairwise(times)]
+    assert np.mean(gaps) == pytest.approx(10, abs=0.5)
+    assert min(gaps) == 1
+    assert all(0 < away.lost <= scenario.step_limit for times in again for away in times)
+    for_good = replace(
+        scenario, robots=(replace(lame, breaks=Breakdown(0.1)), *scenario.robots[1:])
+    )
+    assert all(len(draw_truth(for_good, seed).robots[0].absences) <= 1 for seed in range(20))
 
 
 def recorded() -> Replay:

@@ -18,7 +18,7 @@ from teamformer.planning.teams.facts import SharedPlan
 from teamformer.policies.protocol import Policy
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, Tally, TeamFormation
-from teamformer.truth import draw_truth, draw_truth_of_robot
+from teamformer.truth import draw_absences, draw_truth
 
 SAMPLES = 40
 """Futures at most."""
@@ -125,7 +125,11 @@ def _future(past: Past, seed: int) -> TeamFormation | None:
         if not env.is_running[0] or len(view.slot) != len(decision.wanted):
             return None
         env.step(decision)
-    return env if _looks_alike(env, past.env) else None
+    if not _looks_alike(env, past.env):
+        return None
+    luck = env.worlds.robots["luck"]  # who stands still from now on, nobody knows
+    luck[:] = np.random.default_rng(seed).integers(1, 2**63, size=luck.shape)
+    return env
 
 
 def _looks_alike(one: TeamFormation, other: TeamFormation) -> bool:
@@ -154,7 +158,7 @@ def possible_truth(scenario: Scenario, env: TeamFormation, seed: int) -> Scenari
         )
     )
     robots = (
-        real if robot.breaks is None else _possible_robot(robot, real, steps, rng)
+        _possible_robot(scenario, robot, real, steps, rng)
         for robot, real in zip(scenario.robots, known.robots, strict=True)
     )
     return replace(drawn, tasks=tuple(tasks), robots=tuple(robots))
@@ -193,23 +197,24 @@ def _places_left(env: TeamFormation, task: int) -> list[Place]:
     return [(along(spot["x"]), along(spot["y"])) for spot in left]
 
 
-def _possible_robot(robot: Robot, real: Robot, steps: int, rng: np.random.Generator) -> Robot:
-    """Return a robot as it could be: lost when it was, or later, and back when nobody knows."""
-    breaks = robot.breaks
-    assert breaks is not None
-    away = real.absences[0] if real.absences and real.absences[0].lost <= steps else None
-    if away is not None and (away.back is None or away.back <= steps):
+def _possible_robot(
+    scenario: Scenario, robot: Robot, real: Robot, steps: int, rng: np.random.Generator
+) -> Robot:
+    """Return a robot as it could be: lost and back when it was, and later when nobody knows."""
+    if robot.breaks is None:
         return real
-    if away is None:
-        later = draw_truth_of_robot(robot, rng)
-        return replace(
-            later,
-            absences=tuple(
-                Absence(it.lost + steps, None if it.back is None else it.back + steps)
-                for it in later.absences
-            ),
-        )
-    assert breaks.repair is not None
-    least = max(breaks.repair[0], steps + 1 - away.lost)
-    back = away.lost + int(rng.integers(least, breaks.repair[1], endpoint=True))
-    return replace(real, absences=(Absence(away.lost, back),))
+    been = [away for away in real.absences if away.lost <= steps]
+    if been and been[-1].back is None:
+        return replace(real, absences=tuple(been))
+    sound_from = steps
+    if been and robot.breaks.repair is not None and (been[-1].back or 0) > steps:
+        least = max(robot.breaks.repair[0], steps + 1 - been[-1].lost)
+        lasted = int(rng.integers(least, robot.breaks.repair[1], endpoint=True))
+        sound_from = been[-1].lost + lasted
+        been[-1] = Absence(been[-1].lost, sound_from)
+    later = draw_absences(robot.breaks, scenario.step_limit, rng)
+    shifted = (
+        Absence(away.lost + sound_from, None if away.back is None else away.back + sound_from)
+        for away in later
+    )
+    return replace(real, absences=(*been, *shifted))

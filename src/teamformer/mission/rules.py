@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 ORDERS = ("tsp", "schedule")
 NEW_TASKS = ("resolve", "nearest")
 ALLOCATIONS = ("paper", "nearest", "crews", "plan")
-FORESIGHTS = ("needed", "absent", "sampled")
+FORESIGHTS = ("needed", "absent")
 
 WITHOUT_CREWS = ("paper", "nearest")
 """Those in which every team follows one order, as the paper's networks were made for."""
@@ -64,13 +64,23 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}; {remedy}")
 
 
+def rules_of_live_missions(scenario: Scenario) -> Iterator[Problem]:
+    """Return why a scenario cannot run where people may change it; nothing if it can."""
+    yield from rules_not_played(scenario)
+    if scenario.arrivals is not None:
+        message = "tasks appear at random, which only `run` and `compare` know"
+        yield Problem(("arrivals",), f"{message}; drop arrivals, or use one of these")
+
+
 def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
     """Return why a scenario cannot be played where everything has to be known; nothing if it can.
 
     So it is where missions are to be done by robots that are real.
     """
-    yield from rules_not_played(scenario)
+    yield from rules_of_live_missions(scenario)
     for where, what in find_surprises(scenario):
+        if where == ("arrivals",):
+            continue  # told above
         remedy = f"make {where[-1]} sure, or use one of these"
         yield Problem(where, f"{what}, which only `run`, `compare` and `live` know; {remedy}")
 
@@ -94,6 +104,10 @@ def find_surprises(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], 
     for number, robot in enumerate(scenario.robots):
         if robot.breaks is not None:
             yield ("robots", number, "breaks"), f"robot '{robot.name}' may break down"
+        if robot.delays is not None:
+            yield ("robots", number, "delays"), f"robot '{robot.name}' may stand still"
+    if scenario.arrivals is not None:
+        yield ("arrivals",), "tasks appear at random"
     for number, task in enumerate(scenario.tasks):
         if task.lasts is not None:
             yield ("tasks", number, "duration"), f"task '{task.name}' has no sure duration"

@@ -10,7 +10,10 @@ from teamformer.errors import Problem
 from teamformer.mission.rules import FORESIGHTS, find_surprises
 
 if TYPE_CHECKING:
-    from teamformer.model import Breakdown, Robot, Scenario, Task
+    from teamformer.model import Arrivals, Breakdown, Robot, Scenario, Task
+
+LONGEST_ARRIVALS = 10_000
+"""Steps: the room for all that may appear is made at the start."""
 
 LARGEST = 10**9
 """Of steps, as in `scenario_checks`, which imports this."""
@@ -26,11 +29,31 @@ def find_surprise_problems(scenario: Scenario) -> Iterator[Problem]:
     for number, robot in enumerate(scenario.robots):
         if robot.breaks is not None:
             yield from _problems_of_breaks(robot, robot.breaks, ("robots", number, "breaks"))
+        if robot.delays is not None and not 0 <= robot.delays.chance < 1:  # NaN too
+            message = f"robot '{robot.name}' stands still with probability {robot.delays.chance:g}"
+            yield Problem(("robots", number, "delays"), f"{message}; use 0 to less than 1")
+    if scenario.arrivals is not None:
+        yield from _problems_of_arrivals(scenario.arrivals)
     for number, task in enumerate(scenario.tasks):
         if task.lasts is not None:
             where = ("tasks", number, "duration")
             yield from _problems_of_range(task.lasts, 0, where, f"task '{task.name}' takes")
         yield from _problems_of_may_need(scenario, task, ("tasks", number, "may_need"))
+
+
+def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
+    if not 0 <= arrivals.rate <= 1:  # NaN too
+        message = f"tasks appear at a rate of {arrivals.rate:g} a step; use 0 to 1"
+        yield Problem(("arrivals", "rate"), message)
+    if not 0 <= arrivals.until <= LONGEST_ARRIVALS:
+        message = f"tasks appear until step {arrivals.until}; use 0 to {LONGEST_ARRIVALS:,}"
+        yield Problem(("arrivals", "until"), message)
+    if not 0 <= arrivals.duration <= LARGEST:
+        message = f"tasks that appear take {arrivals.duration} steps; use 0 to {LARGEST:,}"
+        yield Problem(("arrivals", "duration"), message)
+    if arrivals.most_needs < 0:
+        message = f"tasks that appear need {arrivals.most_needs} capabilities; use 1 or more"
+        yield Problem(("arrivals", "needs"), message)
 
 
 def _only_in_steps(scenario: Scenario) -> Iterator[Problem]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from teamformer.referee.allocation import CrewLists, check_assignments, judge_crews
 from teamformer.referee.completion import Tasks
+from teamformer.referee.delays import Delays
 from teamformer.referee.finding import Search
 from teamformer.referee.formation import (
     check_reach,
@@ -34,15 +35,15 @@ def judge(replay: Replay) -> Verdict:
     knowledge, ways = Knowledge(replay.scenario), Ways(replay.mission)
     search = Search(replay.scenario, ways)
     lists = CrewLists(replay, knowledge)
-    over = ""
+    delays, over = Delays(replay.mission), ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
         if over:
             notes.note(f"{over}, and the record goes on")
             break
         due = due_losses(fleet, number)
-        goals = dict(ways.goals)
-        _judge_step(fleet, tasks, knowledge, search, lists, step, number, due, notes)
+        goals, still = dict(ways.goals), delays.draw()
+        _judge_step(fleet, tasks, knowledge, search, lists, step, number, due, still, notes)
         check_headway(fleet, ways, goals, notes)
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
@@ -62,6 +63,7 @@ def _judge_step(
     step: Step,
     number: int,
     due: set[int],
+    still: set[int],
     notes: Notes,
 ) -> None:
     slots = set(fleet.teams)
@@ -77,6 +79,8 @@ def _judge_step(
     check_reach(fleet, walked, notes)
     lists.give_tasks(fleet, tasks, number - 1)
     unions = lists.tasks_of_unions(fleet, walked)
+    for team in fleet.teams.values():
+        team.is_delayed = bool(team.robots & still)
     _move(fleet, step, walked, due, notes)
     lists.give_unions(fleet, unions)
     lose_robots(fleet, step, due, notes)

@@ -31,8 +31,8 @@ def move_team(
     if isinstance(world, Grid):
         fault = _walk_cells(world, team, to, waits)
     else:
-        fault = _walk_metres(world, team, to, waits, meets)
-    team.walked_from = None if waits or fault else team.at
+        fault = _walk_metres(world, team, to, waits or team.is_delayed, meets)
+    team.walked_from = None if waits or fault or team.is_delayed else team.at
     if to == team.at:
         return
     name, way = fleet.name(team), f"from {list(team.at)} to {list(to)}"
@@ -42,6 +42,8 @@ def move_team(
         notes.note(f"{name} moves {way} while it serves a task")
     elif fault and waits:
         notes.note(f"{name} moves {way} in the step in which it formed")
+    elif fault and team.is_delayed:
+        notes.note(f"{name} moves {way} in a step in which one of its robots stands still")
     elif fault:
         how, can = fault
         notes.note(f"{name} {how} {way}; it can {can} now")
@@ -50,8 +52,11 @@ def move_team(
 
 def _walk_cells(grid: Grid, team: RecordedTeam, to: Place, waits: bool) -> Fault:
     """Let a team spend its speed on a way through cells; say what is wrong with it."""
-    team.credit = 0.0 if waits else min(team.credit, MOST_SAVED) + team.speed
-    allowed = int(team.credit + ROUNDING)
+    if waits:
+        team.credit = 0.0
+    elif not team.is_delayed:
+        team.credit = min(team.credit, MOST_SAVED) + team.speed
+    allowed = 0 if team.is_delayed else int(team.credit + ROUNDING)
     cells = _cells_between(grid, team.at, to, allowed)
     if cells is None:
         how = "jumped" if _apart(team.at, to) > allowed else "went through a wall"

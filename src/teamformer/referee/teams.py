@@ -25,6 +25,7 @@ class RecordedTeam:
     least_credit: float = 0.0  # what it has saved at least
     walked_from: Place | None = None  # in this step; None if it had to wait, or its way was told
     has_formed: bool = False
+    is_delayed: bool = False  # one of its robots stands still in this step
     due: int | None = None  # the task that crews' lists give it
     was_serving: bool = False  # when tasks were given
     is_way_told: bool = True  # False if all its robots were lost in a step, on their way

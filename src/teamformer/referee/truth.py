@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 from teamformer.capabilities import total
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Arrivals, Robot, Scenario, Task
 from teamformer.referee.completion import Tasks
 from teamformer.referee.finding import can_be_at, places_of
 from teamformer.referee.teams import Fleet
@@ -20,9 +21,33 @@ def judge_truth(replay: Replay, notes: Notes) -> None:
     for task, true in zip(scenario.tasks, truth.tasks, strict=True):
         if not (_can_be_task(task, true) and can_be_at(scenario, task, true.at)):
             notes.note(f"task {task.name} cannot really be what the record says that it was")
+    if scenario.arrivals is not None:
+        _judge_arrivals(scenario, scenario.arrivals, notes)
     for robot, real in zip(scenario.robots, truth.robots, strict=True):
         if not _can_be_robot(robot, real):
             notes.note(f"robot {robot.name} cannot break down when the record says that it did")
+
+
+def _judge_arrivals(scenario: Scenario, arrivals: Arrivals, notes: Notes) -> None:
+    """Check that the tasks that appeared at random can have."""
+    latest = 0
+    for task in scenario.tasks:
+        if not task.has_arrived:
+            continue
+        part = scenario.world.region(task.at)
+        near = (r.can for r in scenario.robots if scenario.world.region(r.at) == part)
+        able = {cap for cap, count in total(near).items() if count > 0}
+        is_possible = (
+            arrivals.rate > 0
+            and latest < task.appears <= arrivals.until
+            and task.duration == arrivals.duration
+            and set(task.needs.values()) == {1}
+            and task.needs.keys() <= able
+            and len(task.needs) <= (arrivals.most_needs or len(able))
+        )
+        if not is_possible:
+            notes.note(f"task {task.name} cannot appear as the record says that it did")
+        latest = task.appears
 
 
 def _can_be_task(task: Task, true: Task) -> bool:
@@ -36,16 +61,23 @@ def _can_be_task(task: Task, true: Task) -> bool:
 
 
 def _can_be_robot(robot: Robot, real: Robot) -> bool:
+    if robot.delays is not None and real.delays is not None and robot.delays.seed is None:
+        robot = replace(robot, delays=replace(robot.delays, seed=real.delays.seed))
+    if replace(robot, breaks=None, absences=()) != replace(real, absences=()):
+        return False
     if robot.breaks is None:
         return robot == real
-    repair = robot.breaks.repair
+    rate, repair = robot.breaks.rate, robot.breaks.repair
     if not real.absences:
-        return robot.breaks.rate < 1
-    (away, *more) = real.absences
-    is_sound = robot.breaks.rate == 0 or away.lost < 1
-    if more or is_sound or (repair is None) != (away.back is None):
+        return rate < 1
+    times = [(away.lost, away.back) for away in real.absences]
+    before = [0, *(back or math.inf for _, back in times)]
+    is_in_order = all(lost > back for (lost, _), back in zip(times, before, strict=False))
+    if rate == 0 or not is_in_order:
         return False
-    return repair is None or repair[0] <= (away.back or 0) - away.lost <= repair[1]
+    if repair is None:
+        return all(back is None for _, back in times)
+    return all(back and repair[0] <= back - lost <= repair[1] for lost, back in times)
 
 
 class Knowledge:
@@ -54,7 +86,6 @@ class Knowledge:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._hidden = {number for number, task in enumerate(scenario.tasks) if task.may_need}
-        self._shown_at: dict[int, float] = dict.fromkeys(self._hidden, math.inf)
         self._changes: list[tuple[int, dict[int, Mapping[str, int]]]] = []  # steps made, by task
         self.shown_after: set[int] = set()
         self.expect(set(range(len(scenario.robots))), 0)
@@ -101,19 +132,8 @@ class Knowledge:
         self._hidden -= found
         if found:
             self.shown_after.add(number)
-            self._shown_at |= dict.fromkeys(found, number)
             self._changes.append((number, {task: truth[task].needs for task in found}))
         return bool(found)
-
-    def is_shown(self, task: int, steps_made: int) -> bool:
-        """Say whether it was known what a task needs once so many steps were made."""
-        return self._shown_at.get(task, 0) <= steps_made
-
-    def least_needs(self, task: int, steps_made: int) -> Mapping[str, int]:
-        """Return what a coalition had to bring: what is believed, or what is sure if sampled."""
-        if self._scenario.foresight == "sampled" and not self.is_shown(task, steps_made):
-            return self._scenario.tasks[task].needs
-        return self.needs(task, steps_made)
 
     def needs(self, task: int, steps_made: int) -> Mapping[str, int]:
         """Return what a task was believed to need once so many steps were made."""

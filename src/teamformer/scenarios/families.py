@@ -104,7 +104,7 @@ def draw_mission(
             break
     if incident == "lost":
         return _lose_one(mission, spare, rng)
-    if incident in SURPRISES:
+    if incident is not None and incident in SURPRISES:
         return make_uncertain(mission, incident, rng)
     return mission if incident is None else _let_arrive(mission, rng)
 

@@ -7,8 +7,9 @@
 
 `real`, `sparse` and `warehouse` are families of missions that people have; `real-lost` loses one
 robot that can be spared, in `real-arrivals` a fifth of the tasks appear later. `-durations`,
-`-needs` (with a probability of 50%; `-needs30`, `-needs70`), `-breakdowns` and `-mixed` leave open
-what their name says, in any setting: `4N20T-C4-needs`, `real-mixed`.
+`-needs` (with a probability of 50%; `-needs30`, `-needs70`), `-places`, `-delays`, `-calls`,
+`-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name says, in any setting:
+`4N20T-C4-needs`, `real-mixed`.
 """
 
 from __future__ import annotations

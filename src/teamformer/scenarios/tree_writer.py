@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from teamformer.frame import Frame
-from teamformer.model import Robot, Scenario, Task, World
+from teamformer.mission.arrivals import without_arrivals
+from teamformer.model import Arrivals, Robot, Scenario, Task, World
 from teamformer.plane import Plane
 from teamformer.scenarios.tree_reader import INFINITE
 from teamformer.scenarios.trees import VERSION
@@ -21,7 +22,7 @@ def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
         "world": world_to_tree(scenario.world),
         "capabilities": list(scenario.capabilities),
         "robots": [_robot_to_tree(robot) for robot in scenario.robots],
-        "tasks": [_task_to_tree(task) for task in scenario.tasks],
+        "tasks": [task_to_tree(task) for task in without_arrivals(scenario).tasks],
     }
     if scenario.teams:
         tree["teams"] = [[scenario.robots[r].name for r in team] for team in scenario.teams]
@@ -50,9 +51,17 @@ def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
         tree["cost"] = dict(scenario.cost)
     if scenario.foresight != "needed":
         tree["foresight"] = scenario.foresight
+    if scenario.arrivals is not None:
+        tree["arrivals"] = _arrivals_to_tree(scenario.arrivals)
     if scenario.finding_radius != 1:
         tree["finding_radius"] = _radius_to_tree(scenario.finding_radius)
     return tree
+
+
+def _arrivals_to_tree(arrivals: Arrivals) -> dict[str, Any]:
+    tree: dict[str, Any] = {"rate": arrivals.rate, "until": arrivals.until}
+    tree |= {"needs": arrivals.most_needs} if arrivals.most_needs else {}
+    return tree | ({"duration": arrivals.duration} if arrivals.duration else {})
 
 
 def world_to_tree(world: World) -> dict[str, Any]:
@@ -88,6 +97,9 @@ def _robot_to_tree(robot: Robot) -> dict[str, Any]:
         repair = robot.breaks.repair
         tree["breaks"] = {"rate": robot.breaks.rate}
         tree["breaks"] |= {} if repair is None else {"repair": list(repair)}
+    if robot.delays is not None:
+        chance, seed = robot.delays.chance, robot.delays.seed
+        tree["delays"] = chance if seed is None else {"chance": chance, "seed": seed}
     return tree
 
 
@@ -101,7 +113,8 @@ def absences_to_tree(robot: Robot) -> dict[str, Any]:
     return {key: steps[0] if is_one else steps for key, steps in times.items() if steps}
 
 
-def _task_to_tree(task: Task) -> dict[str, Any]:
+def task_to_tree(task: Task) -> dict[str, Any]:
+    """Return a task as it stands in a file."""
     tree: dict[str, Any] = {
         "name": task.name,
         "at": list(task.at),

@@ -13,7 +13,7 @@ from typing import Any
 from teamformer.errors import ScenarioError
 from teamformer.mission.links import COST_PARTS
 from teamformer.mission.rules import BEST_ALLOCATION
-from teamformer.model import Absence, Breakdown, Robot, Scenario, Task
+from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task
 from teamformer.plane import DECIMALS, Plane
 from teamformer.scenarios.tree_reader import LARGEST_COUNT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world
@@ -43,6 +43,7 @@ TOP_KEYS = {
     "cost": False,
     "foresight": False,
     "finding_radius": False,
+    "arrivals": False,
 }
 ROBOT_KEYS = {
     "name": False,
@@ -52,6 +53,7 @@ ROBOT_KEYS = {
     "lost": False,
     "back": False,
     "breaks": False,
+    "delays": False,
     "count": False,
 }
 TASK_KEYS = {
@@ -67,6 +69,8 @@ TASK_KEYS = {
     "within": False,
 }
 BREAKS_KEYS = {"rate": True, "repair": False}
+ARRIVALS_KEYS = {"rate": True, "until": True, "needs": False, "duration": False}
+DELAYS_KEYS = {"chance": True, "seed": True}
 
 
 def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None:
@@ -138,6 +142,7 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
             speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
             absences=_read_absences(reader, where, keys),
             breaks=_read_breaks(reader, (*where, "breaks"), keys),
+            delays=_read_delays(reader, (*where, "delays"), keys.get("delays")),
         )
         if "count" not in keys:
             alike = [robot]
@@ -244,6 +249,16 @@ def _read_breaks(reader: Reader, where: Where, keys: Mapping[str, Any]) -> Break
     )
 
 
+def _read_delays(reader: Reader, where: Where, value: Any) -> Delays | None:
+    if value is None:
+        return None
+    if not isinstance(value, dict):
+        return Delays(reader.number(where, value))
+    said = reader.mapping(where, value, DELAYS_KEYS)
+    chance = reader.number((*where, "chance"), said.get("chance", 0.0))
+    return Delays(chance, reader.whole((*where, "seed"), said.get("seed", 0)))
+
+
 def _read_window(
     reader: Reader, where: Where, keys: Mapping[str, Any]
 ) -> tuple[float, float] | None:
@@ -305,6 +320,8 @@ def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[
             rules[key] = reader.text((key,), top[key])
     if "forming" in top:
         rules["forming"] = reader.number(("forming",), top["forming"])
+    if "arrivals" in top:
+        rules["arrivals"] = _read_arrivals(reader, top["arrivals"])
     if "cost" in top:
         rules["cost"] = _read_cost(reader, top["cost"])
     if "ends" in top:
@@ -312,6 +329,17 @@ def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[
         read = partial(reader.place, is_point=is_plane) if is_place else reader.text
         rules["ends"] = read(("ends",), top["ends"])
     return rules
+
+
+def _read_arrivals(reader: Reader, value: Any) -> Arrivals:
+    said = reader.mapping(("arrivals",), value, ARRIVALS_KEYS)
+    most = reader.whole(("arrivals", "needs"), said["needs"], 1) if "needs" in said else 0
+    return Arrivals(
+        reader.number(("arrivals", "rate"), said.get("rate", 0.0)),
+        reader.whole(("arrivals", "until"), said.get("until", 0)),
+        most,
+        reader.whole(("arrivals", "duration"), said.get("duration", 0)),
+    )
 
 
 def _read_cost(reader: Reader, value: Any) -> dict[str, float]:

@@ -28,7 +28,7 @@ RESOLVE, NEAREST = 0, 1
 PAPER, NEAREST_ALONE, CREWS, PLAN = 0, 1, 2, 3
 """Who heads for which task: allocations as in `mission.rules.ALLOCATIONS`."""
 
-NEEDED, ABSENT, SAMPLED = 0, 1, 2
+NEEDED, ABSENT = 0, 1
 """As what that is taken which may be needed: as in `mission.rules.FORESIGHTS`."""
 
 RULES = np.dtype(
@@ -45,6 +45,7 @@ RULES = np.dtype(
         ("foresight", np.int32),  # NEEDED or ABSENT
         ("hides_needs", np.bool_),  # what some tasks need is not known
         ("hides_places", np.bool_),  # where some tasks are is not known
+        ("has_delays", np.bool_),  # robots stand still now and then
         ("has_walls", np.bool_),
         ("is_plane", np.bool_),
         ("sensing_radius", np.float64),  # cells, on a plane metres
@@ -95,11 +96,12 @@ ROBOT = np.dtype(
         ("back", np.int32),  # the step it is there again from after that, or NEVER
         ("x", np.float64),  # where it was lost
         ("y", np.float64),
+        ("delay", np.float64),  # with what probability it stands still in a step
+        ("luck", np.uint64),  # state of the random numbers that say in which
         ("stays", np.bool_),  # in the split being made
         ("crew", np.int32),  # NOBODY once it is known to be lost
         ("next", np.int32),  # its first open task by its crew's list or the shared plan, or NOBODY
         ("kind", np.int32),  # the lowest robot that brings the same and is as fast
-        ("scouts", np.int32),  # a task that it looks at first by the shared plan, or NOBODY
         ("took", np.int32),  # the robot whose part of the shared plan it has just taken, or NOBODY
         # What everybody knows of it: that it was there then, together with others.
         ("spot_x", np.float64),
@@ -121,6 +123,7 @@ TEAM = np.dtype(
         ("serves", np.int32),  # how many tasks it is serving
         ("is_detour", np.bool_),  # the assignment was taken out of order
         # What follows lasts for one step.
+        ("is_delayed", np.bool_),  # one of its robots stands still
         ("has_formed", np.bool_),
         ("is_commanded", np.bool_),  # its decision names tasks: the allocator leaves it alone
         ("intent", np.int32),  # MAINTAIN, SPLIT or JOIN

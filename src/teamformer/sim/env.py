@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.mission.arrivals import with_arrivals
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
 from teamformer.planning.teams.facts import Facts, SharedPlan
@@ -21,7 +22,7 @@ from teamformer.sim.arrays import RUNNING, STATUS_NAMES, Array, Worlds
 from teamformer.sim.packing import pack_worlds
 from teamformer.sim.reward import Reward
 from teamformer.sim.step import finish_worlds, form_worlds, step_worlds
-from teamformer.sim.view import View, fill_views, lay_out_rows, make_view
+from teamformer.sim.view import NEXT_TASKS, View, fill_views, lay_out_rows, make_view
 from teamformer.truth import draw_truth
 
 
@@ -73,6 +74,8 @@ class TeamFormation:
             raise ValueError(f"threads is {threads}; use 1 or more")
         drawn = (draw_truth(scenario, 0) for scenario in self.scenarios)
         self.truths = tuple(drawn if truths is None else truths)
+        both = zip(self.scenarios, self.truths, strict=True)
+        self.scenarios = tuple(with_arrivals(scenario, truth) for scenario, truth in both)
         self._start = pack_worlds(self.scenarios, self.truths)
         self._orderings = orderings_for(self._start, self.scenarios)
         self._order_tasks(self._start)
@@ -84,6 +87,8 @@ class TeamFormation:
             room.shape[1] > 0 for room in (self.worlds.may_need, self.worlds.spots)
         )
         tasks = self.worlds.needs.shape[1]
+        if any(scenario.arrivals for scenario in self.scenarios):  # nobody knows how many
+            tasks = max(tasks, NEXT_TASKS)
         self._room = make_view(count, robots, tasks, caps, hides_needs, hides_places)
         self._first_row = np.zeros(count + 1, dtype=np.int64)
         self._first_member = np.zeros(count + 1, dtype=np.int64)

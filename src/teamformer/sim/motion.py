@@ -15,6 +15,7 @@ from teamformer.planning.distances import UNREACHABLE, fill_field
 from teamformer.planning.steps import downhill
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
+from teamformer.sim.delays import delay_teams
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 @allocating_kernel
 def move_teams(world: World) -> None:
     """Phase 5: teams that maintain walk first, then joiners walk to their partner's new place."""
+    if world.rules.has_delays:
+        delay_teams(world)
     for team in range(world.rules.robots):
         if _can_walk(world, team) and world.teams[team].intent != JOIN:
             _walk_to_task(world, team)
@@ -35,6 +38,8 @@ def move_teams(world: World) -> None:
 @kernel
 def _can_walk(world: World, team: int) -> bool:
     if world.teams[team].size == 0 or world.teams[team].serves > 0:
+        return False
+    if world.rules.has_delays and world.teams[team].is_delayed:
         return False
     return world.rules.forming_steps == 0 or not world.teams[team].has_formed
 

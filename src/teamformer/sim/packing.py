@@ -34,6 +34,7 @@ from teamformer.sim.arrays import (
     TEAM,
     Worlds,
 )
+from teamformer.sim.delays import first_luck
 from teamformer.truth import expected_needs
 
 
@@ -46,7 +47,7 @@ def pack_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> Wo
     problems = [problem for scenario in scenarios for problem in rules_not_played(scenario)]
     if problems:
         raise ScenarioError(problems)
-    worlds = _empty_worlds(scenarios)
+    worlds = _empty_worlds(scenarios, truths)
     for w, (scenario, truth) in enumerate(zip(scenarios, truths, strict=True)):
         _pack_rules(worlds, w, scenario)
         _pack_robots(worlds, w, truth)
@@ -57,7 +58,7 @@ def pack_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> Wo
     return worlds
 
 
-def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
+def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> Worlds:
     count = len(scenarios)
     robots = max(len(s.robots) for s in scenarios)
     tasks = max(len(s.tasks) for s in scenarios)
@@ -66,7 +67,7 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     maps = [s.world for s in scenarios if isinstance(s.world, Grid) and s.world.rows]
     has_precedence = any(task.after for s in scenarios for task in s.tasks)
     precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
-    times = max(len(robot.absences) for s in scenarios for robot in s.robots)
+    times = max(len(robot.absences) for truth in truths for robot in truth.robots)
     has_plan = any(s.allocation == "plan" for s in scenarios)
     hides_needs = any(task.may_need for s in scenarios for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
@@ -110,7 +111,6 @@ def _empty_worlds(scenarios: Sequence[Scenario]) -> Worlds:
     for field in ("shown_at", "moved_at", "found_at"):
         worlds.tasks[field] = NOBODY
     worlds.robots["crew"] = worlds.robots["next"] = worlds.robots["took"] = NOBODY
-    worlds.robots["scouts"] = NOBODY
     return worlds
 
 
@@ -129,6 +129,7 @@ def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
         "allocation": ALLOCATIONS.index(scenario.allocation),
         "foresight": FORESIGHTS.index(scenario.foresight),
         "hides_needs": any(task.may_need for task in scenario.tasks),
+        "has_delays": any(robot.delays for robot in scenario.robots),
         "hides_places": any(task.within for task in scenario.tasks),
         "has_schedule": scenario.order == "schedule",
         "has_walls": bool(scenario.world.rows),
@@ -184,6 +185,9 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         record["lost"], record["back"] = times[0] if times else (NEVER, NEVER)
         if worlds.absences.shape[2]:
             worlds.absences[w, r, : len(times)] = np.reshape(times, (-1, 2))
+        if robot.delays is not None:
+            record["delay"] = robot.delays.chance
+            record["luck"] = first_luck(robot.delays.seed or 0)
         record["region"] = scenario.world.region(robot.at)
         record["spot_x"], record["spot_y"] = robot.at
         for name, count in robot.can.items():

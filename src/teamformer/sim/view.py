@@ -11,6 +11,7 @@ from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import fills_gap
 from teamformer.sim.allocation.crewmates import are_mates, name_crews
 from teamformer.sim.arrays import CREWS, PLAN, RUNNING, Array, world_at
+from teamformer.sim.delays import chance_of_delay
 from teamformer.sim.formation import is_in_same_place
 from teamformer.sim.spatial_index import (
     distance_squared,
@@ -59,6 +60,7 @@ class View(NamedTuple):
     unit: Array  # (teams,) float32, the length that counts as one cell: 1 on a grid
     arrival_radius: Array  # (teams,) float32, what is so near is in the same place: 0 on a grid
     pace: Array  # (teams,) float32, the length that the team walks in a step
+    delay: Array  # (teams,) float32 probability that it stands still in a step
     seen_slot: Array  # (teams, seen) int32
     seen_place: Array  # (teams, seen, 2) float64
     seen_counts: Array  # (teams, seen, caps) int16
@@ -154,6 +156,7 @@ def _write_own(world: World, view: View, row: int, team: int) -> None:
     view.unit[row] = world.rules.unit
     view.arrival_radius[row] = world.rules.arrival_radius
     view.pace[row] = world.teams[team].pace
+    view.delay[row] = chance_of_delay(world, team)
 
 
 @kernel
@@ -309,6 +312,7 @@ def make_view(
         unit=np.zeros(teams, dtype=np.float32),
         arrival_radius=np.zeros(teams, dtype=np.float32),
         pace=np.zeros(teams, dtype=np.float32),
+        delay=np.zeros(teams, dtype=np.float32),
         seen_slot=np.zeros((teams, seen), dtype=np.int32),
         seen_place=np.zeros((teams, seen, 2)),
         seen_counts=np.zeros((teams, seen, caps), dtype=np.int16),

@@ -23,6 +23,7 @@ from teamformer.sim.replay.record import (
     TaskAt,
     TeamAt,
 )
+from teamformer.truth import truth_until
 
 Groups = dict[int, tuple[int, ...]]
 """The robots of each team, by slot."""
@@ -51,7 +52,6 @@ class Recorder:
         self._orders: list[tuple[int, tuple[int, ...]]] = []
         self._crews: list[tuple[int, tuple[Crew, ...]]] = []
         self._shared_plans: list[tuple[int, SharedPlanMade]] = []
-        self._scouts: list[tuple[int, tuple[tuple[int, int], ...]]] = []
         self._plans = 0
         self._before = self._snapshot()
         self._start = tuple(
@@ -108,7 +108,7 @@ class Recorder:
 
     def finish(self, policy: str, seed: int, lower_bound: int | None) -> Replay:
         """Return the record so far: one of a trial that still runs is of an interrupted one."""
-        made = self._before.tally.steps
+        made, is_uncertain = self._before.tally.steps, self._scenario.has_surprises
         return Replay(
             scenario=self._scenario,
             policy=policy,
@@ -120,8 +120,7 @@ class Recorder:
             lower_bound=lower_bound,
             crews=tuple(self._crews),
             plans=tuple(plan for plan in self._shared_plans if plan[0] <= made),
-            truth=self._truth if self._scenario.has_surprises else None,
-            scouts=tuple(row for row in self._scouts if row[0] <= made),
+            truth=truth_until(self._scenario, self._truth, made + 1) if is_uncertain else None,
         )
 
     def _snapshot(self) -> _Snapshot:
@@ -137,10 +136,6 @@ class Recorder:
             self._crews.append((steps, self._crews_now(order)))
         if self._scenario.allocation == "plan" and plans > self._plans:
             self._shared_plans.append((steps, self._shared_plan_now(order)))
-            scouted = worlds.robots["scouts"][0]
-            if (scouted != NOBODY).any():
-                scouts = np.flatnonzero(scouted != NOBODY).tolist()
-                self._scouts.append((steps, tuple((r, int(scouted[r])) for r in scouts)))
         self._plans = plans
 
     def _shared_plan_now(self, order: tuple[int, ...]) -> SharedPlanMade:

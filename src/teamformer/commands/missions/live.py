@@ -14,7 +14,7 @@ from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import ready_policy
 from teamformer.commands.robots.rehearse import require_extra, signatures_in
 from teamformer.errors import TeamformerError
-from teamformer.mission.rules import rules_not_played, rules_of_simulated_missions
+from teamformer.mission.rules import rules_of_live_missions, rules_of_simulated_missions
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario
@@ -101,7 +101,7 @@ def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, s
     from teamformer.live.session import Session
     from teamformer.live.workshop import Workshop
 
-    scenario = None if path is None else read_scenario(path, rules_not_played)
+    scenario = None if path is None else read_scenario(path, rules_of_live_missions)
     ready_policy(options.policy, options.time_limit)
     has_plan = scenario is not None and scenario.allocation == "plan"
     announce_compiling([options.policy], scenario is None or scenario.is_planned, has_plan)

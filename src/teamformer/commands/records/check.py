@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.commands.console import out, print_json
+from teamformer.mission.arrivals import without_arrivals
 from teamformer.model import Scenario
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
@@ -27,7 +28,7 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
     if scenario is not None:
         findings += [
             {"step": 0, "message": f"the record is of another scenario than {scenario}: {how}"}
-            for how in _differences(replay.scenario, read_scenario(scenario))
+            for how in _differences(without_arrivals(replay.scenario), read_scenario(scenario))
         ]
     claimed = _claims(replay)
     if as_json:

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from teamformer.errors import TeamformerError
+from teamformer.mission.arrivals import most_tasks
 from teamformer.mission.checks import LARGEST_COUNT
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
@@ -131,7 +132,8 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         What is uncertain is there as it really is. Robot by robot: its team's slot, place (x, y)
         and task, then what it brings (caps); all -1 once it is lost. Then task by task,
         future ones too: whether it is open and whether done, its place, the steps of service left,
-        and what it needs (caps).
+        and what it needs (caps). Where tasks appear at random there are rows of -1 for those that
+        do not.
         """
         worlds = self._env.worlds
         robots, tasks = worlds.robots[0], worlds.tasks[0]
@@ -145,6 +147,8 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         work = np.column_stack((tasks["is_open"], is_done, places, left))
         needs = worlds.true_needs[0] if worlds.rules["hides_needs"][0] else worlds.needs[0]
         work = np.hstack((work, needs))  # (tasks, 5 + caps)
+        more = most_tasks(self._source) - len(work) if isinstance(self._source, Scenario) else 0
+        work = np.vstack((work, np.full((more, work.shape[1]), NOBODY)))
         return np.concatenate((fleet, work), axis=None, dtype=np.float32)
 
     def _make_env(self) -> TeamFormation:
@@ -224,7 +228,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
             return 0, int(max(task.longest for task in scenario.tasks))
         if array.dtype == np.float32:
             return 0, np.inf
-        return NOBODY, max(len(scenario.robots), len(scenario.tasks))
+        return NOBODY, max(len(scenario.robots), most_tasks(scenario))
 
     def _make_action_space(self) -> spaces.Space[Any]:
         brings = self._env.worlds.brings[0]  # (robots, caps)

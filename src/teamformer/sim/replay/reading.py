@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ReplayError, TeamformerError
+from teamformer.mission.arrivals import with_arrivals
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.rules.constants import PLAN_REASONS
@@ -52,8 +53,7 @@ STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
 REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
-OPTIONAL_KEYS = ("crews", "plans", "scouts", "truth")
-NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in OPTIONAL_KEYS)
+NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in ("crews", "plans", "truth"))
 
 
 def read_replay(path: Path) -> Replay:
@@ -135,6 +135,11 @@ Coordinate = Callable[[Any], float]
 
 
 def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
+    with inside("truth"):
+        truth = None
+        if scenario.has_surprises or "truth" in tree:
+            truth = truth_from_tree(scenario, tree.get("truth"))
+            scenario = with_arrivals(scenario, truth)
     robots, tasks = len(scenario.robots), len(scenario.tasks)
     bound = tree["lower_bound"]
     along = metres if isinstance(scenario.world, Plane) else number_of
@@ -151,15 +156,6 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         plans = tuple(
             (count_of(at), _plan(made, robots)) for at, made in rows_of(tree.get("plans", []), 2)
         )
-    with inside("scouts"):
-        scouts = tuple(
-            (count_of(at), _scouts(made, robots, tasks))
-            for at, made in rows_of(tree.get("scouts", []), 2)
-        )
-    with inside("truth"):
-        truth = None
-        if scenario.has_surprises or "truth" in tree:
-            truth = truth_from_tree(scenario, tree.get("truth"))
     with inside("start"):
         start = tuple(
             (number_below(slot, robots), numbers_below(members, robots), along(x), along(y))
@@ -179,7 +175,6 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         crews=crews,
         plans=plans,
         truth=truth,
-        scouts=scouts,
     )
 
 
@@ -196,11 +191,6 @@ def _plan(row: Any, robots: int) -> SharedPlanMade:
     return SharedPlanMade(
         tuple(reasons), tuple(numbers_below(coalition, robots) for coalition in list_of(coalitions))
     )
-
-
-def _scouts(rows: Any, robots: int, tasks: int) -> tuple[tuple[int, int], ...]:
-    pairs = rows_of(rows, 2)
-    return tuple((number_below(robot, robots), number_below(task, tasks)) for robot, task in pairs)
 
 
 def _ending(tree: Any) -> Ending:

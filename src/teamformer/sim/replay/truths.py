@@ -10,12 +10,13 @@ from typing import Any
 from teamformer.errors import ScenarioError
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.scenarios.tree_writer import absences_to_tree, counts_to_tree
+from teamformer.scenarios.tree_writer import absences_to_tree, counts_to_tree, task_to_tree
 from teamformer.sim.replay.values import (
     DamageError,
     check_keys,
     count_of,
     inside,
+    list_of,
     metres,
     number_of,
     rows_of,
@@ -37,27 +38,35 @@ def truth_to_tree(scenario: Scenario, truth: Scenario) -> dict[str, Any]:
         if said:
             tasks[task.name] = said
     for robot, real in zip(scenario.robots, truth.robots, strict=True):
-        if robot.breaks is not None:
-            robots[robot.name] = absences_to_tree(real)
-    return {"tasks": tasks, "robots": robots}
+        if robot.has_surprises:
+            said = absences_to_tree(real) if robot.breaks else {}
+            if robot.delays is not None and robot.delays.seed is None and real.delays is not None:
+                said["delays"] = real.delays.seed
+            robots[robot.name] = said
+    tree: dict[str, Any] = {"tasks": tasks, "robots": robots}
+    if scenario.arrivals is not None:
+        tree["arrivals"] = [task_to_tree(task) for task in scenario.tasks if task.has_arrived]
+    return tree
 
 
 def truth_from_tree(scenario: Scenario, tree: Any) -> Scenario:
     """Return the mission as a record says that it was; raises `DamageError`."""
-    check_keys(tree, ("tasks", "robots"), ("tasks", "robots"))
+    parts = ("tasks", "robots", *(("arrivals",) if scenario.arrivals else ()))
+    check_keys(tree, parts, parts)
     open_tasks = [
         task.name
         for task in scenario.tasks
         if task.lasts is not None or task.may_need or task.within
     ]
-    open_robots = [robot.name for robot in scenario.robots if robot.breaks is not None]
+    open_robots = [robot.name for robot in scenario.robots if robot.has_surprises]
     check_keys(tree["tasks"], open_tasks, open_tasks)
     check_keys(tree["robots"], open_robots, open_robots)
     along = metres if isinstance(scenario.world, Plane) else number_of
     tasks = (_task(task, tree["tasks"].get(task.name), along) for task in scenario.tasks)
     robots = (_robot(robot, tree["robots"].get(robot.name)) for robot in scenario.robots)
+    arrived = (_arrived(said, along) for said in list_of(tree.get("arrivals", [])))
     try:
-        return replace(scenario, tasks=tuple(tasks), robots=tuple(robots))
+        return replace(scenario, arrivals=None, tasks=(*tasks, *arrived), robots=tuple(robots))
     except ScenarioError as error:
         raise DamageError(error.problems[0].message) from None
 
@@ -79,6 +88,20 @@ def _task(task: Task, said: Any, along: Callable[[Any], float]) -> Task:
     return task.once_known((along(x), along(y)), needs, duration)
 
 
+def _arrived(said: Any, along: Callable[[Any], float]) -> Task:
+    keys = ("name", "at", "needs", "appears")
+    check_keys(said, (*keys, "duration"), keys)
+    [[x, y]] = rows_of([said["at"]], 2)
+    return Task(
+        name=text_of(said["name"]),
+        at=(along(x), along(y)),
+        needs=_counts(said["needs"]),
+        duration=count_of(said.get("duration", 0)),
+        appears=count_of(said["appears"]),
+        has_arrived=True,
+    )
+
+
 def _counts(said: Any) -> Mapping[str, int]:
     if isinstance(said, dict):
         return {name: count_of(count) for name, count in said.items()}
@@ -91,7 +114,13 @@ def _robot(robot: Robot, said: Any) -> Robot:
     if said is None:
         return robot
     with inside(robot.name):
-        check_keys(said, ("lost", "back"))
+        is_delayed = robot.delays is not None and robot.delays.seed is None
+        keys = [*(("lost", "back") if robot.breaks else ()), *(("delays",) if is_delayed else ())]
+        check_keys(said, keys, keys[-1:] if is_delayed else ())
+        if robot.delays is not None and is_delayed:
+            robot = replace(robot, delays=replace(robot.delays, seed=count_of(said["delays"])))
+        if robot.breaks is None:
+            return robot
         lost, back = (_steps(said.get(key, [])) for key in ("lost", "back"))
         if len(back) > len(lost):
             raise DamageError("it is back more often than it is lost")

@@ -2,7 +2,7 @@
 
 const TOOLS = { move: "Select, move", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
 const STEP_FIELDS = { robots: { lost: "Lost in steps", back: "Back in steps" }, tasks: {} };
-const MORE_FIELDS = { robots: { speed: "Speed" }, tasks: { duration: "Duration, steps", within: "Within (cells or m)", appears: "Appears after step" } };
+const MORE_FIELDS = { robots: { speed: "Speed", delays: "Stands still (0 to 1)" }, tasks: { duration: "Duration, steps", within: "Within (cells or m)", appears: "Appears after step" } };
 
 class EditorPanel {
   constructor(app, box) {
@@ -110,7 +110,7 @@ class EditorPanel {
     const counts = readWrittenCounts(thing[key] ?? []);
     const all = () =>
       writtenCounts(Object.fromEntries(draft.tree.capabilities.map((name) => [name, Number(this.thing.elements[`count ${name}`].value)])));
-    const single = Object.entries(MORE_FIELDS[kind]).filter(([name]) => !Array.isArray(thing[name])); // a range is kept
+    const single = Object.entries(MORE_FIELDS[kind]).filter(([name]) => typeof (thing[name] ?? 0) !== "object"); // a range is kept
     const more = single.map(([name, text]) =>
       labelled(text, number(name, thing[name] ?? "", set(({ value }) => ({ [name]: value === "" ? undefined : Number(value) }), name), "any")),
     );

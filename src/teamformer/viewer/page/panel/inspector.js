@@ -51,6 +51,7 @@ function teamDetails(app, team, robot) {
     ...(app.actionsFor?.(robot) ?? []),
     waitingFor(app, team.goal, team.missing, team),
     crewText(app, robot),
+    delayText(app, robot),
     sharesText(app, robot),
     ...(team.robots.length > 1 ? titled("Robots", robotChips(app, team.robots, robot)) : []),
     ...titled("Brings", capabilityChips(app, "brings", team.counts)),
@@ -77,6 +78,11 @@ function sharesText({ history, player }, robot) {
   if (!player.step) return null;
   const text = `${robotName(history.scenario, robot)} so far: ${describeShares(history, robot, player.step)}`;
   return element("p", { class: "muted" }, text);
+}
+
+function delayText({ history }, robot) {
+  const { delay } = history.scenario.robots[robot];
+  return delay ? element("p", { class: "muted" }, `Stands still in ${percent(delay)} of the steps`) : null;
 }
 
 function crewText({ history, player }, robot) {

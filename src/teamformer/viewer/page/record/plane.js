@@ -20,7 +20,8 @@ function truthInSquares(truth, square) {
   if (!truth) return truth;
   const placed = (said) => (said.at ? { ...said, at: said.at.map((along) => along / square) } : said);
   const tasks = Object.entries(truth.tasks).map(([name, said]) => [name, placed(said)]);
-  return { ...truth, tasks: Object.fromEntries(tasks) };
+  const arrivals = truth.arrivals?.map(placed);
+  return { ...truth, tasks: Object.fromEntries(tasks), arrivals };
 }
 
 function stepInSquares({ square }, step) {

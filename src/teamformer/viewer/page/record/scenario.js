@@ -4,7 +4,8 @@
 function readScenario(tree, truth) {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
   const isHopeful = tree.foresight !== "absent";
-  const tasks = tree.tasks.map((task) => readTask(task, numbers, truth?.tasks[task.name], isHopeful));
+  const listed = [...tree.tasks, ...(truth?.arrivals ?? [])];
+  const tasks = listed.map((task) => readTask(task, numbers, truth?.tasks[task.name], isHopeful));
   const numberOf = new Map(tasks.map(({ name }, number) => [name, number]));
   for (const task of tasks) task.after = task.after.map((name) => numberOf.get(name));
   const scenario = {
@@ -15,6 +16,7 @@ function readScenario(tree, truth) {
       name: robot.name,
       at: robot.at,
       can: readCounts(robot.can, numbers),
+      delay: robot.delays?.chance ?? robot.delays ?? 0, // of how many steps it stands still in
     })),
     tasks,
     isUnsure: tasks.some(({ within }) => within),

@@ -1,0 +1,90 @@
+"""Tasks that appear at random: what they may be, and those of one truth."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from teamformer.capabilities import total
+from teamformer.grid import Place
+from teamformer.model import Scenario, Task
+from teamformer.plane import Plane
+
+MILLIMETRES = 1000
+"""In a metre: places on a plane are drawn to one of them, as random missions have them."""
+
+
+def draw_arrivals(scenario: Scenario, rng: np.random.Generator) -> tuple[Task, ...]:
+    """Return the tasks that appear by the arrivals of a scenario, in the order in which they do.
+
+    None if it has none, or if it holds them already. All lie in the connected part of the map in
+    which most robots start, and need only what robots that start there bring.
+    """
+    arrivals = scenario.arrivals
+    if arrivals is None or any(task.has_arrived for task in scenario.tasks):
+        return ()
+    part = busiest_part(scenario)
+    caps, names = capabilities_in(scenario, part), _free_names(scenario)
+    drawn = []
+    for step in range(1, arrivals.until + 1):
+        if rng.random() < arrivals.rate:
+            place = _draw_place(scenario, part, rng)
+            most = min(arrivals.most_needs or len(caps), len(caps))
+            chosen = rng.permutation(len(caps))[: rng.integers(1, most + 1)]
+            needs = {caps[cap]: 1 for cap in sorted(chosen.tolist())}
+            named = Task(next(names), place, needs, arrivals.duration, step, has_arrived=True)
+            drawn.append(named)
+    return tuple(drawn)
+
+
+def with_arrivals(scenario: Scenario, truth: Scenario) -> Scenario:
+    """Return a scenario with the tasks that appear in it by a truth, as tasks that are late."""
+    if scenario.arrivals is None or len(scenario.tasks) == len(truth.tasks):
+        return scenario
+    return replace(scenario, tasks=(*scenario.tasks, *truth.tasks[len(scenario.tasks) :]))
+
+
+def without_arrivals(scenario: Scenario) -> Scenario:
+    """Return a scenario as its file has it, without the tasks that appear in it by a truth."""
+    if scenario.arrivals is None:
+        return scenario
+    return replace(scenario, tasks=tuple(t for t in scenario.tasks if not t.has_arrived))
+
+
+def busiest_part(scenario: Scenario) -> int:
+    """Return the connected part of the map in which most robots start, the first of equals."""
+    parts = [scenario.world.region(robot.at) for robot in scenario.robots]
+    return max(sorted(set(parts)), key=parts.count)
+
+
+def capabilities_in(scenario: Scenario, part: int) -> list[str]:
+    """Return what the robots that start in a part of the map bring."""
+    there = (robot.can for robot in scenario.robots if scenario.world.region(robot.at) == part)
+    have = total(there)
+    return [cap for cap in scenario.capabilities if have.get(cap, 0) > 0]
+
+
+def most_tasks(scenario: Scenario) -> int:
+    """Return how many tasks there may be in the end."""
+    return len(scenario.tasks) + (scenario.arrivals.until if scenario.arrivals else 0)
+
+
+def _free_names(scenario: Scenario) -> Iterator[str]:
+    taken = {task.name for task in scenario.tasks}
+    names = (f"call-{number}" for number in itertools.count(1))
+    return (name for name in names if name not in taken)
+
+
+def _draw_place(scenario: Scenario, part: int, rng: np.random.Generator) -> Place:
+    """Return any free place of a part of the map, each as likely as any other."""
+    world = scenario.world
+    if isinstance(world, Plane):
+        x, y = (np.floor(rng.uniform(0, world.corner) * MILLIMETRES) / MILLIMETRES).tolist()
+        return x, y
+    while True:
+        x, y = rng.integers(0, (world.width, world.height)).tolist()
+        if world.is_free((x, y)) and world.region((x, y)) == part:
+            return x, y

@@ -1,0 +1,138 @@
+"""Tasks that appear at random: part of the truth, known to nobody before they appear."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from small_worlds import make, play, robot, task
+from teamformer.grid import Grid
+from teamformer.mission.arrivals import most_tasks, without_arrivals
+from teamformer.model import Arrivals, Scenario
+from teamformer.policies import POLICIES
+from teamformer.referee import judge
+from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
+from teamformer.scenarios.named_settings import world_of
+from teamformer.sim.env import TeamFormation
+from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.replay.writing import write_replay
+from teamformer.trials.registry import load_policy
+from teamformer.trials.trial import run_trial
+from teamformer.truth import draw_truth, expected_mission
+from test_surprises import is_alike, play_views
+
+
+def corridor(rate: float, until: int, most_needs: int = 0, duration: int = 0) -> Scenario:
+    """Two robots and a task between walls; the cell behind the wall is not for them.
+
+    a b . . T @ .
+    """
+    grid = Grid(7, 1, (".....@.",))
+    arrivals = Arrivals(rate, until, most_needs, duration)
+    return make([robot("a", 0), robot("b", 1)], [task("a", 4)], grid, arrivals=arrivals)
+
+
+def test_as_many_appear_as_the_rate_says_where_robots_can_do_them() -> None:
+    scenario = corridor(0.25, 40)
+    truths = [draw_truth(scenario, seed).tasks[1:] for seed in range(150)]
+    assert np.mean([len(tasks) for tasks in truths]) == pytest.approx(10, abs=0.7)
+    arrived = [task for tasks in truths for task in tasks]
+    assert {one.at for one in arrived} == {(x, 0) for x in range(5)}
+    assert {tuple(one.needs) for one in arrived} == {("a",), ("b",), ("a", "b")}
+    share = sum(len(one.needs) == 2 for one in arrived) / len(arrived)
+    assert share == pytest.approx(0.5, abs=0.05)
+    assert {one.appears for one in arrived} == set(range(1, 41))
+    assert [one.name for one in truths[0]][:2] == ["call-1", "call-2"]
+
+
+def test_every_step_brings_one_at_a_rate_of_one() -> None:
+    truth = draw_truth(corridor(1.0, 3, most_needs=1, duration=2), 0)
+    assert [one.appears for one in truth.tasks] == [0, 1, 2, 3]
+    assert {sum(one.needs.values()) for one in truth.tasks} == {1}
+    assert [one.duration for one in truth.tasks] == [0, 2, 2, 2]
+    assert truth.arrivals is None
+    assert not draw_truth(corridor(0.0, 3), 0).tasks[1:]
+
+
+def test_names_that_are_taken_are_left_out() -> None:
+    scenario = corridor(1.0, 2)
+    scenario = replace(scenario, tasks=(replace(scenario.tasks[0], name="call-1"),))
+    assert [one.name for one in draw_truth(scenario, 0).tasks] == ["call-1", "call-2", "call-3"]
+
+
+def test_views_are_as_wide_however_many_appear() -> None:
+    """Two tasks appear: nobody sees one, or how many there will be, before it does."""
+    env = TeamFormation([corridor(1.0, 2)])
+    known = []
+    for _ in range(3):
+        assert env.view().task_number.shape == (len(env.view().slot), 16)
+        known.append(sorted(set(env.view().task_number.ravel().tolist()) - {-1}))
+        play(env)
+    assert known == [[0], [0, 1], [0, 1, 2]]
+    assert len(expected_mission(corridor(1.0, 2)).tasks) == 1
+    assert most_tasks(corridor(0.1, 40)) == 41
+
+
+def test_files_keep_arrivals() -> None:
+    for scenario in (corridor(0.1, 9), corridor(0.1, 9, 2, 3)):
+        assert scenario_from_tree(scenario_to_tree(scenario), "x") == scenario
+        assert scenario.has_surprises
+        truth = draw_truth(scenario, 1)
+        assert scenario_from_tree(scenario_to_tree(truth), "x") == truth
+        assert not truth.has_surprises
+
+
+@pytest.mark.parametrize("allocation", ["paper", "plan"])
+def test_missions_with_arrivals_end_and_are_legal(allocation: str, tmp_path: Path) -> None:
+    scenario = replace(world_of("4N20T-C4-calls", 0), allocation=allocation)
+    replay = run_trial(scenario, load_policy("join-fitting", POLICIES), "x", 4).replay
+    assert replay.end.status == "completed"
+    assert replay.end.tasks_done == len(replay.mission.tasks) > 22
+    assert judge(replay).findings == ()
+    write_replay(replay, tmp_path / "replay.json")
+    again = read_replay(tmp_path / "replay.json")
+    assert again == replay
+    assert again.scenario.tasks[20].has_arrived
+    assert without_arrivals(again.scenario) == scenario
+
+
+def test_nobody_knows_what_will_appear() -> None:
+    scenario = world_of("4N20T-C4-calls", 0)
+    truths = [draw_truth(scenario, seed) for seed in (1, 2)]
+    first = min(task.appears for truth in truths for task in truth.tasks[20:])
+    one, other = (play_views(scenario, truth, "join-fitting", first + 1)[1] for truth in truths)
+    assert all(is_alike(a, b) for a, b in zip(one[:first], other[:first], strict=True))
+    assert not is_alike(one[first], other[first])
+
+
+def test_the_referee_refuses_what_cannot_appear() -> None:
+    scenario = corridor(0.5, 9, most_needs=1, duration=2)
+    replay = run_trial(scenario, load_policy("join-all", POLICIES), "x", 1).replay
+    assert judge(replay).findings == ()
+    assert len(replay.mission.tasks) > 2
+    changes = [{"appears": 10}, {"duration": 3}, {"needs": {"a": 1, "b": 1}}, {"needs": {"a": 2}}]
+    for change in changes:
+        tasks = [*replay.scenario.tasks[:-1], replace(replay.scenario.tasks[-1], **change)]
+        robots = tuple(replace(one, can={"a": 2, "b": 2}) for one in replay.scenario.robots)
+        forged = [
+            replace(mission, tasks=tuple(tasks), robots=robots)
+            for mission in (replay.scenario, replay.mission)
+        ]
+        record = replace(replay, scenario=forged[0], truth=forged[1])
+        messages = [finding.message for finding in judge(record).findings]
+        assert any("cannot appear as the record says" in message for message in messages), change
+
+
+def test_pettingzoo_has_room_for_all_that_may_appear() -> None:
+    parallel_env = pytest.importorskip("teamformer.sim.multi_agent.parallel_env")
+    env = parallel_env.TeamFormationParallel(corridor(0.5, 9))
+    rows = set()
+    for seed in range(4):
+        observations, _ = env.reset(seed=seed)
+        assert env.state().shape == env.state_space.shape
+        assert env.observation_space("r0").contains(observations["r0"])
+        rows.add(int((env.state()[14:].reshape(10, 8)[:, 0] == -1).sum()))
+    assert len(rows) > 1

@@ -191,8 +191,9 @@ class Scenario:
     in continuous time are judged by their makespan, or by a `cost` that weighs several things.
 
     `foresight` says what is done about what may be needed: it is taken as `needed` or as `absent`
-    until it is known. Where a task is that is only known to be `within` a distance of a place shows
-    once a team is within `finding_radius` of it. By `arrivals` more tasks appear at random.
+    until it is known, or plans are made with `sampled` futures. Where a task is that is only known
+    to be `within` a distance of a place shows once a team is within `finding_radius` of it. By
+    `arrivals` more tasks appear at random.
     """
 
     name: str

@@ -76,6 +76,7 @@ class PlainWorld:
         self.crew_of: list[int] = []  # robots; under crews they are given, as the order is
         self.list_of: list[int] = []  # tasks
         self.coalitions: dict[int, set[int]] = {}  # by task; under a shared plan they are given
+        self.scouts: dict[int, int] = {}  # by robot; these too
         self.joins = self.splits = self.illegal = 0
         self.luck = {
             number: (robot.delays.seed * 2654435769 + 88172645463325252) % 2**64
@@ -104,7 +105,7 @@ class PlainWorld:
             for cap, chance in wanted.may_need.items():
                 robots = [r for r in left if self.is_way(self.s.robots[r].at, self.at[task])]
                 have = sum(self.s.robots[r].can.get(cap, 0) for r in robots)
-                if self.s.foresight == "needed" and chance > 0 and have > needs.get(cap, 0):
+                if self.s.foresight != "absent" and chance > 0 and have > needs.get(cap, 0):
                     needs[cap] = needs.get(cap, 0) + 1
             self.hopes[task] = needs
 
@@ -325,9 +326,12 @@ class PlainWorld:
         return None
 
     def task_by_plan(self, team: PlainTeam) -> int | None:
-        """Return the first task in the order that has a robot of the team in its coalition."""
-        mine = (task for task in self.order if self.coalitions[task] & set(team.robots))
-        return next(mine, None)
+        """Return the earliest of what its robots scout or, else, have to do first."""
+        mine = []
+        for robot in team.robots:
+            doing = [task for task in self.order if robot in self.coalitions[task]]
+            mine += [self.scouts[robot]] if robot in self.scouts else doing[:1]
+        return min(mine, key=self.order.index, default=None)
 
     def nearest_alone(self, slot: int, order: list[int], i: int) -> int | None:
         team = self.teams[slot]

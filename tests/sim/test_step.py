@@ -60,6 +60,8 @@ def step_both(env: TeamFormation, twin: PlainWorld, view: View, decision: Decisi
     twin.list_of = env.worlds.tasks["crew"][0].tolist()
     twin.order = shared_order(env)
     twin.coalitions = coalitions_of(env, twin.order)
+    scouted = env.worlds.robots["scouts"][0].tolist()
+    twin.scouts = {robot: task for robot, task in enumerate(scouted) if task != NOBODY}
     twin.step(wanted_by_slot(view, decision), twin.order)
     env.step(decision)
     compare(env, twin)

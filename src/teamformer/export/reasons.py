@@ -131,6 +131,10 @@ def _why_task(replay: Replay, moment: Moment, robot: int, task: int) -> str:
         return "its policy named the task itself"
     plan = _shared_plan(replay, moment)
     if plan is not None:
+        looking = _scouts_of(replay, moment, task).intersection(_team(moment, robot))
+        if looking:
+            names = ", ".join(replay.scenario.robots[scout].name for scout in sorted(looking))
+            return f"the plan has {names} look first what it needs"
         return _in_plan(replay.scenario, plan.get(task, ()))
     crews = [row for row in replay.crews if row[0] < moment.step]
     if crews:
@@ -165,6 +169,17 @@ def _shared_plan(replay: Replay, moment: Moment) -> dict[int, tuple[int, ...]] |
         task: tuple(played_by[robot] for robot in coalition)
         for task, coalition in zip(order, plan.coalitions, strict=True)
     }
+
+
+def _scouts_of(replay: Replay, moment: Moment, task: int) -> set[int]:
+    """Return who looks by the shared plan of a step what a task needs, as exchanged since."""
+    made = max(at for at, _ in replay.plans if at < moment.step)
+    looks = dict(dict(replay.scouts).get(made, ()))
+    for step in replay.steps[made : moment.step - 1]:
+        for one, other in step.took:
+            swapped = {one: looks.pop(other, None), other: looks.pop(one, None)}
+            looks |= {robot: at for robot, at in swapped.items() if at is not None}
+    return {robot for robot, at in looks.items() if at == task}
 
 
 def _in_plan(scenario: Scenario, robots: tuple[int, ...]) -> str:

@@ -24,6 +24,8 @@ class CrewLists:
         self._knowledge = knowledge
         self._crews = dict(replay.crews)
         self._plans = dict(replay.plans)
+        self._scouts = {steps: dict(scouts) for steps, scouts in replay.scouts}
+        self._looks: dict[int, int] = {}  # the task that a robot looks at first
         self._took = [step.took for step in replay.steps]
         self._coalition: dict[int, set[int]] = {}
         self._orders = dict(replay.orders)
@@ -34,7 +36,7 @@ class CrewLists:
         """Write each team's `due`, once all have formed in a step and before they walk.
 
         It is the first open task that is on the list of one of its robots' crews and needs that
-        robot, or that has one of its robots in its coalition.
+        robot, or that has one of its robots in its coalition; or what one of them looks at first.
         """
         if self.scenario.allocation not in SHARED_OUT:
             return
@@ -45,6 +47,7 @@ class CrewLists:
             if steps_made in self._plans:
                 made = self._plans[steps_made].coalitions
                 self._coalition = {task: set(c) for task, c in zip(order, made, strict=False)}
+                self._looks = dict(self._scouts.get(steps_made, {}))
         elif steps_made > 0:
             self._exchange_parts(self._took[steps_made - 1])
         for team in fleet.teams.values():
@@ -74,10 +77,16 @@ class CrewLists:
         for pair in took:
             for coalition in self._coalition.values():
                 coalition ^= set(pair) if len(coalition & set(pair)) == 1 else set()
+            one, other = pair
+            looks = {one: self._looks.pop(other, None), other: self._looks.pop(one, None)}
+            self._looks |= {robot: task for robot, task in looks.items() if task is not None}
 
     def _next_tasks(self, team: RecordedTeam, tasks: Tasks, steps_made: int) -> Iterator[int]:
         open_now = [task for task in self._coalition if tasks.is_open(task, steps_made)]
         for robot in team.robots:
+            if robot in self._looks:
+                yield self._looks[robot]
+                continue
             yield from [task for task in open_now if robot in self._coalition[task]][:1]
         for crew in self._now:
             open_ones = [task for task in crew.tasks if tasks.is_open(task, steps_made)]
@@ -146,6 +155,8 @@ def judge_crews(
         _check_moments(replay, tasks, {steps for steps, _ in replay.plans}, shown, "plan", notes)
         for steps, plan in replay.plans:
             _check_plan(replay, knowledge, steps, plan, orders.get(steps, ()), notes)
+    for steps, scouts in replay.scouts:
+        _check_scouts(replay, knowledge, steps, scouts, orders.get(steps, ()), notes)
 
 
 def _robots_left(scenario: Scenario, steps: int) -> set[int]:
@@ -184,12 +195,33 @@ def _check_plan(
     if len(plan.coalitions) != len(order):
         notes.note(f"{when} has {len(plan.coalitions)} coalitions for {len(order)} open tasks")
     for task, coalition in zip(order, plan.coalitions, strict=False):
-        name, needs = replay.scenario.tasks[task].name, knowledge.needs(task, steps)
+        name, needs = replay.scenario.tasks[task].name, knowledge.least_needs(task, steps)
         if len(set(coalition)) != len(coalition) or not set(coalition) <= left:
             notes.note(f"{when} has a robot twice or one that is lost in the coalition of {name}")
         waits = not coalition and not _can_do(replay, left, task, needs)
         if not waits and not _can_do(replay, coalition, task, needs):
             notes.note(f"{when} has a coalition for task {name} that cannot do it")
+
+
+def _check_scouts(
+    replay: Replay,
+    knowledge: Knowledge,
+    steps: int,
+    scouts: Sequence[tuple[int, int]],
+    order: Sequence[int],
+    notes: Notes,
+) -> None:
+    """Check that robots that are left look, each at one open task whose needs nobody knows."""
+    when, left = f"the plan made after {steps} steps", _robots_left(replay.mission, steps)
+    robots = [robot for robot, _ in scouts]
+    if steps not in dict(replay.plans):
+        notes.note(f"the record has scouts from after {steps} steps, when no plan was made")
+    if len(set(robots)) != len(robots) or not set(robots) <= left:
+        notes.note(f"{when} has a scout twice or one that is lost")
+    for _, task in scouts:
+        if task not in order or knowledge.is_shown(task, steps):
+            name = replay.scenario.tasks[task].name
+            notes.note(f"{when} has somebody look at task {name}, whose needs are known")
 
 
 def _check_crews(

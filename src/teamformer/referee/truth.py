@@ -86,6 +86,7 @@ class Knowledge:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._hidden = {number for number, task in enumerate(scenario.tasks) if task.may_need}
+        self._shown_at: dict[int, float] = dict.fromkeys(self._hidden, math.inf)
         self._changes: list[tuple[int, dict[int, Mapping[str, int]]]] = []  # steps made, by task
         self.shown_after: set[int] = set()
         self.expect(set(range(len(scenario.robots))), 0)
@@ -132,8 +133,19 @@ class Knowledge:
         self._hidden -= found
         if found:
             self.shown_after.add(number)
+            self._shown_at |= dict.fromkeys(found, number)
             self._changes.append((number, {task: truth[task].needs for task in found}))
         return bool(found)
+
+    def is_shown(self, task: int, steps_made: int) -> bool:
+        """Say whether it was known what a task needs once so many steps were made."""
+        return self._shown_at.get(task, 0) <= steps_made
+
+    def least_needs(self, task: int, steps_made: int) -> Mapping[str, int]:
+        """Return what a coalition had to bring: what is believed, or what is sure if sampled."""
+        if self._scenario.foresight == "sampled" and not self.is_shown(task, steps_made):
+            return self._scenario.tasks[task].needs
+        return self.needs(task, steps_made)
 
     def needs(self, task: int, steps_made: int) -> Mapping[str, int]:
         """Return what a task was believed to need once so many steps were made."""

@@ -28,7 +28,7 @@ RESOLVE, NEAREST = 0, 1
 PAPER, NEAREST_ALONE, CREWS, PLAN = 0, 1, 2, 3
 """Who heads for which task: allocations as in `mission.rules.ALLOCATIONS`."""
 
-NEEDED, ABSENT = 0, 1
+NEEDED, ABSENT, SAMPLED = 0, 1, 2
 """As what that is taken which may be needed: as in `mission.rules.FORESIGHTS`."""
 
 RULES = np.dtype(
@@ -102,6 +102,7 @@ ROBOT = np.dtype(
         ("crew", np.int32),  # NOBODY once it is known to be lost
         ("next", np.int32),  # its first open task by its crew's list or the shared plan, or NOBODY
         ("kind", np.int32),  # the lowest robot that brings the same and is as fast
+        ("scouts", np.int32),  # a task that it looks at first by the shared plan, or NOBODY
         ("took", np.int32),  # the robot whose part of the shared plan it has just taken, or NOBODY
         # What everybody knows of it: that it was there then, together with others.
         ("spot_x", np.float64),

@@ -111,6 +111,7 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
     for field in ("shown_at", "moved_at", "found_at"):
         worlds.tasks[field] = NOBODY
     worlds.robots["crew"] = worlds.robots["next"] = worlds.robots["took"] = NOBODY
+    worlds.robots["scouts"] = NOBODY
     return worlds
 
 

@@ -52,6 +52,7 @@ class Recorder:
         self._orders: list[tuple[int, tuple[int, ...]]] = []
         self._crews: list[tuple[int, tuple[Crew, ...]]] = []
         self._shared_plans: list[tuple[int, SharedPlanMade]] = []
+        self._scouts: list[tuple[int, tuple[tuple[int, int], ...]]] = []
         self._plans = 0
         self._before = self._snapshot()
         self._start = tuple(
@@ -121,6 +122,7 @@ class Recorder:
             crews=tuple(self._crews),
             plans=tuple(plan for plan in self._shared_plans if plan[0] <= made),
             truth=truth_until(self._scenario, self._truth, made + 1) if is_uncertain else None,
+            scouts=tuple(row for row in self._scouts if row[0] <= made),
         )
 
     def _snapshot(self) -> _Snapshot:
@@ -136,6 +138,10 @@ class Recorder:
             self._crews.append((steps, self._crews_now(order)))
         if self._scenario.allocation == "plan" and plans > self._plans:
             self._shared_plans.append((steps, self._shared_plan_now(order)))
+            scouted = worlds.robots["scouts"][0]
+            if (scouted != NOBODY).any():
+                scouts = np.flatnonzero(scouted != NOBODY).tolist()
+                self._scouts.append((steps, tuple((r, int(scouted[r])) for r in scouts)))
         self._plans = plans
 
     def _shared_plan_now(self, order: tuple[int, ...]) -> SharedPlanMade:

@@ -1,8 +1,9 @@
 """What the shared plan wants each team to do now: part, wait and join, or go on.
 
-A robot's next task is the first open one in the plan's order that has it in its coalition. A team
-whose robots have different next tasks parts, those of the earliest staying; whoever has none stays
-behind. Teams that wait at a task for one another join, pair by pair in slot order.
+A robot's next task is the one that it scouts, while nobody has seen what that needs; else the first
+open one in the plan's order that has it in its coalition. A team whose robots have different next
+tasks parts, those of the earliest staying; whoever has none stays behind. Teams that wait at a task
+for one another join, pair by pair in slot order.
 """
 
 from __future__ import annotations
@@ -56,6 +57,10 @@ def _find_next_tasks(world: World, is_new: Array) -> None:
             continue
         world.robots[robot].next = NOBODY
         if world.robots[robot].team == NOBODY:
+            continue
+        scouted = world.robots[robot].scouts
+        if scouted != NOBODY and world.tasks[scouted].is_open and world.tasks[scouted].hides_needs:
+            world.robots[robot].next = scouted
             continue
         for position in range(world.count.open):
             if world.coalition[world.order[position], robot]:
@@ -183,6 +188,9 @@ def _swap_parts(world: World, robot: int, other: int) -> None:
         part = world.coalition[task, robot]
         world.coalition[task, robot] = world.coalition[task, other]
         world.coalition[task, other] = part
+    scouted = world.robots[robot].scouts
+    world.robots[robot].scouts = world.robots[other].scouts
+    world.robots[other].scouts = scouted
     following = world.robots[robot].next
     world.robots[robot].next = world.robots[other].next
     world.robots[other].next = following

@@ -10,6 +10,7 @@ import numpy as np
 from teamformer.grid import Grid
 from teamformer.jit import entry
 from teamformer.model import Scenario
+from teamformer.planning.foresight.look_ahead import plan_ahead
 from teamformer.planning.teams.facts import Facts, SharedPlan, possible_tasks
 from teamformer.planning.teams.shared_plan import plan_mission
 from teamformer.rules.constants import NOBODY, PLAN_REASONS
@@ -37,7 +38,8 @@ def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario]) -> None:
             plan = _first_plan(_Same(scenarios[w]), facts)
         else:
             believed = _believed(worlds, w, scenarios[w])
-            plan = plan_mission(believed, facts, _read_plan(worlds, w))
+            hidden = frozenset(np.flatnonzero(worlds.tasks["hides_needs"][w]).tolist())
+            plan = _make_plan(scenarios[w], believed, facts, hidden, _read_plan(worlds, w))
         _write_plan(worlds, w, plan)
     follow_shared_plans(worlds, reasons != 0)
 
@@ -86,7 +88,21 @@ class _Same:
 @lru_cache(maxsize=16)
 def _first_plan(same: _Same, facts: Facts) -> SharedPlan:
     """Return the plan at a start, kept for who plays the scenario again, as planners do."""
-    return plan_mission(expected_mission(same.scenario), facts, None)
+    hidden = frozenset(task for task, one in enumerate(same.scenario.tasks) if one.may_need)
+    return _make_plan(same.scenario, expected_mission(same.scenario), facts, hidden, None)
+
+
+def _make_plan(
+    scenario: Scenario,
+    believed: Scenario,
+    facts: Facts,
+    hidden: frozenset[int],
+    old: SharedPlan | None,
+) -> SharedPlan:
+    """Return the plan for what is believed, or with a view to what may come."""
+    if scenario.foresight == "sampled" and hidden:
+        return plan_ahead(scenario, believed, facts, hidden, old)
+    return plan_mission(believed, facts, old)
 
 
 def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
@@ -160,7 +176,9 @@ def _read_plan(worlds: Worlds, w: int) -> SharedPlan:
     """Return the plan that a world holds; tasks that are not in it yet have no coalition."""
     order = worlds.order[w, : worlds.count["open"][w]]
     coalitions = tuple(tuple(np.flatnonzero(worlds.coalition[w, task]).tolist()) for task in order)
-    return SharedPlan(tuple(order.tolist()), coalitions, (), "")
+    scouted = worlds.robots["scouts"][w].tolist()
+    scouts = tuple((robot, task) for robot, task in enumerate(scouted) if task != NOBODY)
+    return SharedPlan(tuple(order.tolist()), coalitions, (), "", scouts)
 
 
 def _write_plan(worlds: Worlds, w: int, plan: SharedPlan) -> None:
@@ -171,6 +189,9 @@ def _write_plan(worlds: Worlds, w: int, plan: SharedPlan) -> None:
     coalition, tasks = worlds.coalition[w], worlds.tasks[w]
     served = np.flatnonzero(tasks["is_open"] & (tasks["server"] != NOBODY)).tolist()
     coalition[:] = False
+    worlds.robots["scouts"][w] = NOBODY
+    for robot, task in plan.scouts:
+        worlds.robots["scouts"][w, robot] = task
     for task in served:
         coalition[task] = worlds.robots["team"][w] == tasks["server"][task]
     for task, robots in zip(plan.order, plan.coalitions, strict=True):

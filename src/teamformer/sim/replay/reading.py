@@ -53,7 +53,8 @@ STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
 REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
-NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in ("crews", "plans", "truth"))
+OPTIONAL_KEYS = ("crews", "plans", "scouts", "truth")
+NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in OPTIONAL_KEYS)
 
 
 def read_replay(path: Path) -> Replay:
@@ -156,6 +157,11 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         plans = tuple(
             (count_of(at), _plan(made, robots)) for at, made in rows_of(tree.get("plans", []), 2)
         )
+    with inside("scouts"):
+        scouts = tuple(
+            (count_of(at), _scouts(made, robots, tasks))
+            for at, made in rows_of(tree.get("scouts", []), 2)
+        )
     with inside("start"):
         start = tuple(
             (number_below(slot, robots), numbers_below(members, robots), along(x), along(y))
@@ -175,6 +181,7 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         crews=crews,
         plans=plans,
         truth=truth,
+        scouts=scouts,
     )
 
 
@@ -191,6 +198,11 @@ def _plan(row: Any, robots: int) -> SharedPlanMade:
     return SharedPlanMade(
         tuple(reasons), tuple(numbers_below(coalition, robots) for coalition in list_of(coalitions))
     )
+
+
+def _scouts(rows: Any, robots: int, tasks: int) -> tuple[tuple[int, int], ...]:
+    pairs = rows_of(rows, 2)
+    return tuple((number_below(robot, robots), number_below(task, tasks)) for robot, task in pairs)
 
 
 def _ending(tree: Any) -> Ending:

@@ -91,6 +91,8 @@ class Replay:
     crews: tuple[tuple[int, tuple[Crew, ...]], ...] = ()  # steps made, crews from then on
     plans: tuple[tuple[int, SharedPlanMade], ...] = ()  # steps made, the shared plan from then on
     truth: Scenario | None = None  # what an uncertain mission really was
+    scouts: tuple[tuple[int, tuple[tuple[int, int], ...]], ...] = ()
+    """Steps made, and robots by the plan made then that look first what a task needs."""
 
     @property
     def mission(self) -> Scenario:

@@ -32,6 +32,8 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
         tree["crews"] = _lists(replay.crews)
     if replay.plans:
         tree["plans"] = _lists(replay.plans)
+    if replay.scouts:
+        tree["scouts"] = _lists(replay.scouts)
     return tree
 
 

@@ -14,7 +14,7 @@ function reasonForTask(history, team, step) {
   const named = steps.slice(Math.max(0, step - 1), step).some((it) => it.named?.includes(team.slot));
   if (named) return "its policy named the task itself";
   const plan = sharedPlanAt(history, step);
-  if (plan) return reasonInPlan(history, plan, task);
+  if (plan) return reasonInPlan(history, plan, team, task);
   const crew = crewOf(history, team.slot, step);
   if (crew) {
     const rank = crew.left.indexOf(task);
@@ -27,8 +27,8 @@ function reasonForTask(history, team, step) {
   return `${ordinal(rank)} in the order that everybody shares, the first it was sent to`;
 }
 
-// The shared plan that holds: {made, reasons, coalitions}, these by task; null without one. Like
-// robots may have exchanged their parts since it was made.
+// The shared plan that holds: {made, reasons, coalitions, scouts}, coalitions by task, scouts as
+// [robot, the task it looks at first]; null without one. Like robots may have exchanged their parts since it was made.
 function sharedPlanAt({ replay }, step) {
   const latest = (replay.plans ?? []).findLast(([made]) => made <= step);
   if (!latest) return null;
@@ -43,10 +43,15 @@ function sharedPlanAt({ replay }, step) {
   }
   const playedBy = new Map([...parts].map(([robot, part]) => [part, robot]));
   const robotsOf = (robots) => robots.map((robot) => playedBy.get(robot) ?? robot);
-  return { made, reasons, coalitions: new Map(order.map((task, at) => [task, robotsOf(planned[at])])) };
+  const coalitions = new Map(order.map((task, at) => [task, robotsOf(planned[at])]));
+  const [, looking = []] = (replay.scouts ?? []).find(([at]) => at === made) ?? [];
+  const scouts = looking.map(([robot, task]) => [playedBy.get(robot) ?? robot, task]);
+  return { made, reasons, coalitions, scouts };
 }
 
-function reasonInPlan({ scenario }, { coalitions }, task) {
+function reasonInPlan({ scenario }, { coalitions, scouts }, team, task) {
+  const looking = scouts.filter(([robot, at]) => at === task && team.robots.includes(robot));
+  if (looking.length) return `the plan has ${listRobots(scenario, looking.map(([it]) => it))} look first what it needs`;
   const robots = coalitions.get(task);
   if (!robots) return "";
   const names = listRobots(scenario, robots);

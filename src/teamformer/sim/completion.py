@@ -9,7 +9,7 @@ from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import can_do_alone
 from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NEVER, STEP_LIMIT
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
-from teamformer.sim.surprises import expect_end
+from teamformer.sim.surprises.beliefs import expect_end
 
 if TYPE_CHECKING:
     from teamformer.rules.arrays import Array

@@ -15,8 +15,8 @@ from teamformer.planning.distances import UNREACHABLE, fill_field
 from teamformer.planning.steps import downhill
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
-from teamformer.sim.delays import delay_teams
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
+from teamformer.sim.surprises.delays import delay_teams
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World

@@ -34,7 +34,7 @@ from teamformer.sim.arrays import (
     TEAM,
     Worlds,
 )
-from teamformer.sim.delays import first_luck
+from teamformer.sim.surprises.delays import first_luck
 from teamformer.truth import expected_needs
 
 

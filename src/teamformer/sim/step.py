@@ -14,13 +14,13 @@ from teamformer.sim.completion import (
     judge_status,
     release_tasks,
 )
-from teamformer.sim.finding import find_tasks
 from teamformer.sim.formation import form_joins, read_decisions, split_teams
 from teamformer.sim.losses import lose_robots, return_robots
 from teamformer.sim.motion import move_teams, place_teams
 from teamformer.sim.reward import reward_teams
 from teamformer.sim.spatial_index import forget_cells, list_teams_by_cell
-from teamformer.sim.surprises import expect_needs, show_needs
+from teamformer.sim.surprises.beliefs import expect_needs, show_needs
+from teamformer.sim.surprises.finding import find_tasks
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World, Worlds

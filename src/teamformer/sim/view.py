@@ -11,7 +11,6 @@ from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import fills_gap
 from teamformer.sim.allocation.crewmates import are_mates, name_crews
 from teamformer.sim.arrays import CREWS, PLAN, RUNNING, Array, world_at
-from teamformer.sim.delays import chance_of_delay
 from teamformer.sim.formation import is_in_same_place
 from teamformer.sim.spatial_index import (
     distance_squared,
@@ -20,7 +19,8 @@ from teamformer.sim.spatial_index import (
     list_teams_by_cell,
     stands_at,
 )
-from teamformer.sim.surprises import expected_rest
+from teamformer.sim.surprises.beliefs import expected_rest
+from teamformer.sim.surprises.delays import chance_of_delay
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World, Worlds

@@ -9,7 +9,14 @@ import pytest
 import torch
 
 from spelling_views import CAPS, SPELLINGS, illegal_decisions, random_views, tensors, wild_network
-from teamformer.nets.action_mask import changes, spell
+from teamformer.nets.action_mask import (
+    EDIT,
+    Grammar,
+    changes,
+    sole_targets,
+    spell,
+    steps_with_a_choice,
+)
 from teamformer.nets.teamformer import Tokens
 from teamformer.policies.learned.token_features import SpellingCodec
 from teamformer.sim.env import Decision
@@ -150,3 +157,29 @@ def test_maintaining_is_likely_before_training() -> None:
         shy = wild_network("edit", bias=8.0).evaluate(given, action)[0].exp().mean()
         bold = wild_network("edit", bias=0.0).evaluate(given, action)[0].exp().mean()
     assert shy > 0.95 > 0.6 > bold
+
+
+def grammar_of_three() -> Grammar:
+    """A team with c may add a b, a b b or b (in the capabilities a, b, c)."""
+    targets = torch.tensor([[[0, 0, 0], [1, 1, 0], [1, 2, 0], [0, 1, 0]]]).float()
+    own = torch.tensor([[0.0, 0.0, 1.0]])
+    nobody = torch.zeros(1, 0, 3)
+    return Grammar(own, targets, torch.ones(1, 4, dtype=torch.bool), own, nobody)
+
+
+def test_from_which_symbol_on_the_rest_is_certain_by_hand() -> None:
+    """b is certain at once; after a, b both go on, until the next symbol is the end or b again."""
+    grammar = grammar_of_three()
+    for wanted, steps in (([0, 0, 1], 1), ([0, 1, 1], 1), ([1, 1, 1], 3), ([1, 2, 1], 3)):
+        assert steps_with_a_choice(EDIT, grammar, torch.tensor([wanted]).float()).tolist() == [
+            steps
+        ]
+    for spelled, sole in (
+        ([0, 0, 0], None),
+        ([0, 1, 0], [0, 1, 0]),
+        ([1, 1, 0], None),
+        ([1, 2, 0], [1, 2, 0]),
+    ):
+        is_sole, target = sole_targets(EDIT, grammar, torch.tensor([[spelled]]).float())
+        assert is_sole.tolist() == [sole is not None]
+        assert sole is None or target.tolist() == [sole]

@@ -48,21 +48,58 @@ def grammar_of(
     return Grammar(own, targets, is_target | first, singles, profiles)
 
 
-def spell(spelling: str, own: Tensor, wanted: Tensor) -> tuple[Tensor, Tensor]:
+def spell(
+    spelling: str, own: Tensor, wanted: Tensor, steps: Tensor | None = None
+) -> tuple[Tensor, Tensor]:
     """Return the symbols of wanted counts (teams, steps) and which of them are there.
 
-    A spelling ends with its end symbol; what follows is the end again and not there.
+    A spelling ends with its end symbol, or after so many `steps` (teams,); what follows is not
+    there.
     """
     change = wanted if spelling == FULL else wanted - own  # (teams, caps)
     caps = change.shape[1]
     so_far = change.abs().cumsum(dim=1)  # (teams, caps)
-    length = so_far[:, -1:]  # (teams, 1)
-    steps = torch.arange(int(length.max()) + 1, device=own.device).expand(len(own), -1)
-    symbol = torch.searchsorted(so_far, steps.contiguous(), right=True)  # (teams, steps)
+    length = so_far[:, -1] + 1 if steps is None else steps  # (teams,)
+    places = torch.arange(int(length.max()), device=own.device).expand(len(own), -1)
+    symbol = torch.searchsorted(so_far, places.contiguous(), right=True)  # (teams, steps)
     if spelling == EDIT:
         drops = (change < 0).any(dim=1, keepdim=True)
         symbol = torch.where(symbol == caps, 2 * caps, symbol + caps * drops)
-    return symbol, steps <= length
+    return symbol, places < length.unsqueeze(1)
+
+
+def steps_with_a_choice(spelling: str, grammar: Grammar, wanted: Tensor) -> Tensor:
+    """Return after how many symbols of the wanted counts the rest is certain, as (teams,).
+
+    In `edit` spelling what adds can only reach targets: it is certain once it differs from all
+    others. Elsewhere the steps are all that there are, up to the end.
+    """
+    change = wanted if spelling == FULL else wanted - grammar.own  # (teams, caps)
+    length = change.abs().sum(dim=1).long()  # (teams,)
+    if spelling == FULL:
+        return length + 1
+    meant, others = change.unsqueeze(1), grammar.targets  # (teams, 1 or targets, caps)
+    differs = (meant != others) & grammar.is_target.unsqueeze(2)  # (teams, targets, caps)
+    is_before = differs.cumsum(dim=2) == 0
+    is_first = (differs.cumsum(dim=2) == 1) & differs
+    alike = (meant * is_before + torch.minimum(meant, others) * is_first).sum(dim=2)  # symbols
+    until_it_differs = torch.where(differs.any(dim=2), alike + 1, 0).amax(dim=1).long()
+    is_join = (change >= 0).all(dim=1)
+    return torch.where(is_join, until_it_differs.clamp(min=1), length + 1)
+
+
+def sole_targets(spelling: str, grammar: Grammar, spelled: Tensor) -> tuple[Tensor, Tensor]:
+    """Return which teams can only reach one target any more, and its counts.
+
+    `spelled` (teams, 1, caps) are the counts so far; the results are (teams,) bool and
+    (teams, caps), in what is spelled.
+    """
+    is_alive = _follow_targets(grammar, spelled.clamp(min=0))[0][:, 0]  # (teams, targets)
+    first = is_alive.long().argmax(dim=1)
+    target = grammar.targets[torch.arange(len(first), device=first.device), first]  # (teams, caps)
+    is_it = (grammar.targets == target.unsqueeze(1)).all(dim=2)  # (teams, targets)
+    adds = (spelled[:, 0] > 0).any(dim=1)
+    return adds & (is_it | ~is_alive).all(dim=1) & (spelling == EDIT), target
 
 
 def changes(spelling: str, symbol: Tensor, caps: int) -> Tensor:
@@ -103,19 +140,27 @@ def legal_symbols(spelling: str, grammar: Grammar, spelled: Tensor) -> tuple[Ten
 def _towards_targets(grammar: Grammar, spelled: Tensor) -> tuple[Tensor, Tensor]:
     """Return the symbols that go on to a target, and to the first, each (teams, steps, caps + 1).
 
-    A target is alive if it is spelled alike up to the last symbol; its next symbol is the first
-    capability that it still lacks, or the end.
+    A target's next symbol is the first capability that it still lacks, or the end.
     """
     caps = spelled.shape[-1]
-    places = torch.arange(caps, device=spelled.device)
-    lacks = grammar.targets.unsqueeze(1) - spelled.unsqueeze(2)  # (teams, steps, targets, caps)
-    following = torch.where(lacks > 0, places, caps).amin(dim=-1)  # (teams, steps, targets)
-    is_alive = (lacks >= 0).all(dim=-1) & grammar.is_target.unsqueeze(1)
-    is_alive &= following >= _last(spelled)  # (teams, steps, targets)
+    is_alive, following = _follow_targets(grammar, spelled)
     is_next = (following.unsqueeze(-1) == torch.arange(caps + 1, device=spelled.device)) & (
         is_alive.unsqueeze(-1)
     )  # (teams, steps, targets, caps + 1)
     return is_next.any(dim=2), is_next[:, :, 0]
+
+
+def _follow_targets(grammar: Grammar, spelled: Tensor) -> tuple[Tensor, Tensor]:
+    """Return which targets are spelled alike up to the last symbol, and what each lacks first.
+
+    Both are (teams, steps, targets); what lacks nothing has the number of capabilities.
+    """
+    caps = spelled.shape[-1]
+    places = torch.arange(caps, device=spelled.device)
+    lacks = grammar.targets.unsqueeze(1) - spelled.unsqueeze(2)  # (teams, steps, targets, caps)
+    following = torch.where(lacks > 0, places, caps).amin(dim=-1)
+    is_alive = (lacks >= 0).all(dim=-1) & grammar.is_target.unsqueeze(1)
+    return is_alive & (following >= _last(spelled)), following
 
 
 def _towards_splits(grammar: Grammar, spelled: Tensor) -> Tensor:

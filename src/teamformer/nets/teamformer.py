@@ -20,10 +20,12 @@ from teamformer.nets.action_mask import (
     changes,
     grammar_of,
     legal_symbols,
+    sole_targets,
     spell,
+    steps_with_a_choice,
 )
 from teamformer.nets.actor import REFUSED
-from teamformer.nets.blocks import DecoderLayer, EncoderLayer, Memory
+from teamformer.nets.blocks import Attention, DecoderLayer, EncoderLayer, Memory
 
 KEY_FEATURES = 7
 
@@ -109,6 +111,24 @@ class Teamformer(nn.Module):
             nn.init.normal_(head.weight, std=0.01)
             nn.init.zeros_(head.bias)
 
+    def begin_by_copying(self) -> None:
+        """Set the weights so that the decoder asks to add what the tokens it attends to have.
+
+        What is left to learn is whom to attend to. From small weights a network that is to name
+        one of several teams, and has a hundred capabilities in thirty-two numbers, has to learn
+        both at once, of which neither pays alone.
+        """
+        d = self.settings.width
+        with torch.no_grad():
+            nn.init.normal_(self.capability, std=d**-0.5)  # of length one
+            for layer in self.decoder:
+                attention: Attention = layer.cross_attention  # type: ignore[assignment]
+                attention.key_value.weight[d:] = torch.eye(d)
+                attention.key_value.bias[d:] = 0.0
+                attention.out.weight.copy_(torch.eye(d))
+                attention.out.bias.zero_()
+            self.out.weight[:d] = torch.eye(d)
+
     def encode(self, tokens: Tokens) -> Encoded:
         """Return what the decoder needs, made once for all its steps."""
         have = tokens.team_counts @ self.capability  # (teams, seen, d)
@@ -147,7 +167,8 @@ class Teamformer(nn.Module):
     ) -> tuple[Tensor, Tensor]:
         """Return wanted counts (teams, caps) int64 and their log-probabilities (teams,).
 
-        Teams whose spelling has ended, or can only end, take no part in further steps.
+        Teams that can only end, or only reach one target, take no part in further steps: what
+        would follow is certain.
         """
         given = Tokens(*tokens)
         own = given.team_counts[:, 0]
@@ -161,19 +182,24 @@ class Teamformer(nn.Module):
             log_prob[rows] += said.gather(1, symbol)[:, 0]
             change = changes(self.settings.spelling, symbol, own.shape[1])  # (teams, 1, caps)
             spelled[rows] += change[:, 0]
-            has_ended = symbol[:, 0] == said.shape[1] - 1
+            is_sole, target = sole_targets(
+                self.settings.spelling, spellers.grammar, now + change
+            )  # (teams,), (teams, caps)
+            spelled[rows] = torch.where(is_sole[:, None], target, spelled[rows])
+            has_ended = is_sole | (symbol[:, 0] == said.shape[1] - 1)
             spellers = self._go_on(spellers, now + change, change, memories, has_ended)
         return self._wanted(given, spelled), log_prob
 
     def evaluate(self, tokens: tuple[Tensor, ...], action: Tensor) -> tuple[Tensor, Tensor]:
         """Return log-probability and entropy (teams,) of wanted counts, in one pass.
 
-        The entropy is the sum over the steps of the spelling.
+        The entropy is the sum over the steps of the spelling; those that are certain are left out.
         """
         given = Tokens(*tokens)
         spelling, caps = self.settings.spelling, action.shape[1]
         grammar = self.grammar(given)
-        symbol, is_there = spell(spelling, grammar.own, action)  # (teams, steps)
+        steps = steps_with_a_choice(spelling, grammar, action)  # (teams,)
+        symbol, is_there = spell(spelling, grammar.own, action, steps)  # (teams, steps)
         change = changes(spelling, symbol, caps)[:, :-1]  # (teams, steps - 1, caps)
         change = nn.functional.pad(change, (0, 0, 1, 0))  # (teams, steps, caps)
         spelled = change.cumsum(dim=1)

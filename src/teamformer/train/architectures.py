@@ -45,7 +45,7 @@ class Architecture:
     selection: Callable[[int | None], tuple[Spec, ...]]
     is_for_any_number: bool = False
     allocations: tuple[str, ...] = ("paper",)  # that it is selected under
-    methods: tuple[str, ...] = ("ppo",)  # that it can learn by, its own first
+    methods: tuple[str, ...] = ("ppo", "imitation")  # that it can learn by, its own first
     ppo: PpoSettings = field(default_factory=PpoSettings)
 
 

@@ -13,6 +13,7 @@ import torch
 
 from teamformer.model import Scenario
 from teamformer.nets.critic import Critic, CriticSettings
+from teamformer.nets.teamformer import Teamformer
 from teamformer.train import distributed
 from teamformer.train.checkpoint import ABOUT, TrainingProgress, load, load_weights, save
 from teamformer.train.evaluation import Exam, Score, examine, prepare_exam
@@ -38,6 +39,8 @@ def make_learner(settings: TrainSettings) -> Learner:
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(settings.seed)
         policy = settings.architecture.make(settings.capabilities)
+        if settings.learns_by == "imitation" and isinstance(policy, Teamformer):
+            policy.begin_by_copying()
         critic = Critic(
             CriticSettings(
                 global_state.TEAM_FEATURES,

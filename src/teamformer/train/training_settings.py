@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 
 from teamformer.errors import TeamformerError
 from teamformer.train.architectures import Architecture, find_architecture
+from teamformer.train.learning.imitation import ImitationSettings
 from teamformer.train.learning.ppo import PpoSettings
 from teamformer.train.learning.reward_streams import MissionReward, TeamReward
 from teamformer.train.learning.rollout_improvement import RolloutImprovementSettings
-from teamformer.train.training_worlds import Mixture
+from teamformer.train.training_worlds import Mixture, imitation_mixture
 
 ITERATIONS, NO_LIMIT = 60, 10**9
 
@@ -25,11 +26,12 @@ class TrainSettings:
     iterations: int | None = None  # None: as many as the minutes allow, else 60
     minutes: float | None = None  # ends the training, where that is earlier
     worlds: int = 256  # in each iteration and process
-    mixture: Mixture | None = None  # None: the network's own
+    mixture: Mixture | None = None  # None: the network's own, or that of imitation
     mission_reward: MissionReward | None = field(default_factory=MissionReward)
     team_reward: TeamReward | None = None  # instead, if mission_reward is None
     ppo: PpoSettings | None = None  # None: the network's own
     rollouts: RolloutImprovementSettings = field(default_factory=RolloutImprovementSettings)
+    imitation: ImitationSettings = field(default_factory=ImitationSettings)
     evaluate_every: int = 10
     held_out: int = 48  # worlds of each setting to select on
     begin_from: str = ""  # folder of a checkpoint to take the first weights from
@@ -42,13 +44,13 @@ class TrainSettings:
             raise TeamformerError(
                 f"'{self.network}' does not learn by {self.method}", f"use {known}"
             )
-        if self.learns_by == "rollouts" and self.mission_reward is None:
+        if self.learns_by != "ppo" and self.mission_reward is None:
             hint = "leave the reward out, or use ppo"
-            raise TeamformerError("learning by rollouts knows no reward", hint)
+            raise TeamformerError(f"learning by {self.learns_by} knows no reward", hint)
 
     @property
     def learns_by(self) -> str:
-        """Return the method: `ppo`, from rewards, or `rollouts`."""
+        """Return the method: `ppo`, from rewards, `rollouts`, or `imitation` of a script."""
         return self.method or self.architecture.methods[0]
 
     @property
@@ -66,6 +68,8 @@ class TrainSettings:
     @property
     def worlds_from(self) -> Mixture:
         """Return where training worlds are drawn from."""
+        if self.mixture is None and self.learns_by == "imitation":
+            return imitation_mixture(self.capabilities)
         return self.mixture or self.architecture.mixture(self.capabilities)
 
     @property

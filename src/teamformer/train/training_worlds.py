@@ -27,7 +27,8 @@ class Mixture:
     crowd_tasks: tuple[int, int] = (1, 6)
     grid: tuple[int, int] = (10, 20)
     more_robots: float = 0.6  # share of worlds with more robots than capabilities
-    sparse: float = 0.5  # share of worlds whose tasks require 1 to 3 capabilities each
+    sparse: float = 0.5  # share of worlds whose tasks all require the same few capabilities:
+    few: int = 3  # at most so many
     in_teams: float = 0.3  # share of worlds with random starting teams
     wide_sensing: float = 0.15  # share of worlds in which teams sense 5 cells instead of 1
     alike: float = 0.0  # share of worlds with half as many capabilities, robots being alike
@@ -51,7 +52,7 @@ def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
         robots=robots,
         tasks=_between(mixture.crowd_tasks if is_crowd else mixture.tasks, rng),
         capabilities=caps,
-        requirements=_between((1, min(3, robots, caps)), rng) if is_sparse else None,
+        requirements=_between((1, min(mixture.few, robots, caps)), rng) if is_sparse else None,
         world=grid,
         step_limit=mixture.steps,
         sensing_radius=5.0 if rng.random() < mixture.wide_sensing else 1.0,
@@ -178,6 +179,25 @@ def paper_mixture(capabilities: int | None, robots: int = 4) -> Mixture:
     )
 
 
+def imitation_mixture(capabilities: int | None) -> Mixture:
+    """Return worlds for networks that learn from a script, which plays large ones at once, too.
+
+    Up to a hundred robots, few or many to a task; some are alike.
+    """
+    assert capabilities is not None
+    return Mixture(
+        robots=(2, min(100, max(24, capabilities))),
+        capabilities=(capabilities, capabilities),
+        tasks=(1, 24),
+        crowds=0.0,
+        grid=(8, 20),
+        more_robots=0.0,
+        few=capabilities,
+        alike=0.25,
+        wide_sensing=0.0,
+    )
+
+
 def paper_selection(capabilities: int | None) -> tuple[Spec, ...]:
     """Return the settings that a network for so many capabilities is selected on."""
     assert capabilities is not None
@@ -186,6 +206,8 @@ def paper_selection(capabilities: int | None) -> tuple[Spec, ...]:
             Spec(4, 4, capabilities, step_limit=128),
             Spec(30, 10, capabilities, requirements=10, step_limit=600),
             Spec(60, 10, capabilities, requirements=30, world=Grid(20, 20), step_limit=600),
+            Spec(100, 20, capabilities, requirements=10, world=Grid(20, 20), step_limit=600),
+            Spec(100, 20, capabilities, requirements=90, world=Grid(20, 20), step_limit=600),
         )
     return (
         Spec(4, 4, capabilities, step_limit=128),

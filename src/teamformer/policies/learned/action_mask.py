@@ -34,6 +34,53 @@ def next_symbols(spelling: str, tokens: Spelled, spelled: Array) -> Next:
     return found
 
 
+def complete(spelling: str, tokens: Spelled, spelled: Array) -> Array:
+    """Complete, in place, what can only be spelled in one way; return which teams' it was.
+
+    In `edit` spelling what adds can only reach teams in view; one that differs from all others is
+    certain before its end. `spelled` is (teams, caps), the result (teams,) bool.
+    """
+    is_complete = np.zeros(len(spelled), dtype=np.bool_)
+    if spelling == EDIT:
+        _complete(tokens, spelled, is_complete)
+    return is_complete
+
+
+@entry
+def _complete(tokens: Spelled, spelled: Array, is_complete: Array) -> None:
+    for row in range(len(spelled)):
+        last, only = _last(spelled[row], 1), 0
+        for target in range(1, tokens.can_join.shape[1] if last >= 0 else 0):
+            brings = tokens.team_counts[row, target]
+            if not tokens.can_join[row, target] or not _goes_on_to(brings, spelled[row], last):
+                continue
+            if only > 0 and not _are_equal(brings, tokens.team_counts[row, only]):
+                only = 0
+                break
+            only = target
+        if only > 0:
+            spelled[row] = tokens.team_counts[row, only]
+            is_complete[row] = True
+
+
+@kernel
+def _goes_on_to(brings: Array, spelled: Array, last: int) -> bool:
+    """Say whether counts are spelled alike up to the last symbol."""
+    for cap in range(len(spelled)):
+        lacks = brings[cap] - spelled[cap]
+        if lacks < 0.0 or (cap < last and lacks > 0.0):
+            return False
+    return True
+
+
+@kernel
+def _are_equal(counts: Array, others: Array) -> bool:
+    for cap in range(len(counts)):
+        if counts[cap] != others[cap]:
+            return False
+    return True
+
+
 @entry
 def _mark(is_full: bool, tokens: Spelled, spelled: Array, found: Any) -> None:
     for row in range(len(spelled)):

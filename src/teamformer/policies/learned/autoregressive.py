@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from teamformer.errors import TeamformerError
-from teamformer.policies.learned.action_mask import EDIT, FULL, Next, next_symbols
+from teamformer.policies.learned.action_mask import EDIT, FULL, Next, complete, next_symbols
 from teamformer.policies.learned.onnx_sessions import OnnxNetwork, read_network, shipped
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.token_features import Spelled, SpellingCodec
@@ -26,7 +26,7 @@ class Speller:
     """Takes the symbol that the network scores highest, until every team has said the end.
 
     Views are encoded once; keys and values of encoded tokens and of the symbols so far are kept.
-    Teams that have ended, or can only end, take no part in further steps. With
+    Teams that have ended, or can only go on in one way, take no part in further steps. With
     `keeps_memories=False` each step encodes the views and all symbols anew, to compare with.
     """
 
@@ -55,9 +55,12 @@ class Speller:
             scores, after = self._step(change, now, coming.is_maintain, *encoded, before)
             symbol = np.where(coming.is_legal, scores, REFUSED).argmax(axis=1)  # (teams,)
             made = self._change(symbol)  # (teams, caps)
-            spelled[rows] += made
-            coming = next_symbols(self.spelling, given, spelled[rows])
+            reached = spelled[rows] + made
+            is_complete = complete(self.spelling, given, reached)
+            spelled[rows] = reached
+            coming = next_symbols(self.spelling, given, reached)
             goes_on = (symbol < scores.shape[1] - 1) & coming.is_legal[:, :-1].any(axis=1)
+            goes_on &= ~is_complete
             if not goes_on.all():
                 rows, made, change, now, before, after = _only(
                     (rows, made, change, now, before, after), goes_on

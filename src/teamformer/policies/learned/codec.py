@@ -32,3 +32,11 @@ class Codec(Protocol):
     def decode(self, view: View, action: Array) -> Array:
         """Return the counts that actions (teams, ...) stand for, as (teams, caps) int16."""
         ...
+
+
+class ImitatingCodec(Codec, Protocol):
+    """A codec that also knows the action for what somebody else decided."""
+
+    def action_for(self, view: View, wanted: Array) -> Array:
+        """Return the actions (teams, ...) int64 that stand for legal counts (teams, caps)."""
+        ...

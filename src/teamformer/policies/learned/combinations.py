@@ -88,6 +88,17 @@ class CombinationCodec:
         _write_wanted(view, np.asarray(action, dtype=np.int64), 2**self.capabilities, wanted)
         return wanted
 
+    def action_for(self, view: View, wanted: Array) -> Array:
+        """Return the combinations that are added, or dropped, (teams,) int64.
+
+        What drops more than one of a capability drops only one: nothing more can be said.
+        """
+        change = wanted.astype(np.int64) - view.counts  # (teams, caps)
+        bits = ((change != 0) << np.arange(change.shape[1])).sum(axis=1)
+        splits = (change < 0).any(axis=1)
+        actions: Array = bits + splits * 2**self.capabilities
+        return actions
+
 
 def _with_counts(features: Array, counts: Array) -> Array:
     """Return tokens that also say which capabilities there are, and how many."""

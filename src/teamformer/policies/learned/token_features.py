@@ -97,6 +97,11 @@ class SpellingCodec:
         """Return the counts that actions (teams, caps) stand for, without the padding."""
         return action[:, : view.counts.shape[1]].astype(np.int16)
 
+    def action_for(self, view: View, wanted: Array) -> Array:
+        """Return counts (teams, caps) as they are, with the padding, int64."""
+        padding = self.capabilities - wanted.shape[1]
+        return np.pad(wanted.astype(np.int64), ((0, 0), (0, padding)))
+
 
 def _zeros(*shape: int) -> Array:
     return np.zeros(shape, dtype=np.float32)

@@ -1,4 +1,4 @@
-"""Iterations: what one of a training plays and learns, by either method.
+"""Iterations: what one of a training plays and learns, by any of the methods.
 
 All randomness comes from the seed, the process's rank and the iteration's number.
 """
@@ -14,7 +14,9 @@ import torch
 from teamformer.model import Scenario
 from teamformer.sim.env import TeamFormation
 from teamformer.train import distributed
+from teamformer.train.learning import imitation
 from teamformer.train.learning.counterfactual import try_others
+from teamformer.train.learning.demonstrations import demonstrate
 from teamformer.train.learning.optimiser import Learner
 from teamformer.train.learning.ppo import update
 from teamformer.train.learning.rollout import play, sampler
@@ -74,9 +76,32 @@ def learn_by_rollouts(
     return Iteration(steps * distributed.count(), figures)
 
 
+def learn_by_imitation(
+    learner: Learner, settings: TrainSettings, number: int, progress: float
+) -> Iteration:
+    """Play fresh worlds, and learn what the script wants in the states that come up."""
+    worlds, seed = _worlds(settings, number)
+    codec = settings.architecture.codec(settings.capabilities)
+    choose = sampler(learner.policy, None, settings.device)  # type: ignore[arg-type]
+    how = settings.imitation
+    by_script = how.by_script if number > 0 else 1.0  # what knows nothing leads nowhere
+    rng = np.random.default_rng(seed)
+    shown, steps = demonstrate(codec, choose, worlds, rng, by_script, how.share)
+    generator = torch.Generator().manual_seed(seed)
+    loss = imitation.fit(learner, shown, how, progress, generator)
+    figures = {
+        "shown": float(len(shown.action)),
+        "agreed": shown.agreed,  # share of the network's own decisions
+        "ended": shown.ended,  # share of the worlds that it played
+        "loss": loss,
+    }
+    return Iteration(steps * distributed.count(), figures)
+
+
 METHODS: Mapping[str, Callable[[Learner, TrainSettings, int, float], Iteration]] = {
     "ppo": learn_from_rewards,
     "rollouts": learn_by_rollouts,
+    "imitation": learn_by_imitation,
 }
 
 

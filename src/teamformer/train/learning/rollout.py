@@ -115,8 +115,8 @@ def _rollout(env: TeamFormation, record: _Record, reward: TrainingReward) -> Rol
     )
 
 
-def sampler(network: Actor, generator: torch.Generator, device: str = "cpu") -> Chooser:
-    """Return a chooser that samples from a network."""
+def sampler(network: Actor, generator: torch.Generator | None, device: str = "cpu") -> Chooser:
+    """Return a chooser that samples from a network; without a generator, the likeliest."""
 
     def choose(tokens: tuple[Array, ...]) -> tuple[Array, Array]:
         with torch.no_grad():

@@ -23,6 +23,7 @@ SHIPPED = [
     "paper",
     "scale",
     "table1",
+    "taught",
     "uncertain",
 ]
 

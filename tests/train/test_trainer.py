@@ -73,9 +73,14 @@ def test_one_seed_is_one_run_and_another_is_another(tmp_path: Path) -> None:
     assert not all(torch.equal(a, b) for a, b in zip(first, other, strict=True))
 
 
-@pytest.mark.parametrize("method", ["ppo", "rollouts"])
-def test_a_resumed_run_ends_as_an_uninterrupted_one(method: str, tmp_path: Path) -> None:
-    settings = replace(SHORT, method=method)
+@pytest.mark.parametrize(
+    ("method", "network", "capabilities"),
+    [("ppo", "any", None), ("rollouts", "any", None), ("imitation", "gnn", 8)],
+)
+def test_a_resumed_run_ends_as_an_uninterrupted_one(
+    method: str, network: str, capabilities: int | None, tmp_path: Path
+) -> None:
+    settings = replace(SHORT, method=method, network=network, capabilities=capabilities)
     whole = weights(train(settings, tmp_path / "whole", held_out()))
     train(settings, tmp_path / "parts", held_out(), until=3)
     parts = weights(train(settings, tmp_path / "parts", held_out()))
@@ -117,6 +122,8 @@ def test_networks_that_cannot_be_are_refused(
 def test_methods_that_cannot_be_are_refused() -> None:
     with pytest.raises(TeamformerError, match="'gnn' does not learn by rollouts"):
         TrainSettings(network="gnn", capabilities=4, method="rollouts")
+    with pytest.raises(TeamformerError, match="'any' does not learn by imitation"):
+        TrainSettings(method="imitation")
     with pytest.raises(TeamformerError, match="knows no reward"):
         TrainSettings(mission_reward=None)
 

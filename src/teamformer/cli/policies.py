@@ -51,7 +51,7 @@ def bench(
 ) -> None:
     """Measure policies on a suite of settings; `speed` times the simulator.
 
-    Suites: fig3 fig4a fig4b fig5a fig5b fig6 fig9 table1, together `paper`;
+    Suites: fig3 fig4a fig4b fig5a fig5b fig6 fig9 table1, together `paper`; taught,
     missions, uncertain, fleet, scale, authors, others, robotarium.
 
     Run it again with the same folder to go on after an interruption, or for more trials.
@@ -99,7 +99,7 @@ def train(
     worlds: Annotated[int, typer.Option(min=1, help="played in each iteration")] = 256,
     held_out: Annotated[int, typer.Option(min=1, help="worlds of each setting")] = 48,
     method: Annotated[
-        str | None, typer.Option(help="rollouts, or ppo; the network's own by default")
+        str | None, typer.Option(help="rollouts, ppo or imitation; the network's own by default")
     ] = None,
     reward: Annotated[
         str, typer.Option(help="of ppo; mission, or team as in the paper")

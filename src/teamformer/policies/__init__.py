@@ -56,7 +56,13 @@ POLICIES = (
     Listing(
         "teamformer-c100",
         "teamformer.policies.learned.autoregressive:teamformer_c100",
-        "the paper's transformer",
+        "the paper's transformer, taught by join-fitting",
+        trained_on="up to 100 capabilities",
+    ),
+    Listing(
+        "teamformer-c100-ppo",
+        "teamformer.policies.learned.autoregressive:teamformer_c100_ppo",
+        "the paper's transformer, by PPO from nothing",
         trained_on="up to 100 capabilities",
     ),
     Listing(

@@ -128,3 +128,8 @@ def teamformer_c8() -> Learned:
 def teamformer_c100() -> Learned:
     """Return the shipped network for up to a hundred capabilities."""
     return policy_of(shipped_speller("teamformer-c100"))
+
+
+def teamformer_c100_ppo() -> Learned:
+    """Return the one that PPO made from nothing, for up to a hundred capabilities."""
+    return policy_of(shipped_speller("teamformer-c100-ppo"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
@@ -34,6 +34,7 @@ class Codec(Protocol):
         ...
 
 
+@runtime_checkable
 class ImitatingCodec(Codec, Protocol):
     """A codec that also knows the action for what somebody else decided."""
 

@@ -12,6 +12,7 @@ import numpy as np
 import torch
 
 from teamformer.model import Scenario
+from teamformer.policies.learned.codec import ImitatingCodec
 from teamformer.sim.env import TeamFormation
 from teamformer.train import distributed
 from teamformer.train.learning import imitation
@@ -82,6 +83,7 @@ def learn_by_imitation(
     """Play fresh worlds, and learn what the script wants in the states that come up."""
     worlds, seed = _worlds(settings, number)
     codec = settings.architecture.codec(settings.capabilities)
+    assert isinstance(codec, ImitatingCodec)  # TrainSettings has seen to it
     choose = sampler(learner.policy, None, settings.device)  # type: ignore[arg-type]
     how = settings.imitation
     by_script = how.by_script if number > 0 else 1.0  # what knows nothing leads nowhere

@@ -10,7 +10,7 @@ import numpy as np
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.relaxation.schedule import Schedule
 
 
@@ -162,7 +162,7 @@ def _draw(rng: np.random.Generator, speeds: tuple[float, ...], losses: float) ->
             place(),
             counts(2),
             float(rng.choice(speeds)),
-            int(rng.integers(4, 20)) if rng.random() < losses else None,
+            (Absence(int(rng.integers(4, 20))),) if rng.random() < losses else (),
         )
         for r in range(rng.integers(1, 4))
     ]

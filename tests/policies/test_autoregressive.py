@@ -33,7 +33,7 @@ from teamformer.trials.trial import run_trials
 CODEC = SpellingCodec(CAPS)
 
 
-@pytest.fixture(scope="module", params=SPELLINGS)
+@pytest.fixture(scope="module", params=["edit", pytest.param("full", marks=pytest.mark.slow)])
 def exported(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Teamformer, Path]:

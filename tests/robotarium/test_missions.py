@@ -107,6 +107,7 @@ def test_same_seed_same_mission() -> None:
     assert one.faults == other.faults
 
 
+@pytest.mark.slow
 def test_pictures_of_every_phase(tmp_path: Path) -> None:
     from PIL import Image
 

@@ -23,6 +23,7 @@ from teamformer.fleet.rehearsal.trace import Said, Trace, Worked
 from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
+from teamformer.sim.view import View
 
 OWN = "own_policies:"
 
@@ -67,10 +68,10 @@ def test_a_robot_sees_what_the_simulator_shows_its_team() -> None:
     assert compared > 200
 
 
-def assert_row(mine: object, view: object, row: int) -> None:
+def assert_row(mine: View, view: View, row: int) -> None:
     """Compare what one team sees with its row of the simulator's view."""
-    begin, end = view.first_member[row : row + 2]  # type: ignore[attr-defined]
-    for name in view._fields:  # type: ignore[attr-defined]
+    begin, end = view.first_member[row : row + 2]
+    for name in view._fields:
         one, other = getattr(mine, name), getattr(view, name)
         if name in ("member", "member_counts"):
             assert one.tolist() == other[begin:end].tolist(), name

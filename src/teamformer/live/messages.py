@@ -49,10 +49,9 @@ def read_search(message: Message) -> float:
 
 def _read_number(message: Message, key: str, least: float, most: float) -> float:
     number = message.get(key)
-    is_number = isinstance(number, int | float) and not isinstance(number, bool)
-    if not is_number or not least <= number <= most:  # type: ignore[operator]
-        raise TeamformerError(f"{key} must be a number from {least:g} to {most:g}")
-    return float(number)  # type: ignore[arg-type]
+    if isinstance(number, int | float) and not isinstance(number, bool) and least <= number <= most:
+        return float(number)
+    raise TeamformerError(f"{key} must be a number from {least:g} to {most:g}")
 
 
 def read_files(message: Message) -> dict[str, bytes]:

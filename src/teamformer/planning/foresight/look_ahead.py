@@ -27,7 +27,7 @@ from teamformer.planning.teams.facts import (
 )
 from teamformer.planning.teams.neighbourhood import empty_bench
 from teamformer.planning.teams.plan import TeamPlan
-from teamformer.planning.teams.shared_plan import plan_mission
+from teamformer.planning.teams.shared_plan import plan_in_numbers, plan_mission
 from teamformer.planning.teams.starts import complete_plan
 from teamformer.planning.teams.timing import ENDLESS, empty_groups, time_plan
 from teamformer.rules.constants import NOBODY
@@ -119,12 +119,7 @@ def _in_numbers(situation: Situation, is_hidden: Array, plan: SharedPlan) -> tup
     """
     number = {robot: index for index, robot in enumerate(situation.robots)}
     place = {task: index for index, task in enumerate(situation.tasks)}
-    order = [place[task] for task in plan.order if task in place]
-    coalitions: list[list[int]] = [[] for _ in situation.tasks]
-    for task, robots in zip(plan.order, plan.coalitions, strict=True):
-        if task in place:
-            coalitions[place[task]] = [number[robot] for robot in robots if robot in number]
-    order += sorted(set(range(len(coalitions))) - set(order))
+    order, coalitions = plan_in_numbers(situation, plan)
     scouts = np.full(len(number), NOBODY, np.int64)
     for robot, task in plan.scouts:
         if robot in number and task in place and is_hidden[place[task]]:

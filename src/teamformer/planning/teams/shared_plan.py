@@ -205,15 +205,19 @@ def _search_from(situation: Situation, start: TeamPlan) -> ThresholdSearch:
 
 def kept_plan(situation: Situation, old: SharedPlan) -> TeamPlan:
     """Return what is left of an old plan, with new tasks at its end."""
+    return complete_plan(situation.problem, *plan_in_numbers(situation, old))
+
+
+def plan_in_numbers(situation: Situation, plan: SharedPlan) -> tuple[list[int], list[list[int]]]:
+    """Return order and coalitions, by task, in the numbers of a situation; new tasks come last."""
     number = {robot: index for index, robot in enumerate(situation.robots)}
     place = {task: index for index, task in enumerate(situation.tasks)}
-    order = [place[task] for task in old.order if task in place]
+    order = [place[task] for task in plan.order if task in place]
     coalitions: list[list[int]] = [[] for _ in situation.tasks]
-    for task, robots in zip(old.order, old.coalitions, strict=True):
+    for task, robots in zip(plan.order, plan.coalitions, strict=True):
         if task in place:
             coalitions[place[task]] = [number[robot] for robot in robots if robot in number]
-    order += [task for task in range(len(coalitions)) if task not in set(order)]
-    return complete_plan(situation.problem, order, coalitions)
+    return order + sorted(set(range(len(coalitions))) - set(order)), coalitions
 
 
 def shared_plan_of(situation: Situation, search: ThresholdSearch, start: str) -> SharedPlan:

@@ -11,7 +11,7 @@ from fleets import PLANNER, pair, plan_of, trio
 from own_policies import Alone
 from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
-from teamformer.fleet.agent.leading import PATIENCE
+from teamformer.fleet.agent.leading import PATIENCE, warm_up
 from teamformer.fleet.agent.sight import Company, companies, view_of
 from teamformer.fleet.messages import Word
 from teamformer.fleet.mission import Mission
@@ -22,7 +22,7 @@ from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.fleet.rehearsal.trace import Said, Trace, Worked
 from teamformer.policies.scripted.joining import JoinUseful
 from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import TeamFormation
+from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
 
 OWN = "own_policies:"
@@ -144,6 +144,23 @@ def test_the_learned_policy_decides_in_agents() -> None:
         rehearsal = Rehearsal(trio(), PLANNER, plan_of(trio()), faults, make_policy=make)
         outcome = rehearsal.run(400.0)
         assert (outcome.status, outcome.tasks_done) == ("ended", 5)
+
+
+def test_a_policy_is_warmed_up_by_one_question_about_the_robot_alone_at_a_task() -> None:
+    seen: list[View] = []
+
+    class Noting(Alone):
+        def decide(self, view: View) -> Decision:
+            seen.append(view)
+            return super().decide(view)
+
+    policy = Noting()
+    warm_up(policy, pair(), 1)
+    assert policy.asked == 1
+    assert seen[0].slot.tolist() == [1]
+    assert seen[0].member.tolist() == [1]
+    assert seen[0].place.tolist() == [[6, 0]]  # where `ab` is
+    assert seen[0].is_at_task.tolist() == [True]
 
 
 def test_who_must_know_everything_is_refused() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib import import_module
 from typing import NamedTuple, Protocol
 
@@ -10,7 +11,7 @@ from teamformer.errors import ScenarioError
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.mission import Mission
 from teamformer.grid import Grid, Place
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Scenario, Task
 from teamformer.planning.teams.facts import Facts, SharedPlan
 
 Stop = tuple[int, tuple[int, ...]]
@@ -40,43 +41,67 @@ class SharedPlanner:
     gained is small. Where there is one, the search is brief: faults come often, and fast.
     """
 
+    def __init__(self) -> None:
+        self._extended: tuple[int, Sequence[TaskFact], Scenario | None] | None = None
+
     def plan(self, mission: Mission, situation: Situation) -> Sequence[Stop]:
         """Return the shared plan; tasks that are being served come first, as they are."""
         from teamformer.planning.teams.shared_plan import plan_mission
 
         robots = sorted(situation.places)
-        try:
-            scenario = _scenario_of(mission, situation, robots)
-        except ScenarioError:  # robots say that they are where they cannot be
+        own = len(mission.tasks)
+        added = [task for task in situation.tasks if task.key >= own]
+        are_sane = all(_can_be_at(mission, robot, situation.places[robot]) for robot in robots)
+        scenario = self._with_added(mission, added) if are_sane else None
+        if scenario is None:
             return _one_after_another(mission, situation, robots)
+        key_of = [*range(own), *(task.key for task in added)]  # of each task of the scenario
+        number_of = {key: number for number, key in enumerate(key_of)}
+        is_grid = isinstance(mission.scenario.world, Grid)
+        places = [robot.at for robot in mission.scenario.robots]
+        for robot in robots:
+            places[robot] = _place(situation.places[robot], is_grid)
         facts = Facts(
             step=0,
-            open_tasks=tuple(range(len(situation.tasks))),
-            places=tuple(robot.at for robot in scenario.robots),
-            teams=tuple((number,) for number in range(len(robots))),
-            free_at=(0,) * len(robots),
+            open_tasks=tuple(number_of[task.key] for task in situation.tasks),
+            places=tuple(places),
+            teams=tuple((robot,) for robot in robots),
+            free_at=(0,) * len(places),
         )
-        old = _old_plan(situation, robots)
+        old = _old_plan(situation, number_of)
         plan = plan_mission(scenario, facts, old, is_brief=bool(situation.old))
-        stops = [
-            (situation.tasks[task].key, tuple(robots[number] for number in coalition))
-            for task, coalition in zip(plan.order, plan.coalitions, strict=True)
-        ]
-        return _serving_first(mission, situation, stops)
+        stops = zip((key_of[task] for task in plan.order), plan.coalitions, strict=True)
+        return _serving_first(mission, situation, list(stops))
 
     def warm_up(self) -> None:
         """Load what planning needs, so that the first plan has not to wait for it."""
         import_module("teamformer.planning.teams.shared_plan")
 
+    def _with_added(self, mission: Mission, added: Sequence[TaskFact]) -> Scenario | None:
+        """Return the mission with operators' tasks at its end, None if it could not be run so.
 
-def _old_plan(situation: Situation, robots: Sequence[int]) -> SharedPlan | None:
-    """Return what is left of the plan before, in the numbers of the situation."""
-    number = {robot: place for place, robot in enumerate(robots)}
-    place_of = {task.key: place for place, task in enumerate(situation.tasks)}
+        The last such mission is kept.
+        """
+        if not added:
+            return mission.scenario
+        if self._extended is None or self._extended[:2] != (mission.number, added):
+            self._extended = (mission.number, added, _extend(mission, added))
+        return self._extended[2]
+
+
+def _can_be_at(mission: Mission, robot: int, place: tuple[float, float]) -> bool:
+    """Say whether a robot can have got to where it says that it is."""
+    world = mission.scenario.world
+    return world.is_free(place) and world.region(place) == mission.regions[robot]
+
+
+def _old_plan(situation: Situation, number_of: Mapping[int, int]) -> SharedPlan | None:
+    """Return what is left of the plan before, in the numbers of the scenario."""
+    open_keys = {task.key for task in situation.tasks}
     kept = [
-        (place_of[key], tuple(number[robot] for robot in coalition if robot in number))
+        (number_of[key], tuple(robot for robot in coalition if robot in situation.places))
         for key, coalition in situation.old
-        if key in place_of
+        if key in open_keys
     ]
     if not kept:
         return None
@@ -84,35 +109,22 @@ def _old_plan(situation: Situation, robots: Sequence[int]) -> SharedPlan | None:
     return SharedPlan(order, coalitions, (), "")
 
 
-def _scenario_of(mission: Mission, situation: Situation, robots: Sequence[int]) -> Scenario:
-    """Return the situation as a scenario that begins now; tasks and robots by their position."""
+def _extend(mission: Mission, added: Sequence[TaskFact]) -> Scenario | None:
     whole = mission.scenario
     caps, is_grid = whole.capabilities, isinstance(whole.world, Grid)
-    return Scenario(
-        name=whole.name,
-        world=whole.world,
-        capabilities=caps,
-        robots=tuple(
-            Robot(
-                str(robot),
-                _place(situation.places[robot], is_grid),
-                whole.robots[robot].can,
-                whole.robots[robot].speed,
-            )
-            for robot in robots
-        ),
-        tasks=tuple(
-            Task(
-                str(task.key),
-                _place((task.x, task.y), is_grid),
-                {cap: need for cap, need in zip(caps, task.needs, strict=True) if need},
-                round(task.duration / mission.step),
-            )
-            for task in situation.tasks
-        ),
-        forming_steps=whole.forming_steps,
-        step_limit=1,
-    )
+    more = [
+        Task(
+            f"added {task.key}",
+            _place((task.x, task.y), is_grid),
+            {cap: need for cap, need in zip(caps, task.needs, strict=True) if need},
+            round(task.duration / mission.step),
+        )
+        for task in added
+    ]
+    try:
+        return replace(whole, tasks=(*whole.tasks, *more))
+    except ScenarioError:  # as of a service that takes longer than can be counted
+        return None
 
 
 def _place(place: tuple[float, float], is_grid: bool) -> Place:

@@ -16,12 +16,13 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from teamformer.fleet.agent.knowledge import Knowledge
+from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.agent.planning import PlanKeeper
 from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.sight import Company, companies, nearest_first, view_of
 from teamformer.fleet.messages import EVERYBODY, NOBODY, READY, LeadNote, Notice, Word
+from teamformer.fleet.mission import Mission
 from teamformer.grid import Place
 from teamformer.policies.protocol import Policy
 
@@ -30,6 +31,15 @@ PATIENCE = 30.0
 
 MakePolicy = Callable[[int], Policy]
 """Makes the policy of a robot, by its number."""
+
+
+def warm_up(policy: Policy, mission: Mission, robot: int) -> None:
+    """Ask a policy about the robot alone at a task, so that it loads what it decides with."""
+    task = mission.tasks[0]
+    alone = Company(robot, (robot,), (task.x, task.y), task.key, False)
+    view = view_of(Knowledge(mission, robot, Remembered()), alone, [], [task.key], robot)
+    policy.begin(None, np.random.default_rng(robot))
+    policy.decide(view)
 
 
 class Leading:

@@ -63,6 +63,10 @@ class AgentProcess:
         """Run until SIGTERM or SIGINT; return the exit status."""
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._end)
+        if self.policy is not None:  # so that its first answer has not to be waited for
+            from teamformer.fleet.agent.leading import warm_up  # brings the simulator's views
+
+            warm_up(self.policy, self.mission, self.robot)
         report = self._first_report()
         if report is None:
             return 0

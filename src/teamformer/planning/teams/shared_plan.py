@@ -108,9 +108,13 @@ def plan_mission(
     rounds = rounds_for(situation.problem, old is not None)
     if is_brief:
         rounds = rounds._replace(crews=rounds.crews // BRIEF, team=rounds.team // BRIEF)
-    kept = None if old is None else kept_plan(situation, old)
+    kept: SharedPlan | None = None
+    entered: list[_Entered] = []
+    if old is not None:
+        search = _search_from(situation, kept_plan(situation, old))
+        kept = shared_plan_of(situation, search, "kept")
+        entered.append(_Entered("old plan", search))
     fresh = list(_first_searches(situation, rounds, facts.step))
-    entered = [] if kept is None else [_Entered("old plan", _search_from(situation, kept))]
     entered += fresh
     _run(entered, rounds.team // FIRST_LAP)
     if not is_brief:
@@ -118,13 +122,13 @@ def plan_mission(
         more = list(_more_searches(situation, rounds, is_better))
         _run(more, rounds.team // FIRST_LAP)
         entered += more
-    chosen, best = _race(entered, rounds)
+    chosen, search = _race(entered, rounds)
+    best = shared_plan_of(situation, search, chosen)
     if kept is not None:
-        unchanged = _search_from(situation, kept)
-        left = unchanged.makespan - facts.step
-        if best.makespan + left // SMALLEST_GAIN >= unchanged.makespan:
-            best, chosen = unchanged, "kept"
-    return shared_plan_of(situation, best, chosen)
+        left = kept.makespan - facts.step
+        if best.makespan + left // SMALLEST_GAIN >= kept.makespan:
+            return kept
+    return best
 
 
 class _Entered(NamedTuple):

@@ -104,6 +104,8 @@ def _complete(problem: Relaxed, task: int, coalition: list[int]) -> list[int]:
     ways = problem.steps[problem.pace, problem.cells[task, tasks:]]  # (robots,)
     coalition = [robot for robot in coalition if ways[robot] < FAR]
     lacking = problem.needs[task] - problem.counts[coalition].sum(axis=0, dtype=np.int64)
+    if not (lacking > 0).any():
+        return coalition
     for robot in np.argsort(ways, kind="stable").tolist():
         brings = (np.minimum(problem.counts[robot], lacking) > 0).any()
         if brings and robot not in coalition and ways[robot] < FAR:

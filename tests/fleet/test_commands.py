@@ -55,6 +55,9 @@ def test_one_schedule_becomes_a_page(
     assert (out / "replay.html").stat().st_size > 10_000
 
 
+ADD = ("fleet", "add", "MISSION", "--task")
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -69,20 +72,21 @@ def test_one_schedule_becomes_a_page(
         (("rehearse", "MISSION", "--policy", "nobody:Nobody"), "nobody"),
         (("fleet", "MISSION", "--sign", "no-folder"), "r0.pub: cannot be read"),
         (("fleet", "add", "MISSION"), "needs --task NAME"),
-        (
-            ("fleet", "add", "MISSION", "--task", "t", "--at", "x", "--needs", "a"),
-            "is no place",
-        ),
-        (
-            ("fleet", "add", "MISSION", "--task", "t", "--at", "1,0", "--needs", "q"),
-            "there is no capability 'q'",
-        ),
-        (
-            ("fleet", "add", "MISSION", "--task", "t", "--at", "1,0", "--needs", "a:2"),
-            "all robots together cannot do 't'",
-        ),
+        ((*ADD, "t0", "--at", "1,0", "--needs", "a"), "has a task 't0' already"),
+        ((*ADD, "t" * 201, "--at", "1,0", "--needs", "a"), "--task has 201 letters"),
+        ((*ADD, " ", "--at", "1,0", "--needs", "a"), "--task has 0 letters"),
+        ((*ADD, "t", "--at", "x", "--needs", "a"), "is no place"),
+        ((*ADD, "t", "--at", "20,0", "--needs", "a"), "--at 20,0 is no free place"),
+        ((*ADD, "t", "--at", "1.5,0", "--needs", "a"), "--at 1.5,0 is no free place"),
+        ((*ADD, "t", "--at", "nan,0", "--needs", "a"), "--at nan,0 is no free place"),
+        ((*ADD, "t", "--at", "1,0", "--needs", "q"), "there is no capability 'q'"),
+        ((*ADD, "t", "--at", "1,0", "--needs", "a:0"), "0 is no count"),
+        ((*ADD, "t", "--at", "1,0", "--needs", "a:\u00b3"), "is no count"),
+        ((*ADD, "t", "--at", "1,0", "--needs", "a:2"), "all robots together cannot do 't'"),
+        ((*ADD, "t", "--at", "1,0", "--needs", "a", "--duration", "2e9"), "is too long"),
+        ((*ADD, "t", "--at", "1,0", "--needs", "a"), "where is the fleet?"),
     ],
-    ids=lambda value: value if isinstance(value, str) else " ".join(value[:2]),
+    ids=lambda value: value if isinstance(value, str) else value[0],
 )
 def test_misuse_is_told(
     arguments: tuple[str, ...], told: str, mission: str, capsys: pytest.CaptureFixture[str]

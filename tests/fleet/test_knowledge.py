@@ -54,10 +54,11 @@ def test_senseless_tasks_are_refused() -> None:
     for bad in (
         TaskFact(7, "number of the mission's", 3.0, 0.0, (1, 0, 0)),
         TaskFact(key, "off the map", 30.0, 0.0, (1, 0, 0)),
+        TaskFact(key, "between two cells", 3.5, 0.0, (1, 0, 0)),
         TaskFact(key, "too few capabilities", 3.0, 0.0, (1, 0)),
     ):
         assert not knowledge.add_task(bad)
-    assert knowledge.refused == 3
+    assert knowledge.refused == 4
 
 
 def test_nobody_can_fill_the_memory() -> None:

@@ -32,6 +32,7 @@ MOST_RELAYED = 16
 MOST_NEWS = 32
 MOST_TASKS = 10_000
 MOST_NAME = 200
+LONGEST = 1e9  # seconds
 
 WALK, HERE, READY, SERVE = range(4)
 """Phases of a service: on the way; there; there and bound to stay a while; at work."""
@@ -78,8 +79,8 @@ class TaskFact(Struct, frozen=True, array_like=True):
     x: float
     y: float
     needs: Annotated[tuple[Annotated[int, Meta(ge=0, le=30_000)], ...], Meta(max_length=1000)]
-    duration: Annotated[float, Meta(ge=0, le=1e9)] = 0.0  # seconds
-    appears: Annotated[float, Meta(ge=0, le=1e9)] = 0.0  # seconds of the mission
+    duration: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds
+    appears: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds of the mission
 
 
 PlanVersion = tuple[Whole, Whole, Whole]
@@ -94,9 +95,9 @@ class Beat(Struct, frozen=True, array_like=True, tag=1):
     news: Annotated[tuple[Key, ...], Meta(max_length=MOST_NEWS)] = ()  # tasks done lately
     digest: Whole = 0  # of all facts
     plan: PlanVersion = (0, 0, 0)
-    age: Annotated[float, Meta(ge=0, le=1e9)] = 0.0  # seconds of the mission
+    age: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds of the mission
     nonce: Whole = 0  # which process speaks
-    uptime: Annotated[float, Meta(ge=0, le=1e9)] = 0.0  # seconds since that process began
+    uptime: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds since that process began
 
 
 class FactsNote(Struct, frozen=True, array_like=True, tag=2):

@@ -87,6 +87,12 @@ class Mission:
             return x == other_x and y == other_y
         return (x - other_x) ** 2 + (y - other_y) ** 2 <= self.radius**2
 
+    def is_site(self, x: float, y: float) -> bool:
+        """Say whether a task can be at a place: in a free cell of a grid, anywhere on a plane."""
+        world = self.scenario.world
+        is_cell = float(x).is_integer() and float(y).is_integer()
+        return world.is_free((x, y)) and (is_cell or not isinstance(world, Grid))
+
     def covers(self, robots: Iterable[int], needs: Sequence[int]) -> bool:
         """Say whether robots together have what is needed."""
         lacking = list(needs)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -113,13 +112,10 @@ def _body_maker(name: str, mission: Any, robot: int) -> Callable[[Any], Any]:
         from teamformer.fleet.bodies.vda5050 import Vda5050Body
 
         return lambda _: Vda5050Body(rest, mission, robot)
-    try:
-        make = getattr(importlib.import_module(kind), rest)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise TeamformerError(
-            f"--body {name}: cannot be loaded: {error}", "use sim, vda5050:URL or module:Class"
-        ) from None
-    return lambda _: make(mission, robot)
+    from teamformer.fleet.bodies.own import OwnBody
+
+    own = OwnBody(name, mission, robot)
+    return lambda _: own
 
 
 def _simulated(transport: Any, robot: int) -> Any:

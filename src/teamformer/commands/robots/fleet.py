@@ -7,12 +7,17 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from teamformer.commands.console import out, prepare_folder, print_json, say
 from teamformer.commands.robots.rehearse import check_policy, require_extra, signatures_in
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.scenarios.files import read_scenario
+
+if TYPE_CHECKING:
+    from teamformer.fleet.messages import TaskFact
+    from teamformer.fleet.mission import Mission
 
 
 @dataclass(frozen=True)
@@ -95,7 +100,7 @@ def fleet(path: Path, options: Options, as_json: bool) -> int:
 def add(path: Path, added: Added, as_json: bool) -> int:
     """Add a task to a running fleet; return 0 once it is accepted."""
     require_extra("zenoh")
-    from teamformer.fleet.messages import OPERATOR, Post, TaskFact
+    from teamformer.fleet.messages import OPERATOR, Post
     from teamformer.fleet.mission import Mission, seconds_a_step
     from teamformer.fleet.operator import AGAIN, Operator
     from teamformer.fleet.transports.transport import (
@@ -107,16 +112,7 @@ def add(path: Path, added: Added, as_json: bool) -> int:
 
     scenario = read_scenario(path, rules_of_simulated_missions)
     mission = Mission(scenario, seconds_a_step(scenario, added.pace))
-    x, y = _place(added.at)
-    if not scenario.world.is_free((x, y)):
-        raise TeamformerError(f"--at {added.at} is not free on the map", "name another place")
-    needs = _needs(added.needs, scenario.capabilities)
-    key = (1 + secrets.randbits(36)) << 24
-    task = TaskFact(key, added.name, x, y, needs, added.duration * mission.step)
-    if not mission.can_do(range(mission.robots), task):
-        raise TeamformerError(
-            f"all robots together cannot do '{added.name}'", "lower what it needs, or move it"
-        )
+    task = _task(added, mission)
     secret, certificates = read_secret(added.key), read_certificates(added.tls)
     if added.connect is None:
         raise TeamformerError("where is the fleet?", "add --connect ENDPOINT of any agent")
@@ -149,6 +145,30 @@ def add(path: Path, added: Added, as_json: bool) -> int:
     return 0 if operator.is_accepted else 1
 
 
+def _task(added: Added, mission: Mission) -> TaskFact:
+    """Return the task to add; raises `TeamformerError` for one that no fleet would take."""
+    from teamformer.fleet.messages import LONGEST, MOST_NAME, TaskFact
+
+    scenario, name = mission.scenario, added.name.strip()
+    if not 0 < len(name) <= MOST_NAME:
+        raise TeamformerError(f"--task has {len(name)} letters", f"use 1 to {MOST_NAME}")
+    if name in {task.name for task in scenario.tasks}:
+        raise TeamformerError(f"the mission has a task '{name}' already", "use another name")
+    x, y = _place(added.at)
+    if not mission.is_site(x, y):
+        raise TeamformerError(f"--at {added.at} is no free place of the map", "name another one")
+    needs = _needs(added.needs, scenario.capabilities)
+    duration = added.duration * mission.step
+    if duration > LONGEST:
+        raise TeamformerError(f"--duration {added.duration:g} is too long", "use fewer steps")
+    task = TaskFact((1 + secrets.randbits(36)) << 24, name, x, y, needs, duration)
+    if not mission.can_do(range(mission.robots), task):
+        raise TeamformerError(
+            f"all robots together cannot do '{name}'", "lower what it needs, or move it"
+        )
+    return task
+
+
 def _place(text: str) -> tuple[float, float]:
     try:
         x, y = (float(part) for part in text.split(","))
@@ -164,7 +184,7 @@ def _needs(text: str, capabilities: tuple[str, ...]) -> tuple[int, ...]:
         if name not in counts:
             known = ", ".join(capabilities)
             raise TeamformerError(f"--needs: there is no capability '{name}'", f"there are {known}")
-        if number and not (number.isdigit() and 0 < int(number) <= 1000):
+        if number and not (number.isdecimal() and len(number) <= 4 and 0 < int(number) <= 1000):
             raise TeamformerError(f"--needs {part}: {number} is no count", "write 1 to 1000")
         counts[name] += int(number or 1)
     return tuple(counts.values())

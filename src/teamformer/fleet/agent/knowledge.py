@@ -77,9 +77,8 @@ class Knowledge:
         """Take in a task of an operator; say whether it is held now."""
         if task.key in self.tasks:
             return True
-        world = self.mission.scenario.world
         is_sound = len(task.needs) == len(self.mission.scenario.capabilities)
-        is_sound = is_sound and world.is_free((task.x, task.y)) and task.key >= 1 << 24
+        is_sound = is_sound and self.mission.is_site(task.x, task.y) and task.key >= 1 << 24
         if not is_sound or len(self.tasks) >= len(self.mission.tasks) + MOST_ADDED:
             self.refused += 1
             return False

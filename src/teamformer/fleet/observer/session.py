@@ -123,7 +123,7 @@ class ObserverSession:
         name = new.name or f"t{len(names) + 1}"
         x, y = float(new.at[0]), float(new.at[1])
         task = TaskFact(key, name, x, y, count(new.needs, caps), new.duration * mission.step)
-        if not mission.scenario.world.is_free(new.at):
+        if not mission.is_site(x, y):
             raise TeamformerError(f"[{x:g}, {y:g}] is not free on the map; name another place")
         if not mission.can_do(range(mission.robots), task):
             raise TeamformerError(f"all robots together cannot do '{name}'; lower what it needs")

@@ -85,7 +85,7 @@ class AgentProcess:
                 self.transport.listen_to(watched | {self.robot})  # or to who has the same name
             wait = min(LONGEST_WAIT, agent.due - time.monotonic())
             inbox = self._open(self.transport.receive(wait))
-            report = self.body.report() or report
+            report = self._sense() or report
             command, notices = agent.tick(time.monotonic(), report, inbox)
             if agent.is_refused:
                 name = self.mission.scenario.robots[self.robot].name
@@ -102,13 +102,23 @@ class AgentProcess:
         """Wait for the body; None if told to end before it reports."""
         begun = time.monotonic()
         while not self.is_ending:
-            report = self.body.report()
+            report = self._sense()
             if report is not None:
                 return report
             self.transport.receive(LONGEST_WAIT)
             if time.monotonic() - begun > 10.0:
                 begun = time.monotonic()
                 self._say("still waiting for the body's first report")
+        return None
+
+    def _sense(self) -> Report | None:
+        """Return what the body reports; None, told once a minute, where no robot can be."""
+        report = self.body.report()
+        if report is None or self.mission.scenario.world.is_free((report.x, report.y)):
+            return report
+        if self._is_to_tell("place"):
+            place = f"{report.x:g}, {report.y:g}"
+            self._say(f"the body reports that it is at {place}, where nobody can be; left aside")
         return None
 
     def _open(self, came: Sequence[bytes]) -> list[Message]:
@@ -123,10 +133,16 @@ class AgentProcess:
                 messages.append(message)
         return messages
 
-    def _tell_of(self, fault: str) -> None:
+    def _is_to_tell(self, fault: str) -> bool:
+        """Say whether a fault was not told in the last minute; from then on it was."""
         now = time.monotonic()
-        if now - self._told.get(fault, float("-inf")) > 60.0:
+        is_new = now - self._told.get(fault, float("-inf")) > 60.0
+        if is_new:
             self._told[fault] = now
+        return is_new
+
+    def _tell_of(self, fault: str) -> None:
+        if self._is_to_tell(fault):
             hint = {
                 "another mission": "; do all robots have the same scenario file?",
                 "bad seal": "; do all robots have the same key?",

@@ -1,0 +1,62 @@
+"""A user's own body: what goes wrong in it is told by file and line, as a user's mistake is."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from teamformer.errors import TeamformerError
+from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.mission import Mission
+from teamformer.policies.own import telling_where
+
+HINT = "see docs/robots.md for what a body offers"
+
+
+class OwnBody:
+    """A body of a class that is named as `module:Class`.
+
+    Raises `TeamformerError` for what is no body, where the class raises anything, and for a report
+    that is none.
+    """
+
+    def __init__(self, name: str, mission: Mission, robot: int) -> None:
+        self._name = name
+        module, _, kind = name.partition(":")
+        try:
+            with telling_where(f"--body {name} cannot be loaded"):
+                make = getattr(importlib.import_module(module), kind)
+        except TeamformerError as error:
+            if isinstance(error.__cause__, ImportError | AttributeError | ValueError):
+                error.hint = "use sim, vda5050:URL or module:Class"
+            raise
+        with telling_where(f"--body {name} cannot be made"):
+            self._body: Any = make(mission, robot)
+        for method in ("command", "report", "close"):
+            if not callable(getattr(self._body, method, None)):
+                raise TeamformerError(f"--body {name} is no body: it has no '{method}'", HINT)
+
+    def command(self, command: Command) -> None:
+        """Take up a command."""
+        with telling_where(f"body '{self._name}' failed"):
+            self._body.command(command)
+
+    def report(self) -> Report | None:
+        """Return what it senses now, in plain numbers."""
+        with telling_where(f"body '{self._name}' failed"):
+            report = self._body.report()
+        if report is None:
+            return None
+        if not isinstance(report, Report):
+            what = f"report() returned {type(report).__name__}, not a Report"
+            raise TeamformerError(f"body '{self._name}': {what}", HINT)
+        x, y, leg, is_done, is_busy, number = report
+        try:
+            return Report(float(x), float(y), int(leg), bool(is_done), bool(is_busy), int(number))
+        except (TypeError, ValueError) as error:
+            raise TeamformerError(f"body '{self._name}': report(): {error}", HINT) from None
+
+    def close(self) -> None:
+        """Come to a stop."""
+        with telling_where(f"body '{self._name}' failed"):
+            self._body.close()

@@ -22,7 +22,9 @@ LIMIT = 30.0
 
 @contextmanager
 def transports(
-    *robots: int, certificates: tuple[Certificates | None, ...] = ()
+    *robots: int,
+    certificates: tuple[Certificates | None, ...] = (),
+    missions: tuple[int, ...] = (),
 ) -> Iterator[list[ZenohTransport]]:
     """Return transports of which each dials all before it."""
     link = "tls" if certificates else "tcp"
@@ -32,7 +34,8 @@ def transports(
         for place, robot in enumerate(robots):
             shown = certificates[place] if certificates else None
             ends = (endpoints[place], endpoints[:place])
-            made.append(ZenohTransport(7, robot, *ends, certificates=shown))
+            mission = missions[place] if missions else 7
+            made.append(ZenohTransport(mission, robot, *ends, certificates=shown))
         yield made
     finally:
         for each in made:
@@ -80,6 +83,19 @@ def test_operators_are_heard_by_all_and_so_is_who_has_dialled_anew() -> None:
             assert time.monotonic() < deadline
             robot.send_body("reports/0", b"here")
             operator.receive(0.05)
+
+
+def test_robots_of_another_mission_are_heard_so_that_it_can_be_told() -> None:
+    with transports(0, 1, missions=(7, 8)) as (robot, stranger):
+        robot.listen_to({1})
+
+        def say() -> None:
+            stranger.send(0, b"to 0 of mission 8")
+            stranger.send_body("reports/0", b"here")
+            stranger.send(EVERYBODY, b"word")
+
+        assert heard(robot, b"word", say) == {b"word"}
+        assert robot.receive_body() == []
 
 
 def openssl(*words: str, folder: Path) -> None:

@@ -142,6 +142,8 @@ def add(path: Path, added: Added, as_json: bool) -> int:
     if not operator.is_accepted:
         have = f"only {', '.join(holders)} hold it" if holders else "no robot answered"
         say(f"{task.name}: not accepted, {have}; {operator.needed} must; it may still be done")
+        if not holders:
+            say("hint: SCENARIO, --pace, --key and --sign have to be the fleet's")
     return 0 if operator.is_accepted else 1
 
 

@@ -97,7 +97,12 @@ class ZenohTransport:
 
     def _hear(self, key: str, take: Take) -> None:
         self._takers[key] = take
-        self._ears[key] = self._session.declare_subscriber(f"{self._root}/{key}", take)
+        self._ears[key] = self._declare(self._session, key, take)
+
+    def _declare(self, session: zenoh.Session, key: str, take: Take) -> zenoh.Subscriber[None]:
+        """Subscribe to a key; robots are heard whatever their mission is, so that it is told."""
+        root = "teamformer/*" if key.startswith("from/") else self._root
+        return session.declare_subscriber(f"{root}/{key}", take)
 
     def _put(self, key: str, data: bytes) -> None:
         drop = zenoh.CongestionControl.DROP
@@ -126,7 +131,7 @@ class ZenohTransport:
                 "is another process there? name another endpoint",
             ) from None
         for key, take in self._takers.items():
-            self._ears[key] = session.declare_subscriber(f"{self._root}/{key}", take)
+            self._ears[key] = self._declare(session, key, take)
         return session
 
     def _reopen(self) -> None:

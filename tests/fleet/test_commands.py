@@ -96,6 +96,18 @@ def test_misuse_is_told(
 
 
 @pytest.mark.slow
+def test_several_workers_judge_as_one_does(mission: str) -> None:
+    """45 schedules are five batches of eight and a rest."""
+    command = [sys.executable, "-m", "teamformer.cli", "rehearse", mission, "--json"]
+    rows = [
+        json.loads(subprocess.check_output([*command, "--schedules", "45", "--workers", workers]))
+        for workers in ("1", "2", "3")
+    ]
+    assert rows[0] == rows[1] == rows[2]
+    assert rows[0]["schedules"] == 45
+
+
+@pytest.mark.slow
 def test_a_fleet_of_processes_survives_a_kill(tmp_path: Path) -> None:
     """Two of each kind, so that the mission can end without the one that is killed."""
     mission = trio().scenario

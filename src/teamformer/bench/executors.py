@@ -10,13 +10,13 @@ from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
-from multiprocessing.connection import wait
 from queue import Empty, SimpleQueue
 from typing import Any, Protocol
 
 from teamformer.bench.jobs import Job, run_job
 from teamformer.bench.rows import Row
 from teamformer.errors import TeamformerError
+from teamformer.trials.worker_processes import begin_worker, end_workers
 
 ANSWERED = 0.1
 """Seconds after which Ctrl-C is answered at the latest."""
@@ -52,7 +52,7 @@ def run_in_processes(jobs: Sequence[Job], workers: int) -> Batches:
     context = multiprocessing.get_context("spawn")
     finished: SimpleQueue[Future[list[Row]]] = SimpleQueue()
     with _noted_ctrl_c() as pressed:
-        pool = ProcessPoolExecutor(workers, context, _begin_worker)
+        pool = ProcessPoolExecutor(workers, context, begin_worker)
         try:
             with _held_back_ctrl_c():
                 for job in jobs:
@@ -63,7 +63,7 @@ def run_in_processes(jobs: Sequence[Job], workers: int) -> Batches:
             hint = "was memory short? rows so far are kept: run the same again, fewer --workers"
             raise TeamformerError("a worker process died", hint) from None
         finally:
-            _end_workers(pool)
+            end_workers(pool)
 
 
 @contextmanager
@@ -102,26 +102,6 @@ def _wait_for(finished: SimpleQueue[Future[list[Row]]], pressed: list[int]) -> A
         with suppress(Empty):
             return finished.get(timeout=ANSWERED)
     raise KeyboardInterrupt
-
-
-def _end_workers(pool: ProcessPoolExecutor) -> None:
-    """End all processes, whatever they are at."""
-    pool.shutdown(wait=False, cancel_futures=True)
-    for child in multiprocessing.active_children():
-        child.terminate()
-    pool.shutdown()
-
-
-def _begin_worker() -> None:
-    """End with the parent however it ends."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-
-
-def _end_with(sentinel: Any) -> None:
-    wait([sentinel])
-    os._exit(1)
 
 
 def run_on_ray(jobs: Sequence[Job], workers: int) -> Batches:

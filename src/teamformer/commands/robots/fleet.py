@@ -9,7 +9,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from teamformer.commands.console import out, prepare_folder, print_json, say
+from teamformer.commands.console import (
+    ended_like_ctrl_c,
+    out,
+    prepare_folder,
+    print_json,
+    say,
+)
 from teamformer.commands.robots.rehearse import check_policy, require_extra, signatures_in
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_simulated_missions
@@ -65,7 +71,8 @@ def fleet(path: Path, options: Options, as_json: bool) -> int:
         more = ["--policy", options.policy] if options.policy else []
         more += ["--sign", str(options.sign)] if options.sign else []
         local = LocalFleet(mission, options.pace, options.drop, folder, say, more, signatures)
-        result = local.run(options.time_limit)
+        with ended_like_ctrl_c():
+            result = local.run(options.time_limit)
     makespan = max((done.at for done in result.done), default=None)
     robots = scenario.robots
     done = [

@@ -11,7 +11,14 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any
 
-from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
+from teamformer.commands.console import (
+    Counting,
+    ended_like_ctrl_c,
+    out,
+    prepare_folder,
+    print_json,
+    say,
+)
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.model import Scenario
@@ -101,7 +108,7 @@ def _play_many(stage: Any, options: Options, as_json: bool) -> int:
     knobs = Knobs(options.loss, options.crashes)
     workers = options.workers or os.cpu_count() or 1
     verdicts: list[Verdict] = []
-    with Counting("schedules") as progress:
+    with ended_like_ctrl_c(), Counting("schedules") as progress:
         schedules = range(options.schedules)
         for verdict in judge_many(stage, options.seed, knobs, schedules, workers):
             verdicts.append(verdict)

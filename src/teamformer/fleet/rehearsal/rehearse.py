@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -17,9 +18,16 @@ from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Trace
+from teamformer.trials.worker_processes import begin_worker, end_workers
 
 SLACK = 300.0
 """Seconds beyond the time that the slowest robot takes alone for every task, one by one."""
+
+BATCH = 8
+"""Schedules that a worker is given at once."""
+
+AHEAD = 4
+"""Batches that each worker has at hand, so that none waits for the order of the verdicts."""
 
 
 @dataclass(frozen=True)
@@ -103,10 +111,20 @@ def judge_many(
     if workers == 1:
         yield from map(one, schedules)
         return
-    with ProcessPoolExecutor(workers) as pool:
-        numbers = iter(schedules)
-        while batch := list(islice(numbers, 64 * workers)):
-            yield from pool.map(one, batch, chunksize=8)
+    numbers = iter(schedules)
+    batches = iter(lambda: tuple(islice(numbers, BATCH)), ())
+    pool = ProcessPoolExecutor(workers, initializer=begin_worker)
+    try:
+        going = deque(pool.submit(_judge_all, one, b) for b in islice(batches, AHEAD * workers))
+        while going:
+            yield from going.popleft().result()
+            going.extend(pool.submit(_judge_all, one, b) for b in islice(batches, 1))
+    finally:
+        end_workers(pool)
+
+
+def _judge_all(one: Callable[[int], Verdict], schedules: Sequence[int]) -> list[Verdict]:
+    return [one(schedule) for schedule in schedules]
 
 
 def fails(mission: Mission, faults: Faults, policy: str | None = None) -> bool:

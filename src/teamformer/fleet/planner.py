@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
+from operator import itemgetter
 from typing import NamedTuple, Protocol
 
 from teamformer.errors import ScenarioError
@@ -70,8 +71,10 @@ class SharedPlanner:
         )
         old = _old_plan(situation, number_of)
         plan = plan_mission(scenario, facts, old, is_brief=bool(situation.old))
-        stops = zip((key_of[task] for task in plan.order), plan.coalitions, strict=True)
-        return _serving_first(mission, situation, list(stops))
+        planned = zip(plan.ends, plan.order, plan.coalitions, strict=True)
+        in_time = sorted(planned, key=itemgetter(0))  # what is done in passing comes on the way
+        stops = [(key_of[task], coalition) for _, task, coalition in in_time]
+        return _serving_first(mission, situation, stops)
 
     def warm_up(self) -> None:
         """Load what planning needs, so that the first plan has not to wait for it."""

@@ -103,7 +103,7 @@ def test_a_team_stays_together_until_its_policy_parts_it() -> None:
         teams[policy] = {event.team for event in worked if event.task == 3}
         spans[policy] = outcome.makespan or 0.0
     assert teams == {"Sociable": {0}, "Parting": {2}}  # c's task: with a and b, or alone
-    assert spans["Parting"] < spans["Sociable"] - 5
+    assert 19 <= spans["Sociable"] <= 21  # from 5 to 2, 9, 15 and 12: nineteen steps
 
 
 def test_where_a_policy_does_nothing_the_plan_does() -> None:

@@ -70,7 +70,7 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     )
     arrivals = Arrivals(0.1, 20, duration=int(rng.integers(3)))
     rules = {
-        "foresight": str(rng.choice(["needed", "absent", "sampled"])),
+        "foresight": str(rng.choice(["needed", "absent", "scouting"])),
         "finding_radius": float(rng.choice([0.0, 0.2, 1.0, 1.5, np.inf])),
         "step_limit": 0,
         "arrivals": arrivals if rng.random() < 0.3 else None,

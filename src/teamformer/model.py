@@ -191,9 +191,9 @@ class Scenario:
     in continuous time are judged by their makespan, or by a `cost` that weighs several things.
 
     `foresight` says what is done about what may be needed: it is taken as `needed` or as `absent`
-    until it is known, or plans are made with `sampled` futures. Where a task is that is only known
-    to be `within` a distance of a place shows once a team is within `finding_radius` of it. By
-    `arrivals` more tasks appear at random.
+    until it is known; with `scouting` as needed, and who has time to spare goes and looks. Where a
+    task is that is only known to be `within` a distance of a place shows once a team is within
+    `finding_radius` of it. By `arrivals` more tasks appear at random.
     """
 
     name: str
@@ -213,7 +213,7 @@ class Scenario:
     ends: Place | str | None = None
     forming: float = 0.0
     cost: Mapping[str, float] | None = None
-    foresight: str = "needed"
+    foresight: str = "scouting"
     finding_radius: float = 1.0
     arrivals: Arrivals | None = None
 

@@ -100,7 +100,7 @@ def test_policies_meet_rules_of_their_own() -> None:
 
 def test_a_policy_may_play_under_several_rules() -> None:
     uncertain = load_suite("uncertain")
-    for foresight in ("needed", "absent", "sampled"):
+    for foresight in ("needed", "absent", "scouting"):
         rules = {"order": "tsp", "allocation": "plan", "foresight": foresight}
         assert uncertain.rules_for(f"follow-plan@{foresight}") == rules
         assert player_of(f"follow-plan@{foresight}") == "follow-plan"

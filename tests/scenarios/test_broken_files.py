@@ -108,7 +108,7 @@ CASES = [
     ("speed: 0.5", "breaks: {rate: 0.1}, lost: 3", 7,
      "is lost at a step and breaks at a rate; keep one"),
     ("sensing_radius: 1", "foresight: some", 10,
-     "foresight 'some' is unknown; use needed or absent or sampled"),
+     "foresight 'some' is unknown; use needed or absent or scouting"),
     # unknown, repeated, missing and misplaced keys
     ("name: good", "nmae: good", 2, "no key 'nmae'; did you mean 'name'?"),
     ("speed: 0.5", "colour: red", 7, "robot 2 has no key 'colour'; known are name, at, can"),

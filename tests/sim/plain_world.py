@@ -33,6 +33,10 @@ def apart_squared(one: Place, other: Place) -> float:
     return away_x * away_x + away_y * away_y
 
 
+def cells(one: tuple[int, int], other: tuple[int, int]) -> int:
+    return abs(one[0] - other[0]) + abs(one[1] - other[1])
+
+
 @dataclass
 class PlainTeam:
     robots: list[int]
@@ -122,27 +126,58 @@ class PlainWorld:
         return bool(found)
 
     def find(self) -> bool:
-        """Rule out what teams are near to; say whether a task is elsewhere than believed."""
-        radius, any_elsewhere = max(self.s.finding_radius, self.here), False
+        """Rule out what teams are near to; say whether it is news where a task is."""
+        radius, any_news = max(self.s.finding_radius, self.here), False
         for task in sorted(self.maybe.keys() & set(self.open)):
             left = [
                 place
                 for place in self.maybe[task]
                 if all(math.dist(t.at, place) > radius + 1e-9 for t in self.teams.values())
             ]
-            self.maybe[task], believed = left, self.at[task]
+            before, self.maybe[task], believed = self.maybe[task], left, self.at[task]
             true = self.truth.tasks[task].at
             if true not in left:
                 del self.maybe[task]
                 self.found[task] = self.steps + 1
-                any_elsewhere |= believed != true
+                any_news |= believed != true or task in self.scouts.values()
                 self.believe(task, true)
+                continue
+            seeker = min(
+                self.teams.items(), key=lambda s: (self.micrometres(s[1].at, believed), s[0])
+            )[1]
+            if self.s.foresight == "scouting" and len(left) <= 100:
+                if left != before:
+                    self.believe(task, self.soonest(seeker.at, left, task))
             elif believed not in left:
-                seeker = min(
-                    self.teams.items(), key=lambda s: (self.micrometres(s[1].at, believed), s[0])
-                )[1]
                 self.believe(task, min(left, key=lambda p: self.way(seeker.at, p)))
-        return any_elsewhere
+        return any_news
+
+    def soonest(self, at: Place, left: list[Place], task: int) -> Place:
+        """Return where to look next so that the task is reached soonest on average."""
+        unit = self.s.world.unit if isinstance(self.s.world, Plane) else 1
+        origin = possible_places(self.s.world, self.s.tasks[task].at, self.s.tasks[task].within)[0]
+        start, *places = (
+            (round((x - origin[0]) / unit), round((y - origin[1]) / unit)) for x, y in (at, *left)
+        )
+        radius = (max(self.s.finding_radius, self.here) + 1e-9) / unit
+
+        def reached(first: tuple[int, int]) -> int:
+            (x, y), target, unseen, total, steps = start, first, places, 0, 0
+            while unseen:
+                if target not in unseen:
+                    target = min(unseen, key=lambda p: cells(p, (x, y)))
+                if abs(target[0] - x) >= abs(target[1] - y):
+                    x += 1 if target[0] > x else -1
+                else:
+                    y += 1 if target[1] > y else -1
+                steps += 1
+                seen = [p for p in unseen if math.hypot(p[0] - x, p[1] - y) <= radius]
+                total += sum(steps + cells(p, (x, y)) for p in seen)
+                unseen = [p for p in unseen if p not in seen]
+            return total
+
+        nearest = sorted(places, key=lambda p: cells(p, start))[:8]
+        return left[places.index(min(nearest, key=reached))]
 
     def believe(self, task: int, place: Place) -> None:
         self.at[task] = place

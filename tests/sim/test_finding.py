@@ -13,6 +13,7 @@ from random_worlds import random_world, with_surprises
 from small_worlds import done_at, make, play, robot, task
 from teamformer.export.events import events
 from teamformer.grid import Grid, Place
+from teamformer.mission.places import possible_places
 from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Scenario
 from teamformer.policies import POLICIES
@@ -36,13 +37,14 @@ def really_at(scenario: Scenario, place: Place) -> TeamFormation:
     return TeamFormation([scenario], truths=[replace(truth, tasks=tasks)])
 
 
-def corridor(**rules: Any) -> Scenario:
+def corridor(foresight: str = "needed", **rules: Any) -> Scenario:
     """One robot, and a task at 2 to 8.
 
     a . ? ? ? T ? ? ?
     0         5     8
     """
-    return make([robot("a", 0)], [replace(task("a", 5), within=3)], **rules)
+    hidden = replace(task("a", 5), within=3)
+    return make([robot("a", 0)], [hidden], foresight=foresight, **rules)
 
 
 def believed(env: TeamFormation) -> tuple[float, float]:
@@ -62,6 +64,39 @@ def test_who_finds_nothing_looks_in_the_nearest_place_left() -> None:
     assert done_at(env) == [8]
     assert env.worlds.tasks["found_at"][0].tolist() == [7]
     assert env.worlds.count["found"][0] == 0  # where it was believed to be by then
+
+
+def test_who_scouts_thinks_again_whenever_a_place_is_ruled_out() -> None:
+    """All ways lead past all places, so the nearest one left is as good as any."""
+    env = really_at(corridor("scouting"), (8, 0))
+    seen = []
+    for _ in range(8):
+        seen.append(believed(env)[0])
+        play(env)
+    assert seen == [5, 3, 4, 5, 6, 7, 8, 8]
+    assert done_at(env) == [8]
+
+
+@pytest.mark.parametrize(("foresight", "steps"), [("needed", 386), ("scouting", 366)])
+def test_who_scouts_looks_where_the_task_is_reached_soonest_on_average(
+    foresight: str, steps: int
+) -> None:
+    """The sum over all places within 3 cells of the middle, from 8 cells to the left of it.
+
+    Both are what forty lines of plain Python say that the rules take.
+    """
+    scenario = make(
+        [robot("a", 0, 6)], [replace(task("a", 8, 6), within=3)], Grid(13, 13), foresight=foresight
+    )
+    places = possible_places(scenario.world, (8, 6), 3)
+    assert len(places) == 29
+    taken = 0
+    for place in places:
+        env = really_at(scenario, place)
+        while env.is_running[0]:
+            play(env)
+        taken += done_at(env)[0]
+    assert taken == steps
 
 
 def test_what_is_passed_is_found_on_the_way() -> None:

@@ -39,7 +39,7 @@ RULES = [
     (allocation, foresight)
     for allocation in ALLOCATIONS
     for foresight in FORESIGHTS
-    if allocation == "plan" or foresight != "sampled"  # elsewhere the same as needed
+    if allocation == "plan" or foresight != "scouting"  # elsewhere the same as needed
 ]
 
 
@@ -212,7 +212,7 @@ def test_nobody_knows_the_truth_before_it_shows(allocation: str, foresight: str)
 
 @pytest.mark.parametrize("policy", ["heuristic", "follow-plan", "teamformer-any"])
 def test_no_policy_knows_the_truth_before_it_shows(policy: str) -> None:
-    foresight = "sampled" if policy == "follow-plan" else "needed"
+    foresight = "scouting" if policy == "follow-plan" else "needed"
     check_nobody_peeks("4N20T-C4-mixed", policy, "plan", foresight)
 
 

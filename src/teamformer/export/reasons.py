@@ -134,7 +134,7 @@ def _why_task(replay: Replay, moment: Moment, robot: int, task: int) -> str:
         looking = _scouts_of(replay, moment, task).intersection(_team(moment, robot))
         if looking:
             names = ", ".join(replay.scenario.robots[scout].name for scout in sorted(looking))
-            return f"the plan has {names} look first what it needs"
+            return f"the plan has {names} look first what is to be known of it"
         return _in_plan(replay.scenario, plan.get(task, ()))
     crews = [row for row in replay.crews if row[0] < moment.step]
     if crews:
@@ -172,7 +172,7 @@ def _shared_plan(replay: Replay, moment: Moment) -> dict[int, tuple[int, ...]] |
 
 
 def _scouts_of(replay: Replay, moment: Moment, task: int) -> set[int]:
-    """Return who looks by the shared plan of a step what a task needs, as exchanged since."""
+    """Return who scouts a task by the shared plan of a step, as exchanged since."""
     made = max(at for at, _ in replay.plans if at < moment.step)
     looks = dict(dict(replay.scouts).get(made, ()))
     for step in replay.steps[made : moment.step - 1]:

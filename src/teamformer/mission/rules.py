@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 ORDERS = ("tsp", "schedule")
 NEW_TASKS = ("resolve", "nearest")
 ALLOCATIONS = ("paper", "nearest", "crews", "plan")
-FORESIGHTS = ("needed", "absent", "sampled")
+FORESIGHTS = ("needed", "absent", "scouting")
 
 WITHOUT_CREWS = ("paper", "nearest")
 """Those in which every team follows one order, as the paper's networks were made for."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from teamformer.capabilities import covers, total
 from teamformer.model import Scenario
 from teamformer.referee.completion import Tasks
+from teamformer.referee.finding import Search
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.truth import Knowledge
 from teamformer.referee.verdict import Notes
@@ -31,6 +32,10 @@ class CrewLists:
         self._orders = dict(replay.orders)
         self._now: Sequence[Crew] = ()
         self._rank: dict[int, int] = {}
+
+    def looked_at(self) -> set[int]:
+        """Return the tasks that scouts look at."""
+        return set(self._looks.values())
 
     def give_tasks(self, fleet: Fleet, tasks: Tasks, steps_made: int) -> None:
         """Write each team's `due`, once all have formed in a step and before they walk.
@@ -134,14 +139,11 @@ def _name(fleet: Fleet, task: int | None) -> str:
 
 
 def judge_crews(
-    replay: Replay, tasks: Tasks, knowledge: Knowledge, moved_after: set[int], notes: Notes
+    replay: Replay, tasks: Tasks, knowledge: Knowledge, search: Search, notes: Notes
 ) -> None:
-    """Check that crews are planned when they must be, and share out robots and open tasks.
-
-    `moved_after` says after which steps tasks turned out to be elsewhere.
-    """
+    """Check that crews are planned when they must be, and share out robots and open tasks."""
     scenario = replay.mission
-    shown = knowledge.shown_after | moved_after
+    shown = knowledge.shown_after | search.news_after
     for allocation, made in (("crews", replay.crews), ("plan", replay.plans)):
         if scenario.allocation != allocation and made:
             notes.note(f"the record has {allocation}, and the scenario has none")
@@ -156,7 +158,7 @@ def judge_crews(
         for steps, plan in replay.plans:
             _check_plan(replay, knowledge, steps, plan, orders.get(steps, ()), notes)
     for steps, scouts in replay.scouts:
-        _check_scouts(replay, knowledge, steps, scouts, orders.get(steps, ()), notes)
+        _check_scouts(replay, knowledge, search, steps, scouts, orders.get(steps, ()), notes)
 
 
 def _robots_left(scenario: Scenario, steps: int) -> set[int]:
@@ -195,7 +197,7 @@ def _check_plan(
     if len(plan.coalitions) != len(order):
         notes.note(f"{when} has {len(plan.coalitions)} coalitions for {len(order)} open tasks")
     for task, coalition in zip(order, plan.coalitions, strict=False):
-        name, needs = replay.scenario.tasks[task].name, knowledge.least_needs(task, steps)
+        name, needs = replay.scenario.tasks[task].name, knowledge.needs(task, steps)
         if len(set(coalition)) != len(coalition) or not set(coalition) <= left:
             notes.note(f"{when} has a robot twice or one that is lost in the coalition of {name}")
         waits = not coalition and not _can_do(replay, left, task, needs)
@@ -206,12 +208,13 @@ def _check_plan(
 def _check_scouts(
     replay: Replay,
     knowledge: Knowledge,
+    search: Search,
     steps: int,
     scouts: Sequence[tuple[int, int]],
     order: Sequence[int],
     notes: Notes,
 ) -> None:
-    """Check that robots that are left look, each at one open task whose needs nobody knows."""
+    """Check that robots that are left look, each at an open task that is not all known."""
     when, left = f"the plan made after {steps} steps", _robots_left(replay.mission, steps)
     robots = [robot for robot, _ in scouts]
     if steps not in dict(replay.plans):
@@ -219,9 +222,10 @@ def _check_scouts(
     if len(set(robots)) != len(robots) or not set(robots) <= left:
         notes.note(f"{when} has a scout twice or one that is lost")
     for _, task in scouts:
-        if task not in order or knowledge.is_shown(task, steps):
+        is_known = knowledge.is_shown(task, steps) and search.is_found(task, steps)
+        if task not in order or is_known:
             name = replay.scenario.tasks[task].name
-            notes.note(f"{when} has somebody look at task {name}, whose needs are known")
+            notes.note(f"{when} has somebody look at task {name}, of which all is known")
 
 
 def _check_crews(

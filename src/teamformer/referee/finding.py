@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario, Task, World
@@ -15,6 +15,9 @@ from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Step
 
 ROUNDING = 1e-9
+
+CHOICES, MOST_PLACES = 8, 100
+"""With a view to what may come the nearest places are compared, if there are not too many."""
 
 
 def can_be_at(scenario: Scenario, task: Task, place: Place) -> bool:
@@ -49,6 +52,18 @@ def _points(plane: Plane, task: Task) -> Iterator[Place]:
                 yield point
 
 
+def _apart(one: tuple[int, int], other: tuple[int, int]) -> int:
+    return abs(one[0] - other[0]) + abs(one[1] - other[1])
+
+
+def _one_nearer(at: tuple[int, int], goal: tuple[int, int]) -> tuple[int, int]:
+    """Return the next cell on the way to a goal, along the axis with more left to go."""
+    (x, y), (goal_x, goal_y) = at, goal
+    if abs(goal_x - x) >= abs(goal_y - y):
+        return (x + 1 if goal_x > x else x - 1), y
+    return x, (y + 1 if goal_y > y else y - 1)
+
+
 class Search:
     """Which places are left for each task that is not found, and where it is believed to be."""
 
@@ -56,28 +71,48 @@ class Search:
         world = scenario.world
         here = world.arrival_radius if isinstance(world, Plane) else 0.0
         self._radius = max(scenario.finding_radius, here)
+        self._unit = world.unit if isinstance(world, Plane) else 1
+        self._plans_looks = scenario.foresight == "scouting"
         self._ways = ways
         self._left = {
             number: places_of(world, task)
             for number, task in enumerate(scenario.tasks)
             if task.within
         }
-        for number, places in self._left.items():
-            ways.goals[number] = places[0]
-        self.moved_after: set[int] = set()
+        self._first = {number: places[0] for number, places in self._left.items()}
+        ways.goals.update(self._first)
+        self.news_after: set[int] = set()
+        self._found_after: dict[int, int] = {}
 
-    def go_on(self, fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> bool:
-        """Rule out what teams are near to, say where the record differs; is one elsewhere?"""
+    def is_found(self, task: int, steps_made: int) -> bool:
+        """Say whether everybody knows after so many steps where a task is."""
+        is_hidden = task in self._first
+        return not is_hidden or self._found_after.get(task, steps_made + 1) <= steps_made
+
+    def go_on(
+        self,
+        fleet: Fleet,
+        tasks: Tasks,
+        looked_at: Set[int],
+        step: Step,
+        number: int,
+        notes: Notes,
+    ) -> bool:
+        """Rule out what teams are near to, say where the record differs; is there news?
+
+        That is, a task turned out to be elsewhere, or one was found that is `looked_at`.
+        """
         found: set[int] = set()
         moved: set[tuple[int, float, float]] = set()
         for task in sorted(self._left):
             if tasks.is_open(task, number - 1):
                 self._look_for(fleet, task, tasks.scenario.tasks[task].at, found, moved)
-        is_elsewhere = any(task in found for task, _, _ in moved)
-        if is_elsewhere:
-            self.moved_after.add(number)
+        is_news = any(task in found for task, _, _ in moved) or not found.isdisjoint(looked_at)
+        if is_news:
+            self.news_after.add(number)
+        self._found_after |= dict.fromkeys(found, number)
         self._compare(found, moved, step, tasks.scenario, notes)
-        return is_elsewhere
+        return is_news
 
     def _look_for(
         self,
@@ -93,18 +128,57 @@ class Search:
             for place in self._left[task]
             if all(math.dist(at, place) > self._radius + ROUNDING for at in teams)
         ]
-        believed, self._left[task] = self._ways.goals[task], left
+        believed, any_ruled_out = self._ways.goals[task], len(left) < len(self._left[task])
+        self._left[task] = left
         if true not in left:
             found.add(task)
             del self._left[task]
             self._ways.goals[task] = true
-        elif believed not in left:
+        elif any_ruled_out:
             seeker = min(teams, key=lambda at: round(math.dist(at, believed) * 1e6))
-            self._ways.goals[task] = min(
-                left, key=lambda place: round(self._ways.between(place, seeker), 6)
-            )
+            if self._plans_looks and len(left) <= MOST_PLACES:
+                self._ways.goals[task] = self._soonest(seeker, self._first[task], left)
+            elif believed not in left:
+                self._ways.goals[task] = min(
+                    left, key=lambda place: round(self._ways.between(place, seeker), 6)
+                )
         if self._ways.goals[task] != believed:
             moved.add((task, *self._ways.goals[task]))
+
+    def _soonest(self, seeker: Place, first: Place, left: list[Place]) -> Place:
+        """Return where to look next for the least steps until the task is reached on average."""
+        offsets = [self._offset(place, first) for place in left]
+        begin = self._offset(seeker, first)
+        by_distance = sorted(range(len(left)), key=lambda i: _apart(offsets[i], begin))
+        return left[
+            min(by_distance[:CHOICES], key=lambda i: self._steps_if_first(begin, offsets, i))
+        ]
+
+    def _offset(self, place: Place, first: Place) -> tuple[int, int]:
+        """Return a place in whole cells or units from a first one."""
+        return (
+            round((place[0] - first[0]) / self._unit),
+            round((place[1] - first[1]) / self._unit),
+        )
+
+    def _steps_if_first(
+        self, begin: tuple[int, int], offsets: list[tuple[int, int]], first: int
+    ) -> int:
+        """Return the steps to the task, summed over where it may be, for who looks there first.
+
+        Then it looks in the nearest place that it has not seen, as if nothing were in the way.
+        """
+        at, goal, steps, summed = begin, offsets[first], 0, 0
+        unseen = dict.fromkeys(offsets)
+        while unseen:
+            if goal not in unseen:
+                goal = min(unseen, key=lambda place: _apart(place, at))
+            at, steps = _one_nearer(at, goal), steps + 1
+            for place in list(unseen):
+                if math.dist(place, at) <= (self._radius + ROUNDING) / self._unit:
+                    summed += steps + _apart(place, at)
+                    del unseen[place]
+        return summed
 
     def _compare(
         self,

@@ -63,10 +63,14 @@ def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -
                 f"{fleet.name(one)} at {list(one.at)} joins {fleet.name(other)} at "
                 f"{list(other.at)}; they are not in the same place"
             )
-        task = min(one, other, key=lambda team: min(team.robots)).task
+        lower, higher = sorted((one, other), key=lambda team: min(team.robots))
         robots = one.robots | other.robots
         at, met_at = (one.at, other.at) if joiner < partner else (other.at, one.at)
-        fleet.put(RecordedTeam(robots, at, task, has_formed=True, met_at=met_at))
+        fleet.put(
+            RecordedTeam(
+                robots, at, lower.task, has_formed=True, met_at=met_at, met_task=higher.task
+            )
+        )
 
 
 def check_reach(fleet: Fleet, pairs: tuple[tuple[int, int], ...], notes: Notes) -> None:
@@ -99,6 +103,7 @@ def lose_robots(fleet: Fleet, step: Step, due: set[int], notes: Notes) -> None:
             notes.note(f"the record loses robot {name} here, the scenario {when}")
     if len(set(step.lost)) < len(step.lost):
         notes.note("the record loses a robot twice")
+    named = {entry.slot for entry in step.teams}
     for slot, team in list(fleet.teams.items()) if due else ():
         if team.robots & due:
             del fleet.teams[slot]
@@ -106,6 +111,9 @@ def lose_robots(fleet: Fleet, step: Step, due: set[int], notes: Notes) -> None:
             fleet.lost |= dict.fromkeys(team.robots & due, before)
             team.robots -= due
             if team.robots:
+                has_met = team.met_at is not None
+                if has_met and min(team.robots) not in {slot, *named}:  # no entry: as it was there
+                    team.task = team.met_task
                 fleet.put(team)
 
 

@@ -48,7 +48,7 @@ def judge(replay: Replay) -> Verdict:
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
     judge_orders(replay, tasks, notes)
-    judge_crews(replay, tasks, knowledge, search.moved_after, notes)
+    judge_crews(replay, tasks, knowledge, search, notes)
     judge_ending(replay, fleet, tasks, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
     return Verdict(findings, len(replay.steps), len(tasks.done), tasks.lateness())
@@ -88,7 +88,7 @@ def _judge_step(
     _check_entries(fleet, step, slots, notes)
     if due or any_back:
         knowledge.expect({robot for team in fleet.teams.values() for robot in team.robots}, number)
-    any_found = search.go_on(fleet, tasks, step, number, notes)
+    any_found = search.go_on(fleet, tasks, lists.looked_at(), step, number, notes)
     any_shown = knowledge.show(fleet, tasks, step, number, notes)
     recorded: dict[int, int] = {}
     for task, slot in step.done:
@@ -118,7 +118,9 @@ def _move(
         after = _slot_after(team.robots, due) if due else slot
         team.is_way_told = after >= 0
         if team.is_way_told:
-            move_team(fleet, team, places.get(after, team.at), notes)
+            # no entry: all is as it was in its slot, be it that of the one that it has joined
+            stays = team.at if after == slot or team.met_at is None else team.met_at
+            move_team(fleet, team, places.get(after, stays), notes)
     for pair in walking:
         teams = [fleet.teams[slot] for slot in pair]
         slot = _slot_after(teams[0].robots | teams[1].robots, due)

@@ -30,6 +30,7 @@ class RecordedTeam:
     was_serving: bool = False  # when tasks were given
     is_way_told: bool = True  # False if all its robots were lost in a step, on their way
     met_at: Place | None = None  # where the other one of two that have just joined stood
+    met_task: int | None = None  # and what it headed for: the one with the higher slot
     services: dict[int, int] = field(default_factory=dict)  # task -> steps left
     counts: dict[str, int] = field(default_factory=dict)
     speed: float = 0.0

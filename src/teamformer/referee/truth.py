@@ -141,12 +141,6 @@ class Knowledge:
         """Say whether it was known what a task needs once so many steps were made."""
         return self._shown_at.get(task, 0) <= steps_made
 
-    def least_needs(self, task: int, steps_made: int) -> Mapping[str, int]:
-        """Return what a coalition had to bring: what is believed, or what is sure if sampled."""
-        if self._scenario.foresight == "sampled" and not self.is_shown(task, steps_made):
-            return self._scenario.tasks[task].needs
-        return self.needs(task, steps_made)
-
     def needs(self, task: int, steps_made: int) -> Mapping[str, int]:
         """Return what a task was believed to need once so many steps were made."""
         believed = self._scenario.tasks[task].needs

@@ -49,7 +49,7 @@ def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
         tree["forming"] = scenario.forming
     if scenario.cost is not None:
         tree["cost"] = dict(scenario.cost)
-    if scenario.foresight != "needed":
+    if scenario.foresight != "scouting":
         tree["foresight"] = scenario.foresight
     if scenario.arrivals is not None:
         tree["arrivals"] = _arrivals_to_tree(scenario.arrivals)

@@ -28,7 +28,7 @@ RESOLVE, NEAREST = 0, 1
 PAPER, NEAREST_ALONE, CREWS, PLAN = 0, 1, 2, 3
 """Who heads for which task: allocations as in `mission.rules.ALLOCATIONS`."""
 
-NEEDED, ABSENT, SAMPLED = 0, 1, 2
+NEEDED, ABSENT, SCOUTING = 0, 1, 2
 """As what that is taken which may be needed: as in `mission.rules.FORESIGHTS`."""
 
 RULES = np.dtype(
@@ -42,7 +42,7 @@ RULES = np.dtype(
         ("new_tasks", np.int32),  # RESOLVE or NEAREST
         ("allocation", np.int32),  # PAPER, NEAREST_ALONE, CREWS or PLAN
         ("has_schedule", np.bool_),  # the order is planned, no tour
-        ("foresight", np.int32),  # NEEDED or ABSENT
+        ("foresight", np.int32),  # NEEDED, ABSENT or SCOUTING
         ("hides_needs", np.bool_),  # what some tasks need is not known
         ("hides_places", np.bool_),  # where some tasks are is not known
         ("has_delays", np.bool_),  # robots stand still now and then

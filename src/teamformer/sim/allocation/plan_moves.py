@@ -1,6 +1,6 @@
 """What the shared plan wants each team to do now: part, wait and join, or go on.
 
-A robot's next task is the one that it scouts, while nobody has seen what that needs; else the first
+A robot's next task is the one that it scouts, while there is something to see; else the first
 open one in the plan's order that has it in its coalition. A team whose robots have different next
 tasks parts, those of the earliest staying; whoever has none stays behind. Teams that wait at a task
 for one another join, pair by pair in slot order.
@@ -59,13 +59,19 @@ def _find_next_tasks(world: World, is_new: Array) -> None:
         if world.robots[robot].team == NOBODY:
             continue
         scouted = world.robots[robot].scouts
-        if scouted != NOBODY and world.tasks[scouted].is_open and world.tasks[scouted].hides_needs:
+        if scouted != NOBODY and world.tasks[scouted].is_open and _is_unseen(world, scouted):
             world.robots[robot].next = scouted
             continue
         for position in range(world.count.open):
             if world.coalition[world.order[position], robot]:
                 world.robots[robot].next = world.order[position]
                 break
+
+
+@kernel
+def _is_unseen(world: World, task: int) -> bool:
+    """Say whether nobody knows what a task needs, or where it is."""
+    return world.tasks[task].hides_needs or world.tasks[task].hides_place
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 from teamformer.grid import Grid
 from teamformer.jit import entry
 from teamformer.model import Scenario
-from teamformer.planning.foresight.look_ahead import plan_ahead
+from teamformer.planning.free_looks import Unseen, with_free_looks
 from teamformer.planning.teams.facts import Facts, SharedPlan, possible_tasks
 from teamformer.planning.teams.shared_plan import plan_mission
 from teamformer.rules.constants import NOBODY, PLAN_REASONS
@@ -35,11 +35,10 @@ def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario]) -> None:
     for w in np.flatnonzero(reasons).tolist():
         facts = facts_of(worlds, w, scenarios[w])
         if reasons[w] & START:
-            plan = _first_plan(_Same(scenarios[w]), facts)
+            plan = _first_plan(_Same(scenarios[w]), facts, _unseen_in(worlds, w))
         else:
-            believed = _believed(worlds, w, scenarios[w])
-            hidden = frozenset(np.flatnonzero(worlds.tasks["hides_needs"][w]).tolist())
-            plan = _make_plan(scenarios[w], believed, facts, hidden, _read_plan(worlds, w))
+            believed, unseen = _believed(worlds, w, scenarios[w]), _unseen_in(worlds, w)
+            plan = _make_plan(scenarios[w], believed, facts, unseen, _read_plan(worlds, w))
         _write_plan(worlds, w, plan)
     follow_shared_plans(worlds, reasons != 0)
 
@@ -86,23 +85,28 @@ class _Same:
 
 
 @lru_cache(maxsize=16)
-def _first_plan(same: _Same, facts: Facts) -> SharedPlan:
+def _first_plan(same: _Same, facts: Facts, unseen: Unseen) -> SharedPlan:
     """Return the plan at a start, kept for who plays the scenario again, as planners do."""
-    hidden = frozenset(task for task, one in enumerate(same.scenario.tasks) if one.may_need)
-    return _make_plan(same.scenario, expected_mission(same.scenario), facts, hidden, None)
+    return _make_plan(same.scenario, expected_mission(same.scenario), facts, unseen, None)
 
 
 def _make_plan(
-    scenario: Scenario,
-    believed: Scenario,
-    facts: Facts,
-    hidden: frozenset[int],
-    old: SharedPlan | None,
+    scenario: Scenario, believed: Scenario, facts: Facts, unseen: Unseen, old: SharedPlan | None
 ) -> SharedPlan:
-    """Return the plan for what is believed, or with a view to what may come."""
-    if scenario.foresight == "sampled" and hidden:
-        return plan_ahead(scenario, believed, facts, hidden, old)
-    return plan_mission(believed, facts, old)
+    """Return the plan for what is believed; who has time to spare scouts, if that is wanted."""
+    plan = plan_mission(believed, facts, old)
+    if scenario.foresight != "scouting":
+        return plan
+    return with_free_looks(believed, facts, plan, unseen)
+
+
+def _unseen_in(worlds: Worlds, w: int) -> Unseen:
+    """Return the tasks of a world of which nobody knows what they need, or where they are."""
+    needs, places = (
+        frozenset(np.flatnonzero(worlds.tasks[hides][w]).tolist())
+        for hides in ("hides_needs", "hides_place")
+    )
+    return Unseen(needs, places)
 
 
 def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:

@@ -1,7 +1,8 @@
 """Finding: tasks whose place is not known are looked for, place by place, until a team is near.
 
 `world.tasks` holds where each is believed to be. What teams have looked at in vain is ruled out;
-if the place believed in is, the nearest that is left is believed in. So there is an end to it.
+if the place believed in is, the nearest that is left is believed in, or, with a view to what may
+come, the one from which looking on takes least. So there is an end to it.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.distances import UNREACHABLE, fill_field
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
+from teamformer.sim.arrays import SCOUTING
 from teamformer.sim.motion import field_towards
 from teamformer.sim.spatial_index import cell_of
+from teamformer.sim.surprises.looking import soonest_left
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World
@@ -23,41 +26,66 @@ if TYPE_CHECKING:
 
 @allocating_kernel
 def find_tasks(world: World) -> bool:
-    """Let teams look around for the open tasks that are not found; say if one is elsewhere.
+    """Let teams look around for the open tasks that are not found; say if that makes news.
 
-    That is, elsewhere than everybody believed.
+    It is news where a task is if it is elsewhere than everybody believed, or somebody scouts it.
     """
-    step, any_elsewhere = world.count.steps + 1, False
+    step, any_news = world.count.steps + 1, False
     for task in range(world.rules.tasks):
         if not (world.tasks[task].is_open and world.tasks[task].hides_place):
             continue
+        any_ruled_out = False
         for team in range(world.rules.robots):
             if world.teams[team].size > 0:
-                _rule_out(world, task, team)
+                any_ruled_out |= _rule_out(world, task, team)
         lies_in, believed_in = world.tasks[task].lies_in, world.tasks[task].believed_in
         if not world.spots[task, lies_in].is_possible:
             world.tasks[task].hides_place = False
             world.tasks[task].found_at = step
-            if lies_in != believed_in:
+            if lies_in != believed_in or _is_scouted(world, task):
                 world.count.found += 1
-                any_elsewhere = True
+                any_news = True
+            if lies_in != believed_in:
                 _believe_in(world, task, lies_in, step)
-        elif not world.spots[task, believed_in].is_possible:
-            _believe_in(world, task, _nearest_left(world, task), step)
-    return any_elsewhere
+        elif any_ruled_out:
+            _look_on(world, task, step)
+    return any_news
 
 
 @kernel
-def _rule_out(world: World, task: int, team: int) -> None:
-    """Strike the places that a team is near to from those that a task may be in."""
+def _is_scouted(world: World, task: int) -> bool:
+    for robot in range(world.rules.robots):
+        if world.robots[robot].scouts == task:
+            return True
+    return False
+
+
+@allocating_kernel
+def _look_on(world: World, task: int, step: int) -> None:
+    """Believe in the next place to look in, where the one believed in is ruled out or not best."""
+    spot, believed_in = np.int64(NOBODY), world.tasks[task].believed_in
+    if world.rules.foresight == SCOUTING:
+        spot = soonest_left(world, task, _nearest_team(world, task))
+    if spot == NOBODY and not world.spots[task, believed_in].is_possible:
+        spot = _nearest_left(world, task, _nearest_team(world, task))
+    if spot != NOBODY and spot != believed_in:
+        _believe_in(world, task, spot, step)
+
+
+@kernel
+def _rule_out(world: World, task: int, team: int) -> bool:
+    """Strike the places that a team is near to from those that a task may be in; say if any is."""
     radius = world.rules.finding_radius + ROUNDING
     farthest = radius + world.tasks[task].reach
     if _apart_squared(world, task, 0, team) > farthest * farthest + 1:  # rounding
-        return
+        return False
+    any_is = False
     for spot in range(world.spots.shape[1]):
         if world.spots[task, spot].is_possible:
             is_near = _apart_squared(world, task, spot, team) <= radius * radius
             world.spots[task, spot].is_possible = not is_near
+            any_is |= is_near
+    return any_is
 
 
 @kernel
@@ -67,20 +95,24 @@ def _apart_squared(world: World, task: int, spot: int, team: int) -> float:
     return away_x * away_x + away_y * away_y
 
 
-@allocating_kernel
-def _nearest_left(world: World, task: int) -> np.int64:
-    """Return the place left that the team nearest to the one just ruled out is nearest to.
-
-    Of equally near teams the lowest slot counts, of equally near places the one that is nearest to
-    where the task was first believed to be.
-    """
-    ruled_out = world.tasks[task].believed_in
+@kernel
+def _nearest_team(world: World, task: int) -> np.int64:
+    """Return the team that is nearest to where a task is believed to be, the lowest slot first."""
     seeker, least = np.int64(NOBODY), np.int64(0)
     for team in range(world.rules.robots):
         if world.teams[team].size > 0:
-            away = _micrometres(_apart_squared(world, task, ruled_out, team))
+            away = _micrometres(_apart_squared(world, task, world.tasks[task].believed_in, team))
             if seeker == NOBODY or away < least:
                 seeker, least = np.int64(team), away
+    return seeker
+
+
+@allocating_kernel
+def _nearest_left(world: World, task: int, seeker: int) -> np.int64:
+    """Return the place left that a team is nearest to.
+
+    Of equally near places the one that is nearest to where the task was first believed to be.
+    """
     x, y = world.teams[seeker].x, world.teams[seeker].y
     has_walls = world.rules.has_walls
     field = field_towards(world, x, y) if has_walls else np.empty((0, 0), np.int32)

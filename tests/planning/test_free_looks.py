@@ -1,0 +1,157 @@
+"""Who has time to spare looks at what nobody has seen: by hand, and what it is worth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from small_worlds import make, robot, task
+from teamformer.export.reasons import story_lines
+from teamformer.model import Scenario
+from teamformer.planning.free_looks import Unseen, with_free_looks
+from teamformer.planning.teams.facts import Facts, SharedPlan
+from teamformer.planning.teams.shared_plan import plan_mission
+from teamformer.policies.scripted.follow_plan import FollowPlan
+from teamformer.referee import judge
+from teamformer.scenarios.named_settings import world_of
+from teamformer.sim.replay.reading import replay_from_tree
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.writing import replay_to_tree
+from teamformer.trials.trial import run_trial
+from teamformer.truth import draw_truth, expected_mission
+
+
+def begin(scenario: Scenario) -> Facts:
+    """Return what everybody knows of a mission at its start."""
+    places = tuple(robot.at for robot in scenario.robots)
+    free_at = (0,) * len(places)
+    return Facts(0, tuple(range(len(scenario.tasks))), places, scenario.starting_teams, free_at)
+
+
+def far_from_what_may_be_needed(foresight: str) -> Scenario:
+    """T needs a and may need b, U needs a for 8 steps, V needs b; c has nothing to do.
+
+    U . c . T . . . . ab . . . . . . . . . V
+    0   2   4         9                    19
+    """
+    tasks = [replace(task("a", 4), may_need={"b": 0.5}), task("a", 0, duration=8), task("b", 19)]
+    robots = [robot("a", 9), robot("b", 9), robot("c", 2)]
+    return make(robots, tasks, foresight=foresight, allocation="plan")
+
+
+def play_where(scenario: Scenario, needs: str) -> Replay:
+    """Play a mission whose first task turns out to need each letter of `needs`."""
+    for seed in range(100):
+        if draw_truth(scenario, seed).tasks[0].needs.keys() == set(needs):
+            return run_trial(scenario, FollowPlan(), "follow-plan", seed).replay
+    raise AssertionError("no seed below 100 draws that")
+
+
+@pytest.mark.parametrize(
+    ("foresight", "needs", "makespan"),
+    [
+        ("needed", "ab", 22),  # at T after 5, one in the 6th, apart in the 7th, b 15 to V
+        ("needed", "a", 20),  # a shows after 5 that b came in vain: 15 to V
+        ("scouting", "ab", 22),
+        (
+            "scouting",
+            "a",
+            17,
+        ),  # c shows it after 2, b is at V after 14, a at U after 9, for 8 steps
+    ],
+)
+def test_a_scout_pays(foresight: str, needs: str, makespan: int) -> None:
+    """b goes to T first: from V it would be there after 25 steps only. But c is near and idle."""
+    replay = play_where(far_from_what_may_be_needed(foresight), needs)
+    assert replay.end.makespan == makespan
+    assert judge(replay).findings == ()
+    assert [(made, (2, 0) in scouts) for made, scouts in replay.scouts[:1]] == (
+        [(0, True)] if foresight == "scouting" else []
+    )
+
+
+def test_it_is_said_why_a_scout_goes() -> None:
+    replay = play_where(far_from_what_may_be_needed("scouting"), "a")
+    first = next(story_lines(replay, 2))
+    assert first == ("1-2", "walks to t0", "the plan has r2 look first what is to be known of it")
+
+
+def test_the_referee_says_who_scouts_in_vain() -> None:
+    replay = play_where(far_from_what_may_be_needed("scouting"), "a")
+    later = next(made for made, _ in replay.plans if made > 0)
+    for scouts, complaint in (
+        ([[0, [[2, 0], [2, 0]]]], "scout twice"),
+        ([[0, [[2, 0]]], [later, [[2, 0]]]], "of which all is known"),
+        ([[0, [[2, 0]]], [later + 1, [[2, 0]]]], "when no plan was made"),
+    ):
+        tree = replay_to_tree(replay) | {"scouts": scouts}
+        found = judge(replay_from_tree(tree, "forged")).findings
+        assert any(complaint in str(finding) for finding in found)
+
+
+def looks(start: int, hides_place: bool = False) -> tuple[tuple[int, int], ...]:
+    """Return who scouts what where a has time until T begins in step `start`, b until U does.
+
+    a . . . H . . . . . T . . . . . . . bU     H begins in step 40, T needs both
+    0       4           10              18
+    """
+    tasks = [task("a", 4), task("ab", 10), task("b", 18)]
+    scenario = make([robot("a", 0), robot("b", 18)], tasks)
+    plan = SharedPlan((2, 1, 0), ((1,), (0, 1), (0,)), (0, start, 40), "")
+    unseen = frozenset({0})
+    hidden = Unseen(frozenset(), unseen) if hides_place else Unseen(unseen, frozenset())
+    return with_free_looks(scenario, begin(scenario), plan, hidden).scouts
+
+
+@pytest.mark.parametrize(
+    ("start", "hides_place", "scouts"),
+    [
+        (12, False, ((0, 0),)),  # 4 steps to H, 6 to T, and two who meet there
+        (11, False, ()),
+        (17, True, ((0, 0),)),  # looking for it takes five more
+        (16, True, ()),
+    ],
+)
+def test_who_looks_is_in_time(
+    start: int, hides_place: bool, scouts: tuple[tuple[int, int], ...]
+) -> None:
+    """b has to begin U at once."""
+    assert looks(start, hides_place) == scouts
+
+
+def test_nobody_looks_where_others_begin_before() -> None:
+    """c is idle and 4 cells from T, which begins in step 7 or in step 6: three steps after."""
+    tasks = [replace(task("a", 4), may_need={"b": 0.5})]
+    scenario = make([robot("a", 9), robot("b", 10), robot("c", 0)], tasks)
+    for end, scouts in ((7, ((2, 0),)), (6, ())):
+        plan = SharedPlan((0,), ((0, 1),), (end,), "")
+        seen = with_free_looks(scenario, begin(scenario), plan, Unseen(frozenset({0}), frozenset()))
+        assert seen.scouts == scouts
+
+
+def test_where_all_is_known_it_is_the_shared_plan() -> None:
+    scenario = replace(world_of("4N20T-C4", 0), allocation="plan")
+    facts = begin(scenario)
+    plan = plan_mission(scenario, facts)
+    assert with_free_looks(scenario, facts, plan, Unseen(frozenset(), frozenset())) is plan
+
+
+def test_a_team_scouts_together() -> None:
+    """Both c are idle and one team; with nothing to do it need not part."""
+    tasks = [replace(task("a", 4), may_need={"b": 0.5})]
+    robots = [robot("a", 9), robot("b", 10), robot("c", 0), robot("c", 0)]
+    scenario = make(robots, tasks, teams=((0,), (1,), (2, 3)))
+    plan = SharedPlan((0,), ((0, 1),), (7,), "")
+    seen = with_free_looks(scenario, begin(scenario), plan, Unseen(frozenset({0}), frozenset()))
+    assert seen.scouts == ((2, 0), (3, 0))
+
+
+def test_a_task_is_looked_at_by_one_robot_and_a_robot_looks_at_one_task() -> None:
+    scenario = replace(world_of("12N12T-C8-needs", 0), allocation="plan")
+    hidden = frozenset(number for number, one in enumerate(scenario.tasks) if one.may_need)
+    facts, believed = begin(scenario), expected_mission(scenario)
+    plan = plan_mission(believed, facts)
+    scouts = with_free_looks(believed, facts, plan, Unseen(hidden, frozenset())).scouts
+    assert len(scouts) == len(dict(scouts)) == len({scouted for _, scouted in scouts}) > 1
+    assert {scouted for _, scouted in scouts} <= hidden

@@ -68,7 +68,7 @@ def _chapter(
         FORMING: f"forms {mates}" if mates else "forms a team",
         SERVING: f"serves {name}",
         WAITING: f"waits at {name}",
-    }.get(phase, f"walks to {name}")
+    }.get(phase, f"walks to {name}" if name else "walks, while plans are made anew")
     if mates and phase not in (LOST, FORMING):
         what = f"{what}, {mates}"
     return Chapter(begun, ended, what, _why(replay, moment, robot, phase, task))

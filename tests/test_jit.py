@@ -92,6 +92,8 @@ def answer_kernel(path: Path, answer: int) -> Any:
     )
     for kept in (jit.stamp_of, jit._imported, jit._content):
         kept.cache_clear()
+    bytecode = Path(importlib.util.cache_from_source(path))
+    bytecode.unlink(missing_ok=True)  # Python knows old from new by size and second only
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None

@@ -122,7 +122,8 @@ class Teamformer(nn.Module):
         with torch.no_grad():
             nn.init.normal_(self.capability, std=d**-0.5)  # of length one
             for layer in self.decoder:
-                attention: Attention = layer.cross_attention  # type: ignore[assignment]
+                attention = layer.cross_attention
+                assert isinstance(attention, Attention)
                 attention.key_value.weight[d:] = torch.eye(d)
                 attention.key_value.bias[d:] = 0.0
                 attention.out.weight.copy_(torch.eye(d))

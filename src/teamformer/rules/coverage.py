@@ -7,6 +7,15 @@ from teamformer.rules.arrays import Array
 
 
 @kernel
+def are_equal(have: Array, others: Array) -> bool:
+    """Say whether counts are the same."""
+    for cap in range(len(have)):
+        if have[cap] != others[cap]:
+            return False
+    return True
+
+
+@kernel
 def covers(have: Array, need: Array) -> bool:
     """Say whether counts are enough."""
     for cap in range(len(need)):

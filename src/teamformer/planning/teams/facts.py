@@ -46,7 +46,7 @@ class SharedPlan:
     coalitions: tuple[tuple[int, ...], ...]  # the robots of each, in the same order
     ends: tuple[int, ...]  # the step in which each is done if nothing happens
     start: str  # what it was made from: crews, coalitions, the old plan, or kept
-    scouts: tuple[tuple[int, int], ...] = ()  # robots that go to look what a task needs first
+    scouts: tuple[tuple[int, int], ...] = ()  # robots, and the task that each looks at first
 
     @property
     def makespan(self) -> int:

@@ -8,6 +8,7 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.policies.learned.token_features import NEVER_FITS, Spelled
+from teamformer.rules.coverage import are_equal
 from teamformer.sim.arrays import Array
 
 EDIT, FULL = "edit", "full"
@@ -54,7 +55,7 @@ def _complete(tokens: Spelled, spelled: Array, is_complete: Array) -> None:
             brings = tokens.team_counts[row, target]
             if not tokens.can_join[row, target] or not _goes_on_to(brings, spelled[row], last):
                 continue
-            if only > 0 and not _are_equal(brings, tokens.team_counts[row, only]):
+            if only > 0 and not are_equal(brings, tokens.team_counts[row, only]):
                 only = 0
                 break
             only = target
@@ -69,14 +70,6 @@ def _goes_on_to(brings: Array, spelled: Array, last: int) -> bool:
     for cap in range(len(spelled)):
         lacks = brings[cap] - spelled[cap]
         if lacks < 0.0 or (cap < last and lacks > 0.0):
-            return False
-    return True
-
-
-@kernel
-def _are_equal(counts: Array, others: Array) -> bool:
-    for cap in range(len(counts)):
-        if counts[cap] != others[cap]:
             return False
     return True
 

@@ -13,6 +13,7 @@ import numpy as np
 from teamformer.jit import entry, kernel
 from teamformer.policies.scripted.join_fitting import Script
 from teamformer.rules.constants import NOBODY
+from teamformer.rules.coverage import are_equal
 from teamformer.rules.splitting import anybody_fits
 from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
@@ -59,7 +60,7 @@ def _mark_legal(view: View, scripted: Array, is_legal: Array) -> None:
         for choice in range(MAINTAIN, CHOICES):
             if _can_choose(view, row, choice, kept):
                 _write_row(view, row, choice, kept, kept)
-                is_legal[row, choice] = not _are_equal(kept, scripted[row])
+                is_legal[row, choice] = not are_equal(kept, scripted[row])
 
 
 @kernel
@@ -72,14 +73,6 @@ def _can_choose(view: View, row: int, choice: int, kept: Array) -> bool:
         return is_there and view.is_mate[row, other]
     is_there = view.size[row] > 1 and keep_for(view, row, choice, kept)
     return is_there and _parts(view, row, kept)
-
-
-@kernel
-def _are_equal(counts: Array, others: Array) -> bool:
-    for cap in range(len(counts)):
-        if counts[cap] != others[cap]:
-            return False
-    return True
 
 
 @entry

@@ -6,9 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from teamformer.capabilities import Counts
 from teamformer.errors import ScenarioError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.checks import totals_by_region
+from teamformer.mission.places import busiest_part
 from teamformer.model import (
     Absence,
     Arrivals,
@@ -41,6 +43,29 @@ def random_world(
             continue
 
 
+def with_fractions(scenario: Scenario, rng: np.random.Generator) -> Scenario:
+    """Return a scenario in which counts are fractions, of robots, and of tasks finer ones still."""
+    caps = scenario.capabilities
+    scale = {cap: int(rng.choice([500, 125, 2500, 333, 20_250])) for cap in caps}  # thousandths
+    grain = {cap: int(rng.choice([0, 1, 50])) for cap in caps}
+
+    def can(counts: Counts) -> Counts:
+        return {
+            cap: (int(count) * scale[cap] + grain[cap] * int(rng.integers(3))) / 1000
+            for cap, count in counts.items()
+        }
+
+    def needs(counts: Counts) -> Counts:
+        return {
+            cap: (int(count) * scale[cap] - int(rng.integers(scale[cap]))) / 1000
+            for cap, count in counts.items()
+        }
+
+    robots = tuple(replace(robot, can=can(robot.can)) for robot in scenario.robots)
+    tasks = tuple(replace(task, needs=needs(task.needs)) for task in scenario.tasks)
+    return replace(scenario, robots=robots, tasks=tasks)
+
+
 def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     """Return a scenario of which not everything is known: durations, needs, breakdowns."""
     near = totals_by_region(scenario.world, scenario.robots)
@@ -52,7 +77,7 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
             lasts = (least, least + int(rng.integers(0, 7)))
         have, may = near[scenario.world.region(task.at)], {}
         for cap in scenario.capabilities:
-            if rng.random() < 0.4 and have.get(cap, 0) > task.needs.get(cap, 0):
+            if rng.random() < 0.4 and have.get(cap, 0) >= task.needs.get(cap, 0) + 1:
                 may[cap] = float(rng.choice([0.0, 0.3, 0.7, 1.0]))
         unit = scenario.world.unit if isinstance(scenario.world, Plane) else 1.0
         within = float(rng.choice([0.0, 0.0, 1.0, 2.5, 4.0])) * unit
@@ -69,11 +94,12 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
         for robot, is_delayed in zip(robots, delayed, strict=True)
     )
     arrivals = Arrivals(0.1, 20, duration=int(rng.integers(3)))
+    can_appear = any(count >= 1 for count in near[busiest_part(scenario)].values())
     rules = {
         "foresight": str(rng.choice(["needed", "absent", "scouting"])),
         "finding_radius": float(rng.choice([0.0, 0.2, 1.0, 1.5, np.inf])),
         "step_limit": 0,
-        "arrivals": arrivals if rng.random() < 0.3 else None,
+        "arrivals": arrivals if rng.random() < 0.3 and can_appear else None,
     }
     return replace(scenario, tasks=tuple(tasks), robots=robots, **rules)
 

@@ -41,7 +41,7 @@ def robots(**changes: Any) -> dict[str, Any]:
     return {"robots": (LIFTER, replace(SCANNER, **changes))}
 
 
-def third(can: dict[str, int]) -> dict[str, Any]:
+def third(can: dict[str, float]) -> dict[str, Any]:
     return {"robots": (LIFTER, SCANNER, Robot("c", (0, 0), can))}
 
 
@@ -163,9 +163,9 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
     ),
     (
         third(can={"scan": 0}),
-        third(can={"scan": 1}),
-        ("robots", 2, "can"),
-        "robot 'c' can 'scan' 0 times; use 1 or more",
+        third(can={"scan": 0.001}),
+        ("robots", 2, "can", "scan"),
+        "robot 'c' can 'scan' 0 times; use more than 0",
     ),
     (
         robots(can={"scan": 1, "weld": 1}),
@@ -192,10 +192,17 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         "robot 'b' is lost at step 0; the first step is 1",
     ),
     (
-        robots(can={"scan": 30_001}),
-        robots(can={"scan": 30_000}),
+        robots(can={"scan": 16_000_001}),
+        robots(can={"scan": 16_000_000}),
         ("robots",),
-        "all robots together have 30001 x 'scan'; 30000 are possible",
+        "all robots together have 16000001 x 'scan'; 16000000 are possible",
+    ),
+    (
+        robots(can={"scan": 1}) | third({"scan": 16_000.001}),
+        robots(can={"scan": 1}) | third({"scan": 16_000.002}),
+        ("robots",),
+        "all robots together have 16001.001 x 'scan'; 16000 are possible in steps of 0.001, "
+        "so use rounder figures",
     ),
     ({"teams": ((),)}, {"teams": ()}, TEAM, "this starting team has no robot; remove it"),
     ({"teams": ((0, 2),)}, {"teams": ((0, 1),)}, TEAM, "there is no robot number 2"),
@@ -264,10 +271,16 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         "task 'x' is at [1, nan], which is no cell; use whole numbers",
     ),
     (
-        third(can={"scan": 1.5}),  # type: ignore[dict-item]
-        third(can={"scan": 2}),
-        ("robots", 2, "can"),
-        "robot 'c' can 'scan' 1.5 times; use 1 or more",
+        third(can={"scan": 1.0005}),
+        third(can={"scan": 1.001}),
+        ("robots", 2, "can", "scan"),
+        "robot 'c' can 'scan' 1.0005 times; round it to 3 places",
+    ),
+    (
+        third(can={"scan": math.inf}),
+        third(can={"scan": 1}),
+        ("robots", 2, "can", "scan"),
+        "robot 'c' can 'scan' inf times; use more than 0",
     ),
     (
         robots(absences=(Absence(2.5),)),

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from teamformer.capabilities import total
+from teamformer.capabilities import Counts, in_units, out_of_units, total, units_of
 from teamformer.errors import ScenarioError
 from teamformer.grid import FREE, Grid, Place
 from teamformer.mission.checks import find_problems
@@ -79,7 +79,7 @@ class Robot:
 
     name: str
     at: Place
-    can: Mapping[str, int]
+    can: Counts
     speed: float = 1.0
     absences: tuple[Absence, ...] = ()  # in the order of time
     breaks: Breakdown | None = None
@@ -139,7 +139,7 @@ class Task:
 
     name: str
     at: Place
-    needs: Mapping[str, int]
+    needs: Counts
     duration: float = 0
     appears: int = 0
     after: tuple[str, ...] = ()
@@ -154,7 +154,7 @@ class Task:
         if self.lasts is not None:
             object.__setattr__(self, "duration", expected_steps(*self.lasts))
 
-    def once_known(self, at: Place, needs: Mapping[str, int], duration: float) -> Task:
+    def once_known(self, at: Place, needs: Counts, duration: float) -> Task:
         """Return the task with nothing left open, being this what it is."""
         return replace(
             self, at=at, needs=needs, duration=duration, lasts=None, may_need={}, within=0.0
@@ -166,7 +166,7 @@ class Task:
         return self.duration if self.lasts is None else self.lasts[1]
 
     @property
-    def worst_needs(self) -> dict[str, int]:
+    def worst_needs(self) -> dict[str, float]:
         """Return what it needs if all that may be needed is."""
         return total([self.needs, {cap: 1 for cap, p in self.may_need.items() if p > 0}])
 
@@ -239,6 +239,19 @@ class Scenario:
             or any(task.lasts is not None or task.may_need or task.within for task in self.tasks)
             or any(robot.has_surprises for robot in self.robots)
         )
+
+    @cached_property
+    def units(self) -> Mapping[str, int]:
+        """Return the unit of each capability that robots bring, in thousandths."""
+        return units_of(robot.can for robot in self.robots)
+
+    def in_units(self, counts: Counts) -> dict[str, int]:
+        """Return counts as arrays hold them: in whole units, rounded up."""
+        return in_units(counts, self.units)
+
+    def out_of_units(self, counts: Mapping[str, int]) -> dict[str, float]:
+        """Return counts that arrays hold as they are written; needs as they were rounded up."""
+        return out_of_units(counts, self.units)
 
     @property
     def is_planned(self) -> bool:

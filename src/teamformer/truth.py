@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from teamformer.capabilities import Counts, total
 from teamformer.grid import Place
 from teamformer.mission.arrivals import draw_arrivals
 from teamformer.mission.checks import LARGEST_NUMBER
@@ -62,10 +63,8 @@ def _true_task(task: Task, world: World, rng: np.random.Generator) -> Task:
     duration = task.duration
     if task.lasts is not None:
         duration = int(rng.integers(task.lasts[0], task.lasts[1] + 1))
-    needs = dict(task.needs)
-    for cap, probability in task.may_need.items():
-        if rng.random() < probability:
-            needs[cap] = needs.get(cap, 0) + 1
+    more = {cap: 1 for cap, probability in task.may_need.items() if rng.random() < probability}
+    needs = total([task.needs, more]) if task.may_need else task.needs
     at = task.at
     if task.within:
         places = possible_places(world, task.at, task.within)
@@ -104,7 +103,7 @@ def truth_until(scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
 
 def believed_mission(
     scenario: Scenario,
-    needs: Mapping[int, Mapping[str, int]],
+    needs: Mapping[int, Counts],
     places: Mapping[int, Place] | None = None,
 ) -> Scenario:
     """Return an uncertain mission as an ordinary one: with the needs that are believed, by task.
@@ -136,6 +135,6 @@ def expected_mission(scenario: Scenario) -> Scenario:
     return believed_mission(scenario, dict(enumerate(needs)))
 
 
-def expected_needs(task: Task, foresight: str) -> Mapping[str, int]:
+def expected_needs(task: Task, foresight: str) -> Counts:
     """Return what a task is believed to need before somebody stands there."""
     return task.needs if foresight == "absent" else task.worst_needs

@@ -110,4 +110,4 @@ def test_an_action_loses_its_padding() -> None:
     view, _ = seen_in(on_a_line())
     wanted = SpellingCodec(3).decode(view, np.array([[3, 2, 0], [0, 1, 0]]))
     assert wanted.tolist() == [[3, 2], [0, 1]]
-    assert wanted.dtype == np.int16
+    assert wanted.dtype == np.int32

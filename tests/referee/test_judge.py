@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from random_worlds import random_decision, random_world
+from random_worlds import random_decision, random_world, with_fractions
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.policies.protocol import Policy
@@ -213,6 +213,7 @@ def test_real_records_are_legal(policy: Policy) -> None:
     rng = np.random.default_rng(5)
     for seed in range(200):
         scenario = random_world(rng, is_plane=seed % 2 == 1)
+        scenario = with_fractions(scenario, rng) if seed % 4 > 1 else scenario
         replay = run_trial(scenario, policy, "any", seed).replay
         assert judge(replay).findings == ()
 

@@ -26,12 +26,16 @@ def test_the_table_has_every_key_and_says_which_must_be_there() -> None:
 
 
 def test_the_example_is_read(tmp_path: Path) -> None:
-    text, other, uncertain = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
+    text, heavy, other, uncertain = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
     path = tmp_path / "example.yaml"
     path.write_text(text)
     scenario = read_scenario(path)
     assert scenario.teams == ((1, 2),)
     assert scenario.tasks[1].needs == {"lift": 2, "weld": 1}
+    path.write_text(heavy)
+    piano = read_scenario(path)
+    assert piano.units == {"lift": 250, "steer": 1000}
+    assert piano.in_units(piano.tasks[0].needs) == {"lift": 1231, "steer": 1}
     path.write_text(other)
     errands = read_scenario(path)
     assert [robot.name for robot in errands.robots] == ["cart-1", "cart-2", "cart-3", "eye"]

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from random_worlds import random_world
+from random_worlds import random_world, with_fractions
 from teamformer.errors import TeamformerError
 from teamformer.frame import Frame
 from teamformer.grid import Grid
@@ -171,8 +171,9 @@ def test_a_written_file_has_a_line_for_each_robot_and_task(tmp_path: Path) -> No
 def test_random_scenarios_come_back_from_files(tmp_path: Path, suffix: str) -> None:
     rng = np.random.default_rng(5)
     path = tmp_path / f"there{suffix}"
-    for _ in range(60):
+    for number in range(60):
         scenario = random_world(rng)
+        scenario = with_fractions(scenario, rng) if number % 2 else scenario
         write_scenario(scenario, path)
         assert read_scenario(path) == scenario
         tree = json.loads(json.dumps(scenario_to_tree(scenario)))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass, field
+from decimal import Decimal
+from functools import cache
 from itertools import pairwise
 
 from teamformer.grid import Grid, Place
@@ -35,6 +37,12 @@ def apart_squared(one: Place, other: Place) -> float:
 
 def cells(one: tuple[int, int], other: tuple[int, int]) -> int:
     return abs(one[0] - other[0]) + abs(one[1] - other[1])
+
+
+@cache
+def thousandths(count: float) -> int:
+    """Return a count as it is written, without the point."""
+    return int(Decimal(str(count)).scaleb(3))
 
 
 @dataclass
@@ -94,11 +102,12 @@ class PlainWorld:
         return self.sum_of(team.robots)
 
     def sum_of(self, robots: list[int]) -> list[int]:
-        return [sum(self.s.robots[r].can.get(c, 0) for r in robots) for c in self.s.capabilities]
+        can = [self.s.robots[r].can for r in robots]
+        return [sum(thousandths(one.get(c, 0)) for one in can) for c in self.s.capabilities]
 
     def needs(self, task: int) -> list[int]:
         needs = self.hopes[task] if task in self.hidden else self.truth.tasks[task].needs
-        return [needs.get(c, 0) for c in self.s.capabilities]
+        return [thousandths(needs.get(c, 0)) for c in self.s.capabilities]
 
     def hope(self) -> None:
         """Believe what may be needed, as far as the robots that are left can bring it."""
@@ -108,9 +117,10 @@ class PlainWorld:
             needs = dict(wanted.needs)
             for cap, chance in wanted.may_need.items():
                 robots = [r for r in left if self.is_way(self.s.robots[r].at, self.at[task])]
-                have = sum(self.s.robots[r].can.get(cap, 0) for r in robots)
-                if self.s.foresight != "absent" and chance > 0 and have > needs.get(cap, 0):
-                    needs[cap] = needs.get(cap, 0) + 1
+                have = sum(thousandths(self.s.robots[r].can.get(cap, 0)) for r in robots)
+                more = thousandths(needs.get(cap, 0)) + 1000
+                if self.s.foresight != "absent" and chance > 0 and have >= more:
+                    needs[cap] = more / 1000
             self.hopes[task] = needs
 
     def is_way(self, one: Place, other: Place) -> bool:
@@ -213,7 +223,7 @@ class PlainWorld:
         self.known.update(news)
         return news
 
-    # One step. `wanted` is a list of counts for each slot; `order` is the shared order.
+    # One step. `wanted` has counts in thousandths for each slot; `order` is the shared order.
 
     def step(self, wanted: dict[int, list[int]], order: list[int]) -> None:
         for team in self.teams.values():

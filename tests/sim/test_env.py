@@ -33,11 +33,11 @@ def test_a_decision_answers_the_latest_view_only() -> None:
 @pytest.mark.parametrize(
     ("first", "fault"),
     [
-        (2**15, "wanted holds what is no whole number of 16 bits"),
-        (-(2**16) + 1, "wanted holds what is no whole number of 16 bits"),
-        (0.5, "wanted holds what is no whole number of 16 bits"),
-        (float("nan"), "wanted holds what is no whole number of 16 bits"),
-        (float("inf"), "wanted holds what is no whole number of 16 bits"),
+        (2**31, "wanted holds what is no whole number of 32 bits"),
+        (-(2**32) + 1, "wanted holds what is no whole number of 32 bits"),
+        (0.5, "wanted holds what is no whole number of 32 bits"),
+        (float("nan"), "wanted holds what is no whole number of 32 bits"),
+        (float("inf"), "wanted holds what is no whole number of 32 bits"),
         ("1", "use whole numbers"),
         (10**30, "use whole numbers"),
         (None, "use whole numbers"),

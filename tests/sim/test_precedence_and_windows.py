@@ -83,7 +83,7 @@ def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
             assert sorted(twin.order) == sorted(twin.open)
             view = env.view()
             decision = random_decision(view, rng)
-            twin.step(wanted_by_slot(view, decision), twin.order)
+            twin.step(wanted_by_slot(env, view, decision), twin.order)
             env.step(decision)
             compare(env, twin)
 

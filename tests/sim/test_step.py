@@ -9,7 +9,7 @@ import pytest
 
 from blocked_worlds import blocked_worlds
 from plain_world import PlainWorld
-from random_worlds import random_decision, random_world
+from random_worlds import random_decision, random_world, with_fractions
 from teamformer.mission.rules import ALLOCATIONS, ORDERS
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.follow_plan import FollowPlan
@@ -32,7 +32,7 @@ def compare(env: TeamFormation, twin: PlainWorld) -> None:
         assert bool(record["is_detour"]) == team.is_detour
         assert record["serves"] == len(team.serving)
         assert record["credit"] == pytest.approx(team.credit, abs=1e-6)
-        assert env.worlds.has[0, slot].tolist() == twin.has(team)
+        assert in_thousandths(env, env.worlds.has[0, slot]) == twin.has(team)
     done = {int(k): int(s) for k, s in enumerate(env.worlds.tasks["done_at"][0]) if s != NOBODY}
     assert done == twin.done
     tally = env.tally()
@@ -50,8 +50,16 @@ def coalitions_of(env: TeamFormation, order: list[int]) -> dict[int, set[int]]:
     return {k: set(np.flatnonzero(by_task[k]).tolist()) for k in order if len(by_task)}
 
 
-def wanted_by_slot(view: View, decision: Decision) -> dict[int, list[int]]:
-    return dict(zip(view.slot.tolist(), decision.wanted.tolist(), strict=True))
+def in_thousandths(env: TeamFormation, counts: np.ndarray) -> list[int]:
+    """Return the counts of a team, which arrays hold in units, as its twin has them."""
+    scenario = env.scenarios[0]
+    units = [scenario.units.get(cap, 1000) for cap in scenario.capabilities]
+    return (counts * units).tolist()
+
+
+def wanted_by_slot(env: TeamFormation, view: View, decision: Decision) -> dict[int, list[int]]:
+    wanted = (in_thousandths(env, counts) for counts in decision.wanted)
+    return dict(zip(view.slot.tolist(), wanted, strict=True))
 
 
 def step_both(env: TeamFormation, twin: PlainWorld, view: View, decision: Decision) -> None:
@@ -62,7 +70,7 @@ def step_both(env: TeamFormation, twin: PlainWorld, view: View, decision: Decisi
     twin.coalitions = coalitions_of(env, twin.order)
     scouted = env.worlds.robots["scouts"][0].tolist()
     twin.scouts = {robot: task for robot, task in enumerate(scouted) if task != NOBODY}
-    twin.step(wanted_by_slot(view, decision), twin.order)
+    twin.step(wanted_by_slot(env, view, decision), twin.order)
     env.step(decision)
     compare(env, twin)
 
@@ -74,6 +82,7 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
     for _ in range(100):
         allocation, order = str(rng.choice(ALLOCATIONS)), str(rng.choice(ORDERS))
         scenario = random_world(rng, is_plane=is_plane)
+        scenario = with_fractions(scenario, rng) if part == 3 else scenario
         scenario = replace(scenario, allocation=allocation, order=order)
         env, twin = TeamFormation([scenario]), PlainWorld(scenario)
         twin.order = shared_order(env)

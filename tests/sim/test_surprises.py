@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from plain_world import PlainWorld
-from random_worlds import random_decision, random_world, with_surprises
+from random_worlds import random_decision, random_world, with_fractions, with_surprises
 from small_worlds import make, play, robot, task
 from teamformer.capabilities import describe
 from teamformer.errors import ReplayError
@@ -115,7 +115,9 @@ def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None
     rng = np.random.default_rng(50 + is_plane)
     shown = overdue = broken = found = 0
     for number in range(60):
-        scenario = with_surprises(random_world(rng, is_plane=is_plane), rng)
+        scenario = random_world(rng, is_plane=is_plane)
+        scenario = with_fractions(scenario, rng) if number % 3 == 2 else scenario
+        scenario = with_surprises(scenario, rng)
         scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
         truth = draw_truth(scenario, number)
         env, twin = TeamFormation([scenario], truths=[truth]), PlainWorld(scenario, truth)
@@ -124,9 +126,10 @@ def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None
             rests = {slot: int(rest) for slot, rest in zip(view.slot, view.rest, strict=True)}
             assert rests == {slot: twin.rest(team) for slot, team in twin.teams.items()}
             tasks = range(len(scenario.tasks))
-            caps = len(scenario.capabilities)
-            assert [env.worlds.needs[0, k, :caps].tolist() for k in tasks] == [
-                twin.needs(k) for k in tasks
+            units = [scenario.units.get(cap, 1000) for cap in scenario.capabilities]
+            assert [env.worlds.needs[0, k].tolist() for k in tasks] == [
+                [-(-need // unit) for need, unit in zip(twin.needs(k), units, strict=True)]
+                for k in tasks
             ]
             at = env.worlds.tasks[0]
             assert list(zip(at["x"], at["y"], strict=True)) == twin.at
@@ -237,7 +240,9 @@ def test_random_surprised_missions_are_legal_under_every_rule() -> None:
     rng = np.random.default_rng(9)
     done = 0
     for number in range(40):
-        scenario = with_surprises(random_world(rng, is_plane=number % 4 == 0), rng)
+        scenario = random_world(rng, is_plane=number % 4 == 0)
+        scenario = with_fractions(scenario, rng) if number % 3 == 2 else scenario
+        scenario = with_surprises(scenario, rng)
         scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
         policy = load_policy("join-all", POLICIES)
         replay = run_trial(scenario, policy, "join-all", number).replay

@@ -128,7 +128,7 @@ def test_a_class_of_ones_own(own_module: str) -> None:
         ("Rude", r"failed at \S*my_own_policies.py:31: ZeroDivisionError: division by zero"),
         ("Slotted", r"failed at \S*my_own_policies.py:44: ZeroDivisionError: division by zero"),
         ("Patient", r"decide\(\) returned NoneType, not a Decision"),
-        ("Vague", r"wanted holds what is no whole number of 16 bits"),
+        ("Vague", r"wanted holds what is no whole number of 32 bits"),
         ("Narrow", r"asks for wanted \(3, 2\) and task \(3,\); the decision has \(3, 1\)"),
     ],
 )

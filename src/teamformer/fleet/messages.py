@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Annotated
 from msgspec import DecodeError, Meta, Struct, ValidationError, field
 from msgspec.msgpack import Decoder, Encoder
 
+from teamformer.capabilities import is_exact
+
 if TYPE_CHECKING:
     from teamformer.fleet.signatures import Signatures
 
@@ -33,6 +35,7 @@ MOST_NEWS = 32
 MOST_TASKS = 10_000
 MOST_NAME = 200
 LONGEST = 1e9  # seconds
+MOST = 100_000  # of a capability
 
 WALK, HERE, READY, SERVE = range(4)
 """Phases of a service: on the way; there; there and bound to stay a while; at work."""
@@ -44,6 +47,8 @@ LIFE = 1 << 33
 Number = Annotated[int, Meta(ge=-2, le=1_000_000)]
 Whole = Annotated[int, Meta(ge=0, le=2**62)]
 Key = Annotated[int, Meta(ge=-1, le=2**62)]
+Amount = Annotated[int, Meta(ge=0, le=MOST)] | Annotated[float, Meta(ge=0, le=MOST)]
+"""How much of a capability, to three places."""
 
 
 class Word(Struct, frozen=True, array_like=True, gc=False):
@@ -78,7 +83,7 @@ class TaskFact(Struct, frozen=True, array_like=True):
     name: Annotated[str, Meta(max_length=MOST_NAME)]
     x: float
     y: float
-    needs: Annotated[tuple[Annotated[int, Meta(ge=0, le=30_000)], ...], Meta(max_length=1000)]
+    needs: Annotated[tuple[Amount, ...], Meta(max_length=1000)]
     duration: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds
     appears: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds of the mission
 
@@ -243,9 +248,9 @@ def _fault_of(message: Message, robots: int) -> str:
         if not all(0 <= robot < robots for robot in (*members, *body.live, body.maker)):
             return "senseless plan"
     elif type(body) is FactsNote:
-        if not all(_is_place(task.x, task.y) for task in body.added):
+        if not all(_is_task(task) for task in body.added):
             return "senseless task"
-    elif type(body) is Offer and not _is_place(body.task.x, body.task.y):
+    elif type(body) is Offer and not _is_task(body.task):
         return "senseless task"
     return ""
 
@@ -260,5 +265,5 @@ def _is_sane(word: Word, robots: int) -> bool:
     )
 
 
-def _is_place(x: float, y: float) -> bool:
-    return math.isfinite(x) and math.isfinite(y)
+def _is_task(task: TaskFact) -> bool:
+    return math.isfinite(task.x) and math.isfinite(task.y) and all(map(is_exact, task.needs))

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+from teamformer.capabilities import Counts, exact
 from teamformer.fleet.messages import TaskFact
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.scenarios.files import scenario_to_tree
 
-Counts = tuple[int, ...]
-"""How often each capability is there, in the scenario's order."""
+Row = tuple[float, ...]
+"""How much there is of each capability, in the scenario's order."""
+
+SLACK = 0.0005
+"""Half of the last place of counts: sums of such fractions are not exact, but nearer than this."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,8 @@ class Mission:
         world = self.scenario.world
         keep = object.__setattr__
         keep(self, "number", int.from_bytes(digest, "big") >> 2)
-        keep(self, "counts", tuple(count(robot.can, caps) for robot in robots))
+        keep(self, "counts", tuple(row_of(robot.can, caps) for robot in robots))
+        keep(self, "brings", tuple(self.in_units(can) for can in self.counts))
         keep(self, "_regions", {})
         keep(self, "regions", tuple(self.region(robot.at) for robot in robots))
         keep(self, "tasks", tuple(self._facts()))
@@ -57,7 +62,8 @@ class Mission:
         keep(self, "paces", tuple(world.pace(robot.speed) / self.step for robot in robots))
 
     number: int = field(init=False)  # the same for who has the same mission, 62 bits
-    counts: tuple[Counts, ...] = field(init=False)  # of each robot
+    counts: tuple[Row, ...] = field(init=False)  # of each robot
+    brings: tuple[tuple[int, ...], ...] = field(init=False)  # the same in units, as views have it
     tasks: tuple[TaskFact, ...] = field(init=False)
     regions: tuple[int, ...] = field(init=False)  # of each robot
     _regions: dict[Place, int] = field(init=False, repr=False, compare=False)
@@ -93,14 +99,14 @@ class Mission:
         is_cell = float(x).is_integer() and float(y).is_integer()
         return world.is_free((x, y)) and (is_cell or not isinstance(world, Grid))
 
-    def covers(self, robots: Iterable[int], needs: Sequence[int]) -> bool:
+    def covers(self, robots: Iterable[int], needs: Sequence[float]) -> bool:
         """Say whether robots together have what is needed."""
         lacking = list(needs)
         for robot in robots:
             for cap, count in enumerate(self.counts[robot]):
                 if count:
                     lacking[cap] -= count
-        return max(lacking, default=0) <= 0
+        return max(lacking, default=0) < SLACK
 
     def reach(self, robot: int, task: TaskFact) -> bool:
         """Say whether there is a way for a robot to a task."""
@@ -122,17 +128,22 @@ class Mission:
         there = TaskFact(task.key, task.name, where.x, where.y, task.needs)
         return self.can_do(range(self.robots), there)
 
+    def in_units(self, counts: Sequence[float]) -> tuple[int, ...]:
+        """Return counts in the scenario's units, rounded up."""
+        named = dict(zip(self.scenario.capabilities, counts, strict=True))
+        return tuple(self.scenario.in_units(named).values())
+
     def _facts(self) -> Iterable[TaskFact]:
         for key, task in enumerate(self.scenario.tasks):
-            needs = count(task.needs, self.scenario.capabilities)
+            needs = row_of(task.needs, self.scenario.capabilities)
             x, y = task.at
             duration, appears = task.duration * self.step, task.appears * self.step
             yield TaskFact(key, task.name, float(x), float(y), needs, duration, appears)
 
 
-def count(part: Mapping[str, int], capabilities: tuple[str, ...]) -> Counts:
-    """Return how often each capability is there."""
-    return tuple(part.get(name, 0) for name in capabilities)
+def row_of(counts: Counts, capabilities: tuple[str, ...]) -> Row:
+    """Return how much there is of each capability."""
+    return tuple(exact(counts.get(name, 0)) for name in capabilities)
 
 
 def seconds_a_step(scenario: Scenario, pace: float = 1.0) -> float:

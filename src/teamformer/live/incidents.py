@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from teamformer.capabilities import describe
+from teamformer.capabilities import Counts, describe
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import Place
 from teamformer.live.forecasts import Forecast, Past, forecast
@@ -22,7 +22,7 @@ class NewTask:
     """A task that everybody learns of now; an empty name is replaced by a free one."""
 
     at: Place
-    needs: Mapping[str, int]
+    needs: Counts
     name: str = ""
     duration: int = 0
 

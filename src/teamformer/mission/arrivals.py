@@ -10,6 +10,7 @@ import numpy as np
 
 from teamformer.capabilities import total
 from teamformer.grid import Place
+from teamformer.mission.places import busiest_part
 from teamformer.model import Scenario, Task
 from teamformer.plane import Plane
 
@@ -54,17 +55,11 @@ def without_arrivals(scenario: Scenario) -> Scenario:
     return replace(scenario, tasks=tuple(t for t in scenario.tasks if not t.has_arrived))
 
 
-def busiest_part(scenario: Scenario) -> int:
-    """Return the connected part of the map in which most robots start, the first of equals."""
-    parts = [scenario.world.region(robot.at) for robot in scenario.robots]
-    return max(sorted(set(parts)), key=parts.count)
-
-
 def capabilities_in(scenario: Scenario, part: int) -> list[str]:
-    """Return what the robots that start in a part of the map bring."""
+    """Return what the robots that start in a part of the map bring, at least one of it."""
     there = (robot.can for robot in scenario.robots if scenario.world.region(robot.at) == part)
     have = total(there)
-    return [cap for cap in scenario.capabilities if have.get(cap, 0) > 0]
+    return [cap for cap in scenario.capabilities if have.get(cap, 0) >= 1]
 
 
 def most_tasks(scenario: Scenario) -> int:

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from teamformer.capabilities import covers, describe, missing, total
+from teamformer.capabilities import (
+    ONE,
+    PLACES,
+    Counts,
+    covers,
+    describe,
+    is_exact,
+    missing,
+    total,
+    units_of,
+    written,
+)
 from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP
-from teamformer.mission.places import believed_place, find_region_problems
+from teamformer.mission.places import believed_place, busiest_part, find_region_problems
 from teamformer.mission.rules import ALLOCATIONS, NEW_TASKS, ORDERS, find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
 from teamformer.plane import Plane
@@ -16,8 +28,8 @@ from teamformer.plane import Plane
 if TYPE_CHECKING:
     from teamformer.model import Robot, Scenario, Task, World
 
-LARGEST_COUNT = 30_000
-"""What all robots together may have of one capability: kernels count in 16 bits."""
+LARGEST_COUNT = 16_000_000
+"""Of one capability, in units, all robots together: 32-bit floats of networks hold it exactly."""
 
 LARGEST_NUMBER = 10**9
 """Of steps, and along an axis; beyond lie slips of the keyboard, and what 32 bits cannot hold."""
@@ -34,6 +46,8 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
     yield from _problems_of_totals(scenario)
     yield from _problems_of_teams(scenario)
     yield from _problems_of_tasks(scenario, places_are_good=not spatial)
+    if scenario.arrivals is not None and scenario.robots and not spatial:
+        yield from _problems_of_what_appears(scenario)
     yield from find_rule_problems(scenario)
     yield from find_surprise_problems(scenario)
 
@@ -160,24 +174,35 @@ def _problems_of_absences(robot: Robot, where: tuple[str | int, ...]) -> Iterato
 
 
 def _problems_of_totals(scenario: Scenario) -> Iterator[Problem]:
-    for name, count in total(robot.can for robot in scenario.robots).items():
-        if count > LARGEST_COUNT:
-            yield Problem(
-                ("robots",),
-                f"all robots together have {count} x '{name}'; {LARGEST_COUNT} are possible",
-            )
+    counts = [robot.can for robot in scenario.robots]
+    if not all(is_exact(count) for can in counts for count in can.values()):
+        return  # which has been told
+    units = units_of(counts)
+    for name, count in total(counts).items():
+        most = LARGEST_COUNT * units[name] // ONE
+        if count <= most:
+            continue
+        have = f"all robots together have {written(count)} x '{name}'"
+        if units[name] == ONE:
+            yield Problem(("robots",), f"{have}; {most} are possible")
+        else:
+            finely = f"{most} are possible in steps of {written(units[name] / ONE)}"
+            yield Problem(("robots",), f"{have}; {finely}, so use rounder figures")
 
 
 def _problems_of_counts(
-    counts: Mapping[str, int], known: tuple[str, ...], where: tuple[str | int, ...], what: str
+    counts: Counts, known: tuple[str, ...], where: tuple[str | int, ...], what: str
 ) -> Iterator[Problem]:
     if not counts:
         yield Problem(where, f"{what} nothing; name at least one capability")
     for name, count in counts.items():
         if name not in known:
             yield Problem(where, f"{what} '{name}', which is not under capabilities; add it there")
-        if not is_whole(count) or count < 1:
-            yield Problem(where, f"{what} '{name}' {count} times; use 1 or more")
+        if not 0 < count < math.inf:  # NaN too
+            yield Problem((*where, name), f"{what} '{name}' {count} times; use more than 0")
+        elif not is_exact(count):
+            advice = f"round it to {PLACES} places"
+            yield Problem((*where, name), f"{what} '{name}' {count} times; {advice}")
 
 
 def _problems_of_steps(
@@ -241,7 +266,17 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
                 )
 
 
-def totals_by_region(world: World, robots: Iterable[Robot]) -> dict[int, dict[str, int]]:
+def _problems_of_what_appears(scenario: Scenario) -> Iterator[Problem]:
+    have = totals_by_region(scenario.world, scenario.robots)[busiest_part(scenario)]
+    if not any(count >= 1 for count in have.values()):
+        yield Problem(
+            ("arrivals",),
+            "tasks that appear need one of a capability, but where most robots start all together "
+            f"bring {describe(have)}; add such a robot or drop arrivals",
+        )
+
+
+def totals_by_region(world: World, robots: Iterable[Robot]) -> dict[int, dict[str, float]]:
     """Add up what the robots that start in each connected part of a map can do."""
     around: dict[int, list[Robot]] = {}
     for robot in robots:
@@ -249,7 +284,7 @@ def totals_by_region(world: World, robots: Iterable[Robot]) -> dict[int, dict[st
     return {region: total(r.can for r in members) for region, members in around.items()}
 
 
-def _impossible(what: str, have: Mapping[str, int], need: Mapping[str, int]) -> str:
+def _impossible(what: str, have: Counts, need: Counts) -> str:
     short = missing(have, need)
     nobody = [name for name in short if not have.get(name)]
     if nobody:

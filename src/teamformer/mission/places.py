@@ -11,7 +11,7 @@ from teamformer.plane import DECIMALS, Plane
 
 if TYPE_CHECKING:
     from teamformer.grid import Place
-    from teamformer.model import Task, World
+    from teamformer.model import Scenario, Task, World
 
 WIDEST = 30
 """Cells, on a plane units: nobody may be asked to look for a task farther around than that."""
@@ -57,3 +57,9 @@ def find_region_problems(
         yield Problem(where, f"{what}; use 0 to {widest:g}")
     elif not possible_places(world, at, within):
         yield Problem(where, f"{what}, where no cell is free; move it or widen it")
+
+
+def busiest_part(scenario: Scenario) -> int:
+    """Return the connected part of the map in which most robots start, the first of equals."""
+    parts = [scenario.world.region(robot.at) for robot in scenario.robots]
+    return max(sorted(set(parts)), key=parts.count)

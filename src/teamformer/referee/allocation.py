@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from teamformer.capabilities import covers, total
+from teamformer.capabilities import Counts, covers, total
 from teamformer.model import Scenario
 from teamformer.referee.completion import Tasks
 from teamformer.referee.finding import Search
@@ -254,7 +254,7 @@ def _check_crews(
                 notes.note(f"{when} have task {name} on the list of one that cannot do it")
 
 
-def _can_do(replay: Replay, numbers: Iterable[int], task: int, needs: Mapping[str, int]) -> bool:
+def _can_do(replay: Replay, numbers: Iterable[int], task: int, needs: Counts) -> bool:
     world, at = replay.mission.world, replay.mission.tasks[task].at
     robots = (replay.scenario.robots[robot] for robot in numbers)
     near = (robot.can for robot in robots if world.region(robot.at) == world.region(at))

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
-from teamformer.capabilities import total
+from teamformer.capabilities import Counts, exact, total
 from teamformer.model import Arrivals, Robot, Scenario, Task
 from teamformer.referee.completion import Tasks
 from teamformer.referee.finding import can_be_at, places_of
@@ -36,7 +35,7 @@ def _judge_arrivals(scenario: Scenario, arrivals: Arrivals, notes: Notes) -> Non
             continue
         part = scenario.world.region(task.at)
         near = (r.can for r in scenario.robots if scenario.world.region(r.at) == part)
-        able = {cap for cap, count in total(near).items() if count > 0}
+        able = {cap for cap, count in total(near).items() if count >= 1}
         is_possible = (
             arrivals.rate > 0
             and latest < task.appears <= arrivals.until
@@ -53,7 +52,8 @@ def _judge_arrivals(scenario: Scenario, arrivals: Arrivals, notes: Notes) -> Non
 def _can_be_task(task: Task, true: Task) -> bool:
     least, most = (task.duration, task.duration) if task.lasts is None else task.lasts
     for cap in {*task.needs, *task.may_need, *true.needs}:
-        more, chance = true.needs.get(cap, 0) - task.needs.get(cap, 0), task.may_need.get(cap, 0)
+        more = exact(true.needs.get(cap, 0) - task.needs.get(cap, 0))
+        chance = task.may_need.get(cap, 0)
         if not (more == 0 and chance < 1) and not (more == 1 and chance > 0):
             return False
     is_known = true == task.once_known(true.at, true.needs, true.duration)
@@ -87,7 +87,7 @@ class Knowledge:
         self._scenario = scenario
         self._hidden = {number for number, task in enumerate(scenario.tasks) if task.may_need}
         self._shown_at: dict[int, float] = dict.fromkeys(self._hidden, math.inf)
-        self._changes: list[tuple[int, dict[int, Mapping[str, int]]]] = []  # steps made, by task
+        self._changes: list[tuple[int, dict[int, Counts]]] = []  # steps made, by task
         self.shown_after: set[int] = set()
         self.expect(set(range(len(scenario.robots))), 0)
 
@@ -97,7 +97,7 @@ class Knowledge:
             hoped = {number: self._hoped(number, robots) for number in self._hidden}
             self._changes.append((steps_made, hoped))
 
-    def _hoped(self, number: int, robots: set[int]) -> Mapping[str, int]:
+    def _hoped(self, number: int, robots: set[int]) -> Counts:
         world, task = self._scenario.world, self._scenario.tasks[number]
         fleet = (self._scenario.robots[robot] for robot in robots)
         part = world.region(places_of(world, task)[0])
@@ -105,8 +105,8 @@ class Knowledge:
         needs = dict(task.needs)
         for cap, chance in task.may_need.items():
             is_absent = self._scenario.foresight == "absent" or chance == 0
-            if not is_absent and have.get(cap, 0) > needs.get(cap, 0):
-                needs[cap] = needs.get(cap, 0) + 1
+            if not is_absent and have.get(cap, 0) >= exact(needs.get(cap, 0) + 1):
+                needs[cap] = exact(needs.get(cap, 0) + 1)
         return needs
 
     def show(self, fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> bool:
@@ -141,7 +141,7 @@ class Knowledge:
         """Say whether it was known what a task needs once so many steps were made."""
         return self._shown_at.get(task, 0) <= steps_made
 
-    def needs(self, task: int, steps_made: int) -> Mapping[str, int]:
+    def needs(self, task: int, steps_made: int) -> Counts:
         """Return what a task was believed to need once so many steps were made."""
         believed = self._scenario.tasks[task].needs
         for since, needs in self._changes:

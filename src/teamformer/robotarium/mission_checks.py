@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
+from teamformer.capabilities import describe
 from teamformer.errors import Problem, ScenarioError
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.model import Scenario, Task
@@ -39,6 +40,10 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
     if len(scenario.robots) > MOST_ROBOTS:
         message = f"there are {len(scenario.robots)} robots; Robotarium has {MOST_ROBOTS}"
         yield Problem(("robots",), message)
+    fractions = list(_problems_of_fractions(scenario))
+    yield from fractions
+    if fractions:
+        return
     yield from _problems_of_starts(scenario)
     for number, task in enumerate(scenario.tasks):
         yield from _problems_of_walls(number, task)
@@ -47,6 +52,23 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("robots",), "a robot is to be lost, which missions do not stage; drop it")
     if scenario.teams:
         yield Problem(("teams",), "robots start alone here, in places of their own; drop teams")
+
+
+def _problems_of_fractions(scenario: Scenario) -> Iterator[Problem]:
+    """Return what is needed in fractions: how many robots that is, nobody can say."""
+    for number, task in enumerate(scenario.tasks):
+        if not all(float(count).is_integer() for count in task.needs.values()):
+            yield Problem(
+                ("tasks", number, "needs"),
+                f"task '{task.name}' needs {describe(task.needs)}; robots stand in a ring around "
+                "it, one for each count, so use whole numbers",
+            )
+    for number, robot in enumerate(scenario.robots):
+        if not all(float(count).is_integer() for count in robot.can.values()):
+            yield Problem(
+                ("robots", number, "can"),
+                f"robot '{robot.name}' can {describe(robot.can)}; use whole numbers here",
+            )
 
 
 def _problems_of_starts(scenario: Scenario) -> Iterator[Problem]:
@@ -69,7 +91,7 @@ def _problems_of_starts(scenario: Scenario) -> Iterator[Problem]:
 
 def robots_needed(task: Task) -> int:
     """Return how many robots a task needs if each brings one thing."""
-    return sum(task.needs.values())
+    return int(sum(task.needs.values()))
 
 
 def _problems_of_walls(number: int, task: Task) -> Iterator[Problem]:

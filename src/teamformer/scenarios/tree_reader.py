@@ -7,12 +7,13 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from teamformer.capabilities import PLACES, exact, is_exact
 from teamformer.grid import Place
 from teamformer.mission.checks import LARGEST_NUMBER
 from teamformer.scenarios.yaml.reader import Tree, Where
 from teamformer.scenarios.yaml.words import Misread, describe, kind_of, misread, shorten
 
-LARGEST_COUNT = 1000
+LARGEST_COUNT = 100_000
 LONGEST_TEXT = 200
 INFINITE = ".inf"
 """Infinity as text: JSON has no number for it."""
@@ -119,20 +120,32 @@ class Reader:
         x, y = (read((*where, axis), part) for axis, part in enumerate(value))
         return (x, y)
 
-    def counts(self, where: Where, value: Any) -> dict[str, int]:
+    def count(self, where: Where, value: Any) -> float:
+        """Return how much of a capability there is, a fraction or not."""
+        if not _is_number(value):
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; write a number")
+        elif not abs(value) <= LARGEST_COUNT:  # nan too
+            most = f"write a number up to {LARGEST_COUNT:,}"
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; {most}")
+        elif not is_exact(value):
+            advice = f"round it to {PLACES} places"
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; {advice}")
+        else:
+            return exact(value)
+        return 1
+
+    def counts(self, where: Where, value: Any) -> dict[str, float]:
         """Return capability counts: a list of names, once each, or a mapping to counts."""
         if isinstance(value, dict):
             return {
-                self.text((*where, name), name): self.whole(
-                    (*where, name), count, most=LARGEST_COUNT
-                )
+                self.text((*where, name), name): self.count((*where, name), count)
                 for name, count in value.items()
             }
         if not isinstance(value, list):
             what = f"{name_of(where)} is {describe(value)}"
             self.refuse(where, f"{what}; write a list of capabilities or a mapping to counts")
             return {"?": 1}
-        counts: dict[str, int] = {}
+        counts: dict[str, float] = {}
         for number, name in enumerate(self.names(where, value)):
             if name in counts and name != "?":
                 advice = f"to mean two write {{{name}: 2}}"

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
+from teamformer.capabilities import Counts, exact
 from teamformer.frame import Frame
 from teamformer.mission.arrivals import without_arrivals
 from teamformer.model import Arrivals, Robot, Scenario, Task, World
@@ -139,9 +139,11 @@ def task_to_tree(task: Task) -> dict[str, Any]:
     return tree
 
 
-def counts_to_tree(counts: Mapping[str, int]) -> list[str] | dict[str, int]:
+def counts_to_tree(counts: Counts) -> list[str] | dict[str, float]:
     """Return counts as they stand in a file."""
-    return list(counts) if set(counts.values()) == {1} else dict(counts)
+    if set(counts.values()) == {1}:
+        return list(counts)
+    return {name: exact(count) for name, count in counts.items()}
 
 
 def _radius_to_tree(radius: float) -> float | str:

@@ -15,12 +15,15 @@ from teamformer.mission.links import COST_PARTS
 from teamformer.mission.rules import BEST_ALLOCATION
 from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task
 from teamformer.plane import DECIMALS, Plane
-from teamformer.scenarios.tree_reader import LARGEST_COUNT, Reader, name_of
+from teamformer.scenarios.tree_reader import Reader, name_of
 from teamformer.scenarios.world_trees import read_world
 from teamformer.scenarios.yaml.reader import Where
 from teamformer.scenarios.yaml.words import describe, shorten
 
 VERSION = 1
+
+MOST_ALIKE = 1000
+"""Robots that one entry of a file stands for."""
 
 TOP_KEYS = {
     "teamformer": True,  # required
@@ -134,7 +137,7 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
         keys = reader.mapping(where, part, ROBOT_KEYS)
         count = 1
         if "count" in keys:
-            count = reader.whole((*where, "count"), keys["count"], 1, LARGEST_COUNT)
+            count = reader.whole((*where, "count"), keys["count"], 1, MOST_ALIKE)
         robot = Robot(
             name=reader.text((*where, "name"), keys.get("name", f"r{len(robots) + 1}")),
             at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),

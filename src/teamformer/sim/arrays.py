@@ -195,11 +195,12 @@ class Worlds(NamedTuple):
     cells: Array  # (worlds, cells) CELL
     spots: Array  # (worlds, tasks, places) SPOT where tasks may be, or (worlds, 0, 0)
     absences: Array  # (worlds, robots, times, 2) when it is lost and back; none if no one is twice
-    brings: Array  # (worlds, robots, caps) counts of each robot
+    brings: Array  # (worlds, robots, caps) counts of each robot, in units as all counts
     has: Array  # (worlds, robots, caps) counts of each team
     needs: Array  # (worlds, tasks, caps) as everybody believes
     sure_needs: Array  # (worlds, tasks, caps), or (worlds, 0, 0) if all needs are
     true_needs: Array  # the same: what they really are
+    worst_needs: Array  # the same: what they are if all that may be needed is
     may_need: Array  # the same: with what probability one more is needed
     precedes: Array  # (worlds, tasks, tasks) which are done before which, or (worlds, 0, 0)
     demand: Array  # (worlds, caps) open tasks that need each capability
@@ -232,6 +233,7 @@ if TYPE_CHECKING:
         needs: Array
         sure_needs: Array
         true_needs: Array
+        worst_needs: Array
         may_need: Array
         precedes: Array
         demand: Array
@@ -267,6 +269,7 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.needs[w],
         worlds.sure_needs[w],
         worlds.true_needs[w],
+        worlds.worst_needs[w],
         worlds.may_need[w],
         worlds.precedes[w],
         worlds.demand[w],

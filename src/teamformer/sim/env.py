@@ -151,7 +151,7 @@ class TeamFormation:
         """Make one step in every running world, with a row for each row of the latest view.
 
         Raises ValueError where the state has changed since that view, and where the decision has
-        other rows, fractions, or counts that 16 bits cannot hold.
+        other rows, fractions, or counts that 32 bits cannot hold.
         """
         wanted, named = self._read(decision)
         self._in_chunks(lambda begin, end: self._step_worlds(wanted, named, begin, end))
@@ -239,13 +239,13 @@ class TeamFormation:
 def read_decision(decision: Decision, rows: int, caps: int) -> tuple[Array, Array]:
     """Return what teams want, (rows, caps), and the tasks that they name, (rows,), for kernels.
 
-    Raises ValueError where the decision has other rows, fractions, or counts that 16 bits cannot
+    Raises ValueError where the decision has other rows, fractions, or counts that 32 bits cannot
     hold.
     """
     if rows == 0 and len(decision.wanted) == 0:  # nobody is left until somebody is back
-        return np.zeros((0, caps), np.int16), np.zeros(0, np.int32)
+        return np.zeros((0, caps), np.int32), np.zeros(0, np.int32)
     task = np.full(rows, NOBODY, np.int32) if decision.task is None else decision.task
-    wanted = _whole("wanted", decision.wanted, np.dtype(np.int16))
+    wanted = _whole("wanted", decision.wanted, np.dtype(np.int32))
     named = _whole("task", task, np.dtype(np.int32))
     if wanted.shape != (rows, caps) or named.shape != (rows,):
         raise ValueError(

@@ -83,11 +83,12 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
         cells=np.zeros((count, cells), dtype=CELL),
         spots=np.zeros(spots, dtype=SPOT),
         absences=np.full((count, robots, times if times > 1 else 0, 2), NEVER, dtype=np.int32),
-        brings=np.zeros((count, robots, caps), dtype=np.int16),
-        has=np.zeros((count, robots, caps), dtype=np.int16),
-        needs=np.zeros((count, tasks, caps), dtype=np.int16),
-        sure_needs=np.zeros(unsure, dtype=np.int16),
-        true_needs=np.zeros(unsure, dtype=np.int16),
+        brings=np.zeros((count, robots, caps), dtype=np.int32),
+        has=np.zeros((count, robots, caps), dtype=np.int32),
+        needs=np.zeros((count, tasks, caps), dtype=np.int32),
+        sure_needs=np.zeros(unsure, dtype=np.int32),
+        true_needs=np.zeros(unsure, dtype=np.int32),
+        worst_needs=np.zeros(unsure, dtype=np.int32),
         may_need=np.zeros(unsure, dtype=np.float32),
         precedes=np.zeros(precedes, dtype=np.bool_),
         demand=np.zeros((count, caps), dtype=np.int32),
@@ -99,7 +100,7 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
         room=np.zeros((count, caps), dtype=np.int32),
         here=np.zeros((count, tasks), dtype=np.int32),
         coalition=np.zeros((count, tasks, robots) if has_plan else (count, 0, 0), dtype=np.bool_),
-        planned=np.zeros((count, robots, caps) if has_plan else (count, 0, 0), dtype=np.int16),
+        planned=np.zeros((count, robots, caps) if has_plan else (count, 0, 0), dtype=np.int32),
     )
     worlds.robots["team"] = NOBODY
     worlds.robots["lost"] = worlds.robots["back"] = NEVER
@@ -191,7 +192,7 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
             record["luck"] = first_luck(robot.delays.seed or 0)
         record["region"] = scenario.world.region(robot.at)
         record["spot_x"], record["spot_y"] = robot.at
-        for name, count in robot.can.items():
+        for name, count in scenario.in_units(robot.can).items():
             worlds.brings[w, r, column[name]] = count
     kinds: dict[tuple[object, ...], int] = {}
     for r, robot in enumerate(scenario.robots):
@@ -228,13 +229,15 @@ def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario, truth: Scenario) -> 
         if task.within:
             _pack_places(worlds, w, k, task, scenario.world, truth.tasks[k].at)
         believed = expected_needs(task, scenario.foresight)
-        for name, count in believed.items():
+        for name, count in scenario.in_units(believed).items():
             worlds.needs[w, k, cap_of[name]] = count
         if len(worlds.true_needs[w]):
-            for name, count in task.needs.items():
+            for name, count in scenario.in_units(task.needs).items():
                 worlds.sure_needs[w, k, cap_of[name]] = count
-            for name, count in truth.tasks[k].needs.items():
+            for name, count in scenario.in_units(truth.tasks[k].needs).items():
                 worlds.true_needs[w, k, cap_of[name]] = count
+            for name, count in scenario.in_units(task.worst_needs).items():
+                worlds.worst_needs[w, k, cap_of[name]] = count
             for name, probability in task.may_need.items():
                 worlds.may_need[w, k, cap_of[name]] = probability
     known = np.flatnonzero(worlds.tasks["is_open"][w])

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from teamformer.capabilities import Counts
 from teamformer.grid import BLOCKED, FREE, Grid
 from teamformer.model import Scenario
 from teamformer.scenarios.generate import Spec, generate
@@ -95,7 +96,7 @@ def _with_counts(world: Scenario, rng: np.random.Generator) -> Scenario:
     )
     have = {cap: sum(r.can.get(cap, 0) for r in robots) for cap in world.capabilities}
 
-    def counted(needs: Mapping[str, int]) -> dict[str, int]:
+    def counted(needs: Counts) -> dict[str, float]:
         return {cap: 2 if have[cap] > 1 and rng.random() < 0.4 else 1 for cap in needs}
 
     tasks = tuple(replace(task, needs=counted(task.needs)) for task in world.tasks)
@@ -110,7 +111,7 @@ def _among(known: int, world: Scenario, rng: np.random.Generator) -> Scenario:
     places = sorted(rng.choice(known, len(world.capabilities), replace=False).tolist())
     name_of = {old: names[place] for old, place in zip(world.capabilities, places, strict=True)}
 
-    def renamed(counts: Mapping[str, int]) -> dict[str, int]:
+    def renamed(counts: Counts) -> dict[str, float]:
         return {name_of[name]: count for name, count in counts.items()}
 
     return replace(

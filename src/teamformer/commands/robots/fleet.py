@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import secrets
 import time
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from teamformer.capabilities import exact, is_exact
 from teamformer.commands.console import (
     ended_like_ctrl_c,
     out,
@@ -24,6 +26,10 @@ from teamformer.scenarios.files import read_scenario
 if TYPE_CHECKING:
     from teamformer.fleet.messages import TaskFact
     from teamformer.fleet.mission import Mission
+
+
+MOST_NEEDED = 1000
+"""Of one capability, by a task that an operator adds."""
 
 
 @dataclass(frozen=True)
@@ -186,14 +192,23 @@ def _place(text: str) -> tuple[float, float]:
     return x, y
 
 
-def _needs(text: str, capabilities: tuple[str, ...]) -> tuple[int, ...]:
-    counts = dict.fromkeys(capabilities, 0)
+def _needs(text: str, capabilities: tuple[str, ...]) -> tuple[float, ...]:
+    counts: dict[str, float] = dict.fromkeys(capabilities, 0)
     for part in text.split(","):
         name, _, number = part.strip().partition(":")
         if name not in counts:
             known = ", ".join(capabilities)
             raise TeamformerError(f"--needs: there is no capability '{name}'", f"there are {known}")
-        if number and not (number.isdecimal() and len(number) <= 4 and 0 < int(number) <= 1000):
-            raise TeamformerError(f"--needs {part}: {number} is no count", "write 1 to 1000")
-        counts[name] += int(number or 1)
+        counts[name] = exact(counts[name] + (_count(part.strip(), number) if number else 1))
     return tuple(counts.values())
+
+
+def _count(part: str, number: str) -> float:
+    try:
+        count = float(number)
+    except ValueError:
+        count = math.nan
+    if not (0 < count <= MOST_NEEDED and is_exact(count)):
+        hint = f"write a number up to {MOST_NEEDED:,}, of three places at most"
+        raise TeamformerError(f"--needs {part}: {number} is no count", hint)
+    return exact(count)

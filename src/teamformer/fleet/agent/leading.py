@@ -153,7 +153,7 @@ class Leading:
         """Return who leaves: members stay in robot order while they fit; this robot stays."""
         room, stay, leave = wanted.astype(np.int64), [], []
         for robot in own.robots:
-            counts = np.array(self._knowledge.mission.counts[robot])
+            counts = np.array(self._knowledge.mission.brings[robot])
             if (counts <= room).all():
                 room = room - counts
                 stay.append(robot)

@@ -59,7 +59,7 @@ def view_of(
     view = View(*(part[:1] for part in room))._replace(
         first_member=np.array([0, len(own.robots)]),
         member=np.array(own.robots, np.int32),
-        member_counts=np.array([mission.counts[r] for r in own.robots], np.int16).reshape(-1, caps),
+        member_counts=np.array([mission.brings[r] for r in own.robots], np.int32).reshape(-1, caps),
     )
     view.slot[0], view.place[0], view.size[0] = own.lead, own.place, len(own.robots)
     view.counts[0] = view.planned[0] = view.member_counts.sum(axis=0)
@@ -83,7 +83,8 @@ def view_of(
     for column, key in enumerate(shown[: min(NEXT_TASKS, view.task_number.shape[1])]):
         task = knowledge.tasks[key]
         view.task_number[0, column], view.task_rank[0, column] = number[key], order.index(key)
-        view.task_place[0, column], view.task_needs[0, column] = (task.x, task.y), task.needs
+        view.task_place[0, column] = task.x, task.y
+        view.task_needs[0, column] = mission.in_units(task.needs)
     return view
 
 
@@ -97,7 +98,7 @@ def _write_seen(
 ) -> None:
     mission = knowledge.mission
     view.seen_slot[0, column], view.seen_place[0, column] = team.lead, team.place
-    view.seen_counts[0, column] = np.sum([mission.counts[robot] for robot in team.robots], axis=0)
+    view.seen_counts[0, column] = np.sum([mission.brings[robot] for robot in team.robots], axis=0)
     view.seen_task[0, column] = number.get(team.goal, NOBODY)
     view.is_here[0, column] = mission.is_same_place(*own.place, *team.place)
     is_busy = own.is_serving or team.is_serving
@@ -109,14 +110,14 @@ def _write_seen(
 def nearest_first(knowledge: Knowledge, own: Company, seen: Iterable[Company]) -> list[Company]:
     """Return other teams as views have them: near first, then those that help, by task, by slot."""
     mission, goal = knowledge.mission, knowledge.tasks.get(own.goal)
-    have = np.sum([mission.counts[robot] for robot in own.robots], axis=0)
-    lacking = have < (have if goal is None else goal.needs)  # (caps,)
+    have = np.sum([mission.brings[robot] for robot in own.robots], axis=0)
+    lacking = have < (have if goal is None else mission.in_units(goal.needs))  # (caps,)
 
     def key(team: Company) -> tuple[float, int, int]:
         away = math.dist(own.place, team.place)
         if mission.is_same_place(*own.place, *team.place):
             away = -1.0  # all in the same place are equally near
-        brings = np.sum([mission.counts[robot] for robot in team.robots], axis=0) > 0
+        brings = np.sum([mission.brings[robot] for robot in team.robots], axis=0) > 0
         use = (0 if team.goal == own.goal else 1) if (lacking & brings).any() else 2
         return away, use, 2 * abs(team.lead - own.lead) + (team.lead > own.lead)
 

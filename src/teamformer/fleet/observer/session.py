@@ -17,7 +17,7 @@ from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
-from teamformer.fleet.mission import count
+from teamformer.fleet.mission import row_of
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.transports.transport import Transport
@@ -122,7 +122,7 @@ class ObserverSession:
         key = (1 + secrets.randbits(36)) << 24
         name = new.name or f"t{len(names) + 1}"
         x, y = float(new.at[0]), float(new.at[1])
-        task = TaskFact(key, name, x, y, count(new.needs, caps), new.duration * mission.step)
+        task = TaskFact(key, name, x, y, row_of(new.needs, caps), new.duration * mission.step)
         if not mission.is_site(x, y):
             raise TeamformerError(f"[{x:g}, {y:g}] is not free on the map; name another place")
         if not mission.can_do(range(mission.robots), task):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from teamformer.fleet.messages import NOBODY, Beat, FactsNote, Message, TaskFact, Word
@@ -156,6 +155,6 @@ class Watch:
         at = (task.x, task.y)
         if isinstance(self.scenario.world, Grid):
             at = (int(task.x), int(task.y))
-        caps: Mapping[str, int] = dict(zip(self.scenario.capabilities, task.needs, strict=True))
+        caps = dict(zip(self.scenario.capabilities, task.needs, strict=True))
         needs = {cap: count for cap, count in caps.items() if count}
         return Task(name, at, needs, round(task.duration / self.mission.step), steps)

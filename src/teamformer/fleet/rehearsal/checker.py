@@ -224,4 +224,4 @@ class Checker:
         counts = [self.mission.counts[robot] for robot in robots]
         has = [sum(column) for column in zip(*counts, strict=True)] if counts else []
         needs = self.tasks[key].needs
-        return bool(has) and all(h >= n for h, n in zip(has, needs, strict=True))
+        return bool(has) and all(round(h - n, 3) >= 0 for h, n in zip(has, needs, strict=True))

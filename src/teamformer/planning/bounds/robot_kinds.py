@@ -58,7 +58,7 @@ def robot_kinds(scenario: Scenario, problem: Relaxed, start: Array, needs: Array
 def size_of_kinds(problem: Relaxed) -> tuple[int, int]:
     """Return how many kinds of robots there are, and how many legs for all of them together."""
     first = [int(robots[0]) for robots in _alike(problem)]
-    stops = (problem.counts[first] @ problem.needs.T > 0).sum(axis=1)  # (kinds,)
+    stops = ((problem.counts[first] > 0) @ (problem.needs > 0).T).sum(axis=1)  # (kinds,)
     return len(first), int((stops.astype(np.int64) ** 2).sum())
 
 

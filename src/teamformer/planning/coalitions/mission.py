@@ -30,6 +30,7 @@ from teamformer.planning.coalitions.search.schedule import LATENESS, SPREAD, Coa
 from teamformer.planning.coalitions.solve import Solution
 from teamformer.planning.coalitions.times import Clock, release_of, time_mission
 from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
+from teamformer.planning.relaxation.problem import count_table
 
 Times = npt.NDArray[np.float64]
 
@@ -96,7 +97,6 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     ways = between[None, :, : len(tasks)] / speeds[:, None, None]
     home = _ways_home(scenario, places, between, starts)
     scale = _scale(scenario, ways, home)
-    needs, caps = [task.needs for task in tasks], scenario.capabilities
     number_of = {task.name: number for number, task in enumerate(tasks)}
     origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
     problem = pose_problem(
@@ -104,8 +104,8 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         home=_ticks(home, scale),
         pace=pace,
         origin=origin,
-        counts=[[robot.can.get(cap, 0) for cap in caps] for robot in robots],
-        needs=[[need.get(cap, 0) for cap in caps] for need in needs],
+        counts=count_table([robot.can for robot in robots], scenario),
+        needs=count_table([task.needs for task in tasks], scenario),
         duration=_ticks([task.duration for task in tasks], scale),
         release=_ticks([release_of(scenario, task) for task in range(len(tasks))], scale),
         due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],

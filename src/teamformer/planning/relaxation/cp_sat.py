@@ -47,7 +47,7 @@ class Circuits:
 
 def count_arcs(problem: Relaxed) -> int:
     """Return how many arcs the circuits can have."""
-    visits = (problem.counts @ problem.needs.T > 0).sum(axis=1)  # (robots,)
+    visits = ((problem.counts > 0) @ (problem.needs > 0).T).sum(axis=1)  # (robots,)
     return int((visits.astype(np.int64) * (visits + 2)).sum())
 
 
@@ -99,7 +99,7 @@ def _add_circuit(circuits: Circuits, robot: int, earliest: Whole, horizon: int) 
 
 def _tasks_in_reach(problem: Relaxed, robot: int, earliest: Whole, horizon: int) -> Iterator[int]:
     """Return the tasks a robot is of use for and can be at in time."""
-    is_useful = problem.needs @ problem.counts[robot] > 0  # (tasks,)
+    is_useful = (problem.needs > 0) @ (problem.counts[robot] > 0)  # (tasks,)
     for task in np.flatnonzero(is_useful).tolist():
         start = max(int(earliest[task]), _way_from_start(problem, robot, task))
         if start + problem.duration[task] <= min(horizon, problem.lost[robot] - 1):

@@ -14,12 +14,13 @@ place here, and in favour of the robots, so that no plan under the rules is fast
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.capabilities import Counts
 from teamformer.grid import Grid
 from teamformer.mission.rules import opening_step
 from teamformer.model import Robot, Scenario
@@ -64,14 +65,14 @@ def relax(scenario: Scenario) -> Relaxed:
     no_way = 1 + int(cells[cells < UNREACHABLE].max())
     speeds, pace = np.unique(speed, return_inverse=True)
     future = future_of(scenario)
-    counts = count_table([robot.can for robot in robots], scenario.capabilities)
+    counts = count_table([robot.can for robot in robots], scenario)
     return Relaxed(
         cells=np.ascontiguousarray(np.minimum(cells, no_way)),
         steps=steps_of_cells(speeds, no_way),
         pace=pace.astype(np.int32),
         speed=speed,
         counts=counts,
-        needs=count_table([task.needs for task in tasks], scenario.capabilities),
+        needs=count_table([task.needs for task in tasks], scenario),
         able=able_robots(counts),
         duration=np.array([task.duration for task in tasks], dtype=np.int32),
         appears=future.appears,
@@ -138,9 +139,10 @@ def steps_of_cells(speeds: npt.NDArray[np.float64], no_way: int) -> Whole:
     return np.minimum(steps, FAR).astype(np.int32)
 
 
-def count_table(parts: Sequence[Mapping[str, int]], capabilities: tuple[str, ...]) -> Whole:
-    """Return how often each part has each capability, (parts, caps)."""
-    return np.array([[part.get(name, 0) for name in capabilities] for part in parts], np.int32)
+def count_table(parts: Sequence[Counts], scenario: Scenario) -> Whole:
+    """Return how much each part has of each capability, (parts, caps), in units."""
+    rows = (scenario.in_units(part) for part in parts)
+    return np.array([[row.get(cap, 0) for cap in scenario.capabilities] for row in rows], np.int32)
 
 
 def able_robots(counts: Whole) -> Whole:

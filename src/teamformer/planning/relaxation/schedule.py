@@ -23,6 +23,7 @@ from teamformer.planning.relaxation.plan import (
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
+from teamformer.rules.coverage import helps
 from teamformer.rules.sorting import sort_indices
 
 if TYPE_CHECKING:
@@ -150,7 +151,7 @@ def _take_first(robots: Array, problem: Relaxed, pick: Array, spare: Array, task
     spare[:] = -needs[task]
     size = 0
     for robot in pick:
-        if (counts[robot] * needs[task]).any() and robots[robot].arrival < FAR:
+        if helps(counts[robot], needs[task]) and robots[robot].arrival < FAR:
             pick[size] = robot
             size += 1
             spare += counts[robot]

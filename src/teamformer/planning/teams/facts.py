@@ -91,14 +91,14 @@ def situation_of(scenario: Scenario, facts: Facts) -> Situation:
     cells, speed = _ways(scenario, spots, places, robots)
     no_way = 1 + int(cells[cells < UNREACHABLE].max())
     speeds, pace = np.unique(speed, return_inverse=True)
-    counts = count_table([scenario.robots[r].can for r in robots], scenario.capabilities)
+    counts = count_table([scenario.robots[r].can for r in robots], scenario)
     problem = Relaxed(
         cells=np.ascontiguousarray(np.minimum(cells, no_way)),
         steps=steps_of_cells(speeds, no_way),
         pace=pace.astype(np.int32),
         speed=speed,
         counts=counts,
-        needs=count_table([scenario.tasks[task].needs for task in tasks], scenario.capabilities),
+        needs=count_table([scenario.tasks[task].needs for task in tasks], scenario),
         able=able_robots(counts),
         duration=np.array([scenario.tasks[task].duration for task in tasks], np.int32),
         appears=np.full(len(tasks), facts.step, np.int32),

@@ -8,6 +8,7 @@ import numpy as np
 
 from teamformer.grid import Grid
 from teamformer.model import Scenario
+from teamformer.planning.relaxation.problem import count_table
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
@@ -40,10 +41,7 @@ class PlanPlayer:
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
         kinds = [(sorted(r.can.items()), r.speed, r.absences) for r in scenario.robots]
         self._kind = [repr(kind) for kind in kinds]
-        self._counts = np.array(
-            [[r.can.get(name, 0) for name in scenario.capabilities] for r in scenario.robots],
-            dtype=np.int16,
-        )
+        self._counts = count_table([robot.can for robot in scenario.robots], scenario)
 
     def decide_in(self, env: TeamFormation) -> Decision:
         """Return every team's decision in the first world of an environment."""
@@ -112,7 +110,7 @@ class PlanPlayer:
             if not rest:
                 return None
             for part in (stay, rest):
-                wanted: Array = self._counts[part].sum(axis=0, dtype=np.int16)
+                wanted: Array = self._counts[part].sum(axis=0, dtype=np.int32)
                 kept = self._stayers(robots, wanted)
                 if sorted(self._kind[r] for r in kept) == sorted(self._kind[r] for r in part):
                     self._exchange_routes(part, kept)

@@ -66,7 +66,7 @@ class CombinationCodec:
 
     def encode(self, view: View) -> Combined:
         """Return the tokens of every team of a view."""
-        read = self._reader.encode(view)
+        read = self._reader.read(view)
         is_legal = np.zeros((len(view.slot), 2 ** (self.capabilities + 1)), dtype=np.bool_)
         _mark_legal(view, is_legal)
         return Combined(

@@ -27,7 +27,9 @@ from teamformer.sim.view import View
 TEAM_FEATURES, TASK_FEATURES = max(SeenToken) + 1, max(TaskToken) + 1
 REACH = 10.0  # cells; offsets are in these units
 FARTHEST = 2.0  # of them; clipped here
-NEVER_FITS = 1e6  # the counts of a profile that is only padding
+NEVER_FITS = 1e9  # the counts of a profile that is only padding
+MOST_SPELLED = 1000
+"""Of a robot's count, in units: one symbol each."""
 
 
 class Spelled(NamedTuple):
@@ -63,6 +65,17 @@ class SpellingCodec:
 
     def encode(self, view: View) -> Spelled:
         """Return the tokens of every team of a view."""
+        most = int(view.member_counts.max(initial=0))
+        if most > MOST_SPELLED:
+            raise TeamformerError(
+                f"the network spells counts one by one, and a robot brings {most:,} units of a "
+                f"capability; {MOST_SPELLED:,} are possible",
+                "use rounder figures, or teamformer-any, which spells nothing",
+            )
+        return self.read(view)
+
+    def read(self, view: View) -> Spelled:
+        """Return the same for a network that spells nothing."""
         rows, caps = view.counts.shape
         if caps > self.capabilities:
             raise TeamformerError(
@@ -95,7 +108,7 @@ class SpellingCodec:
 
     def decode(self, view: View, action: Array) -> Array:
         """Return the counts that actions (teams, caps) stand for, without the padding."""
-        return action[:, : view.counts.shape[1]].astype(np.int16)
+        return action[:, : view.counts.shape[1]].astype(np.int32)
 
     def action_for(self, view: View, wanted: Array) -> Array:
         """Return counts (teams, caps) as they are, with the padding, int64."""

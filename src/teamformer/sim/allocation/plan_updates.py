@@ -112,10 +112,11 @@ def _unseen_in(worlds: Worlds, w: int) -> Unseen:
 def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
     """Return a mission with what everybody believes that its tasks need, and where they are."""
     caps, tasks = scenario.capabilities, range(len(scenario.tasks))
-    needs: dict[int, dict[str, int]] = {}
+    needs: dict[int, dict[str, float]] = {}
     if worlds.rules["hides_needs"][w]:
         for task, counts in zip(tasks, worlds.needs[w].tolist(), strict=False):
-            needs[task] = {c: n for c, n in zip(caps, counts, strict=False) if n}
+            believed = {c: n for c, n in zip(caps, counts, strict=False) if n}
+            needs[task] = scenario.out_of_units(believed)
     along = int if isinstance(scenario.world, Grid) else float
     at = worlds.tasks[["x", "y"]][w]
     unsure = [task for task in tasks if scenario.tasks[task].within]

@@ -62,7 +62,7 @@ def wanted_from_sequence(sequence: Iterable[int], caps: int) -> Array:
 
     The symbols are capabilities, 0 to |C| - 1, each as often as it is wanted; |C| ends it.
     """
-    wanted = np.zeros(caps, dtype=np.int16)
+    wanted = np.zeros(caps, dtype=np.int32)
     for symbol in sequence:
         if symbol == caps:
             return wanted

@@ -199,7 +199,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
                 del arrays[name]
         arrays["member"] = np.full(robots, NOBODY, dtype=np.int32)  # (robots,)
         arrays["member"][: end - first] = view.member[first:end]
-        arrays["member_counts"] = np.zeros((robots, view.counts.shape[1]), dtype=np.int16)
+        arrays["member_counts"] = np.zeros((robots, view.counts.shape[1]), dtype=np.int32)
         arrays["member_counts"][: end - first] = view.member_counts[first:end]
         if self._has_original_actions:
             arrays["action_mask"] = legal_actions(view, row)
@@ -220,7 +220,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         scenario = self._env.scenarios[0]
         if name.endswith("place"):
             return 0, max(scenario.world.corner)
-        if name.endswith("counts") or name == "task_needs":
+        if name.endswith("counts") or name in ("planned", "task_needs"):
             return 0, LARGEST_COUNT
         if array.dtype == np.int8 or name == "task_may_need":
             return 0, 1

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import zip_longest
 from typing import Any
 
+from teamformer.capabilities import Counts
 from teamformer.errors import ScenarioError
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.scenarios.tree_writer import absences_to_tree, counts_to_tree, task_to_tree
 from teamformer.sim.replay.values import (
     DamageError,
+    amount_of,
     check_keys,
     count_of,
     inside,
@@ -102,9 +104,9 @@ def _arrived(said: Any, along: Callable[[Any], float]) -> Task:
     )
 
 
-def _counts(said: Any) -> Mapping[str, int]:
+def _counts(said: Any) -> Counts:
     if isinstance(said, dict):
-        return {name: count_of(count) for name, count in said.items()}
+        return {name: amount_of(count) for name, count in said.items()}
     if not isinstance(said, list):
         raise DamageError("needs are no counts")
     return {text_of(name): 1 for name in said}

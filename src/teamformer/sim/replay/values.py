@@ -72,6 +72,11 @@ def count_of(value: Any) -> int:
     return int(value)
 
 
+def amount_of(value: Any) -> float:
+    """Return how much of a capability there is; `Scenario` checks the rest."""
+    return metres(value) if isinstance(value, float) else count_of(value)
+
+
 def number_of(value: Any) -> int:
     """Return a whole number that counts something or says where something is."""
     if not abs(whole_number(value)) <= LARGEST_COUNT:

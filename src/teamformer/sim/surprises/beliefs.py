@@ -51,7 +51,8 @@ def expect_needs(world: World) -> None:
         for cap in range(world.needs.shape[1]):
             expected = world.sure_needs[task, cap]
             if world.rules.foresight != ABSENT and world.may_need[task, cap] > 0:
-                expected += _count_near(world, task, cap) > expected
+                worst = world.worst_needs[task, cap]
+                expected = worst if _count_near(world, task, cap) >= worst else expected
             _believe(world, task, cap, expected)
 
 

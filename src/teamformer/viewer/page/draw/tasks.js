@@ -132,7 +132,8 @@ function outlineWidth(half) {
   return Math.max(1.5, Math.min(5, half * 0.17));
 }
 
-// One piece of the outline for each count of each requirement, in the capability's colour.
+// One piece of the outline for each count of each requirement, in the capability's colour; one for
+// all of what is measured, such as kilograms.
 function drawRequirements(view, task, { x, y, half }) {
   const { ctx } = view;
   const open = hiddenNeeds(view, task);
@@ -140,12 +141,13 @@ function drawRequirements(view, task, { x, y, half }) {
   const width = outlineWidth(half);
   const inner = half - width * 0.5;
   const length = squareLength(inner);
-  const piece = length / (sumCounts(needs) + open.length);
+  const pieces = needs.map(([cap, count]) => [cap, piecesOf(count)]);
+  const piece = length / (sumCounts(pieces) + open.length);
   const gap = Math.min(2, piece * 0.2);
   ctx.lineWidth = width;
   tracedSquare(ctx, x, y, inner);
   let start = 0;
-  for (const [cap, count] of needs) {
+  for (const [cap, count] of pieces) {
     ctx.strokeStyle = view.colours[cap].fill;
     for (let n = 0; n < count; n++, start += piece) {
       ctx.setLineDash([piece - gap, length - piece + gap]);
@@ -222,7 +224,7 @@ function drawNeeds(view, task, { x, y, half }) {
 
 function needsLines(labels, needs, half) {
   if (needs.length > 4 || half < 14) return [String(sumCounts(needs))];
-  const parts = needs.map(([cap, count]) => (count > 1 ? `${count}${labels[cap]}` : labels[cap]));
+  const parts = needs.map(([cap, count]) => (count !== 1 ? `${count}${labels[cap]}` : labels[cap]));
   if (parts.length < 3) return [parts.join(" ")];
   return [parts.slice(0, 2).join(" "), parts.slice(2).join(" ")];
 }

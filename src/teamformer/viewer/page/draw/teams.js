@@ -54,7 +54,7 @@ function drawDisc(ctx, x, y, r, colour) {
   ctx.fill();
 }
 
-// One sector for each capability, as wide as its count.
+// One sector for each capability, as wide as its count, if that is none of what is measured.
 function drawCapabilities(view, robot, x, y, r) {
   const { ctx, colours } = view;
   const { can } = view.scenario.robots[robot];
@@ -63,10 +63,10 @@ function drawCapabilities(view, robot, x, y, r) {
     drawLabel(view, can[0][0], x, y, r);
     return;
   }
-  const total = sumCounts(can);
+  const total = sumCounts(can.map(([cap, count]) => [cap, piecesOf(count)]));
   let start = -Math.PI / 2;
   for (const [cap, count] of can) {
-    const end = start + (2 * Math.PI * count) / total;
+    const end = start + (2 * Math.PI * piecesOf(count)) / total;
     ctx.beginPath();
     ctx.moveTo(x, y);
     ctx.arc(x, y, r, start, end);

@@ -78,7 +78,7 @@ class EditorPanel {
     const rows = capabilities.map((name, cap) => {
       this.kitCounts[name] ??= cap === 0 ? 1 : 0;
       const keep = ({ target }) => (this.kitCounts[name] = Number(target.value));
-      return labelled(name, number(`kit ${name}`, this.kitCounts[name], keep));
+      return labelled(name, number(`kit ${name}`, this.kitCounts[name], keep, "any"));
     });
     this.kitBox.replaceChildren(element("legend", {}, "A new robot brings, a new task needs"), ...rows);
   }
@@ -121,7 +121,7 @@ class EditorPanel {
         "fieldset",
         {},
         element("legend", {}, kind === "robots" ? "Brings" : "Needs"),
-        ...draft.tree.capabilities.map((name) => labelled(name, number(`count ${name}`, counts[name] ?? 0, set(() => ({ [key]: all() }), key)))),
+        ...draft.tree.capabilities.map((name) => labelled(name, number(`count ${name}`, counts[name] ?? 0, set(() => ({ [key]: all() }), key), "any"))),
       ),
       ...more,
       ...Object.entries(STEP_FIELDS[kind]).map(([name, text]) =>

@@ -95,7 +95,7 @@ class MissionPanel {
       element("input", { type: "number", name, step: world.isPlane ? "any" : "1", ...properties });
     const row = (text, input) => element("label", {}, text, input);
     const needs = capabilities.map((name, cap) =>
-      row(name, element("input", { type: "number", class: "needs", name: `cap ${cap}`, min: 0, step: 1, value: 0 })),
+      row(name, element("input", { type: "number", class: "needs", name: `cap ${cap}`, min: 0, step: "any", value: 0 })),
     );
     this.form.replaceChildren(
       element("fieldset", {}, element("legend", {}, "Place"), row("x", number("x", { required: "" })), row("y", number("y", { required: "" }))),

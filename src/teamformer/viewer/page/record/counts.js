@@ -1,9 +1,21 @@
-// Arithmetic on capability counts: a team has a Map capability -> count, a task needs pairs.
+// Arithmetic on capability counts: a team has a Map capability -> count, a task needs pairs. Counts
+// may be fractions, exact to three places: every sum is rounded to them.
+
+function exact(count) {
+  return Math.round(count * 1000) / 1000;
+}
+
+// How many pieces a count is drawn in: one each, or one for all of what is measured.
+function piecesOf(count) {
+  return Number.isInteger(count) && count <= MOST_PIECES ? count : 1;
+}
+
+const MOST_PIECES = 24;
 
 function addCounts(parts) {
   const total = new Map();
   for (const part of parts) {
-    for (const [cap, count] of part) total.set(cap, (total.get(cap) ?? 0) + count);
+    for (const [cap, count] of part) total.set(cap, exact((total.get(cap) ?? 0) + count));
   }
   return total;
 }
@@ -15,7 +27,7 @@ function covers(have, needs) {
 // What is needed beyond what is there.
 function missing(have, needs) {
   return needs
-    .map(([cap, count]) => [cap, count - (have.get(cap) ?? 0)])
+    .map(([cap, count]) => [cap, exact(count - (have.get(cap) ?? 0))])
     .filter(([, count]) => count > 0);
 }
 
@@ -29,5 +41,5 @@ function overlap(have, wanted) {
 function sumCounts(counts) {
   let sum = 0;
   for (const [, count] of counts) sum += count;
-  return sum;
+  return exact(sum);
 }

@@ -113,7 +113,7 @@ function readCounts(counts, numbers) {
 
 function sumPairs(pairs) {
   const total = new Map();
-  for (const [cap, count] of pairs) total.set(cap, (total.get(cap) ?? 0) + count);
+  for (const [cap, count] of pairs) total.set(cap, exact((total.get(cap) ?? 0) + count));
   return [...total].sort((one, other) => one[0] - other[0]);
 }
 

@@ -28,7 +28,7 @@ function gatherTeams(scenario, state) {
     const team = teams.get(slot);
     team.robots.push(robot);
     for (const [cap, count] of scenario.robots[robot].can) {
-      team.counts.set(cap, (team.counts.get(cap) ?? 0) + count);
+      team.counts.set(cap, exact((team.counts.get(cap) ?? 0) + count));
     }
   }
   return teams;

@@ -278,3 +278,34 @@ def test_losses_and_returns_are_lists_of_steps(opened: Opened, tmp_path: Path) -
     wait_for(opened, "#notice", "Saved: ")
     text = (tmp_path / "out" / "mission.yaml").read_text()
     assert "lost: [9, 40], back: 20}" in text
+
+
+def test_fractions_are_drawn_saved_run_and_added(opened: Opened, tmp_path: Path) -> None:
+    """Two robots of 12.5 and 20.25 do what needs 32.75 together, and what is added: 0.125."""
+    page = opened.page
+    page.click("[data-tool=robot]")
+    page.fill("[name='kit lift']", "12.5")
+    click(opened, 2, 2)
+    click(opened, 2, 3)
+    page.fill("#thing [name='count lift']", "20.25")
+    page.click("[data-tool=task]")
+    page.fill("[name='kit lift']", "32.751")
+    click(opened, 4, 2)
+    wait_for(opened, "#problems", "needs 32.751 x lift but all robots together lack 0.001 x lift")
+    page.fill("#thing [name='count lift']", "32.75")
+    opened.wait_until("!document.querySelector('#problems li')")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "Saved: ")
+    drawn = read_scenario(tmp_path / "out" / "mission.yaml")
+    assert [robot.can for robot in drawn.robots] == [{"lift": 12.5}, {"lift": 20.25}]
+    assert drawn.tasks[0].needs == {"lift": 32.75}
+    with page.expect_event("load", timeout=60_000):
+        page.click("#mission >> text=Run")
+    opened.wait_until("window.teamformer !== undefined", 60)
+    wait_for(opened, "#start-text", "Start the mission")
+    page.keyboard.press("ArrowRight")
+    opened.wait_until("window.teamformer.last === 1")
+    click(opened, 6, 6)
+    page.fill("[name='cap 0']", "0.125")
+    page.click("text=Add task")
+    wait_for(opened, "#incidents", "1: a task at [6, 6] that needs 0.125 x lift")

@@ -292,3 +292,11 @@ def test_tasks_are_where_they_are_believed_to_be(scripts: Any) -> None:
         "5 cells to go",
         "5 cells to go",
     ]
+
+
+def test_counts_are_exact_to_three_places(scripts: Any) -> None:
+    """0.1 and 0.2 are 0.3; what is measured is drawn in one piece, what is counted in one each."""
+    sums = "() => [...addCounts([[[0, 0.1], [1, 33.333]], [[0, 0.2], [1, 66.666]]])]"
+    assert scripts.evaluate(sums) == [[0, 0.3], [1, 99.999]]
+    assert scripts.evaluate("() => missing(new Map([[0, 99.999]]), [[0, 100]])") == [[0, 0.001]]
+    assert scripts.evaluate("() => [3, 24, 25, 0.5, 12.5].map(piecesOf)") == [3, 24, 1, 1, 1]

@@ -88,7 +88,7 @@ def fleet(
     sign: Sign = None,
     task: Annotated[str | None, typer.Option(help="add: the new task's name")] = None,
     at: Annotated[str | None, typer.Option(help="add: its place, X,Y")] = None,
-    needs: Annotated[str | None, typer.Option(help="add: such as lift:2,scan")] = None,
+    needs: Annotated[str | None, typer.Option(help="add: such as lift:12.5,scan")] = None,
     duration: Annotated[float, typer.Option(min=0, help="add: steps that it takes")] = 0.0,
     connect: Annotated[str | None, typer.Option(help="add: the endpoint of an agent")] = None,
     key: Annotated[Path | None, typer.Option(help="add: file of the fleet's shared key")] = None,

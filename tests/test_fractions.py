@@ -27,6 +27,7 @@ from teamformer.model import Arrivals, Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.coalitions.mission import pose_mission
+from teamformer.planning.relaxation.problem import most_in_coalitions, relax
 from teamformer.policies import POLICIES
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
@@ -104,6 +105,14 @@ def test_scaled_counts_are_planned_alike() -> None:
     for one, other in itertools.pairwise(mission.problem for mission in posed):
         assert np.array_equal(one.counts, other.counts)
         assert np.array_equal(one.needs, other.needs)
+
+
+def test_no_more_robots_than_this_are_needed_whatever_each_brings() -> None:
+    """Three of 12.5 lift 30.1, and two of 20.25; there are no three robots where there are two."""
+    problem = relax(haul(12.5, 20.25, 12.5, 12.5, needs=30.1))
+    assert (problem.counts[:, 0].tolist(), problem.needs.tolist()) == ([50, 81, 50, 50], [[121]])
+    assert most_in_coalitions(problem).tolist() == [3]
+    assert most_in_coalitions(relax(haul(12.5, 20.25, needs=30.1))).tolist() == [2]
 
 
 def test_three_robots_of_33_333_do_not_lift_100() -> None:

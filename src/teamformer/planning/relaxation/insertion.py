@@ -20,7 +20,7 @@ from teamformer.planning.relaxation.plan import (
     recall_visit,
     serve,
 )
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, least_brought
 from teamformer.rules.constants import FAR, NOBODY
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ class Desk(NamedTuple):
     """Room to work in while a task is inserted."""
 
     scarce: Array  # (caps,) capabilities, those that few robots have first
+    least: Array  # (caps,) the least that a robot brings of each
     near: Array  # (tasks, neighbours) other tasks by distance
     asked: Array  # (caps + 1,) ASK: what the task needs, closed by a count of 0
     candidates: Array  # (caps, robots) whom to consider for what is asked
@@ -65,6 +66,7 @@ def empty_desk(problem: Relaxed, seed: int) -> Desk:
     by_distance = np.argsort(problem.cells[:, :tasks], axis=1, kind="stable")  # (tasks, tasks)
     return Desk(
         scarce=np.argsort((problem.able != NOBODY).sum(axis=1), kind="stable").astype(np.int32),
+        least=least_brought(problem.counts),
         near=np.ascontiguousarray(by_distance[:, : min(NEIGHBOURS, tasks)]).astype(np.int32),
         asked=np.zeros(caps + 1, ASK).view(np.recarray),
         candidates=np.zeros((caps, robots), np.int32),
@@ -158,7 +160,8 @@ def _gather_candidates(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk,
         if needs[task, cap] > 0:
             asked[kind].cap, asked[kind].count = cap, needs[task, cap]
             asked[kind].candidates = 0
-            many = max(MANY, 2 * needs[task, cap])
+            robots_needed = (needs[task, cap] + desk.least[cap] - 1) // desk.least[cap]
+            many = max(MANY, 2 * robots_needed)
             if many < able.shape[1] and able[cap, many] != NOBODY:
                 _consider_nearby(problem, plan, robots, desk, kind, task, many // 2)
             _consider_able(robots, asked, candidates, kind, able, many, desk.random)

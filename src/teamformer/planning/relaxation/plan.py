@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
 from teamformer.rules.constants import NOBODY
 
 Array = npt.NDArray[Any]
@@ -62,8 +62,8 @@ class Timing(NamedTuple):
 
 def empty_plan(problem: Relaxed) -> Plan:
     """Return a plan without any task; `width` is the largest coalition without a spare robot."""
-    robots, tasks = len(problem.pace), len(problem.appears)
-    width = min(int(problem.needs.sum(axis=1).max()), robots)
+    tasks = len(problem.appears)
+    width = int(most_in_coalitions(problem).max())
     return Plan(
         np.full(tasks, NOBODY, np.int32),
         np.zeros(1, np.int32),

@@ -145,6 +145,22 @@ def count_table(parts: Sequence[Counts], scenario: Scenario) -> Whole:
     return np.array([[row.get(cap, 0) for cap in scenario.capabilities] for row in rows], np.int32)
 
 
+def least_brought(counts: Whole) -> Whole:
+    """Return the least that a robot brings of each capability, (caps,); FAR where nobody does."""
+    least: Whole = np.where(counts > 0, counts, FAR).min(axis=0).astype(np.int32)
+    return least
+
+
+def most_in_coalitions(problem: Relaxed) -> Whole:
+    """Return how many robots are in a coalition that can spare nobody at most, (tasks,).
+
+    Of each capability so many that they have enough whatever each of them brings.
+    """
+    robots = -(-problem.needs // least_brought(problem.counts))  # (tasks, caps)
+    most: Whole = np.minimum(robots.sum(axis=1), len(problem.pace))
+    return most
+
+
 def able_robots(counts: Whole) -> Whole:
     """Return the robots with each capability, (caps, robots), then NOBODY."""
     able = np.full(counts.T.shape, NOBODY, dtype=np.int32)

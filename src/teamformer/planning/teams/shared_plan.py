@@ -10,10 +10,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
 from teamformer.planning.teams.facts import (
     Facts,
     SharedPlan,
@@ -77,8 +75,7 @@ def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     A second or two of one core for 16 robots and 60 tasks, a fifth of that when planned again; some
     ten seconds for 100 robots and 300 tasks.
     """
-    tasks, robots = len(problem.appears), len(problem.pace)
-    needs = int(np.minimum(problem.needs.sum(axis=1), robots).sum())  # robots in coalitions at most
+    tasks, needs = len(problem.appears), int(most_in_coalitions(problem).sum())
     crews = 1500 * tasks
     relaxed = 130_000 * max(tasks, LARGE) // (LARGE * (tasks + 10 * needs // tasks))
     relaxed = min(3 * tasks * tasks // 2, relaxed)

@@ -10,15 +10,20 @@ from typing import Any
 
 import pytest
 
+from small_worlds import make, robot, task
 from teamformer.commands.records.export import Wanted, export
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
-from teamformer.export.reasons import _why_task, story_lines
+from teamformer.export.reasons import _why_task, explain, story_lines
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.policies.scripted.joining import JoinAll
+from teamformer.referee import judge
+from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import Ending, Replay, SharedPlanMade, Step, TeamAt
 from teamformer.sim.replay.writing import write_replay
+from teamformer.trials.trial import run_trial
 
 
 def two_lifters() -> Replay:
@@ -230,3 +235,41 @@ def test_a_long_mission_has_no_more_frames_than_can_be_watched(tmp_path: Path) -
         two_lifters(), steps=(Step(),) * 1200, end=Ending("interrupted", None, 1200, 0, 0, 0, 0)
     )
     assert gif.write_gif(quiet, tmp_path / "long.gif") == 401  # every third moment and the last
+
+
+def news_each_step(**rules: Any) -> Replay:
+    """A slow robot walks two cells to its task in eight steps, after each of which one appears."""
+    calls = [task("b", 19, appears=steps) for steps in range(1, 8)]
+    robots = [robot("a", 0, speed=0.25), robot("b", 19)]
+    return run_trial(make(robots, [task("a", 2), *calls], **rules), JoinAll(), "join-all").replay
+
+
+@pytest.mark.parametrize("allocation", ["paper", "crews", "plan"])
+def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(
+    allocation: str, tmp_path: Path
+) -> None:
+    replay = news_each_step(allocation=allocation)
+    assert judge(replay).findings == ()
+    assert [dict(step.pursued).get(0) for step in replay.steps[:7]] == [0] * 7
+    seen = list(moments(replay))
+    assert [moment.phase[0] for moment in seen[1:9]] == ["walking"] * 8
+    assert [moment.pursued[0] for moment in seen[1:9]] == [0] * 8
+    assert explain(replay, 0)[0].what == "walks to t0"
+    write_replay(replay, tmp_path / "replay.json")
+    assert read_replay(tmp_path / "replay.json") == replay
+
+
+@pytest.mark.parametrize(
+    ("pursued", "told"),
+    [
+        (((0, 7),), "pursues task t7, which is not open"),
+        (((0, 0), (0, 0)), "has a team pursue two tasks"),
+    ],
+)
+def test_what_cannot_have_been_pursued_is_found(
+    pursued: tuple[tuple[int, int], ...], told: str
+) -> None:
+    replay = news_each_step()
+    steps = (replace(replay.steps[0], pursued=pursued), *replay.steps[1:])
+    findings = judge(replace(replay, steps=steps)).findings
+    assert [told in str(finding) for finding in findings] == [True]

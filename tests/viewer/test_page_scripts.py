@@ -254,6 +254,16 @@ def test_phases_are_those_of_the_exported_tables(
     assert shown == [list(moment.phase) for moment in moments(read_replay(path))][1:]
 
 
+def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(scripts: Any) -> None:
+    """It walks a cell in two steps; the record says of the first only what it pursued."""
+    tree = two_robots([{"pursued": [[0, 0]]}, {"teams": [[0, 2, 1, None]], "pursued": [[0, 0]]}])
+    tree["start"][0] = [0, [0], 1, 1]
+    ask = """(tree) => { const history = frames(tree);
+      return [phaseRuns(history, 0), taskOfRun(history, 0, 2)]; }"""
+    runs, named = scripts.evaluate(ask, tree)
+    assert ([(run["phase"], run["from"], run["to"]) for run in runs], named) == ([(0, 0, 2)], 0)
+
+
 PHASE_NAMES = ["walking", "waiting", "forming", "serving", "idle", "lost"]
 
 

@@ -78,10 +78,7 @@ def _bars(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
     for robot in range(len(replay.scenario.robots)):
         begun, doing = 0, None
         for moment in seen[1:]:
-            task = moment.task[robot]
-            before = seen[moment.step - 1].task[robot]  # of a step that ends a task
-            pursued = before if task == NOBODY else task
-            now = (moment.phase[robot], _task_name(replay, pursued))
+            now = (moment.phase[robot], _task_name(replay, moment.pursued[robot]))
             if doing is not None and now != doing:
                 yield (_name(replay, robot), *doing, begun, moment.step - 1)
                 begun = moment.step - 1

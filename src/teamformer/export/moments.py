@@ -29,15 +29,16 @@ class Moment:
     team: tuple[int, ...]  # slot, or NOBODY once lost
     place: tuple[Place, ...]  # of a lost robot, where it was last
     task: tuple[int, ...]  # that its team heads for, or NOBODY
+    pursued: tuple[int, ...]  # that its team was about in the step, or NOBODY
     phase: tuple[str, ...]
 
 
 def moments(replay: Replay) -> Iterator[Moment]:
     """Yield the moments of a record, the start first."""
     state = _State(replay)
-    yield state.moment(0, [IDLE] * len(state.team))
+    yield state.moment(0, [NOBODY] * len(state.team), [IDLE] * len(state.team))
     for number, step in enumerate(replay.steps, start=1):
-        yield state.moment(number, state.make(step, number))
+        yield state.moment(number, *state.make(step, number))
 
 
 class _State:
@@ -56,13 +57,16 @@ class _State:
         self._opens = opening_steps(replay)
         self._is_done = [False] * len(self._scenario.tasks)
 
-    def moment(self, number: int, phase: list[str]) -> Moment:
-        tasks = tuple(NOBODY if slot == NOBODY else self._task[slot] for slot in self.team)
-        return Moment(number, tuple(self.team), tuple(self._place), tasks, tuple(phase))
+    def moment(self, number: int, pursued: list[int], phase: list[str]) -> Moment:
+        team, place = tuple(self.team), tuple(self._place)
+        return Moment(number, team, place, self._tasks(), tuple(pursued), tuple(phase))
 
-    def make(self, step: Step, number: int) -> list[str]:
-        """Make a step and return what each robot did in it."""
-        was_at, was_for = list(self._place), self.moment(number, []).task
+    def _tasks(self) -> tuple[int, ...]:
+        return tuple(NOBODY if slot == NOBODY else self._task[slot] for slot in self.team)
+
+    def make(self, step: Step, number: int) -> tuple[list[int], list[str]]:
+        """Make a step and return what each robot was about in it, and what it did."""
+        was_at, was_for = list(self._place), self._tasks()
         forming = self._form(step)
         self._lose(step.lost)
         for robot in step.back:
@@ -74,7 +78,11 @@ class _State:
                 self._place[robot] = self._at[slot]
         serving = {robot for robots in self._serving.values() for robot in robots}
         self._serve(step, number)
-        phases = []
+        phases, told = [], dict(step.pursued)
+        pursued = [
+            told.get(slot, before if now == NOBODY else now)
+            for slot, before, now in zip(self.team, was_for, self._tasks(), strict=True)
+        ]
         for robot, slot in enumerate(self.team):
             if slot == NOBODY or robot in step.back:
                 phases.append(LOST)
@@ -83,9 +91,8 @@ class _State:
             elif robot in serving:
                 phases.append(SERVING)
             else:
-                task = was_for[robot] if self._task[slot] == NOBODY else self._task[slot]
-                phases.append(self._way(was_at[robot], self._place[robot], task))
-        return phases
+                phases.append(self._way(was_at[robot], self._place[robot], pursued[robot]))
+        return pursued, phases
 
     def _way(self, before: Place, after: Place, task: int) -> str:
         """Return what a robot did that neither formed nor served."""

@@ -39,7 +39,7 @@ def explain(replay: Replay, robot: int) -> list[Chapter]:
     doing: tuple[str, int] | None = None
     begun = 0
     for moment in seen[1:]:
-        now = (moment.phase[robot], _task(seen, moment, robot))
+        now = (moment.phase[robot], moment.pursued[robot])
         if now != doing and doing is not None:
             chapters.append(_chapter(replay, seen, robot, begun, moment.step - 1, doing))
             begun = moment.step - 1
@@ -47,12 +47,6 @@ def explain(replay: Replay, robot: int) -> list[Chapter]:
     if doing is not None:
         chapters.append(_chapter(replay, seen, robot, begun, seen[-1].step, doing))
     return chapters
-
-
-def _task(seen: list[Moment], moment: Moment, robot: int) -> int:
-    """Return what a robot's team pursued in a step, be it done by its end."""
-    before = seen[moment.step - 1].task[robot]
-    return before if moment.task[robot] == NOBODY else moment.task[robot]
 
 
 def _chapter(

@@ -90,6 +90,7 @@ def _judge_step(
         knowledge.expect({robot for team in fleet.teams.values() for robot in team.robots}, number)
     any_found = search.go_on(fleet, tasks, lists.looked_at(), step, number, notes)
     any_shown = knowledge.show(fleet, tasks, step, number, notes)
+    _check_pursued(fleet, tasks, step, number, notes)
     recorded: dict[int, int] = {}
     for task, slot in step.done:
         if task in recorded:
@@ -152,6 +153,18 @@ def _check_entries(fleet: Fleet, step: Step, slots: set[int], notes: Notes) -> N
     for slot in sorted(fleet.teams.keys() - slots - seen):
         team = fleet.name(fleet.teams[slot])
         notes.note(f"{team} is new, and the record does not say where it is")
+
+
+def _check_pursued(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> None:
+    """Check that what teams are said to have pursued was open, and each of a team that is there."""
+    for slot, task in step.pursued:
+        name = fleet.scenario.tasks[task].name
+        if slot not in fleet.teams:
+            notes.note(f"the record has a team pursue task {name} that is not there")
+        elif not tasks.is_open(task, number - 1):
+            notes.note(f"{fleet.name(fleet.teams[slot])} pursues task {name}, which is not open")
+    if len(dict(step.pursued)) < len(step.pursued):
+        notes.note("the record has a team pursue two tasks")
 
 
 def _assign(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> None:

@@ -84,6 +84,7 @@ class Recorder:
                 shown=tuple(shown.tolist()),
                 found=tuple(np.flatnonzero(tasks["found_at"] == steps).tolist()),
                 moved=self._moved(tasks, steps),
+                pursued=_pursued(before, after),
             )
         )
         appears = (tasks["appears"] == steps) & (tasks["awaits"] == 0)
@@ -264,6 +265,16 @@ def _are_first(part: tuple[int, ...], robots: tuple[int, ...], brings: Array) ->
             room = room - brings[robot]
             chosen.append(robot)
     return tuple(chosen) == part
+
+
+def _pursued(before: _Snapshot, after: _Snapshot) -> tuple[tuple[int, int], ...]:
+    """Return what teams, by slot, pursued in a step and had as assignment neither before nor after.
+
+    News at its end takes assignments back; where some comes in every step, nobody ever has one.
+    """
+    pursued, now, was = after.teams["pursued"], after.teams["task"], before.teams["task"]
+    is_untold = (pursued != NOBODY) & (now == NOBODY) & (was != pursued)
+    return tuple((slot, int(pursued[slot])) for slot in sorted(after.groups) if is_untold[slot])
 
 
 def _changed_teams(

@@ -254,6 +254,10 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
             TaskAt(number_below(task, tasks), along(x), along(y))
             for task, x, y in rows_of(tree.get("moved", []), 3)
         ),
+        pursued=tuple(
+            (number_below(slot, robots), number_below(task, tasks))
+            for slot, task in rows_of(tree.get("pursued", []), 2)
+        ),
     )
 
 

@@ -60,6 +60,7 @@ class Step:
     shown: tuple[int, ...] = ()  # tasks whose needs have become known
     found: tuple[int, ...] = ()  # tasks whose place has become known
     moved: tuple[TaskAt, ...] = ()  # tasks that are elsewhere than believed, or believed elsewhere
+    pursued: tuple[tuple[int, int], ...] = ()  # slot, task that news took back before it was told
 
 
 @dataclass(frozen=True)

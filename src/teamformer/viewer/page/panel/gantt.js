@@ -141,7 +141,7 @@ class Gantt {
     const { history, map } = this.app;
     const phase = PHASES[phasesIn(history, to)[robot]];
     if (phase !== "serves" && phase !== "waits" && phase !== "walks") return;
-    const task = taskOfRobot(history, robot, to - 1);
+    const task = taskOfRun(history, robot, to);
     if (task === NOBODY) return;
     ctx.font = `11px ${map.theme.font}`;
     ctx.textAlign = "left";

@@ -24,6 +24,7 @@ function workOutPhases(history, step) {
   const [before, after] = [history.at(step - 1), history.at(step)];
   const forming = slotsForming(after, history.replay.steps[step - 1]);
   const serving = slotsServing(history, step);
+  const pursued = pursuedIn(history, step);
   return Uint8Array.from(after.team, (slot, robot) => {
     if (slot === NOBODY || before.team[robot] === NOBODY) return LOST;
     if (forming.has(slot)) return FORMS;
@@ -31,11 +32,16 @@ function workOutPhases(history, step) {
     const [was, is] = [placeOf(before, robot), placeOf(after, robot)];
     if (was.x !== is.x || was.y !== is.y) return WALKS;
     const task = before.task[before.team[robot]];
-    const assigned = after.task[slot] === NOBODY ? task : after.task[slot];
+    const assigned = pursued.get(slot) ?? (after.task[slot] === NOBODY ? task : after.task[slot]);
     if (assigned === NOBODY) return IDLE;
     const { at } = sitesAt(history, step)[assigned];
     return isSamePlace(history.scenario.world, [is.x, is.y], at) ? WAITS : WALKS;
   });
+}
+
+// What teams pursued in a step whose assignments neither before nor after it say so: news took them back.
+function pursuedIn({ replay }, step) {
+  return new Map(replay.steps[step - 1].pursued ?? []);
 }
 
 function slotsForming(after, { splits = [], joins = [] }) {
@@ -60,6 +66,12 @@ function percent(part) {
 function taskOfRobot(history, robot, step) {
   const state = history.at(step);
   return state.team[robot] === NOBODY ? NOBODY : state.task[state.team[robot]];
+}
+
+// The same at the end of a run of one phase, also where the last step has taken it back.
+function taskOfRun(history, robot, to) {
+  const slot = history.at(to).team[robot];
+  return pursuedIn(history, to).get(slot) ?? taskOfRobot(history, robot, to - 1);
 }
 
 // The runs of one phase in a robot's time: [{phase, from, to}], `from` excluded.

@@ -6,12 +6,12 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from queue import Empty, SimpleQueue
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from teamformer.bench.jobs import Job, run_job
 from teamformer.bench.rows import Row
@@ -26,6 +26,8 @@ AT_HAND = 4
 
 
 Batches = Generator[list[Row], None, None]
+Given = TypeVar("Given")
+Found = TypeVar("Found")
 
 
 class Engine(Protocol):
@@ -45,19 +47,26 @@ def run_here(jobs: Iterable[Job], workers: int = 1) -> Batches:
 
 def run_in_processes(jobs: Sequence[Job], workers: int) -> Batches:
     """Run jobs in processes of one thread each; with one worker, in this one."""
-    workers = min(workers, len(jobs))
+    yield from work_in_processes(run_job, jobs, workers)
+
+
+def work_in_processes(
+    work: Callable[[Given], Found], parts: Sequence[Given], workers: int
+) -> Generator[Found, None, None]:
+    """Yield what comes of each part of some work, in any order, as `run_in_processes` does."""
+    workers = min(workers, len(parts))
     if workers <= 1:
-        yield from run_here(jobs)
+        yield from map(work, parts)
         return
     context = multiprocessing.get_context("spawn")
-    finished: SimpleQueue[Future[list[Row]]] = SimpleQueue()
+    finished: SimpleQueue[Future[Found]] = SimpleQueue()
     with _noted_ctrl_c() as pressed:
         pool = ProcessPoolExecutor(workers, context, begin_worker)
         try:
             with _held_back_ctrl_c():
-                for job in jobs:
-                    pool.submit(run_job, job).add_done_callback(finished.put)
-            for _ in jobs:
+                for part in parts:
+                    pool.submit(work, part).add_done_callback(finished.put)
+            for _ in parts:
                 yield _wait_for(finished, pressed).result()
         except BrokenProcessPool:
             hint = "was memory short? rows so far are kept: run the same again, fewer --workers"
@@ -96,7 +105,7 @@ def _held_back_ctrl_c() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _wait_for(finished: SimpleQueue[Future[list[Row]]], pressed: list[int]) -> Any:
+def _wait_for(finished: SimpleQueue[Future[Found]], pressed: list[int]) -> Future[Found]:
     """Return the next job that is done; raise KeyboardInterrupt once Ctrl-C was pressed."""
     while not pressed:
         with suppress(Empty):

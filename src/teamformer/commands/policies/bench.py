@@ -32,6 +32,7 @@ from teamformer.commands.console import (
     say,
     wide,
 )
+from teamformer.commands.policies.bench_deviations import SETTINGS, Asked, bench_deviations
 from teamformer.commands.policies.bench_others import bench_others
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import ALLOCATIONS, ORDERS
@@ -66,6 +67,10 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
         limit = 10.0 if options.time_limit is None else options.time_limit
         parts = (options.worlds, options.policies, limit, options.folder)
         return bench_others(*parts, as_json)
+    if suite_name == "deviations":
+        settings, worlds = options.settings or SETTINGS, options.trials or 20
+        asked = Asked(settings, worlds, options.seed, options.workers, options.folder)
+        return bench_deviations(asked, as_json)
     if suite_name == "robotarium":
         return _fly_missions(options, as_json)
     if options.engine not in ENGINES:

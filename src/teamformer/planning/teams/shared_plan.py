@@ -212,6 +212,15 @@ def kept_plan(situation: Situation, old: SharedPlan) -> TeamPlan:
     return complete_plan(situation.problem, *plan_in_numbers(situation, old))
 
 
+def ends_of(situation: Situation, plan: SharedPlan) -> dict[int, int]:
+    """Return the step in which each task of a plan is done if nothing happens, by task.
+
+    Coalitions that lack something are completed by who is nearest.
+    """
+    timed = shared_plan_of(situation, _search_from(situation, kept_plan(situation, plan)), "timed")
+    return dict(zip(timed.order, timed.ends, strict=True))
+
+
 def plan_in_numbers(situation: Situation, plan: SharedPlan) -> tuple[list[int], list[list[int]]]:
     """Return order and coalitions, by task, in the numbers of a situation; new tasks come last."""
     number = {robot: index for index, robot in enumerate(situation.robots)}

@@ -63,7 +63,8 @@ def _of_open_tasks(plan: SharedPlan, facts: Facts) -> SharedPlan:
     pairs = zip(plan.order, plan.coalitions, strict=True)
     rows = [(task, robots) for task, robots in pairs if task in facts.open_tasks]
     order, coalitions = tuple(zip(*rows, strict=True)) or ((), ())
-    return SharedPlan(order, coalitions, (), plan.start)
+    scouts = tuple(pair for pair in plan.scouts if pair[1] in facts.open_tasks)
+    return SharedPlan(order, coalitions, (), plan.start, scouts)
 
 
 def plan_in(worlds: Worlds, w: int, scenario: Scenario) -> tuple[Scenario, Facts, SharedPlan]:

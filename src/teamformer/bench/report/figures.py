@@ -218,6 +218,6 @@ def draw_learning(learned: Array, unseen: Array, path: Path) -> None:
     for errors, label in ((learned, "worlds learned from"), (unseen, "other worlds")):
         axes.plot(range(1, len(errors) + 1), errors, label=label)
     axes.axhline(1.0, color="#999999", linewidth=0.8, linestyle="--")
-    axes.set(xlabel="epoch", ylabel="mean square error, of that of the mean")
+    axes.set(xlabel="epoch", ylabel="error, 1: that of the mean")
     axes.legend(frameon=False)
     figure.savefig(path)

@@ -15,6 +15,7 @@ from teamformer.bench.measurements.deviations.edits import (
 )
 from teamformer.bench.measurements.deviations.moments import moment_in
 from teamformer.mission.rules import BEST_ALLOCATION
+from teamformer.model import Scenario
 from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.env import Tally, TeamFormation
@@ -55,18 +56,12 @@ def try_deviations(setting: str, world: int, tries: int) -> list[Tried]:
     rng = np.random.default_rng([world, tries])
     env = TeamFormation([mission], truths=[draw_truth(mission, world)])
     offers: list[tuple[TeamFormation, Deviation, Tried]] = []
-    plans_seen = 0
+    planned = 0
     while env.is_running[0]:
-        plans, plans_seen = int(env.worlds.count["plans"][0]) - plans_seen, plans_seen
-        plans_seen += plans
-        moment = moment_in(env, mission) if plans and rng.random() < SHARE else None
-        if moment is not None:
-            kind = str(rng.choice(tuple(KINDS)))
-            deviation = draw_deviation(moment, kind, rng)
-            if deviation is not None:
-                features = features_of(moment, deviation)
-                tried = Tried(setting, world, moment.facts.step, kind, 0, features)
-                offers.append((env.fork(), deviation, tried))
+        plans = int(env.worlds.count["plans"][0])
+        if plans > planned and rng.random() < SHARE:
+            offers += _offers_in(env, mission, Tried(setting, world, 0, "", 0, ()), rng)
+        planned = plans
         _follow(env)
     ended = env.tally()
     if ended.status != "completed":
@@ -78,6 +73,22 @@ def try_deviations(setting: str, world: int, tries: int) -> list[Tried]:
         if other.status == "completed":
             found.append(replace(tried, gain=ended.steps - other.steps))
     return found
+
+
+def _offers_in(
+    env: TeamFormation, mission: Scenario, tried: Tried, rng: np.random.Generator
+) -> list[tuple[TeamFormation, Deviation, Tried]]:
+    """Return a deviation from the plan just made, with a fork to try it in, if there is one."""
+    moment = moment_in(env, mission)
+    if moment is None:
+        return []
+    kind = str(rng.choice(tuple(KINDS)))
+    deviation = draw_deviation(moment, kind, rng)
+    if deviation is None:
+        return []
+    features = features_of(moment, deviation)
+    tried = replace(tried, step=moment.facts.step, kind=kind, features=features)
+    return [(env.fork(), deviation, tried)]
 
 
 def end_with(env: TeamFormation, deviation: Deviation) -> Tally:

@@ -43,8 +43,12 @@ class Opened:
     def details(self) -> str:
         """Return the text about the selected team or task, once it is up to date."""
         self.shown_step()
-        self.page.evaluate("() => new Promise((done) => requestAnimationFrame(() => done()))")
+        self.wait_for_a_frame()
         return re.sub(r"\n+", "\n", self.page.inner_text("#details"))
+
+    def wait_for_a_frame(self) -> None:
+        """Wait until what was to be drawn is drawn."""
+        self.page.evaluate("() => new Promise((done) => requestAnimationFrame(() => done()))")
 
     def click_map(self, spot: dict[str, float]) -> None:
         """Click a pixel of the map."""
@@ -83,6 +87,7 @@ def open_page(browser: Any, tmp_path: Path) -> Iterator[Opener]:
         opened.page.on("request", lambda request: opened.requests.append(request.url))
         opened.page.goto(path.as_uri() + moment)
         opened.shown_step()
+        opened.wait_for_a_frame()  # the map comes with the first
         return opened
 
     yield open_it

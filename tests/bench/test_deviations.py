@@ -21,6 +21,7 @@ from teamformer.bench.measurements.deviations.edits import (
 from teamformer.bench.measurements.deviations.moments import Moment, moment_in
 from teamformer.bench.measurements.deviations.report import can_teach, table_of, verdict_on
 from teamformer.bench.measurements.deviations.trying import Tried, end_with, try_deviations
+from teamformer.bench.report.figures import draw_learning
 from teamformer.model import Scenario
 from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.sim.env import TeamFormation
@@ -178,8 +179,14 @@ def test_the_table_counts_and_the_verdict_chooses() -> None:
         ("look first", "s1", "2", "50%", "0%", "+1.50 ± 19.06"),
         ("look first", "all", "4", "50%", "25%", "+1.00 ± 2.91"),
     ]
-    assert can_teach(rows)
-    assert not can_teach(rows[:1])
+    assert not can_teach(rows)
+    varied = [
+        replace(row, world=number % 10, gain=number % 3) for number, row in enumerate(rows * 20)
+    ]
+    assert can_teach(varied)
+    assert not can_teach(varied[:49])
+    assert not can_teach([replace(row, world=3) for row in varied])
+    assert not can_teach([replace(row, gain=0) if row.world % 5 == 2 else row for row in varied])
     promised = np.array([1.2, 0.6, 0.1, -1.0])
     said = verdict_on(rows, promised, np.array([0.9, 0.5]), np.array([0.8, 1.1]))
     assert "0.50 of that of the mean" in said[0]
@@ -187,6 +194,11 @@ def test_the_table_counts_and_the_verdict_chooses() -> None:
     assert said[1].endswith("more than 0 steps for: 3 of 4, steps won: +0.33 ± 3.79")
     assert said[2].endswith("more than 0.5 steps for: 2 of 4, steps won: +1.00 ± 12.71")
     assert said[3].endswith("more than 1 steps for: 1 of 4, steps won: +2.00")
+
+
+def test_the_curves_are_drawn(tmp_path: Path) -> None:
+    draw_learning(np.array([1.0, 0.8]), np.array([1.0, 1.1]), tmp_path / "curves.png")
+    assert (tmp_path / "curves.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_command_goes_on_where_it_was(
@@ -199,7 +211,7 @@ def test_the_command_goes_on_where_it_was(
     assert [json.loads(row)["world"] for row in rows] == [0]
     assert bench("deviations", "--trials", "2", *flags) == 0
     assert (tmp_path / "tried.jsonl").read_text().splitlines()[:1] == rows
-    assert (tmp_path / "curves.png").read_bytes().startswith(b"\x89PNG")
+    assert "too little was tried" in capsys.readouterr().err
     (tmp_path / "tried.jsonl").write_text("{}\n")
     assert bench("deviations", "--trials", "1", *flags) == 2
     assert "tried.jsonl:1: this is no row of `bench deviations`" in capsys.readouterr().err

@@ -130,7 +130,9 @@ def _show(tried: Sequence[Tried]) -> None:
 def _teach(tried: Sequence[Tried], folder: Path | None) -> None:
     """Teach critics what deviations gain, and say what they are worth."""
     if not can_teach(tried):
-        err.print("too few worlds to teach a critic and test it on others")
+        err.print(
+            "too little was tried to teach a network and test it on other worlds: more --trials"
+        )
         return
     from teamformer.train.learning.critics import teach_critics
 

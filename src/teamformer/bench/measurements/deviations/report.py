@@ -12,6 +12,9 @@ from teamformer.sim.arrays import Array
 
 COLUMNS = ("deviation", "setting", "tried", "better", "worse", "steps won")
 
+LEAST = 50
+"""Deviations from which on it makes sense to learn from them."""
+
 MARGINS = (0.0, 0.5, 1.0)
 """Steps that a deviation has to promise to be chosen."""
 
@@ -47,8 +50,12 @@ def _with_interval(gains: Sequence[float]) -> str:
 
 
 def can_teach(tried: Sequence[Tried]) -> bool:
-    """Say whether there are worlds enough to learn from some and be tested on others."""
-    return len({row.fold for row in tried}) > 1
+    """Say whether there is enough to learn from some worlds and be tested on others."""
+    gains: dict[int, set[int]] = {}
+    for row in tried:
+        gains.setdefault(row.fold, set()).add(row.gain)
+    is_varied = all(len(different) > 1 for different in gains.values())
+    return len(tried) >= LEAST and len(gains) > 1 and is_varied
 
 
 def verdict_on(tried: Sequence[Tried], promised: Array, learned: Array, unseen: Array) -> list[str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -175,3 +176,14 @@ def done_at(env: TeamFormation) -> list[int | None]:
 def order_of(env: TeamFormation) -> list[int]:
     """Return the open tasks in their shared order."""
     return [int(k) for k in env.worlds.order[0, : env.worlds.count["open"][0]]]
+
+
+def far_from_what_may_be_needed(foresight: str) -> Scenario:
+    """T needs a and may need b, U needs a for 8 steps, V needs b; c has nothing to do.
+
+    U . c . T . . . . ab . . . . . . . . . V
+    0   2   4         9                    19
+    """
+    tasks = [replace(task("a", 4), may_need={"b": 0.5}), task("a", 0, duration=8), task("b", 19)]
+    robots = [robot("a", 9), robot("b", 9), robot("c", 2)]
+    return make(robots, tasks, foresight=foresight, allocation="plan")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,11 +43,11 @@ from teamformer.trials.trial import run_trial
 EXAMPLE = Path(__file__).parents[1] / "examples" / "piano.yaml"
 
 
-def haul(*robots: float, needs: float = 100, **rules: object) -> Scenario:
+def haul(*robots: float, needs: float = 100, **rules: Any) -> Scenario:
     """Return robots in one place that lift so many kilograms, and a task three cells away."""
     fleet = tuple(Robot(f"r{n}", (0, 0), {"lift": can}) for n, can in enumerate(robots))
     safe = Task("safe", (3, 0), {"lift": needs})
-    return Scenario("haul", Grid(8, 1), ("lift",), fleet, (safe,), **rules)  # type: ignore[arg-type]
+    return Scenario("haul", Grid(8, 1), ("lift",), fleet, (safe,), **rules)
 
 
 def scaled(scenario: Scenario, factors: dict[str, float]) -> Scenario:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench.test_bench_command import bench
-from small_worlds import make, robot, task
+from small_worlds import far_from_what_may_be_needed, robot
 from teamformer.bench.measurements.deviations.edits import (
     FEATURES,
     KINDS,
@@ -29,17 +29,6 @@ from teamformer.train.learning.critics import teach_critics
 from teamformer.truth import draw_truth
 
 
-def mission(foresight: str = "needed") -> Scenario:
-    """T needs a and may need b, U needs a for 8 steps, V needs b; c has nothing to do.
-
-    U . c . T . . . . ab . . . . . . . . . V
-    0   2   4         9                    19
-    """
-    tasks = [replace(task("a", 4), may_need={"b": 0.5}), task("a", 0, duration=8), task("b", 19)]
-    robots = [robot("a", 9), robot("b", 9), robot("c", 2)]
-    return make(robots, tasks, foresight=foresight, allocation="plan")
-
-
 def env_where(scenario: Scenario, needs: str) -> TeamFormation:
     """Return a mission whose first task turns out to need each letter of `needs`."""
     truths = (draw_truth(scenario, seed) for seed in range(100))
@@ -48,7 +37,7 @@ def env_where(scenario: Scenario, needs: str) -> TeamFormation:
 
 
 def begin(foresight: str = "needed", needs: str = "a") -> tuple[TeamFormation, Moment]:
-    scenario = mission(foresight)
+    scenario = far_from_what_may_be_needed(foresight)
     env = env_where(scenario, needs)
     moment = moment_in(env, scenario)
     assert moment is not None
@@ -91,7 +80,7 @@ def test_deviations_are_all_that_there_are(
 
 
 def test_whoever_has_what_may_be_needed_can_be_taken_along() -> None:
-    scenario = mission()
+    scenario = far_from_what_may_be_needed("needed")
     scenario = replace(scenario, robots=(*scenario.robots[:2], robot("ab", 2)))
     env = env_where(scenario, "a")
     moment = moment_in(env, scenario)

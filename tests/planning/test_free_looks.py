@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from small_worlds import make, robot, task
+from small_worlds import far_from_what_may_be_needed, make, robot, task
 from teamformer.export.reasons import story_lines
 from teamformer.model import Scenario
 from teamformer.planning.free_looks import Unseen, with_free_looks
@@ -27,17 +27,6 @@ def begin(scenario: Scenario) -> Facts:
     places = tuple(robot.at for robot in scenario.robots)
     free_at = (0,) * len(places)
     return Facts(0, tuple(range(len(scenario.tasks))), places, scenario.starting_teams, free_at)
-
-
-def far_from_what_may_be_needed(foresight: str) -> Scenario:
-    """T needs a and may need b, U needs a for 8 steps, V needs b; c has nothing to do.
-
-    U . c . T . . . . ab . . . . . . . . . V
-    0   2   4         9                    19
-    """
-    tasks = [replace(task("a", 4), may_need={"b": 0.5}), task("a", 0, duration=8), task("b", 19)]
-    robots = [robot("a", 9), robot("b", 9), robot("c", 2)]
-    return make(robots, tasks, foresight=foresight, allocation="plan")
 
 
 def play_where(scenario: Scenario, needs: str) -> Replay:

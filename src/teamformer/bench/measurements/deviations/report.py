@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.bench.measurements.deviations.trying import Tried, kinds_in
+from teamformer.bench.measurements.deviations.edits import KINDS
+from teamformer.bench.measurements.deviations.trying import Tried
 from teamformer.bench.statistics import mean_of
 from teamformer.sim.arrays import Array
 
@@ -23,13 +24,14 @@ def table_of(tried: Sequence[Tried]) -> list[tuple[str, ...]]:
     """Return a row for each kind and setting, and one for each kind."""
     table = []
     settings = sorted({row.setting for row in tried})
-    for kind in kinds_in(tried):
+    for kind in KINDS:
         of_kind = [row for row in tried if row.kind == kind]
         for setting in settings:
             rows = [row for row in of_kind if row.setting == setting]
             if rows:
                 table.append((kind, setting, *_figures(rows)))
-        table.append((kind, "all", *_figures(of_kind)))
+        if of_kind:
+            table.append((kind, "all", *_figures(of_kind)))
     return table
 
 

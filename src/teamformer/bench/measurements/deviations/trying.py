@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -101,8 +100,3 @@ def end_with(env: TeamFormation, deviation: Deviation) -> Tally:
 
 def _follow(env: TeamFormation) -> None:
     env.step(FollowPlan().decide(env.view()))
-
-
-def kinds_in(tried: Sequence[Tried]) -> list[str]:
-    """Return the kinds that were tried, in the order of `KINDS`."""
-    return [kind for kind in KINDS if any(row.kind == kind for row in tried)]

@@ -133,6 +133,27 @@ def test_shelves_stand_in_rows_with_aisles_between() -> None:
         ]
 
 
+def test_movers_lift_kilograms() -> None:
+    """60 worlds of about 7 who lift and 22 loads; each bound is some five standard errors wide.
+
+    A load is alike anywhere in the logarithm of 10 to 400, so log(400 / 120) / log(400 / 10) of
+    them, or 33%, are more than any one robot lifts. The fleet's own limit bites in few.
+    """
+    moving = worlds("moving")
+    lifted = [r.can["lift"] for world in moving for r in world.robots if "lift" in r.can]
+    loads = [t.needs["lift"] for world in moving for t in world.tasks if "lift" in t.needs]
+    assert 20 <= min(lifted) < 22
+    assert 118 < max(lifted) <= 120
+    assert np.mean(lifted) == pytest.approx(70, abs=7)
+    assert 10 <= min(loads) < 11
+    assert 380 < max(loads) <= 400
+    assert np.mean(np.array(loads) > 120) == pytest.approx(0.33, abs=0.07)
+    assert all((2 * amount) % 1 == 0 for amount in [*lifted, *loads])
+    assert np.mean([amount % 1 == 0.5 for amount in lifted]) == pytest.approx(0.5, abs=0.13)
+    assert {r.can.get("steer", 1) for world in moving for r in world.robots} == {1}
+    assert {t.needs.get("steer", 1) for world in moving for t in world.tasks} == {1}
+
+
 def test_an_unknown_incident_is_refused() -> None:
     with pytest.raises(TeamformerError, match="'real-stolen' is no setting") as refused:
         size_of("real-stolen")

@@ -2,16 +2,19 @@
 
 Where the paper's worlds give a robot one capability and a task many, here a robot has a few and a
 task needs a few, some of them twice; robots differ in speed, tasks take time, ways are blocked.
+What is lifted may be in kilograms.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
 
+from teamformer.capabilities import exact, total
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.mission.rules import BEST_ALLOCATION
@@ -33,6 +36,15 @@ ARRIVING = 5
 
 
 @dataclass(frozen=True)
+class Amounts:
+    """How much of a capability robots bring and tasks need; ranges include both ends."""
+
+    brought: tuple[float, float]  # any amount alike
+    needed: tuple[float, float]  # alike in its logarithm: light loads are frequent
+    step: float = 0.5  # amounts are multiples of it
+
+
+@dataclass(frozen=True)
 class Family:
     """What missions of a kind have in common; ranges include both ends, `shares` add up to 1."""
 
@@ -42,6 +54,7 @@ class Family:
     abilities: tuple[float, ...]  # shares of the robots that have 1, 2, ... capabilities
     needs: tuple[float, ...]  # shares of the tasks that need 1, 2, ... of them
     twice: float = 0.0  # share of needs for two robots, where there are two
+    amounts: Mapping[str, Amounts] = field(default_factory=dict)  # of those that are measured
     slow: float = 0.0  # share of the robots that walk half as fast
     serving: float = 0.0  # share of the tasks that take time
     duration: tuple[int, int] = (1, 10)
@@ -86,6 +99,17 @@ FAMILIES = {
         height=(12, 24),
         has_shelves=True,
     ),
+    "moving": Family(
+        robots=(8, 12),
+        tasks=(20, 40),
+        capabilities=("lift", "steer"),
+        abilities=(0.5, 0.5),
+        needs=(0.5, 0.5),
+        amounts={"lift": Amounts(brought=(20.0, 120.0), needed=(10.0, 400.0))},
+        slow=0.25,
+        serving=0.5,
+        blocked=0.05,
+    ),
 }
 
 
@@ -113,14 +137,13 @@ def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Scenario
     """Return a mission and the robots that can be spared in it."""
     world = _draw_world(family, rng)
     robots = _draw_robots(family, world, rng)
-    holders = {cap: sum(cap in robot.can for robot in robots) for cap in family.capabilities}
-    present = [cap for cap in family.capabilities if holders[cap] > 0]
-    tasks = _draw_tasks(family, world, present, holders, rng)
+    have = total(robot.can for robot in robots)
+    tasks = _draw_tasks(family, world, have, rng)
     most = {cap: max(task.needs.get(cap, 0) for task in tasks) for cap in family.capabilities}
     spare = [
         number
         for number, robot in enumerate(robots)
-        if all(holders[cap] - amount >= most[cap] for cap, amount in robot.can.items())
+        if all(have[cap] - amount >= most[cap] for cap, amount in robot.can.items())
     ]
     mission = Scenario(
         name=name,
@@ -171,7 +194,7 @@ def _draw_robots(family: Family, world: Grid, rng: np.random.Generator) -> tuple
             if cap not in can:
                 can.append(cap)
         speed = 0.5 if rng.random() < family.slow else 1.0
-        in_order = {cap: 1 for cap in family.capabilities if cap in can}
+        in_order = {cap: _brought(family, cap, rng) for cap in family.capabilities if cap in can}
         robots.append(Robot(f"r{robot}", at, in_order, speed))
     return tuple(robots)
 
@@ -179,18 +202,18 @@ def _draw_robots(family: Family, world: Grid, rng: np.random.Generator) -> tuple
 def _draw_tasks(
     family: Family,
     world: Grid,
-    present: list[str],
-    holders: dict[str, int],
+    have: Mapping[str, float],
     rng: np.random.Generator,
 ) -> tuple[Task, ...]:
-    """Return tasks that need capabilities that are present, some of them two robots with one."""
+    """Return tasks that need capabilities of which the fleet has enough."""
+    present = [cap for cap in family.capabilities if cap in have]
     number = int(rng.integers(family.tasks[0], family.tasks[1] + 1))
     tasks = []
     for task, at in enumerate(random_places(world, number, rng)):
         size = min(1 + int(rng.choice(len(family.needs), p=family.needs)), len(present))
         chosen = rng.permutation(present)[:size].tolist()
         needs = {
-            cap: 2 if holders[cap] > 1 and rng.random() < family.twice else 1
+            cap: _needed(family, cap, have[cap], rng)
             for cap in family.capabilities
             if cap in chosen
         }
@@ -198,6 +221,27 @@ def _draw_tasks(
         duration = int(rng.integers(family.duration[0], family.duration[1] + 1))
         tasks.append(Task(f"t{task}", at, needs, duration if takes_time else 0))
     return tuple(tasks)
+
+
+def _brought(family: Family, cap: str, rng: np.random.Generator) -> float:
+    """Return how much of a capability a robot brings that has it."""
+    amounts = family.amounts.get(cap)
+    if amounts is None:
+        return 1
+    return _in_steps(rng.uniform(*amounts.brought), amounts)
+
+
+def _needed(family: Family, cap: str, have: float, rng: np.random.Generator) -> float:
+    """Return how much of a capability a task needs, at most what the fleet has."""
+    amounts = family.amounts.get(cap)
+    if amounts is None:
+        return 2 if have > 1 and rng.random() < family.twice else 1
+    least, most = np.log(amounts.needed)
+    return min(have, _in_steps(np.exp(rng.uniform(least, most)), amounts))
+
+
+def _in_steps(amount: float, amounts: Amounts) -> float:
+    return exact(round(amount / amounts.step) * amounts.step)
 
 
 def _lose_one(mission: Scenario, spare: list[int], rng: np.random.Generator) -> Scenario:

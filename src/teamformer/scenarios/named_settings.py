@@ -5,11 +5,11 @@
 `-30x30` sets the grid. Without it the grid is the paper's: 10 x 10, from 100 robots or tasks on
 20 x 20 (Boehme and Hollinger, ICRA 2026, section V).
 
-`real`, `sparse` and `warehouse` are families of missions that people have; `real-lost` loses one
-robot that can be spared, in `real-arrivals` a fifth of the tasks appear later. `-durations`,
-`-needs` (with a probability of 50%; `-needs30`, `-needs70`), `-places`, `-delays`, `-calls`,
-`-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name says, in any setting:
-`4N20T-C4-needs`, `real-mixed`.
+`real`, `sparse`, `warehouse` and `moving` are families of missions that people have; `real-lost`
+loses one robot that can be spared, in `real-arrivals` a fifth of the tasks appear later.
+`-durations`, `-needs` (with a probability of 50%; `-needs30`, `-needs70`), `-places`, `-delays`,
+`-calls`, `-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name says, in any
+setting: `4N20T-C4-needs`, `real-mixed`.
 """
 
 from __future__ import annotations

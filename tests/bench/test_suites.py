@@ -24,6 +24,9 @@ SHIPPED = [
     "scale",
     "table1",
     "taught",
+    "taught-c100",
+    "taught-c4",
+    "taught-c8",
     "uncertain",
 ]
 

@@ -150,9 +150,9 @@ def test_tables_say_the_same() -> None:
 def test_a_saving_is_a_share_of_the_other_mean() -> None:
     rows = [
         *rows_of("4N20T-C4", "heuristic", [100, 80, 120, None]),
-        *rows_of("4N20T-C4", "teamformer-c4", [70, 60, 80, 50]),
+        *rows_of("4N20T-C4", "teamformer-c4-ppo", [70, 60, 80, 50]),
     ]
-    saving = Evidence(rows).saving("4N20T-C4", "teamformer-c4", "heuristic")
+    saving = Evidence(rows).saving("4N20T-C4", "teamformer-c4-ppo", "heuristic")
     assert saving is not None
     assert saving.value == pytest.approx(0.3)  # (300 - 210) / 300
     assert saving.half_width == pytest.approx(4.303 * 10 / math.sqrt(3) / 100, abs=1e-4)
@@ -179,7 +179,8 @@ def test_the_optimum_is_what_was_proven() -> None:
 def test_verdicts() -> None:
     evidence = Evidence(
         [
-            *rows_of(SMALL, "teamformer-c4", [20, 22]),
+            *rows_of(SMALL, "teamformer-c4-ppo", [20, 22]),
+            *rows_of(SMALL, "teamformer-c4", [90, None]),  # what a script taught is not judged
             *rows_of(SMALL, "gnn-c4", [24, 26]),
             *rows_of(SMALL, "heuristic", [21, 20]),
         ]
@@ -216,7 +217,7 @@ def test_trends_go_by_the_ends() -> None:
 
 def test_the_policy_of_a_family_fits_the_setting() -> None:
     assert policy_for("gnn", "24N100T-C8") == "gnn-c8"
-    assert policy_for("teamformer", "100N20T-C100-R20") == "teamformer-c100"
+    assert policy_for("teamformer", "100N20T-C100-R20") == "teamformer-c100-ppo"
     assert policy_for("teamformer-any", "24N100T-C8") == "teamformer-any"
 
 

@@ -22,7 +22,7 @@ def test_all_learned_policies_are_here() -> None:
 
 
 @pytest.mark.parametrize("allocation", ALLOCATIONS)
-@pytest.mark.parametrize("name", LEARNED)
+@pytest.mark.parametrize("name", [name for name in LEARNED if not name.endswith("-ppo")])
 def test_nothing_blocks(name: str, allocation: str) -> None:
     policy = load_policy(name, POLICIES)
     count = 5 if allocation == "plan" else 25  # a plan takes a while

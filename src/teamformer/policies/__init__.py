@@ -44,13 +44,25 @@ POLICIES = (
     Listing(
         "teamformer-c4",
         "teamformer.policies.learned.autoregressive:teamformer_c4",
-        "the paper's transformer",
+        "the paper's transformer, taught by join-fitting",
+        trained_on="up to 4 capabilities",
+    ),
+    Listing(
+        "teamformer-c4-ppo",
+        "teamformer.policies.learned.autoregressive:teamformer_c4_ppo",
+        "the paper's transformer, by PPO from nothing",
         trained_on="up to 4 capabilities",
     ),
     Listing(
         "teamformer-c8",
         "teamformer.policies.learned.autoregressive:teamformer_c8",
-        "the paper's transformer",
+        "the paper's transformer, taught by join-fitting",
+        trained_on="up to 8 capabilities",
+    ),
+    Listing(
+        "teamformer-c8-ppo",
+        "teamformer.policies.learned.autoregressive:teamformer_c8_ppo",
+        "the paper's transformer, by PPO from nothing",
         trained_on="up to 8 capabilities",
     ),
     Listing(

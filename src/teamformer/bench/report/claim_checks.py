@@ -8,8 +8,12 @@ from dataclasses import dataclass
 from teamformer.bench.report.evidence import Evidence
 from teamformer.bench.report.tables import interval, number, seconds
 from teamformer.bench.statistics import Mean, wilson
+from teamformer.policies import POLICIES
 from teamformer.scenarios.named_settings import spec_of
 from teamformer.trials.registry import BARE
+
+BY_PPO = "-ppo"
+LISTED = {listing.name for listing in POLICIES}
 
 TABLE_1 = (
     "4N20T-C4",
@@ -38,10 +42,15 @@ UNKNOWN = Judgement("not measured", None)
 
 
 def policy_for(family: str, setting: str) -> str:
-    """Return the policy of a family that serves a setting: `gnn-c4`, or the name itself."""
-    if family in ("teamformer", "deepset", "gnn"):
-        return f"{family}-c{spec_of(setting).capabilities}"
-    return family
+    """Return the policy of a family that serves a setting: `gnn-c4`, or the name itself.
+
+    The paper's networks learned by PPO from nothing. Where a script has taught the one of that
+    name, it is the one that PPO made: `gnn-c4-ppo`.
+    """
+    if family not in ("teamformer", "deepset", "gnn"):
+        return family
+    name = f"{family}-c{spec_of(setting).capabilities}"
+    return f"{name}{BY_PPO}" if f"{name}{BY_PPO}" in LISTED else name
 
 
 def near_optimum(setting: str, most: float) -> Judge:

@@ -173,7 +173,7 @@ def _curve(axes: Axes, policy: str, points: dict[int, float]) -> None:
     sizes, values = zip(*sorted(points.items()), strict=True)
     exponent = growth_exponent(sizes, values)
     label = policy if math.isnan(exponent) else f"{policy}: n^{exponent:.2f}"
-    marker = MARKERS.get(policy.rpartition("-")[-1], "o")
+    marker = next((MARKERS[part] for part in policy.split("-") if part in MARKERS), "o")
     axes.plot(sizes, values, color=colour_of(policy), label=label, marker=marker, markersize=4)
 
 

@@ -120,9 +120,19 @@ def teamformer_c4() -> Learned:
     return policy_of(shipped_speller("teamformer-c4"))
 
 
+def teamformer_c4_ppo() -> Learned:
+    """Return the one that PPO made from nothing, for up to four capabilities."""
+    return policy_of(shipped_speller("teamformer-c4-ppo"))
+
+
 def teamformer_c8() -> Learned:
     """Return the shipped network for up to eight capabilities."""
     return policy_of(shipped_speller("teamformer-c8"))
+
+
+def teamformer_c8_ppo() -> Learned:
+    """Return the one that PPO made from nothing, for up to eight capabilities."""
+    return policy_of(shipped_speller("teamformer-c8-ppo"))
 
 
 def teamformer_c100() -> Learned:

@@ -216,7 +216,8 @@ def test_trends_go_by_the_ends() -> None:
 
 
 def test_the_policy_of_a_family_fits_the_setting() -> None:
-    assert policy_for("gnn", "24N100T-C8") == "gnn-c8"
+    assert policy_for("gnn", "24N100T-C8") == "gnn-c8-ppo"
+    assert policy_for("gnn", "20N100T-C4") == "gnn-c4"
     assert policy_for("teamformer", "100N20T-C100-R20") == "teamformer-c100-ppo"
     assert policy_for("teamformer-any", "24N100T-C8") == "teamformer-any"
 

@@ -98,7 +98,13 @@ POLICIES = (
     Listing(
         "gnn-c8",
         "teamformer.policies.learned.combinations:gnn_c8",
-        "the paper's graph network",
+        "the paper's graph network, taught by join-fitting",
+        trained_on="up to 8 capabilities",
+    ),
+    Listing(
+        "gnn-c8-ppo",
+        "teamformer.policies.learned.combinations:gnn_c8_ppo",
+        "the paper's graph network, by PPO from nothing",
         trained_on="up to 8 capabilities",
     ),
     Listing(

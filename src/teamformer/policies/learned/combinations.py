@@ -187,3 +187,8 @@ def gnn_c4() -> Learned:
 def gnn_c8() -> Learned:
     """Return the shipped graph network for up to eight capabilities."""
     return combining(shipped("gnn-c8.onnx"), "gnn-c8", 8)
+
+
+def gnn_c8_ppo() -> Learned:
+    """Return the one that PPO made from nothing, for up to eight capabilities."""
+    return combining(shipped("gnn-c8-ppo.onnx"), "gnn-c8-ppo", 8)

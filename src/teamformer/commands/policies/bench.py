@@ -32,11 +32,16 @@ from teamformer.commands.console import (
     say,
     wide,
 )
-from teamformer.commands.policies.bench_deviations import SETTINGS, Asked, bench_deviations
+from teamformer.commands.policies.bench_deviations import bench_deviations
+from teamformer.commands.policies.bench_futures import bench_futures
 from teamformer.commands.policies.bench_others import bench_others
+from teamformer.commands.policies.rows_by_world import SETTINGS, Asked
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import ALLOCATIONS, ORDERS
 from teamformer.scenarios.authors import read_worlds
+
+BY_WORLD = {"deviations": bench_deviations, "futures": bench_futures}
+"""Suites that are measured world by world, in missions with surprises."""
 
 
 @dataclass(frozen=True)
@@ -67,10 +72,10 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
         limit = 10.0 if options.time_limit is None else options.time_limit
         parts = (options.worlds, options.policies, limit, options.folder)
         return bench_others(*parts, as_json)
-    if suite_name == "deviations":
+    if suite_name in BY_WORLD:
         settings, worlds = options.settings or SETTINGS, options.trials or 20
         asked = Asked(settings, worlds, options.seed, options.workers, options.folder)
-        return bench_deviations(asked, as_json)
+        return BY_WORLD[suite_name](asked, as_json)
     if suite_name == "robotarium":
         return _fly_missions(options, as_json)
     if options.engine not in ENGINES:

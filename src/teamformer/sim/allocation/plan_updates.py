@@ -28,8 +28,13 @@ def reasons_in(bits: int) -> tuple[str, ...]:
     return tuple(word for bit, word in enumerate(PLAN_REASONS) if bits & 1 << bit)
 
 
-def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario]) -> None:
-    """Make a plan in every world where something has happened; say what teams are to do next."""
+def update_shared_plans(
+    worlds: Worlds, scenarios: Sequence[Scenario], is_brief: bool = False
+) -> None:
+    """Make a plan in every world where something has happened; say what teams are to do next.
+
+    `is_brief` is for those who play many missions: a shorter search when a plan is made again.
+    """
     reasons = np.zeros(len(scenarios), np.int32)
     _find_reasons(worlds, reasons)
     for w in np.flatnonzero(reasons).tolist():
@@ -38,7 +43,8 @@ def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario]) -> None:
             plan = _first_plan(_Same(scenarios[w]), facts, _unseen_in(worlds, w))
         else:
             believed, unseen = _believed(worlds, w, scenarios[w]), _unseen_in(worlds, w)
-            plan = _make_plan(scenarios[w], believed, facts, unseen, _read_plan(worlds, w))
+            old = _read_plan(worlds, w)
+            plan = _make_plan(scenarios[w], believed, facts, unseen, old, is_brief)
         _write_plan(worlds, w, plan)
     follow_shared_plans(worlds, reasons != 0)
 
@@ -92,10 +98,11 @@ def _first_plan(same: _Same, facts: Facts, unseen: Unseen) -> SharedPlan:
 
 
 def _make_plan(
-    scenario: Scenario, believed: Scenario, facts: Facts, unseen: Unseen, old: SharedPlan | None
-) -> SharedPlan:
+    scenario: Scenario, believed: Scenario, facts: Facts, unseen: Unseen,
+    old: SharedPlan | None, is_brief: bool = False,
+) -> SharedPlan:  # fmt: skip
     """Return the plan for what is believed; who has time to spare scouts, if that is wanted."""
-    plan = plan_mission(believed, facts, old)
+    plan = plan_mission(believed, facts, old, is_brief)
     if scenario.foresight != "scouting":
         return plan
     return with_free_looks(believed, facts, plan, unseen)

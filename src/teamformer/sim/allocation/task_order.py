@@ -20,16 +20,19 @@ from teamformer.sim.arrays import CREWS, NEAREST, PLAN, RUNNING, World, Worlds, 
 from teamformer.sim.motion import travel, travel_between
 
 
-def orderings_for(worlds: Worlds, scenarios: Sequence[Scenario]) -> list[Callable[[Worlds], None]]:
+def orderings_for(
+    worlds: Worlds, scenarios: Sequence[Scenario], is_brief: bool = False
+) -> list[Callable[[Worlds], None]]:
     """Return what brings order, crews and plans up to date: call each after every step.
 
-    Only what these worlds need, as a planner that is never called need not be compiled.
+    Only what these worlds need, as a planner that is never called need not be compiled. Where plans
+    are to be brief, a shared plan is searched for more shortly when it is made again.
     """
     has_plan = worlds.rules["allocation"] == PLAN
     has_lists = (worlds.rules["allocation"] == CREWS) | (worlds.rules["has_schedule"] != 0)
     orderings: list[Callable[[Worlds], None]] = []
     if has_plan.any():
-        orderings.append(partial(update_shared_plans, scenarios=scenarios))
+        orderings.append(partial(update_shared_plans, scenarios=scenarios, is_brief=is_brief))
     if (has_lists & ~has_plan).any():
         orderings.append(plan_worlds)
     if not (has_lists | has_plan).all():

@@ -1,4 +1,4 @@
-"""What the trials of deviations say: a table by kind and setting, and what critics won."""
+"""What the trials of deviations say: tables, and what critics won."""
 
 from __future__ import annotations
 
@@ -6,12 +6,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from teamformer.bench.measurements.deviations.choosing import Chosen
 from teamformer.bench.measurements.deviations.edits import KINDS
 from teamformer.bench.measurements.deviations.trying import Tried
 from teamformer.bench.statistics import mean_of
 from teamformer.sim.arrays import Array
 
 COLUMNS = ("deviation", "setting", "tried", "better", "worse", "steps won")
+
+COLUMNS_OF_CHOICES = (
+    "setting", "moments", "chosen at", "promised", "won", "won at a moment", "won in a mission",
+)  # fmt: skip
 
 LEAST = 50
 """Deviations from which on it makes sense to learn from them."""
@@ -32,6 +37,31 @@ def table_of(tried: Sequence[Tried]) -> list[tuple[str, ...]]:
                 table.append((kind, setting, *_figures(rows)))
         if of_kind:
             table.append((kind, "all", *_figures(of_kind)))
+    return table
+
+
+def table_of_choices(chosen: Sequence[Chosen]) -> list[tuple[str, ...]]:
+    """Return a row for each setting.
+
+    Where something was chosen: what it promised on average, and what it won in other futures. Then
+    what choosing wins at a moment, and at all of a mission if that could be added up.
+    """
+    table: list[tuple[str, ...]] = []
+    for setting in sorted({row.setting for row in chosen}):
+        rows = [row for row in chosen if row.setting == setting]
+        ahead = [row for row in rows if row.kind]
+        plans = mean_of([row.plans for row in rows]).value
+        table.append(
+            (
+                setting,
+                str(len(rows)),
+                str(len(ahead)),
+                _with_interval([row.promised for row in ahead]) if ahead else "",
+                _with_interval([row.gain for row in ahead]) if ahead else "",
+                _with_interval([row.gain for row in rows]),
+                _with_interval([row.gain * plans for row in rows]),
+            )
+        )
     return table
 
 

@@ -61,7 +61,7 @@ def try_deviations(setting: str, world: int, tries: int) -> list[Tried]:
         if plans > planned and rng.random() < SHARE:
             offers += _offers_in(env, mission, Tried(setting, world, 0, "", 0, ()), rng)
         planned = plans
-        _follow(env)
+        follow(env)
     ended = env.tally()
     if ended.status != "completed":
         return []
@@ -93,10 +93,16 @@ def _offers_in(
 def end_with(env: TeamFormation, deviation: Deviation) -> Tally:
     """Return how a mission ends if it goes on with a deviation."""
     env.take_over_plan(deviation.plan)
+    return end_of(env)
+
+
+def end_of(env: TeamFormation) -> Tally:
+    """Return how a mission ends if it goes on by the shared plan."""
     while env.is_running[0]:
-        _follow(env)
+        follow(env)
     return env.tally()
 
 
-def _follow(env: TeamFormation) -> None:
+def follow(env: TeamFormation) -> None:
+    """Make one step by the shared plan."""
     env.step(FollowPlan().decide(env.view()))

@@ -132,19 +132,19 @@ class TeamFormation:
         twin._pool, twin._is_viewed = None, False
         return twin
 
-    def imagine(self, rng: np.random.Generator) -> TeamFormation:
+    def imagine(self, rng: np.random.Generator, haste: int = 1) -> TeamFormation:
         """Return a fork with another truth: any that agrees with what is known, by its probability.
 
-        What tasks need and where they are is drawn anew where nobody has seen it. Shared plans are
-        searched for more briefly in it. Raises ValueError where more is uncertain: durations,
-        breakdowns, delays, calls.
+        What tasks need and where they are is drawn anew where nobody has seen it. With `haste`
+        shared plans are searched for so many times more briefly in it. Raises ValueError where
+        more is uncertain: durations, breakdowns, delays, calls.
         """
         if not all(map(hides_no_more, self.scenarios)):
             raise ValueError("more than needs and places is uncertain; that cannot be drawn anew")
         twin = self.fork()
         for w in range(len(self.scenarios)):
             draw_hidden(twin.worlds, w, rng)
-        twin._orderings = orderings_for(twin.worlds, twin.scenarios, is_brief=True)
+        twin._orderings = orderings_for(twin.worlds, twin.scenarios, haste)
         return twin
 
     def view(self) -> View:

@@ -28,12 +28,10 @@ def reasons_in(bits: int) -> tuple[str, ...]:
     return tuple(word for bit, word in enumerate(PLAN_REASONS) if bits & 1 << bit)
 
 
-def update_shared_plans(
-    worlds: Worlds, scenarios: Sequence[Scenario], is_brief: bool = False
-) -> None:
+def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario], haste: int = 1) -> None:
     """Make a plan in every world where something has happened; say what teams are to do next.
 
-    `is_brief` is for those who play many missions: a shorter search when a plan is made again.
+    With `haste` the search is so many times shorter when a plan is made again.
     """
     reasons = np.zeros(len(scenarios), np.int32)
     _find_reasons(worlds, reasons)
@@ -44,7 +42,7 @@ def update_shared_plans(
         else:
             believed, unseen = _believed(worlds, w, scenarios[w]), _unseen_in(worlds, w)
             old = _read_plan(worlds, w)
-            plan = _make_plan(scenarios[w], believed, facts, unseen, old, is_brief)
+            plan = _make_plan(scenarios[w], believed, facts, unseen, old, haste)
         _write_plan(worlds, w, plan)
     follow_shared_plans(worlds, reasons != 0)
 
@@ -99,10 +97,10 @@ def _first_plan(same: _Same, facts: Facts, unseen: Unseen) -> SharedPlan:
 
 def _make_plan(
     scenario: Scenario, believed: Scenario, facts: Facts, unseen: Unseen,
-    old: SharedPlan | None, is_brief: bool = False,
+    old: SharedPlan | None, haste: int = 1,
 ) -> SharedPlan:  # fmt: skip
     """Return the plan for what is believed; who has time to spare scouts, if that is wanted."""
-    plan = plan_mission(believed, facts, old, is_brief)
+    plan = plan_mission(believed, facts, old, haste=haste)
     if scenario.foresight != "scouting":
         return plan
     return with_free_looks(believed, facts, plan, unseen)

@@ -32,7 +32,7 @@ BEST = 3
 """How many are tried in more futures."""
 
 HASTE = 16
-"""How much shorter the search for a plan is in futures: missions take one or two percent longer."""
+"""So many times shorter is the search for a plan in futures; missions take 2 to 10% longer so."""
 
 LEAST = 0.2
 """Steps that a deviation must promise, besides its standard error, to be chosen."""

@@ -12,9 +12,9 @@ import pytest
 from teamformer.bench.executors import Batches, run_here, run_in_processes
 from teamformer.bench.jobs import Job, list_schedule, run_job
 from teamformer.bench.rows import Key, Row
-from teamformer.bench.runner import TIMED, Request, fits, own_stamp, run_benchmark
+from teamformer.bench.runner import TIMED, Request, fits, fitting_cells, own_stamp, run_benchmark
 from teamformer.bench.store import Store
-from teamformer.bench.suites import Suite
+from teamformer.bench.suites import Suite, cells, load_suite
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
@@ -156,6 +156,14 @@ def test_what_does_not_fit_is_said_and_left_out(tmp_path: Path) -> None:
     assert {policy for _, policy, _ in rows} >= {"join-all"}
     assert ("8N4T-C8", "gnn-c4") not in {(setting, policy) for setting, policy, _ in rows}
     assert any(line.startswith("gnn-c4: ") and line.endswith("skipped") for line in said)
+
+
+def test_all_that_a_shipped_suite_has_is_run_without_the_deadlock_guard_too() -> None:
+    said: list[str] = []
+    suite = load_suite("taught")
+    assert ("8N20T-C8", "gnn-c8-ppo-bare") in cells(suite)
+    assert list(fitting_cells(Request(suite, trials=1), said.append)) == list(cells(suite))
+    assert said == []
 
 
 def test_fitting_goes_by_the_name() -> None:

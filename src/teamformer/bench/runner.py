@@ -151,7 +151,8 @@ def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tupl
         if policy in request.without:
             continue
         why = ""
-        if player_of(policy) not in (*listed, AUTHORS) and not request.policies:
+        is_listed = player_of(policy).removesuffix(BARE) in (*listed, AUTHORS)
+        if not is_listed and not request.policies:
             why = f"{policy}: not in this installation; skipped"
         elif not fits(policy, setting):
             why = f"{policy}: does not fit {setting}; skipped"

@@ -21,7 +21,7 @@ def test_only_parts_with_trials_are_drawn(tmp_path: Path) -> None:
     rows = [
         *rows_of("4N20T-C4", "heuristic", [80, 90]),
         *rows_of("8N20T-C8", "gnn-c8-ppo", [70, None]),
-        *rows_of("8N20T-C8", "deepset-c8", [None, None]),  # no bar, and no complaint
+        *rows_of("8N20T-C8", "deepset-c8-ppo", [None, None]),  # no bar, and no complaint
     ]
     assert draw("paper", rows, tmp_path) == ["fig4a.png", "fig5a.png"]
     for name in ("fig4a.png", "fig5a.png"):

@@ -58,7 +58,8 @@ def test_the_paper_is_its_figures() -> None:
     assert list(suite.settings) == PAPER_SETTINGS
     assert [part.name for part in suite.figures] == SHIPPED[1:8]
     assert ("8N20T-C8", "gnn-c8-ppo") in cells(suite)
-    assert ("8N20T-C8", "gnn-c4") not in cells(suite)
+    assert ("4N20T-C4", "gnn-c4-ppo") in cells(suite)
+    assert ("8N20T-C8", "gnn-c4-ppo") not in cells(suite)
     assert ("4N20+20T-C4-nn", "central") not in cells(suite)  # nobody can plan for what appears
 
 

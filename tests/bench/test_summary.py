@@ -181,7 +181,7 @@ def test_verdicts() -> None:
         [
             *rows_of(SMALL, "teamformer-c4-ppo", [20, 22]),
             *rows_of(SMALL, "teamformer-c4", [90, None]),  # what a script taught is not judged
-            *rows_of(SMALL, "gnn-c4", [24, 26]),
+            *rows_of(SMALL, "gnn-c4-ppo", [24, 26]),
             *rows_of(SMALL, "heuristic", [21, 20]),
         ]
     )
@@ -196,7 +196,8 @@ def test_verdicts() -> None:
 
 
 def test_who_struggles_shows_without_the_deadlock_guard() -> None:
-    safe, bare = rows_of(SMALL, "gnn-c4", [10, 20]), rows_of(SMALL, "gnn-c4-bare", [10, None])
+    safe = rows_of(SMALL, "gnn-c4-ppo", [10, 20])
+    bare = rows_of(SMALL, "gnn-c4-ppo-bare", [10, None])
     judge = some_failures(SMALL, "gnn")
     assert judge(Evidence(safe), "teamformer").holds is False
     told = judge(Evidence([*safe, *bare]), "teamformer")
@@ -217,7 +218,7 @@ def test_trends_go_by_the_ends() -> None:
 
 def test_the_policy_of_a_family_fits_the_setting() -> None:
     assert policy_for("gnn", "24N100T-C8") == "gnn-c8-ppo"
-    assert policy_for("gnn", "20N100T-C4") == "gnn-c4"
+    assert policy_for("gnn", "20N100T-C4") == "gnn-c4-ppo"
     assert policy_for("teamformer", "100N20T-C100-R20") == "teamformer-c100-ppo"
     assert policy_for("teamformer-any", "24N100T-C8") == "teamformer-any"
 

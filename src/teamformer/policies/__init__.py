@@ -80,19 +80,37 @@ POLICIES = (
     Listing(
         "deepset-c4",
         "teamformer.policies.learned.combinations:deepset_c4",
-        "the paper's deep set with attention",
+        "the paper's deep set with attention, taught by join-fitting",
+        trained_on="up to 4 capabilities",
+    ),
+    Listing(
+        "deepset-c4-ppo",
+        "teamformer.policies.learned.combinations:deepset_c4_ppo",
+        "the paper's deep set with attention, by PPO from nothing",
         trained_on="up to 4 capabilities",
     ),
     Listing(
         "deepset-c8",
         "teamformer.policies.learned.combinations:deepset_c8",
-        "the paper's deep set with attention",
+        "the paper's deep set with attention, taught by join-fitting",
+        trained_on="up to 8 capabilities",
+    ),
+    Listing(
+        "deepset-c8-ppo",
+        "teamformer.policies.learned.combinations:deepset_c8_ppo",
+        "the paper's deep set with attention, by PPO from nothing",
         trained_on="up to 8 capabilities",
     ),
     Listing(
         "gnn-c4",
         "teamformer.policies.learned.combinations:gnn_c4",
-        "the paper's graph network",
+        "the paper's graph network, taught by join-fitting",
+        trained_on="up to 4 capabilities",
+    ),
+    Listing(
+        "gnn-c4-ppo",
+        "teamformer.policies.learned.combinations:gnn_c4_ppo",
+        "the paper's graph network, by PPO from nothing",
         trained_on="up to 4 capabilities",
     ),
     Listing(

@@ -174,14 +174,29 @@ def deepset_c4() -> Learned:
     return combining(shipped("deepset-c4.onnx"), "deepset-c4", 4)
 
 
+def deepset_c4_ppo() -> Learned:
+    """Return the one that PPO made from nothing, for up to four capabilities."""
+    return combining(shipped("deepset-c4-ppo.onnx"), "deepset-c4-ppo", 4)
+
+
 def deepset_c8() -> Learned:
     """Return the shipped deep set for up to eight capabilities."""
     return combining(shipped("deepset-c8.onnx"), "deepset-c8", 8)
 
 
+def deepset_c8_ppo() -> Learned:
+    """Return the one that PPO made from nothing, for up to eight capabilities."""
+    return combining(shipped("deepset-c8-ppo.onnx"), "deepset-c8-ppo", 8)
+
+
 def gnn_c4() -> Learned:
     """Return the shipped graph network for up to four capabilities."""
     return combining(shipped("gnn-c4.onnx"), "gnn-c4", 4)
+
+
+def gnn_c4_ppo() -> Learned:
+    """Return the one that PPO made from nothing, for up to four capabilities."""
+    return combining(shipped("gnn-c4-ppo.onnx"), "gnn-c4-ppo", 4)
 
 
 def gnn_c8() -> Learned:

@@ -19,7 +19,7 @@ from teamformer.trials.registry import load_policy
 MINE = [
     listing.name for listing in POLICIES if not load_policy(listing.name, POLICIES).needs_everything
 ]
-FITTING = [name for name in MINE if not name.endswith(("-c8", "-c100"))]
+FITTING = [name for name in MINE if not name.endswith(("-c8", "-c100", "-ppo"))]  # networks once
 
 
 def with_another_future(scenario: Scenario, kept: int) -> Scenario:

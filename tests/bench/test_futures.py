@@ -98,9 +98,9 @@ def test_what_is_chosen_is_what_pays_on_average() -> None:
 
 
 def test_choosing_is_repeatable_and_told_by_moment() -> None:
-    once, again = (choose_in("4N4T-C4-places", 1, 2) for _ in range(2))
+    once, again = (choose_in("4N4T-C4-places", 1, 1) for _ in range(2))
     assert once == again
-    assert len(once) == 2
+    assert len(once) == 1
     assert all(row.plans >= 2 and (row.kind or row.gain == 0) for row in once)
 
 

@@ -29,14 +29,15 @@ def test_a_hundred_robots_are_as_fast_as_by_join_all(setting: str) -> None:
     ("policy", "setting"),
     [
         ("teamformer-c4", "32N40T-C4-20x20"),
-        ("teamformer-c8", "32N40T-C8-20x20"),
         ("gnn-c8", "32N40T-C8-20x20"),
-        ("gnn-c4", "32N40T-C4-20x20"),
         ("deepset-c4", "32N40T-C4-20x20"),
+        pytest.param("teamformer-c8", "32N40T-C8-20x20", marks=pytest.mark.slow),
+        pytest.param("gnn-c4", "32N40T-C4-20x20", marks=pytest.mark.slow),
+        pytest.param("deepset-c8", "32N40T-C8-20x20", marks=pytest.mark.slow),
     ],
 )
 def test_where_robots_are_alike_it_is_well_below_join_all(policy: str, setting: str) -> None:
-    """In 100 or 200 worlds by 14%, 10%, 8%, 15% and 15%."""
+    """In 100 or 200 worlds by 14%, 8%, 15%, 10%, 15% and 8%."""
     worlds = [world_of(setting, seed) for seed in range(900, 906)]
     taught = run_trials(worlds, load_policy(f"{policy}-bare", POLICIES))
     bar = run_trials(worlds, load_policy("join-all", POLICIES))

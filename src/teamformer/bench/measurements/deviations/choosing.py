@@ -1,6 +1,6 @@
 """Choosing deviations by futures: each is played to the end in truths that may be the real one.
 
-This is a policy with a thousand times the computing of the shared plan: a rollout (Tesauro and
+This is a policy with some hundred times the computing of the shared plan: a rollout (Tesauro and
 Galperin 1996) of what is near to it. What it promises is measured again in futures that it did not
 choose by, as the best of many is often only the luckiest.
 """

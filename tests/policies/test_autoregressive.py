@@ -33,7 +33,10 @@ from teamformer.trials.trial import run_trials
 CODEC = SpellingCodec(CAPS)
 
 
-@pytest.fixture(scope="module", params=["edit", pytest.param("full", marks=pytest.mark.slow)])
+EXPORTED = [pytest.param(spelling, marks=pytest.mark.slow) for spelling in SPELLINGS]  # 20 s each
+
+
+@pytest.fixture(scope="module", params=EXPORTED)
 def exported(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Teamformer, Path]:

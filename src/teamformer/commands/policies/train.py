@@ -58,13 +58,16 @@ def train(options: TrainOptions, as_json: bool) -> int:
     announce_compiling()
     try:
         with ended_like_ctrl_c():
-            is_first = run_session(settings, folder, _Table(as_json).show)
+            table = _Table(as_json)
+            is_first = run_session(settings, folder, table.show)
     except KeyboardInterrupt:
         say(_how_to_go_on(folder))
         return 1
     if is_first and not (folder / "last").exists():
         say("no iteration was made; nothing is kept")
         return 1
+    if is_first and table.rows == 0:
+        say("it has trained for as long already; --minutes and --iterations count all of its time")
     if is_first:
         say(f"the policy is in {folder}; run it with --policy {folder}")
     return 0
@@ -146,19 +149,19 @@ class _Table:
 
     def __init__(self, as_json: bool) -> None:
         self._as_json = as_json
-        self._rows = 0
+        self.rows = 0
         self._has_bars = False
 
     def show(self, report: Report) -> None:
         """Print a report."""
         from teamformer.train.tensorboard import figures
 
+        self.rows += 1
         if self._as_json:
             print_json({"iteration": report.progress.iteration, **figures(report)})
             return
-        if self._rows % 20 == 0:
+        if self.rows % 20 == 1:
             print(_header(report))
-        self._rows += 1
         if report.score is not None and not self._has_bars:
             self._has_bars = True
             print(_bars(report.score))

@@ -67,7 +67,7 @@ def train(options: TrainOptions, as_json: bool) -> int:
         say("no iteration was made; nothing is kept")
         return 1
     if is_first and table.rows == 0:
-        say("it has trained for as long already; --minutes and --iterations count all of its time")
+        say("it has trained for as long already; --minutes counts all of its time")
     if is_first:
         say(f"the policy is in {folder}; run it with --policy {folder}")
     return 0

@@ -18,7 +18,7 @@ from teamformer.regions import flood
 
 MOST_WALKING = 10**6
 MOST_FORMING = 10**7
-MOST_WAITING = 10**9
+MOST_WAITING = 10**9 - MOST_WALKING - MOST_FORMING  # a file's step limit is a billion at most
 """What walks, forming and waits add to a step limit at most; steps are counted in 32 bits."""
 
 

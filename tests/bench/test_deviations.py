@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from teamformer.bench.measurements.deviations.moments import Moment, moment_in
 from teamformer.bench.measurements.deviations.report import can_teach, table_of, verdict_on
 from teamformer.bench.measurements.deviations.trying import Tried, end_with, try_deviations
 from teamformer.bench.report.figures import draw_learning
+from teamformer.bench.store import lock_folder
 from teamformer.model import Scenario
 from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.sim.env import TeamFormation
@@ -201,8 +203,18 @@ def test_the_command_goes_on_where_it_was(
     assert bench("deviations", "--trials", "2", *flags) == 0
     assert (tmp_path / "tried.jsonl").read_text().splitlines()[:1] == rows
     assert "too little was tried" in capsys.readouterr().err
-    (tmp_path / "tried.jsonl").write_text("{}\n")
+    (tmp_path / "tried.jsonl").write_text(f"{{}}\n{rows[0]}\n\n{rows[0][:40]}")
+    assert bench("deviations", "--trials", "1", *flags) == 0
+    assert "tried.jsonl: lines 1, 4 cannot be read; set aside" in capsys.readouterr().err
+    assert (tmp_path / "tried.jsonl").read_text().splitlines() == rows
+    assert (tmp_path / "broken-rows.txt").read_text() == (
+        f"tried.jsonl:1: {{}}\ntried.jsonl:4: {rows[0][:40]}\n"
+    )
+    lock = lock_folder(tmp_path)
     assert bench("deviations", "--trials", "1", *flags) == 2
-    assert "tried.jsonl:1: this is no row of `bench deviations`" in capsys.readouterr().err
+    assert f"{tmp_path}: another bench is at work here" in capsys.readouterr().err
+    os.close(lock)
+    assert bench("deviations", "--policies", "heuristic", "--order", "tsp") == 2
+    assert "the suite 'deviations' has no use for --policies, --order" in capsys.readouterr().err
     assert bench("deviations", "--settings", "4N4T-C4") == 2
     assert "in '4N4T-C4' nothing is uncertain" in capsys.readouterr().err

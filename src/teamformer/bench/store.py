@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -47,7 +47,7 @@ class Store:
         self._lock = self._file = -1
 
     def __enter__(self) -> Store:
-        self._lock = os.open(self.folder / LOCK, os.O_CREAT | os.O_RDWR, 0o644)
+        self._lock = lock_folder(self.folder)
         try:
             self._begin()
         except BaseException:
@@ -79,11 +79,6 @@ class Store:
         self._rewrite()
 
     def _begin(self) -> None:
-        try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            hint = "wait until it is done, or name another folder"
-            raise TeamformerError(f"{self.folder}: another bench is at work here", hint) from None
         self._check_about()
         if self._read_rows():
             self._rewrite()
@@ -101,7 +96,7 @@ class Store:
             if (self.folder / ROWS).exists():
                 what = f"{self.folder}: holds rows, but no {ABOUT} that says what they are"
                 raise TeamformerError(what, "name another folder")
-            _replace(path, json.dumps(ours, indent=1) + "\n")
+            replace_text(path, json.dumps(ours, indent=1) + "\n")
             return
         try:
             theirs = json.loads(read_text(path, 1_000_000))
@@ -128,23 +123,11 @@ class Store:
             elif line:
                 broken.append((number, line))
         if broken:
-            self._set_aside(broken)
+            set_aside(path, broken, self._say)
         return bool(broken) or not text.endswith("\n")
 
-    def _set_aside(self, broken: list[tuple[int, str]]) -> None:
-        path = self.folder / BROKEN
-        with path.open("a", encoding="utf-8") as file:
-            file.writelines(f"{ROWS}:{number}: {line}\n" for number, line in broken)
-        numbers = ", ".join(str(number) for number, _ in broken[:5])
-        more = f" and {len(broken) - 5} more" if len(broken) > 5 else ""
-        plural = "s" if len(broken) > 1 else ""
-        self._say(
-            f"{self.folder / ROWS}: line{plural} {numbers}{more} cannot be read; set aside into "
-            f"{path.name}, and the trial{plural} will be run again"
-        )
-
     def _rewrite(self) -> None:
-        _replace(self.folder / ROWS, "".join(row.to_line() for row in self.rows.values()))
+        replace_text(self.folder / ROWS, "".join(row.to_line() for row in self.rows.values()))
         if self._file != -1:
             os.close(self._file)
         self._open()
@@ -160,7 +143,36 @@ def read_folder(folder: Path) -> tuple[BenchmarkDescription, list[Row]]:
     return about, [row for row in map(row_of, lines) if row]
 
 
-def _replace(path: Path, text: str) -> None:
+def lock_folder(folder: Path) -> int:
+    """Keep other benchmarks out of a folder until the descriptor that is returned is closed.
+
+    Raises `TeamformerError` if another one is at work in it.
+    """
+    lock = os.open(folder / LOCK, os.O_CREAT | os.O_RDWR, 0o644)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(lock)
+        hint = "wait until it is done, or name another folder"
+        raise TeamformerError(f"{folder}: another bench is at work here", hint) from None
+    return lock
+
+
+def set_aside(path: Path, broken: Sequence[tuple[int, str]], say: Callable[[str], None]) -> None:
+    """Keep lines of a file that are no rows, with their numbers, beside it, and say so."""
+    beside = path.with_name(BROKEN)
+    with beside.open("a", encoding="utf-8") as file:
+        file.writelines(f"{path.name}:{number}: {line}\n" for number, line in broken)
+    numbers = ", ".join(str(number) for number, _ in broken[:5])
+    more = f" and {len(broken) - 5} more" if len(broken) > 5 else ""
+    plural = "s" if len(broken) > 1 else ""
+    say(
+        f"{path}: line{plural} {numbers}{more} cannot be read; set aside into "
+        f"{beside.name}, and the trial{plural} will be run again"
+    )
+
+
+def replace_text(path: Path, text: str) -> None:
     """Write a file such that there is always either the old one or all of the new one."""
     draft = path.with_name(f".{path.name}.new")
     with suppress(FileNotFoundError):

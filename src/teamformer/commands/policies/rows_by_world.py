@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import asdict, dataclass
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 from teamformer.bench.executors import work_in_processes
+from teamformer.bench.store import lock_folder, replace_text, set_aside
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import Counting, prepare_folder, print_json, say
 from teamformer.errors import TeamformerError
@@ -50,8 +52,8 @@ class Measurement(Generic[Row]):
 def measure_worlds(asked: Asked, measurement: Measurement[Row], as_json: bool) -> list[Row] | None:
     """Return the rows of all worlds, printed as JSON if wanted; None if it was interrupted.
 
-    Raises TeamformerError where nothing is uncertain in a setting, and where a file in the folder
-    holds what is no row.
+    Raises TeamformerError where nothing is uncertain in a setting, and where another benchmark is
+    at work in the folder. Lines of its file that are no rows are set aside and measured again.
     """
     for setting in asked.settings:
         if not world_of(setting, asked.first).has_surprises:
@@ -79,12 +81,14 @@ def _measure_all(asked: Asked, measurement: Measurement[Row]) -> Iterator[list[R
         for world in range(asked.first, asked.first + asked.worlds)
         for setting in asked.settings
     ]
-    path = None if asked.folder is None else asked.folder / measurement.file
-    known = {} if path is None else _read_rows(path, measurement)
-    yield from (known[place] for place in places if place in known)
-    missing = [place for place in places if place not in known]
-    announce_compiling(is_planned=True, has_shared_plan=True)
     with ExitStack() as stack:
+        path = None if asked.folder is None else asked.folder / measurement.file
+        if asked.folder is not None:
+            stack.callback(os.close, lock_folder(asked.folder))
+        known = {} if path is None else _read_rows(path, measurement)
+        yield from (known[place] for place in places if place in known)
+        missing = [place for place in places if place not in known]
+        announce_compiling(is_planned=True, has_shared_plan=True)
         file = None if path is None else stack.enter_context(path.open("a", encoding="utf-8"))
         counting = stack.enter_context(Counting("worlds"))
         work = work_in_processes(partial(_measure_at, measurement.work), missing, asked.workers)
@@ -102,17 +106,22 @@ def _measure_at(work: Callable[[str, int], list[Any]], place: Place) -> tuple[Pl
 
 
 def _read_rows(path: Path, measurement: Measurement[Row]) -> dict[Place, list[Row]]:
-    """Return what was measured into a folder before."""
+    """Return what was measured into a folder before; lines that are no rows are set aside."""
     if not path.exists():
         return {}
-    found = {}
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+    text = path.read_bytes().decode("utf-8", errors="replace")
+    found: dict[Place, list[Row]] = {}
+    kept, broken = [], []
+    for number, line in enumerate(text.split("\n"), 1):
         try:
             row = json.loads(line)
             tried = [measurement.row(**it) for it in row["tried"]]
             found[str(row["setting"]), int(row["world"])] = tried
+            kept.append(f"{line}\n")
         except (ValueError, TypeError, KeyError):
-            hint = "take the line out, or name another folder with --out"
-            message = f"{path}:{number}: this is no row of `bench {measurement.suite}`"
-            raise TeamformerError(message, hint) from None
+            broken += [(number, line)] if line else []
+    if broken:
+        set_aside(path, broken, say)
+    if broken or not text.endswith("\n"):
+        replace_text(path, "".join(kept))
     return found

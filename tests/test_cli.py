@@ -349,7 +349,10 @@ def test_a_planner_s_bound_is_everybody_s(capsys: pytest.CaptureFixture[str]) ->
     assert alone["lower_bound"] == planned["lower_bound"]
 
 
-@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "<&-"])
+ONE_BY_ONE = [pytest.param(closed, marks=pytest.mark.slow) for closed in (">&-", "2>&-")]
+
+
+@pytest.mark.parametrize("closed", [">&- 2>&-", "<&-", *ONE_BY_ONE])
 def test_closed_streams_are_no_fault(closed: str) -> None:
     command = f"{sys.executable} -m teamformer.cli run {FOUR} --policy join-all {closed}"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}

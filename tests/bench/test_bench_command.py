@@ -159,7 +159,7 @@ def test_a_worker_that_dies_is_told_and_rows_are_kept(tmp_path: Path) -> None:
     assert len(rows) == 8
 
 
-@pytest.mark.parametrize("pause", [0.001, 0.03])
+@pytest.mark.parametrize("pause", [0.001, pytest.param(0.03, marks=pytest.mark.slow)])
 def test_ctrl_c_ends_it_at_once_and_keeps_the_rows(pause: float, tmp_path: Path) -> None:
     words = ["fig3", "--trials", "40000", "--policies", "heuristic", "--workers", "2"]
     command = [*COMMAND, *words, "--out", str(tmp_path)]

@@ -54,9 +54,13 @@ def assert_alike(one: tuple[View, Decision], other: tuple[View, Decision]) -> No
 
 SETTINGS = ("4N20+20T-C4-tsp", "4N20+20T-C4-nn")
 RULES = [*itertools.product(SETTINGS, ORDERS, ALLOCATIONS)]
+OF_THE_FIRST = [rule for rule in RULES if rule[0] == SETTINGS[0]]
+OF_OTHERS = [
+    pytest.param(*rule, marks=pytest.mark.slow) for rule in RULES if rule[0] != SETTINGS[0]
+]
 
 
-@pytest.mark.parametrize(("setting", "order", "allocation"), RULES)
+@pytest.mark.parametrize(("setting", "order", "allocation"), [*OF_THE_FIRST, *OF_OTHERS])
 def test_another_future_changes_nothing_before_it(
     setting: str, order: str, allocation: str
 ) -> None:

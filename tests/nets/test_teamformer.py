@@ -65,7 +65,7 @@ def test_probabilities_of_all_legal_decisions_sum_to_one(spelling: str) -> None:
 def test_sampled_decisions_are_legal_and_as_likely_as_evaluated(spelling: str) -> None:
     network, generator = wild_network(spelling), torch.Generator().manual_seed(1)
     teams, changed = 0, 0
-    for view, env in random_views(30, 2, worlds=20):
+    for view, env in random_views(15, 2, worlds=20):
         tokens = CODEC.encode(view)
         with torch.no_grad():
             action, log_prob = network.act(tensors(tokens), generator)
@@ -76,7 +76,7 @@ def test_sampled_decisions_are_legal_and_as_likely_as_evaluated(spelling: str) -
         before = illegal_decisions(env)
         env.step(Decision(wanted))
         assert illegal_decisions(env) == before
-    assert teams > 1200
+    assert teams > 600
     assert changed > teams / 4
 
 

@@ -26,8 +26,6 @@ AT_HAND = 4
 
 
 Batches = Generator[list[Row], None, None]
-Given = TypeVar("Given")
-Found = TypeVar("Found")
 
 
 class Engine(Protocol):
@@ -47,26 +45,19 @@ def run_here(jobs: Iterable[Job], workers: int = 1) -> Batches:
 
 def run_in_processes(jobs: Sequence[Job], workers: int) -> Batches:
     """Run jobs in processes of one thread each; with one worker, in this one."""
-    yield from work_in_processes(run_job, jobs, workers)
-
-
-def work_in_processes(
-    work: Callable[[Given], Found], parts: Sequence[Given], workers: int
-) -> Generator[Found, None, None]:
-    """Yield what comes of each part of some work, in any order, as `run_in_processes` does."""
-    workers = min(workers, len(parts))
+    workers = min(workers, len(jobs))
     if workers <= 1:
-        yield from map(work, parts)
+        yield from run_here(jobs)
         return
     context = multiprocessing.get_context("spawn")
-    finished: SimpleQueue[Future[Found]] = SimpleQueue()
+    finished: SimpleQueue[Future[list[Row]]] = SimpleQueue()
     with _noted_ctrl_c() as pressed:
         pool = ProcessPoolExecutor(workers, context, begin_worker)
         try:
             with _held_back_ctrl_c():
-                for part in parts:
-                    pool.submit(work, part).add_done_callback(finished.put)
-            for _ in parts:
+                for job in jobs:
+                    pool.submit(run_job, job).add_done_callback(finished.put)
+            for _ in jobs:
                 yield _wait_for(finished, pressed).result()
         except BrokenProcessPool:
             hint = "was memory short? rows so far are kept: run the same again, fewer --workers"

@@ -36,7 +36,7 @@ RULES = {
     "forming_steps": (),
 }
 AXES = ("robots", "tasks", "capabilities")
-OTHERS = ("speed", "robotarium", "others", "deviations", "futures")
+OTHERS = ("speed", "robotarium", "others")
 """Measured by code of their own."""
 FIGURES = ("drawn", "none")
 

@@ -52,8 +52,7 @@ def bench(
     """Measure policies on a suite of settings; `speed` times the simulator.
 
     Suites: fig3 fig4a fig4b fig5a fig5b fig6 fig9 table1, together `paper`; taught,
-    missions, uncertain, deviations, futures, fleet, scale, authors, others,
-    robotarium.
+    missions, uncertain, fleet, scale, authors, others, robotarium.
 
     Run it again with the same folder to go on after an interruption, or for more trials.
     """

@@ -22,7 +22,6 @@ from teamformer.sim.arrays import RUNNING, STATUS_NAMES, Array, Worlds
 from teamformer.sim.packing import pack_worlds
 from teamformer.sim.reward import Reward
 from teamformer.sim.step import finish_worlds, form_worlds, step_worlds
-from teamformer.sim.surprises.futures import draw_hidden, hides_no_more
 from teamformer.sim.view import NEXT_TASKS, View, fill_views, lay_out_rows, make_view
 from teamformer.truth import draw_truth
 
@@ -130,21 +129,6 @@ class TeamFormation:
         twin._first_row, twin._first_member = self._first_row.copy(), self._first_member.copy()
         twin.rewards = self.rewards.copy()
         twin._pool, twin._is_viewed = None, False
-        return twin
-
-    def imagine(self, rng: np.random.Generator, haste: int = 1) -> TeamFormation:
-        """Return a fork with another truth: any that agrees with what is known, by its probability.
-
-        What tasks need and where they are is drawn anew where nobody has seen it. With `haste`
-        shared plans are searched for so many times more briefly in it. Raises ValueError where
-        more is uncertain: durations, breakdowns, delays, calls.
-        """
-        if not all(map(hides_no_more, self.scenarios)):
-            raise ValueError("more than needs and places is uncertain; that cannot be drawn anew")
-        twin = self.fork()
-        for w in range(len(self.scenarios)):
-            draw_hidden(twin.worlds, w, rng)
-        twin._orderings = orderings_for(twin.worlds, twin.scenarios, haste)
         return twin
 
     def view(self) -> View:

@@ -19,7 +19,6 @@ from teamformer.bench.statistics import growth_exponent
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import Summary
 from teamformer.scenarios.named_settings import spec_of
-from teamformer.sim.arrays import Array
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 FAMILIES = {
@@ -209,15 +208,3 @@ def _finish(figure: Figure, axes: Axes) -> None:
         fontsize=8,
         frameon=False,
     )
-
-
-def draw_learning(learned: Array, unseen: Array, path: Path) -> None:
-    """Draw the errors of critics after each epoch, (epochs,): 1 is that of who says the mean."""
-    figure = Figure(figsize=(5, 3), dpi=RESOLUTION, layout="constrained")
-    axes = figure.add_subplot()
-    for errors, label in ((learned, "worlds learned from"), (unseen, "other worlds")):
-        axes.plot(range(1, len(errors) + 1), errors, label=label)
-    axes.axhline(1.0, color="#999999", linewidth=0.8, linestyle="--")
-    axes.set(xlabel="epoch", ylabel="error, 1: that of the mean")
-    axes.legend(frameon=False)
-    figure.savefig(path)

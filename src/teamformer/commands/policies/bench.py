@@ -32,16 +32,10 @@ from teamformer.commands.console import (
     say,
     wide,
 )
-from teamformer.commands.policies.bench_deviations import bench_deviations
-from teamformer.commands.policies.bench_futures import bench_futures
 from teamformer.commands.policies.bench_others import bench_others
-from teamformer.commands.policies.rows_by_world import SETTINGS, Asked
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import ALLOCATIONS, ORDERS
 from teamformer.scenarios.authors import read_worlds
-
-BY_WORLD = {"deviations": bench_deviations, "futures": bench_futures}
-"""Suites that are measured world by world, in missions with surprises."""
 
 
 @dataclass(frozen=True)
@@ -72,11 +66,6 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
         limit = 10.0 if options.time_limit is None else options.time_limit
         parts = (options.worlds, options.policies, limit, options.folder)
         return bench_others(*parts, as_json)
-    if suite_name in BY_WORLD:
-        _refuse_what_is_of_no_use(suite_name, options)
-        settings, worlds = options.settings or SETTINGS, options.trials or 20
-        asked = Asked(settings, worlds, options.seed, options.workers, options.folder)
-        return BY_WORLD[suite_name](asked, as_json)
     if suite_name == "robotarium":
         return _fly_missions(options, as_json)
     if options.engine not in ENGINES:
@@ -98,24 +87,6 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
         say(f"written: {options.results}")
     _show(rows, as_json)
     return 0
-
-
-def _refuse_what_is_of_no_use(suite_name: str, options: BenchOptions) -> None:
-    """Refuse options that a suite that is measured world by world would ignore."""
-    given = {
-        "--policies": options.policies,
-        "--without": options.without,
-        "--time-limit": options.time_limit is not None,
-        "--order": options.order,
-        "--allocation": options.allocation,
-        "--worlds": options.worlds,
-        "--engine": options.engine != "local",
-        "--report": options.results,
-        "--beside": options.beside,
-    }
-    flags = ", ".join(flag for flag, value in given.items() if value)
-    if flags:
-        raise TeamformerError(f"the suite '{suite_name}' has no use for {flags}", "leave that out")
 
 
 def _measure(request: Request, options: BenchOptions) -> list[Row]:

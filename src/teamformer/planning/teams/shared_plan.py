@@ -98,21 +98,18 @@ def plan_mission(
     facts: Facts,
     old: SharedPlan | None = None,
     is_brief: bool = False,
-    haste: int = 1,
 ) -> SharedPlan:
     """Return the plan from the present on; never worse by its own count than the old one.
 
     Robots that will be lost or back and tasks that have not appeared play no part; what the robots
     that are left cannot do is not in the plan. `is_brief` is for those who plan again often: fewer
-    searches, and shorter ones. With `haste` all are so many times shorter.
+    searches, and shorter ones.
     """
     facts = replace(facts, open_tasks=possible_tasks(scenario, facts))
     if not facts.open_tasks:
         return SharedPlan((), (), (), "nothing")
     situation = situation_of(scenario, facts)
     rounds = rounds_for(situation.problem, old is not None)
-    if haste > 1:
-        rounds = Rounds(*(1 + part // haste for part in rounds))
     if is_brief:
         rounds = rounds._replace(crews=rounds.crews // BRIEF, team=rounds.team // BRIEF)
     kept: SharedPlan | None = None

@@ -28,11 +28,8 @@ def reasons_in(bits: int) -> tuple[str, ...]:
     return tuple(word for bit, word in enumerate(PLAN_REASONS) if bits & 1 << bit)
 
 
-def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario], haste: int = 1) -> None:
-    """Make a plan in every world where something has happened; say what teams are to do next.
-
-    With `haste` the search is so many times shorter when a plan is made again.
-    """
+def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario]) -> None:
+    """Make a plan in every world where something has happened; say what teams are to do next."""
     reasons = np.zeros(len(scenarios), np.int32)
     _find_reasons(worlds, reasons)
     for w in np.flatnonzero(reasons).tolist():
@@ -42,7 +39,7 @@ def update_shared_plans(worlds: Worlds, scenarios: Sequence[Scenario], haste: in
         else:
             believed, unseen = _believed(worlds, w, scenarios[w]), _unseen_in(worlds, w)
             old = _read_plan(worlds, w)
-            plan = _make_plan(scenarios[w], believed, facts, unseen, old, haste)
+            plan = _make_plan(scenarios[w], believed, facts, unseen, old)
         _write_plan(worlds, w, plan)
     follow_shared_plans(worlds, reasons != 0)
 
@@ -97,10 +94,10 @@ def _first_plan(same: _Same, facts: Facts, unseen: Unseen) -> SharedPlan:
 
 def _make_plan(
     scenario: Scenario, believed: Scenario, facts: Facts, unseen: Unseen,
-    old: SharedPlan | None, haste: int = 1,
+    old: SharedPlan | None,
 ) -> SharedPlan:  # fmt: skip
     """Return the plan for what is believed; who has time to spare scouts, if that is wanted."""
-    plan = plan_mission(believed, facts, old, haste=haste)
+    plan = plan_mission(believed, facts, old)
     if scenario.foresight != "scouting":
         return plan
     return with_free_looks(believed, facts, plan, unseen)

@@ -20,19 +20,16 @@ from teamformer.sim.arrays import CREWS, NEAREST, PLAN, RUNNING, World, Worlds, 
 from teamformer.sim.motion import travel, travel_between
 
 
-def orderings_for(
-    worlds: Worlds, scenarios: Sequence[Scenario], haste: int = 1
-) -> list[Callable[[Worlds], None]]:
+def orderings_for(worlds: Worlds, scenarios: Sequence[Scenario]) -> list[Callable[[Worlds], None]]:
     """Return what brings order, crews and plans up to date: call each after every step.
 
-    Only what these worlds need, as a planner that is never called need not be compiled. With
-    `haste` the search for a shared plan is so many times shorter when it is made again.
+    Only what these worlds need, as a planner that is never called need not be compiled.
     """
     has_plan = worlds.rules["allocation"] == PLAN
     has_lists = (worlds.rules["allocation"] == CREWS) | (worlds.rules["has_schedule"] != 0)
     orderings: list[Callable[[Worlds], None]] = []
     if has_plan.any():
-        orderings.append(partial(update_shared_plans, scenarios=scenarios, haste=haste))
+        orderings.append(partial(update_shared_plans, scenarios=scenarios))
     if (has_lists & ~has_plan).any():
         orderings.append(plan_worlds)
     if not (has_lists | has_plan).all():

@@ -6,12 +6,12 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from queue import Empty, SimpleQueue
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 from teamformer.bench.jobs import Job, run_job
 from teamformer.bench.rows import Row
@@ -96,7 +96,7 @@ def _held_back_ctrl_c() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _wait_for(finished: SimpleQueue[Future[Found]], pressed: list[int]) -> Future[Found]:
+def _wait_for(finished: SimpleQueue[Future[list[Row]]], pressed: list[int]) -> Future[list[Row]]:
     """Return the next job that is done; raise KeyboardInterrupt once Ctrl-C was pressed."""
     while not pressed:
         with suppress(Empty):

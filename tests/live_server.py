@@ -15,9 +15,8 @@ from teamformer.live.mission import Mission
 from teamformer.live.session import Session
 from teamformer.live.workshop import Workshop
 from teamformer.model import Scenario
-from teamformer.policies import POLICIES
 from teamformer.scenarios.files import scenario_from_tree
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 from teamformer.viewer.html import live_page
 
 
@@ -61,7 +60,7 @@ def serving(
 ) -> Iterator[Served]:
     """Serve a mission under the rule `join-fitting` while the block runs."""
     policy = "join-fitting"
-    mission = Mission(scenario, lambda: load_policy(policy, POLICIES), policy, 0)
+    mission = Mission(scenario, lambda: load_method(policy), 0)
     with _served(Session(mission, folder, speed), token) as served:
         yield served
 
@@ -72,7 +71,7 @@ def serving_editor(folder: Path, speed: float = 20.0) -> Iterator[Served]:
     policy = "join-fitting"
 
     def start(scenario: Scenario) -> Mission:
-        return Mission(scenario, lambda: load_policy(policy, POLICIES), policy, 0)
+        return Mission(scenario, lambda: load_method(policy), 0)
 
     with _served(Workshop(start, folder, speed), None) as served:
         yield served

@@ -411,7 +411,7 @@ def test_a_mission_too_large_to_be_planned_soon_runs_under_crews_and_says_so(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("teamformer.planning.teams.shared_plan.MOST_AT_ONCE", 31)  # 4 * (4 + 4)
-    assert teamformer("run", FOUR, "--json", "--policy", "follow-plan") == 0
+    assert teamformer("run", FOUR, "--json", "--policy", "plan") == 0
     shown = capsys.readouterr()
     assert json.loads(shown.out)["allocation"] == "crews"
     assert "4 robots and 4 tasks are too many to share a plan soon: crews instead" in shown.err
@@ -423,11 +423,11 @@ def test_a_network_of_the_paper_runs_under_its_own_allocation_and_its_row_says_s
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """The file says nothing of allocation, and means the best, which that network does not know."""
-    assert teamformer("compare", FOUR, "--policies", "join-crew,gnn-c4") == 0
+    assert teamformer("compare", FOUR, "--policies", "crews,gnn-c4") == 0
     shown = capsys.readouterr()
     assert "gnn-c4 was made for allocation paper, not" in shown.err
     assert " gnn-c4, paper " in shown.out
-    assert " join-crew " in shown.out
+    assert " crews " in shown.out
     assert teamformer("run", FOUR, "--policy", "gnn-c4", "--json") == 0
     assert json.loads(capsys.readouterr().out)["allocation"] == "paper"
     assert teamformer("run", FOUR, "--policy", "gnn-c4", "--allocation", "crews") == 2

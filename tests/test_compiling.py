@@ -17,10 +17,10 @@ EXAMPLE = Path(__file__).parents[1] / "examples" / "four-robots.yaml"
 def test_what_is_compiled_is_neither_announced_nor_compiled_again(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(sys, "argv", ["compiling", "join-crew"])
+    monkeypatch.setattr(sys, "argv", ["compiling", "crews"])
     compiling.main()
     monkeypatch.setattr(subprocess, "Popen", None)  # calling it would fail
-    compiling.announce_compiling(["join-crew"])
+    compiling.announce_compiling(["crews"])
     assert capsys.readouterr().err == ""
 
 

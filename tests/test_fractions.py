@@ -29,7 +29,6 @@ from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.coalitions.mission import pose_mission
 from teamformer.planning.relaxation.problem import most_in_coalitions, relax
-from teamformer.policies import POLICIES
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
 from teamformer.robotarium.mission_checks import check_mission
@@ -37,7 +36,7 @@ from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.multi_agent.parallel_env import TeamFormationParallel
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "piano.yaml"
@@ -79,7 +78,7 @@ PLAYED = [
     ("nearest", "join-fitting"),
     ("crews", "teamformer"),
     ("plan", "teamformer"),
-    ("paper", "teamformer-any"),
+    ("paper", "teamformer"),
     ("paper", "teamformer-c4"),
     ("paper", "gnn-c4"),
 ]
@@ -88,10 +87,7 @@ PLAYED = [
 @pytest.mark.parametrize(("allocation", "policy"), PLAYED)
 def test_scaled_counts_are_played_alike(allocation: str, policy: str) -> None:
     whole, parts = pair_of_worlds(allocation)
-    one, other = (
-        run_trial(scenario, load_policy(policy, POLICIES), policy).replay
-        for scenario in (whole, parts)
-    )
+    one, other = (run_trial(scenario, load_method(policy)).replay for scenario in (whole, parts))
     assert one.end.status == "completed"
     assert (one.steps, one.orders, one.plans, one.end) == (
         *(other.steps, other.orders, other.plans, other.end),
@@ -130,7 +126,7 @@ def test_two_wait_for_the_gram_that_they_lack() -> None:
     scenario = haul(20.25, 12.5, 0.001, needs=32.751)
     slow = replace(scenario.robots[2], at=(7, 0), speed=0.5)
     scenario = replace(scenario, robots=(*scenario.robots[:2], slow), step_limit=0)
-    replay = run_trial(scenario, load_policy("join-fitting", POLICIES), "join-fitting").replay
+    replay = run_trial(scenario, load_method("join-fitting")).replay
     assert judge(replay).findings == ()
     assert replay.end.makespan == 9
     assert "lacks 0.001 x lift, which r2 brings" in [chapter.why for chapter in explain(replay, 0)]
@@ -160,7 +156,7 @@ def test_what_appears_at_random_needs_a_whole_one() -> None:
     with pytest.raises(ScenarioError, match=r"bring 0\.75 x lift; add such a robot"):
         haul(0.5, 0.25, needs=0.5, arrivals=calls)
     scenario = haul(0.5, 0.5, needs=0.5, arrivals=calls)
-    replay = run_trial(scenario, JoinAll(), "join-all").replay
+    replay = run_trial(scenario, JoinAll()).replay
     assert replay.end.status == "completed"
     assert judge(replay).findings == ()
 
@@ -168,8 +164,8 @@ def test_what_appears_at_random_needs_a_whole_one() -> None:
 def test_the_example_is_played_by_every_kind_of_policy(tmp_path: Path) -> None:
     """The grand piano takes all four dollies: three and the crawler lift 0.45 too little."""
     scenario = read_scenario(EXAMPLE)
-    for policy in ("heuristic", "follow-plan", "teamformer-any", "deepset-c4"):
-        replay = run_trial(scenario, load_policy(policy, POLICIES), policy).replay
+    for policy in ("heuristic", "plan", "teamformer", "deepset-c4"):
+        replay = run_trial(scenario, load_method(policy)).replay
         assert replay.end.status == "completed"
         assert judge(replay).findings == ()
     write_tables(replay, tmp_path)
@@ -179,7 +175,7 @@ def test_the_example_is_played_by_every_kind_of_policy(tmp_path: Path) -> None:
 
 def test_a_network_that_spells_refuses_counts_that_take_too_long() -> None:
     scenario = haul(12.5, 7.5, needs=15)  # 5 and 3 units of 2.5
-    policy = load_policy("teamformer-c4", POLICIES)
+    policy = load_method("teamformer-c4").policy
     assert run_trial(scenario, policy, "teamformer-c4").replay.end.status == "completed"
     with pytest.raises(TeamformerError, match="spells counts one by one, and a robot brings 12,34"):
         run_trial(haul(12.345, 7.501, needs=15), policy, "teamformer-c4")
@@ -206,7 +202,7 @@ def test_an_operators_task_may_be_finer_than_what_robots_bring() -> None:
         run.step()
     assert run.record().scenario.tasks[-1].needs == {"lift": 7.401}
     assert judge(run.record()).findings == ()
-    again = run_trial(run.scenario, JoinAll(), "join-all").replay
+    again = run_trial(run.scenario, JoinAll()).replay
     assert again.steps == run.record().steps
     with pytest.raises(TeamformerError, match=r"7\.501 x lift but .* lack 0\.001 x lift"):
         run.happen(NewTask((5, 0), {"lift": 7.501}))

@@ -206,7 +206,6 @@ class Scenario:
     join_radius: float = 0.0
     forming_steps: int = 1
     step_limit: int = 0  # 0: a generous limit is worked out, see default_step_limit
-    order: str = "tsp"
     new_tasks: str = "resolve"
     allocation: str = "paper"
     time: str = "steps"
@@ -255,8 +254,8 @@ class Scenario:
 
     @property
     def is_planned(self) -> bool:
-        """Say whether a plan, crews or a schedule, makes the task order; else a tour does."""
-        return self.allocation in ("crews", "plan") or self.order == "schedule"
+        """Say whether crews or a plan make the task order; else a tour does."""
+        return self.allocation in ("crews", "plan")
 
 
 def default_step_limit(scenario: Scenario) -> int:

@@ -43,5 +43,5 @@ def test_tables_are_not_drawn(tmp_path: Path) -> None:
 def test_a_family_has_one_colour(policy: str) -> None:
     assert colour_of(policy) == colour_of("gnn")
     assert colour_of(policy) != colour_of("join-all")
-    assert colour_of("join-crew") not in (colour_of("join-all"), colour_of("join"))
+    assert colour_of("crews") not in (colour_of("join-all"), colour_of("join"))
     assert colour_of("mine:Policy") == colour_of("mine:Policy")

@@ -10,14 +10,13 @@ import pytest
 
 from teamformer.mission.rules import ALLOCATIONS, ORDERS
 from teamformer.model import Scenario, Task
-from teamformer.policies import POLICIES
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import METHODS, load_method
 
 MINE = [
-    listing.name for listing in POLICIES if not load_policy(listing.name, POLICIES).needs_everything
+    listing.name for listing in METHODS if not load_method(listing.name).policy.needs_everything
 ]
 FITTING = [name for name in MINE if not name.endswith(("-c8", "-c100", "-ppo"))]  # networks once
 
@@ -34,7 +33,7 @@ def with_another_future(scenario: Scenario, kept: int) -> Scenario:
 
 def play(scenario: Scenario, policy_name: str, steps: int) -> list[tuple[View, Decision]]:
     """Return what is seen and decided in the first steps."""
-    policy = load_policy(policy_name, POLICIES)
+    policy = load_method(policy_name).policy
     policy.begin(None, np.random.default_rng(0))
     env = TeamFormation([scenario])
     seen = []
@@ -70,7 +69,7 @@ def test_another_future_changes_nothing_before_it(
 @pytest.mark.parametrize("policy", FITTING)
 def test_no_policy_knows_of_the_future(policy: str) -> None:
     assert len(FITTING) >= 3
-    allocation = "plan" if policy == "follow-plan" else "paper"
+    allocation = "plan" if policy == "plan" else "paper"
     check_another_future(policy, SETTINGS[0], ORDERS[0], allocation, seeds=1)
 
 

@@ -29,11 +29,11 @@ def test_the_document_stands_on_the_rows(
     words = ("paper", "--trials", "3", "--workers", "1", "--time-limit", "20", "--out", str(folder))
     planned = ("--settings", "4N4T-C4", "--policies", "central,heuristic")
     assert bench(*words, *planned) == 0
-    others = ("--settings", "4N4T-C4,4N20+20T-C4-nn", "--policies", "join-all,teamformer-any")
+    others = ("--settings", "4N4T-C4,4N20+20T-C4-nn", "--policies", "join-all,teamformer")
     assert bench(*words, *others, "--report", str(document)) == 0
     capsys.readouterr()
     text = document.read_text()
-    assert "--settings 4N4T-C4,4N20+20T-C4-nn --policies join-all,teamformer-any" in text
+    assert "--settings 4N4T-C4,4N20+20T-C4-nn --policies join-all,teamformer" in text
     assert "It holds 18 trials: 3 of each policy" in text
     assert "holds: 0 of 3 (0.0% to 56.1%)" in text
     assert "$" not in text.replace("\n$ ", "")  # every blank is filled in

@@ -59,7 +59,7 @@ def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:
     rows = measured(tmp_path, Request(SMALL, trials=2))
     row = rows["4N4T-C4", "join-all", 1]
     scenario = world_of("4N4T-C4", 1)
-    end = run_trial(scenario, JoinAll(), "join-all", seed=1).replay.end
+    end = run_trial(scenario, JoinAll(), seed=1).replay.end
     assert (row.makespan, row.steps, row.joins) == (end.makespan, end.steps, end.joins)
     assert (row.tasks_done, row.tasks, row.robots, row.capabilities) == (4, 4, 4, 4)
     assert row.lower_bound == lower_bound(scenario)
@@ -116,7 +116,7 @@ def test_processes_give_the_same_rows(tmp_path: Path) -> None:
     assert list(map(outcome, here.values())) == list(map(outcome, there.values()))
 
 
-@pytest.mark.parametrize("policy", ["heuristic", "join-all", "teamformer-any"])
+@pytest.mark.parametrize("policy", ["heuristic", "join-all", "teamformer"])
 def test_side_by_side_or_alone_a_trial_is_the_same(policy: str) -> None:
     job = Job("small", "8N9T-C4", policy, tuple(range(12)), 1.0, "code")
     alone, together = run_job(job), run_job(replace(job, is_timed=False))
@@ -257,7 +257,7 @@ def test_policies_that_do_not_know_an_allocation_are_left_out(tmp_path: Path) ->
     """The paper's networks would do as a rule does there, and their rows would say otherwise."""
     told: list[str] = []
     rules = {"order": "tsp", "allocation": "crews"}
-    suite = replace(SMALL, policies=("join-all", "gnn-c4", "teamformer-any"), rules=rules)
+    suite = replace(SMALL, policies=("join-all", "gnn-c4", "teamformer"), rules=rules)
     rows = measured(tmp_path, Request(suite, trials=1), say=told.append)
-    assert {row.policy for row in rows.values()} == {"join-all", "teamformer-any"}
+    assert {row.policy for row in rows.values()} == {"join-all", "teamformer"}
     assert "gnn-c4: was not made for allocation crews; skipped" in told

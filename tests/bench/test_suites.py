@@ -96,9 +96,9 @@ def test_a_suite_of_one_s_own(tmp_path: Path) -> None:
 
 def test_policies_meet_rules_of_their_own() -> None:
     missions = load_suite("missions")
-    assert missions.rules_for("follow-plan") == {"order": "tsp", "allocation": "plan"}
+    assert missions.rules_for("plan") == {"order": "tsp", "allocation": "plan"}
     assert missions.rules_for("central") == {"order": "tsp", "allocation": "plan"}
-    assert missions.rules_for("join-crew") == {"order": "tsp", "allocation": "crews"}
+    assert missions.rules_for("crews") == {"order": "tsp", "allocation": "crews"}
     assert missions.rules_for("heuristic") == {"order": "tsp", "allocation": "paper"}
 
 
@@ -106,8 +106,8 @@ def test_a_policy_may_play_under_several_rules() -> None:
     uncertain = load_suite("uncertain")
     for foresight in ("needed", "absent", "scouting"):
         rules = {"order": "tsp", "allocation": "plan", "foresight": foresight}
-        assert uncertain.rules_for(f"follow-plan@{foresight}") == rules
-        assert player_of(f"follow-plan@{foresight}") == "follow-plan"
+        assert uncertain.rules_for(f"plan@{foresight}") == rules
+        assert player_of(f"plan@{foresight}") == "plan"
     assert player_of("heuristic") == "heuristic"
 
 

@@ -24,11 +24,10 @@ from teamformer.live.incidents import (
 from teamformer.live.mission import Mission
 from teamformer.model import Absence, Breakdown, Delays
 from teamformer.planning.teams.facts import SharedPlan
-from teamformer.policies import POLICIES
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
 
@@ -37,7 +36,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 def mission(example: str = "late-tasks", policy: str = "join-fitting") -> Mission:
     scenario = read_scenario(EXAMPLES / f"{example}.yaml")
-    return Mission(scenario, lambda: load_policy(policy, POLICIES), policy, seed=0)
+    return Mission(scenario, lambda: load_method(policy), seed=0)
 
 
 def play(run: Mission, incidents: dict[int, Incident]) -> None:
@@ -54,7 +53,7 @@ def test_incidents_leave_a_record_that_run_makes_too(policy: str) -> None:
     play(run, {4: NewTask((0, 0), {"lift": 1}, "extra"), 9: LostRobot(run.scenario.robots[0].name)})
     record = run.record()
     assert judge(record).findings == ()
-    again = run_trial(run.scenario, load_policy(policy, POLICIES), policy)
+    again = run_trial(run.scenario, load_method(policy))
     assert again.replay.steps == record.steps
     assert again.replay.end == record.end
     assert run.scenario.tasks[-1].appears == 4
@@ -140,7 +139,7 @@ def test_a_lost_robot_is_brought_back_and_lost_again() -> None:
     assert run.tally().status == "completed"
     record = run.record()
     assert judge(record).findings == ()
-    again = run_trial(run.scenario, load_policy("join-fitting", POLICIES), "join-fitting")
+    again = run_trial(run.scenario, load_method("join-fitting"))
     assert (again.replay.steps, again.replay.end) == (record.steps, record.end)
 
 
@@ -165,12 +164,12 @@ def test_who_plans_with_everything_is_not_surprised() -> None:
         run.happen(NewTask((0, 0), {"lift": 1}))
 
 
-def planned(policy: str = "follow-plan") -> Mission:
+def planned(policy: str = "plan") -> Mission:
     """Return a mission of two lifters and five tasks whose robots go by a shared plan."""
     robots = [robot("a", 0), robot("a", 9)]
     tasks = [task("a", x, duration=2) for x in (1, 3, 5, 7, 8)]
     scenario = make(robots, tasks, allocation="plan")
-    return Mission(scenario, lambda: load_policy(policy, POLICIES), policy, seed=0)
+    return Mission(scenario, lambda: load_method(policy), seed=0)
 
 
 def swapped(run: Mission) -> SharedPlan:
@@ -244,7 +243,7 @@ def uncertain() -> Mission:
     tasks = [replace(task("a", 0), name=f"t{n}", lasts=(1, 9)) for n in range(2)]
     tasks += [task("a", 1)]
     scenario = make([robot("a", 0)], tasks, allocation="plan")
-    return Mission(scenario, lambda: load_policy("follow-plan", POLICIES), "follow-plan", seed=4)
+    return Mission(scenario, lambda: load_method("plan"), seed=4)
 
 
 def test_an_uncertain_mission_is_forecast_as_a_band_that_narrows() -> None:
@@ -281,7 +280,7 @@ def test_in_futures_a_task_is_where_nobody_has_looked_yet() -> None:
     """It is within 4 of 10 in a corridor; the robot comes from 0 and sees a cell ahead."""
     hidden = replace(task("a", 10), within=4)
     scenario = make([robot("a", 0)], [hidden], allocation="plan")
-    run = Mission(scenario, lambda: load_policy("follow-plan", POLICIES), "follow-plan", seed=1)
+    run = Mission(scenario, lambda: load_method("plan"), seed=1)
     (real,) = draw_truth(scenario, 1).tasks
     before: set[float] = set(range(6, 15))
     while run.is_running:
@@ -298,7 +297,7 @@ def test_in_futures_a_task_is_where_nobody_has_looked_yet() -> None:
 def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
     lame = replace(robot("a", 0), breaks=Breakdown(0.05, (5, 30)))
     scenario = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
-    run = Mission(scenario, lambda: load_policy("join-fitting", POLICIES), "join-fitting", seed=3)
+    run = Mission(scenario, lambda: load_method("join-fitting"), seed=3)
     real = draw_truth(scenario, 3).robots[0].absences
     while run.steps < steps:
         run.step()
@@ -317,7 +316,7 @@ def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
 def test_nobody_foresees_when_a_robot_stands_still() -> None:
     slow = replace(robot("a", 0), delays=Delays(0.5))
     scenario = make([slow], [task("a", 15)], allocation="plan")
-    run = Mission(scenario, lambda: load_policy("follow-plan", POLICIES), "follow-plan", seed=3)
+    run = Mission(scenario, lambda: load_method("plan"), seed=3)
     for _ in range(3):
         run.step()
     early = forecast(run.past())
@@ -330,7 +329,7 @@ def test_nobody_foresees_when_a_robot_stands_still() -> None:
 def test_incidents_make_sure_what_was_not() -> None:
     lame = replace(robot("a", 0), breaks=Breakdown(0.05, (5, 30)))
     scenario = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
-    run = Mission(scenario, lambda: load_policy("join-fitting", POLICIES), "join-fitting", seed=3)
+    run = Mission(scenario, lambda: load_method("join-fitting"), seed=3)
     play(run, {2: LostRobot("r0"), 4: RobotBack("r0")})
     assert run.scenario.robots[0].breaks is None
     assert run.scenario.robots[0].absences == (Absence(3, 5),)

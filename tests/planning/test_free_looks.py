@@ -33,7 +33,7 @@ def play_where(scenario: Scenario, needs: str) -> Replay:
     """Play a mission whose first task turns out to need each letter of `needs`."""
     for seed in range(100):
         if draw_truth(scenario, seed).tasks[0].needs.keys() == set(needs):
-            return run_trial(scenario, FollowPlan(), "follow-plan", seed).replay
+            return run_trial(scenario, FollowPlan(), seed).replay
     raise AssertionError("no seed below 100 draws that")
 
 

@@ -10,12 +10,11 @@ import pytest
 from random_worlds import random_decision, random_world
 from small_worlds import two_robots_one_task
 from teamformer.model import Scenario
-from teamformer.policies import POLICIES
 from teamformer.policies.protocol import Policy
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import METHODS, load_method
 from teamformer.trials.trial import run_trial, run_trials
 
 STEPS = 60
@@ -33,13 +32,13 @@ class Dice:
         return random_decision(view, self.rng)
 
 
-LISTED = [listing.name for listing in POLICIES if not listing.name.endswith("-ppo")]
+LISTED = [listing.name for listing in METHODS if not listing.name.endswith("-ppo")]
 """Without those that are others with other weights."""
 NAMES = [*LISTED, "test_conformance:Dice"]
 
 
 def load(name: str) -> Policy:
-    policy = load_policy(name, POLICIES)
+    policy = load_method(name).policy
     if hasattr(policy, "time_limit"):
         policy.time_limit = 0.0  # its first plan does, and no clock decides what it is
     return policy

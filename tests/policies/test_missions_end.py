@@ -6,25 +6,24 @@ import pytest
 
 from blocked_worlds import blocked_worlds
 from teamformer.mission.rules import ALLOCATIONS
-from teamformer.policies import POLICIES
 from teamformer.policies.learned.policy import Learned
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import METHODS, load_method
 
 LEARNED = [
     listing.name
-    for listing in POLICIES
-    if isinstance(load_policy(listing.name, POLICIES), Learned) and listing.name != "teamformer"
+    for listing in METHODS
+    if isinstance(load_method(listing.name).policy, Learned) and listing.name != "teamformer"
 ]
 
 
 def test_all_learned_policies_are_here() -> None:
-    assert {"teamformer-any", "teamformer-c4", "deepset-c8", "gnn-c8"} <= set(LEARNED)
+    assert {"teamformer", "teamformer-c4", "deepset-c8", "gnn-c8"} <= set(LEARNED)
 
 
 @pytest.mark.parametrize("allocation", ALLOCATIONS)
 @pytest.mark.parametrize("name", [name for name in LEARNED if not name.endswith("-ppo")])
 def test_nothing_blocks(name: str, allocation: str) -> None:
-    policy = load_policy(name, POLICIES)
+    policy = load_method(name).policy
     count = 5 if allocation == "plan" else 25  # a plan takes a while
     assert blocked_worlds(policy, allocation, count, seed=21) == []
     assert blocked_worlds(policy, allocation, count, seed=22, is_plane=True) == []
@@ -34,6 +33,6 @@ def test_nothing_blocks(name: str, allocation: str) -> None:
 @pytest.mark.parametrize("allocation", ALLOCATIONS)
 @pytest.mark.parametrize("name", LEARNED)
 def test_nothing_blocks_in_ten_thousand_worlds(name: str, allocation: str) -> None:
-    policy = load_policy(name, POLICIES)
+    policy = load_method(name).policy
     assert blocked_worlds(policy, allocation, count=10_000, seed=23) == []
     assert blocked_worlds(policy, allocation, count=2500, seed=24, is_plane=True) == []

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.policies import POLICIES
 from teamformer.scenarios.generate import generate
 from teamformer.scenarios.named_settings import spec_of, world_of
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trials
 
 
@@ -17,8 +16,8 @@ def test_a_hundred_robots_are_as_fast_as_by_join_all(setting: str) -> None:
     """To 3% on any four worlds; by PPO from nothing it took 10% more, and one in ten failed."""
     rng = np.random.default_rng(20)
     worlds = [generate(spec_of(setting), rng) for _ in range(4)]
-    taught = run_trials(worlds, load_policy("teamformer-c100-bare", POLICIES))
-    bar = run_trials(worlds, load_policy("join-all", POLICIES))
+    taught = run_trials(worlds, load_method("teamformer-c100-bare"))
+    bar = run_trials(worlds, load_method("join-all"))
     assert [tally.status for tally in taught] == ["completed"] * 4
     assert [tally.joins for tally in taught] == [99] * 4  # all become one, and nobody leaves
     assert [tally.splits for tally in taught] == [0] * 4
@@ -39,8 +38,8 @@ def test_a_hundred_robots_are_as_fast_as_by_join_all(setting: str) -> None:
 def test_where_robots_are_alike_it_is_well_below_join_all(policy: str, setting: str) -> None:
     """In 100 or 200 worlds by 14%, 8%, 15%, 10%, 15% and 8%."""
     worlds = [world_of(setting, seed) for seed in range(900, 906)]
-    taught = run_trials(worlds, load_policy(f"{policy}-bare", POLICIES))
-    bar = run_trials(worlds, load_policy("join-all", POLICIES))
+    taught = run_trials(worlds, load_method(f"{policy}-bare"))
+    bar = run_trials(worlds, load_method("join-all"))
     assert [tally.status for tally in taught] == ["completed"] * 6
     assert [tally.splits for tally in taught] == [0] * 6
     assert sum(t.steps for t in taught) < 0.96 * sum(t.steps for t in bar)

@@ -242,6 +242,6 @@ def test_changes_of_single_facts_are_found() -> None:
     rng = np.random.default_rng(6)
     for seed in range(100):
         scenario = random_world(rng, with_losses=False, is_plane=seed % 2 == 1)
-        replay = run_trial(scenario, JoinAll(), "any", seed).replay
+        replay = run_trial(scenario, JoinAll(), seed).replay
         for forged in forgeries(replay, rng):
             assert judge(forged).findings

@@ -27,7 +27,7 @@ FIELD = Scenario(
 )
 """Two robots in touching places, half a metre from a task that needs both."""
 
-LEGAL = run_trial(FIELD, JoinAll(), "join-all", 0).replay
+LEGAL = run_trial(FIELD, JoinAll(), 0).replay
 
 
 def test_the_legal_record() -> None:

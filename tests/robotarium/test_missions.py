@@ -15,7 +15,6 @@ import pytest
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
-from teamformer.policies import POLICIES
 from teamformer.robotarium.benchmark import ROUGH, bench_robotarium, count_missions, summarise
 from teamformer.robotarium.deployment.folder import deploy, verify
 from teamformer.robotarium.draw import Film
@@ -25,7 +24,7 @@ from teamformer.robotarium.random_missions import random_mission
 from teamformer.robotarium.robots.plant import Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
 from teamformer.scenarios.files import read_scenario
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 needs_rps = pytest.mark.skipif(
@@ -45,7 +44,7 @@ def fly(
     weather: Weather | None = None,
     watch: list[Moment] | None = None,
 ) -> Experiment:
-    player = load_policy(policy, POLICIES)
+    player = load_method(policy).policy
     keep = None if watch is None else watch.append
     return run_experiment(scenario, player, policy, 0, simulator, weather, keep)
 
@@ -95,7 +94,7 @@ def test_the_time_limit() -> None:
 def test_two_who_meet_where_only_one_can_pass_do_not_wait_for_each_other() -> None:
     """Between two rings: one is needed beyond them, the other wants out of the way."""
     scenario = random_mission(20, 5, 10, np.random.default_rng(37))
-    done = run_experiment(scenario, load_policy("teamformer", POLICIES), "teamformer", 37)
+    done = run_experiment(scenario, load_method("teamformer").policy, "teamformer", 37)
     assert done.is_good
     assert done.outcome.ticks < 3000  # it takes 2190; before they gave up, 19,050
 
@@ -112,7 +111,7 @@ def test_pictures_of_every_phase(tmp_path: Path) -> None:
     from PIL import Image
 
     film = Film()
-    player = load_policy("join-all", POLICIES)
+    player = load_method("join-all").policy
     done = run_experiment(four(), player, "join-all", watch=film.watch)
     files = film.write(done.scenario, tmp_path)
     assert [file.suffix for file in files] == [".png"] * (len(files) - 1) + [".gif"]
@@ -158,7 +157,7 @@ def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
     )
     from teamformer.sim.env import TeamFormation
 
-    env, policy, steps = TeamFormation([scenario]), load_policy("teamformer", POLICIES), []
+    env, policy, steps = TeamFormation([scenario]), load_method("teamformer").policy, []
     policy.begin(None, np.random.default_rng(0))
     while env.is_running[0]:
         env.step(policy.decide(env.view()))

@@ -198,7 +198,7 @@ def test_a_loss_on_the_other_side_of_a_wall_can_block_too() -> None:
     """
     robots = [robot("b", 1), robot("b", 3, lost=1)]
     scenario = make(robots, [task("b", 4), task("b", 0)], Grid(5, 1, ("..@..",)))
-    replay = run_trial(scenario, JoinAll(), "join-all").replay
+    replay = run_trial(scenario, JoinAll()).replay
     assert (replay.end.status, replay.end.blocked_tasks) == ("infeasible", ("t0",))
 
 

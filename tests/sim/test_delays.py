@@ -10,7 +10,6 @@ import pytest
 
 from small_worlds import make, places, play, robot, task
 from teamformer.model import Delays, Scenario
-from teamformer.policies import POLICIES
 from teamformer.referee import judge
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 from teamformer.scenarios.named_settings import world_of
@@ -18,7 +17,7 @@ from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import TeamAt
 from teamformer.sim.replay.writing import write_replay
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth, expected_mission
 from test_surprises import play_views, with_step
@@ -90,7 +89,7 @@ def test_files_keep_delays() -> None:
 @pytest.mark.parametrize("allocation", ["paper", "plan"])
 def test_delayed_missions_end_and_are_legal(allocation: str, tmp_path: Path) -> None:
     scenario = replace(world_of("4N20T-C4-delays", 0), allocation=allocation)
-    replay = run_trial(scenario, load_policy("join-fitting", POLICIES), "x", 4).replay
+    replay = run_trial(scenario, load_method("join-fitting"), 4).replay
     assert replay.end.status == "completed"
     assert judge(replay).findings == ()
     write_replay(replay, tmp_path / "replay.json")
@@ -112,7 +111,7 @@ def test_nobody_knows_when_robots_stand_still() -> None:
 
 def test_the_referee_sees_who_walks_while_it_stands_still() -> None:
     scenario = delayed(0.3, None)
-    replay = run_trial(scenario, load_policy("join-all", POLICIES), "x", 4).replay
+    replay = run_trial(scenario, load_method("join-all"), 4).replay
     assert judge(replay).findings == ()
     still = next(i for i, step in enumerate(replay.steps) if not step.teams)
     at = max(team.x for step in replay.steps[:still] for team in step.teams)

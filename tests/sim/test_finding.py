@@ -16,7 +16,6 @@ from teamformer.grid import Grid, Place
 from teamformer.mission.places import possible_places
 from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Scenario
-from teamformer.policies import POLICIES
 from teamformer.referee import judge
 from teamformer.rules.constants import NOBODY
 from teamformer.scenarios.named_settings import world_of
@@ -24,7 +23,7 @@ from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import Replay, TaskAt
 from teamformer.sim.replay.writing import write_replay
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
 from test_surprises import is_alike, play_views, with_step, with_true_task
@@ -158,7 +157,7 @@ def test_what_appears_later_is_not_looked_for_before() -> None:
 
 def recorded(allocation: str = "plan", seed: int = 1) -> Replay:
     scenario = replace(world_of("4N20T-C4-places", seed), allocation=allocation)
-    return run_trial(scenario, load_policy("join-fitting", POLICIES), "x", seed).replay
+    return run_trial(scenario, load_method("join-fitting"), seed).replay
 
 
 @pytest.mark.parametrize("allocation", ALLOCATIONS)
@@ -227,7 +226,7 @@ def test_hundreds_of_random_missions_end_and_are_legal(part: int) -> None:
     for number in range(150):
         scenario = with_surprises(random_world(rng, is_plane=number % 3 == 0), rng)
         scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
-        replay = run_trial(scenario, load_policy("join-all", POLICIES), "x", number).replay
+        replay = run_trial(scenario, load_method("join-all"), number).replay
         assert judge(replay).findings == ()
         assert replay.end.status in ("completed", "infeasible")
         done += replay.end.status == "completed"

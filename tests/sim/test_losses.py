@@ -11,10 +11,9 @@ from random_worlds import random_world
 from small_worlds import done_at, make, places, play, robot, task, teams_of
 from teamformer.errors import ScenarioError
 from teamformer.model import Absence, Robot, Scenario
-from teamformer.policies import POLICIES
 from teamformer.referee import judge
 from teamformer.sim.env import TeamFormation
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import METHODS, load_method
 from teamformer.trials.trial import Trial, run_trial
 
 
@@ -23,7 +22,7 @@ def away(able: str, at: int, lost: int, back: int) -> Robot:
 
 
 def trial_of(world: Scenario, policy: str) -> Trial:
-    return run_trial(world, load_policy(policy, POLICIES), policy)
+    return run_trial(world, load_method(policy))
 
 
 def test_it_is_back_alone_where_it_was_lost() -> None:
@@ -101,7 +100,7 @@ def test_what_waits_for_it_does_not_end_the_trial(allocation: str) -> None:
 
 def test_without_anybody_left_time_goes_on_until_somebody_is_back() -> None:
     world = make([away("a", 0, 2, 6)], [task("a", 4)])
-    for listing in POLICIES:
+    for listing in METHODS:
         trial = trial_of(world, listing.name)
         assert trial.replay.end.makespan == 8, listing.name  # 2 steps, 4 away, 2 more
         assert judge(trial.replay).findings == ()
@@ -110,7 +109,7 @@ def test_without_anybody_left_time_goes_on_until_somebody_is_back() -> None:
 def test_the_shared_plan_is_made_anew_when_a_robot_is_back() -> None:
     robots = [robot("a", 0), away("a", 0, 2, 4)]
     world = make(robots, [task("a", 9), task("a", 1)], allocation="plan")
-    plans = dict(trial_of(world, "follow-plan").replay.plans)
+    plans = dict(trial_of(world, "plan").replay.plans)
     assert {steps: plan.reasons for steps, plan in plans.items()} == {
         0: ("start",),
         2: ("robot lost",),

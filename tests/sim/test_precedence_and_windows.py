@@ -41,7 +41,7 @@ CORRIDOR = Scenario(
 
 
 def played(scenario: Scenario, policy: Policy | None = None) -> Replay:
-    return run_trial(scenario, policy or FollowPlan(), "follow-plan").replay
+    return run_trial(scenario, policy or FollowPlan(), "plan").replay
 
 
 def test_what_comes_after_another_waits_for_it() -> None:

@@ -136,7 +136,7 @@ def test_worlds_keep_their_promises_under_random_decisions() -> None:
 POLICIES = pytest.mark.parametrize(
     "policy",
     [Heuristic(), JoinAll(), JoinFitting(), JoinCrew(), FollowPlan()],
-    ids=["heuristic", "join-all", "join-fitting", "join-crew", "follow-plan"],
+    ids=["heuristic", "join-all", "join-fitting", "crews", "plan"],
 )
 RULES = pytest.mark.parametrize("allocation", ALLOCATIONS)
 

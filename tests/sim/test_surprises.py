@@ -21,7 +21,6 @@ from teamformer.export.csv_tables import write_tables
 from teamformer.export.events import events
 from teamformer.mission.rules import ALLOCATIONS, FORESIGHTS
 from teamformer.model import Absence, Breakdown, Scenario
-from teamformer.policies import POLICIES
 from teamformer.referee import judge
 from teamformer.rules.constants import NOBODY
 from teamformer.scenarios.named_settings import world_of
@@ -30,7 +29,7 @@ from teamformer.sim.replay.reading import read_replay, replay_from_tree
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.sim.view import View
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth, truth_until
 from test_step import step_both
@@ -149,7 +148,7 @@ def play_views(
     scenario: Scenario, truth: Scenario, policy_name: str, steps: int
 ) -> tuple[TeamFormation, list[tuple[View, Decision]]]:
     """Return what is seen and decided in the first steps."""
-    policy = load_policy(policy_name, POLICIES)
+    policy = load_method(policy_name).policy
     policy.begin(None, np.random.default_rng(0))
     env, seen = TeamFormation([scenario], truths=[truth]), []
     while env.is_running[0] and len(seen) < steps:
@@ -213,9 +212,9 @@ def test_nobody_knows_the_truth_before_it_shows(allocation: str, foresight: str)
     check_nobody_peeks("4N20T-C4-mixed", "join-fitting", allocation, foresight)
 
 
-@pytest.mark.parametrize("policy", ["heuristic", "follow-plan", "teamformer-any"])
+@pytest.mark.parametrize("policy", ["heuristic", "plan", "teamformer"])
 def test_no_policy_knows_the_truth_before_it_shows(policy: str) -> None:
-    foresight = "scouting" if policy == "follow-plan" else "needed"
+    foresight = "scouting" if policy == "plan" else "needed"
     check_nobody_peeks("4N20T-C4-mixed", policy, "plan", foresight)
 
 
@@ -226,7 +225,7 @@ def test_surprised_missions_end_and_are_legal(
     for seed in range(2):
         scenario = world_of("4N20T-C4-mixed", seed)
         scenario = replace(scenario, allocation=allocation, foresight=foresight)
-        replay = run_trial(scenario, load_policy("join-fitting", POLICIES), "x", seed).replay
+        replay = run_trial(scenario, load_method("join-fitting"), seed).replay
         assert replay.end.status == "completed"
         assert judge(replay).findings == ()
         truth = draw_truth(scenario, seed)
@@ -244,7 +243,7 @@ def test_random_surprised_missions_are_legal_under_every_rule() -> None:
         scenario = with_fractions(scenario, rng) if number % 3 == 2 else scenario
         scenario = with_surprises(scenario, rng)
         scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
-        policy = load_policy("join-all", POLICIES)
+        policy = load_method("join-all").policy
         replay = run_trial(scenario, policy, "join-all", number).replay
         assert judge(replay).findings == ()
         assert replay.end.status in ("completed", "infeasible")
@@ -254,7 +253,7 @@ def test_random_surprised_missions_are_legal_under_every_rule() -> None:
 
 def test_who_is_told_everything_plays_the_truth() -> None:
     scenario = world_of("4N4T-C4-mixed", 0)
-    trial = run_trial(scenario, load_policy("central", POLICIES), "central", seed=3)
+    trial = run_trial(scenario, load_method("central"), seed=3)
     assert trial.replay.scenario == draw_truth(scenario, 3)
     assert trial.replay.truth is None
 
@@ -299,7 +298,7 @@ def test_truths_come_as_often_as_the_file_says() -> None:
 def recorded() -> Replay:
     """Return the record of a mission with every surprise."""
     scenario = replace(world_of("4N20T-C4-mixed", 1), allocation="plan")
-    return run_trial(scenario, load_policy("follow-plan", POLICIES), "follow-plan", 2).replay
+    return run_trial(scenario, load_method("plan"), 2).replay
 
 
 def with_true_task(replay: Replay, number: int, **true: Any) -> Replay:

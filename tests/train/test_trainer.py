@@ -32,7 +32,6 @@ from teamformer.train.training_worlds import (
     selection_worlds,
     training_worlds,
 )
-from teamformer.trials.registry import load_policy
 from teamformer.trials.trial import run_trials
 
 SHORT = TrainSettings(
@@ -198,7 +197,7 @@ def test_the_team_reward_trains_and_resumes_too(tmp_path: Path) -> None:
 
 def test_what_training_leaves_runs_by_the_folders_name(tmp_path: Path) -> None:
     train_and_export(SHORT, tmp_path, held_out())
-    policy = load_policy(str(tmp_path), ())
+    policy = load_method(str(tmp_path)).policy
     worlds = held_out()[0]
     in_torch = Learned(SHORT.architecture.codec(None), torch_brain(best_of(tmp_path)))
     assert run_trials(worlds, policy) == run_trials(worlds, in_torch)

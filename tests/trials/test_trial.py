@@ -74,7 +74,7 @@ def test_only_a_policy_that_needs_everything_is_given_it() -> None:
 
 def test_the_seed_decides() -> None:
     scenario = two_tasks_two_pairs(step_limit=20)
-    trials = [run_trial(scenario, Dice(), "dice", seed).replay for seed in (1, 1, 2)]
+    trials = [run_trial(scenario, Dice(), seed).replay for seed in (1, 1, 2)]
     assert trials[0] == trials[1]
     assert trials[0].steps != trials[2].steps
 
@@ -108,7 +108,7 @@ class Interrupter:
         before = sys.gettrace()
         sys.settrace(self)
         try:
-            return run_trial(scenario, JoinAll(), "join-all")
+            return run_trial(scenario, JoinAll())
         except KeyboardInterrupt:
             return None
         finally:
@@ -154,7 +154,7 @@ def test_trials_side_by_side_end_as_they_do_alone(threads: int) -> None:
     for scenario, tally in zip(
         scenarios, run_trials(scenarios, JoinAll(), 0, threads), strict=True
     ):
-        end = run_trial(scenario, JoinAll(), "join-all").replay.end
+        end = run_trial(scenario, JoinAll()).replay.end
         assert (end.status, end.steps, end.tasks_done) == (
             tally.status,
             tally.steps,

@@ -10,11 +10,10 @@ import pytest
 from conftest import Opened
 
 from live_server import Served, serving_editor
-from teamformer.policies import POLICIES
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.reading import read_replay
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
@@ -112,7 +111,7 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     assert judge(record).findings == ()
     scenario = read_scenario(tmp_path / "out" / "scenario.yaml")
     assert (scenario.tasks[-1].appears, scenario.robots[0].absences[0].lost) == (10, 16)
-    again = run_trial(scenario, load_policy("join-fitting", POLICIES), "join-fitting")
+    again = run_trial(scenario, load_method("join-fitting"))
     assert again.replay.end.makespan == record.end.makespan
     assert record.end.status == "completed"
 

@@ -14,7 +14,6 @@ from teamformer.bench.rows import Row
 from teamformer.bench.suites import player_of
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.policies import POLICIES
 from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.authors import read_world
 from teamformer.scenarios.named_settings import world_of
@@ -22,30 +21,31 @@ from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, Tally
 from teamformer.sim.view import View
 from teamformer.trials.list_schedule import list_schedule
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import Method, load_method, with_settings
 from teamformer.trials.trial import run_trials
 from teamformer.truth import draw_truth
 
 
 @dataclass(frozen=True)
 class Job:
-    """Trials of one policy in one setting.
+    """Trials of one method in one setting.
 
     `worlds` is the file that the worlds are read from, None if they are generated. Trials that are
     `timed` run one by one, others side by side. `with_bars` asks for the lower bound and the list
-    schedule of each world too.
+    schedule of each world too. `rules` are fields of every mission, `settings` of the method.
     """
 
     suite: str
     setting: str
-    policy: str
+    method: str
     seeds: tuple[int, ...]
     time_limit: float
     code: str
     is_timed: bool = True
     with_bars: bool = False
     worlds: Path | None = None
-    rules: Mapping[str, str | int] = field(default_factory=dict)
+    rules: Mapping[str, int] = field(default_factory=dict)
+    settings: Mapping[str, str] = field(default_factory=dict)
 
     def scenario(self, seed: int) -> Scenario:
         """Return the world of a trial, under the rules of the suite."""
@@ -53,7 +53,7 @@ class Job:
             scenario = world_of(self.setting, seed)
         else:
             scenario = read_world(self.worlds, seed).scenario
-        return replace(scenario, **dict(self.rules))  # type: ignore[arg-type]
+        return replace(scenario, **self.rules)  # type: ignore[arg-type]
 
 
 class Clock:
@@ -88,15 +88,17 @@ class Clock:
 
 def run_job(job: Job) -> list[Row]:
     """Run the trials of a job."""
-    policy = ready_policy(player_of(job.policy), job.time_limit)
+    method = ready_method(player_of(job.method), job.time_limit)
+    method = with_settings(method, job.settings)
     worlds = {seed: job.scenario(seed) for seed in job.seeds}
-    _warm_up(job, policy)
+    _warm_up(job, method)
     parts = [[seed] for seed in job.seeds] if job.is_timed else [list(job.seeds)]
     rows = []
     for seeds in parts:
-        clock = Clock(policy, len(seeds))
+        clock = Clock(method.policy, len(seeds))
+        timed = replace(method, policy=clock)
         began = time.perf_counter()
-        tallies = run_trials([worlds[seed] for seed in seeds], clock, seeds[0], truth_seeds=seeds)
+        tallies = run_trials([worlds[seed] for seed in seeds], timed, seeds[0], truth_seeds=seeds)
         seconds = (time.perf_counter() - began) / len(seeds)
         for place, seed in enumerate(seeds):
             row = _row(job, seed, worlds[seed], tallies[place])
@@ -106,28 +108,24 @@ def run_job(job: Job) -> list[Row]:
 
 
 @lru_cache(maxsize=16)
-def ready_policy(name: str, time_limit: float) -> Policy:
-    """Return a policy by name, kept for the next job; a planner is given its time, one thread."""
-    policy = load_policy(name, POLICIES)
-    if isinstance(policy, Planner):
-        policy.time_limit = time_limit
-        policy.workers = 1
-    return policy
+def ready_method(name: str, time_limit: float) -> Method:
+    """Return a method by name, kept for the next job; a planner is given its time, one thread."""
+    return load_method(name, time_limit, workers=1)
 
 
 _WARM: set[tuple[str, str]] = set()
-"""Policies and settings that have had a trial in this process."""
+"""Methods and settings that have had a trial in this process."""
 
 
-def _warm_up(job: Job, policy: Policy) -> None:
+def _warm_up(job: Job, method: Method) -> None:
     """Run a trial that does not count, so that loading compiled code is not timed."""
-    if (job.policy, job.setting) in _WARM:
+    if (job.method, job.setting) in _WARM:
         return
-    _WARM.add((job.policy, job.setting))
+    _WARM.add((job.method, job.setting))
     scenario = job.scenario(job.seeds[0])
-    if policy.needs_everything:  # planning takes as long as it may
+    if method.policy.needs_everything:  # planning takes as long as it may
         scenario = world_of(f"{len(scenario.robots)}N1T-C{len(scenario.capabilities)}", 0)
-    run_trials([scenario], policy)
+    run_trials([scenario], method)
 
 
 def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> Row:
@@ -137,7 +135,7 @@ def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> 
         setting=job.setting,
         world_seed=seed,
         scenario=scenario.name,
-        policy=job.policy,
+        method=job.method,
         seed=seed,
         completed=makespan is not None,
         makespan=makespan,
@@ -146,8 +144,6 @@ def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> 
         tasks=len(scenario.tasks),
         robots=len(scenario.robots),
         capabilities=len(scenario.capabilities),
-        order=scenario.order,
-        allocation=scenario.allocation,
         joins=None,
         splits=None,
         illegal_decisions=None,
@@ -209,15 +205,13 @@ def _with_bars(row: Row, scenario: Scenario) -> Row:
 
 def rerun_command(job: Job, seed: int) -> str:
     """Return the command that runs this one trial again."""
-    rules = {key: job.rules[key] for key in ("order", "allocation") if key in job.rules}
     options: dict[str, object] = {
         "worlds": job.worlds,
         "settings": job.setting,
-        "policies": job.policy,
+        "methods": job.method,
         "seed": seed,
         "trials": 1,
-        **rules,
-        "time-limit": f"{job.time_limit:g}" if job.policy == "central" else None,
+        "time-limit": f"{job.time_limit:g}" if job.method == "central" else None,
     }
     said = [f"--{key} {value}" for key, value in options.items() if value is not None]
     return f"teamformer bench {job.suite} {' '.join(said)} --json"

@@ -9,7 +9,7 @@ from types import UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
 Key = tuple[str, str, int]
-"""Setting, policy and world seed: what tells one trial from all others in a folder."""
+"""Setting, method and world seed: what tells one trial from all others in a folder."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Row:
     setting: str
     world_seed: int
     scenario: str
-    policy: str
+    method: str
     seed: int
     completed: bool
     makespan: int | None
@@ -37,8 +37,6 @@ class Row:
     tasks: int
     robots: int
     capabilities: int
-    order: str
-    allocation: str
     joins: int | None
     splits: int | None
     illegal_decisions: int | None
@@ -60,7 +58,7 @@ class Row:
     @property
     def key(self) -> Key:
         """Return what tells this trial from all others."""
-        return self.setting, self.policy, self.world_seed
+        return self.setting, self.method, self.world_seed
 
     def to_line(self) -> str:
         """Return the row as a line of JSON."""

@@ -1,4 +1,4 @@
-"""The benchmark: every setting with every policy and every seed, each trial exactly once."""
+"""The benchmark: every setting with every method and every seed, each trial exactly once."""
 
 from __future__ import annotations
 
@@ -12,19 +12,17 @@ from functools import cache
 from pathlib import Path
 
 from teamformer.bench.executors import Engine
-from teamformer.bench.jobs import Job, known_row, ready_policy
+from teamformer.bench.jobs import Job, known_row, ready_method
 from teamformer.bench.rows import Row
 from teamformer.bench.store import BenchmarkDescription, Store
 from teamformer.bench.suites import Suite, cells, player_of
 from teamformer.errors import TeamformerError
-from teamformer.policies import POLICIES
 from teamformer.scenarios.authors import read_worlds
 from teamformer.scenarios.named_settings import size_of
-from teamformer.trials.registry import BARE, files_of_own
-from teamformer.trials.suiting import knows
+from teamformer.trials.methods import BARE, LISTED, files_of_own
 
 TIMED = 50
-"""The first so many trials of each policy in each setting run one by one, for their time."""
+"""The first so many trials of each method in each setting run one by one, for their time."""
 
 TIMED_AT_ONCE = 5
 MOST_SIDE_BY_SIDE = 50
@@ -37,7 +35,7 @@ AUTHORS = "authors-heuristic"
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for; empty `policies` and `settings` mean the suite's own.
+    """What is asked for; empty `methods` and `settings` mean the suite's own.
 
     `worlds` are files with worlds of the paper's authors, by setting.
     """
@@ -46,7 +44,7 @@ class Request:
     trials: int
     first_seed: int = 0
     time_limit: float = 10.0
-    policies: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()
     without: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
     workers: int = 1
@@ -61,7 +59,7 @@ class Request:
         return BenchmarkDescription(
             suite=self.suite.name,
             first_seed=self.first_seed,
-            rules={**self.suite.rules, **self.suite.policy_rules},
+            rules={**self.suite.rules, **self.suite.method_settings},
             worlds=stamp.hexdigest()[:12] if self.worlds else "",
         )
 
@@ -82,12 +80,12 @@ def run_benchmark(
 ) -> None:
     """Run every trial that the store does not hold yet.
 
-    What cannot be run, a policy that is not there or does not fit, is said and left out.
+    What cannot be run, a method that is not there or does not fit, is said and left out.
     `on_rows` is told how many trials are there, of how many.
     """
     wanted = list(fitting_cells(request, say))
     if not wanted:
-        raise TeamformerError("no policy of those asked for fits any setting of those asked for")
+        raise TeamformerError("no method of those asked for fits any setting of those asked for")
     _check_limit(request, wanted, store)
     code = code_stamp()
     store.add(_authors_rows(request, code))
@@ -111,68 +109,62 @@ def run_benchmark(
 def _forget_changed(
     wanted: Sequence[tuple[str, str]], store: Store, say: Callable[[str], None]
 ) -> None:
-    """Have the trials of a user's own policy run again if its code is not what it was."""
-    for policy in sorted({policy for _, policy in wanted}):
-        own = own_stamp(policy)
+    """Have the trials of a user's own method run again if its code is not what it was."""
+    for method in sorted({method for _, method in wanted}):
+        own = own_stamp(method)
         old = [
-            key for key, row in store.rows.items() if row.policy == policy and own != own_part(row)
+            key for key, row in store.rows.items() if row.method == method and own != own_part(row)
         ]
         if old:
-            say(f"{policy} has changed since; its {len(old)} trials are run again")
+            say(f"{method} has changed since; its {len(old)} trials are run again")
             store.forget(old)
 
 
 def own_part(row: Row) -> str:
-    """Return the stamp of a user's own policy that a row's code has; empty for one of ours."""
+    """Return the stamp of a user's own method that a row's code has; empty for one of ours."""
     return row.code.partition("+")[2]
 
 
 def _check_limit(request: Request, wanted: Sequence[tuple[str, str]], store: Store) -> None:
     """Refuse to mix plans that were given more time with plans that were given less."""
-    asked = {policy for _, policy in wanted}
+    asked = {method for _, method in wanted}
     for row in store.rows.values():
-        if row.policy in asked and row.time_limit not in (None, request.time_limit):
-            what = f"{row.policy} had {row.time_limit:g} s here, not {request.time_limit:g} s"
+        if row.method in asked and row.time_limit not in (None, request.time_limit):
+            what = f"{row.method} had {row.time_limit:g} s here, not {request.time_limit:g} s"
             raise TeamformerError(
                 f"{store.folder}: {what}", "give the same --time-limit, or name another folder"
             )
 
 
 def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tuple[str, str]]:
-    """Yield every (setting, policy) that can be run; say which cannot, and why."""
-    listed = {listing.name for listing in POLICIES}
-    asked = {policy for _, policy in cells(request.suite, request.policies)}
-    for policy in request.without:
-        if policy not in asked:
+    """Yield every (setting, method) that can be run; say which cannot, and why."""
+    asked = {method for _, method in cells(request.suite, request.methods)}
+    for method in request.without:
+        if method not in asked:
             hint = f"there are {', '.join(sorted(asked))}"
-            raise TeamformerError(f"there is no '{policy}' to be left out", hint)
+            raise TeamformerError(f"there is no '{method}' to be left out", hint)
     said: set[str] = set()
-    for setting, policy in cells(request.suite, request.policies, request.settings):
-        if policy in request.without:
+    for setting, method in cells(request.suite, request.methods, request.settings):
+        if method in request.without:
             continue
         why = ""
-        is_listed = player_of(policy).removesuffix(BARE) in (*listed, AUTHORS)
-        if not is_listed and not request.policies:
-            why = f"{policy}: not in this installation; skipped"
-        elif not fits(policy, setting):
-            why = f"{policy}: does not fit {setting}; skipped"
-        elif policy != AUTHORS:
-            player = ready_policy(
-                player_of(policy), request.time_limit
-            )  # an unknown name ends it here
-            allocation = str(request.suite.rules_for(policy).get("allocation", "paper"))
-            if not knows(player, allocation):
-                why = f"{policy}: was not made for allocation {allocation}; skipped"
+        is_listed = player_of(method).removesuffix(BARE) in (*LISTED, AUTHORS)
+        if not is_listed and not request.methods:
+            why = f"{method}: not in this installation; skipped"
+        elif not fits(method, setting):
+            why = f"{method}: does not fit {setting}; skipped"
+        elif method != AUTHORS:
+            ready_method(player_of(method), request.time_limit)  # an unknown name ends it here
         if not why:
-            yield setting, policy
+            yield setting, method
         elif why not in said:
             said.add(why)
             say(why)
 
 
-def fits(policy: str, setting: str) -> bool:
-    """Say whether a policy made for a number of capabilities, `-c4`, can serve a setting."""
-    most = re.search(r"-c(\d+)(-|$)", policy)
+def fits(method: str, setting: str) -> bool:
+    """Say whether a method made for a number of capabilities, `-c4`, can serve a setting."""
+    most = re.search(r"-c(\d+)(-|$)", method)
     return most is None or size_of(setting).capabilities <= int(most[1])
 
 
@@ -181,21 +173,22 @@ def _jobs(
 ) -> Iterator[Job]:
     """Yield what is still to be run; the first job that meets a world works out its bars."""
     known = {(row.setting, row.world_seed) for row in store.rows.values() if row.lower_bound}
-    for setting, policy in wanted:
+    for setting, method in wanted:
         job = Job(
             request.suite.name,
             setting,
-            policy,
+            method,
             (),
             request.time_limit,
-            "+".join(filter(None, (code, own_stamp(policy)))),
+            "+".join(filter(None, (code, own_stamp(method)))),
             worlds=request.worlds.get(setting),
-            rules=request.suite.rules_for(policy),
+            rules=request.suite.rules,
+            settings=request.suite.method_settings.get(method, {}),
         )
-        alone = _goes_alone(policy, request)
+        alone = _goes_alone(method, request)
         groups: dict[tuple[bool, bool], list[int]] = defaultdict(list)
         for place, seed in enumerate(request.seeds(setting)):
-            if (setting, policy, seed) not in store.rows:
+            if (setting, method, seed) not in store.rows:
                 groups[alone or place < TIMED, (setting, seed) not in known].append(seed)
                 known.add((setting, seed))
         for (is_timed, bare), seeds in groups.items():
@@ -203,11 +196,11 @@ def _jobs(
                 yield replace(job, seeds=some, is_timed=is_timed, with_bars=bare)
 
 
-def _goes_alone(policy: str, request: Request) -> bool:
-    """Say whether trials must not share a batch: a planner's, and those of a user's own policy."""
-    policy = player_of(policy)
-    is_listed = policy.removesuffix(BARE) in {listing.name for listing in POLICIES}
-    return not is_listed or ready_policy(policy, request.time_limit).needs_everything
+def _goes_alone(method: str, request: Request) -> bool:
+    """Say whether trials must not share a batch: a planner's, and those of a user's own method."""
+    method = player_of(method)
+    is_listed = method.removesuffix(BARE) in LISTED
+    return not is_listed or ready_method(method, request.time_limit).policy.needs_everything
 
 
 def _lot_size(setting: str, is_timed: bool, alone: bool) -> int:
@@ -234,26 +227,26 @@ def _authors_rows(request: Request, code: str) -> Iterator[Row]:
 
 
 def _order(suite: Suite) -> Callable[[Row], tuple[int, int, str, int]]:
-    """Return what rows are put in order by: as the suite has settings and policies."""
+    """Return what rows are put in order by: as the suite has settings and methods."""
     settings = {name: place for place, name in enumerate(suite.settings)}
-    listed = dict.fromkeys(policy for _, policy in cells(suite))
-    policies = {name: place for place, name in enumerate(listed)}
+    listed = dict.fromkeys(method for _, method in cells(suite))
+    methods = {name: place for place, name in enumerate(listed)}
 
     def key(row: Row) -> tuple[int, int, str, int]:
         setting = settings.get(row.setting, len(settings))  # others: of an older suite file
-        return setting, policies.get(row.policy, len(policies)), row.policy, row.world_seed
+        return setting, methods.get(row.method, len(methods)), row.method, row.world_seed
 
     return key
 
 
 @cache
-def own_stamp(policy: str) -> str:
-    """Return a text that changes when the file of a user's own policy does, or a trained folder.
+def own_stamp(method: str) -> str:
+    """Return a text that changes when the file of a user's own method does, or a trained folder.
 
-    It is empty for the policies that come with the package.
+    It is empty for the methods that come with the package.
     """
     stamp = hashlib.sha256()
-    files = files_of_own(player_of(policy), POLICIES)
+    files = files_of_own(player_of(method))
     for path in files:
         stamp.update(path.name.encode() + path.read_bytes())
     return stamp.hexdigest()[:12] if files else ""

@@ -16,13 +16,13 @@ from teamformer.errors import TeamformerError
 from teamformer.scenarios.file_access import read_text
 
 ROWS, BROKEN, ABOUT, LOCK = "rows.jsonl", "broken-rows.txt", "bench.json", ".lock"
-FORMAT = 1
+FORMAT = 2
 LARGEST_ROWS = 2_000_000_000  # bytes
 
 
 @dataclass(frozen=True)
 class BenchmarkDescription:
-    """What all rows of a folder have in common; trials and policies may be added later."""
+    """What all rows of a folder have in common; trials and methods may be added later."""
 
     suite: str
     first_seed: int

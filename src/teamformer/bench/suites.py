@@ -1,4 +1,4 @@
-"""Suites: which policies meet which settings under which rules, read from YAML files."""
+"""Suites: which methods meet which settings under which rules, read from YAML files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.mission.rules import ALLOCATIONS, FORESIGHTS, ORDERS
+from teamformer.mission.rules import FORESIGHTS, NEW_TASKS
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.named_settings import size_of
 from teamformer.scenarios.tree_reader import Reader
@@ -22,19 +22,15 @@ KEYS = (
     "settings",
     "axes",
     "parts",
-    "policies",
+    "methods",
     "trials",
     "time_limit",
     "rules",
-    "policy_rules",
+    "method_settings",
     "figure",
 )
-RULES = {
-    "order": ORDERS,
-    "allocation": ALLOCATIONS,
-    "foresight": FORESIGHTS,
-    "forming_steps": (),
-}
+RULES = ("forming_steps",)
+METHOD_SETTINGS = {"new_tasks": NEW_TASKS, "foresight": FORESIGHTS}
 AXES = ("robots", "tasks", "capabilities")
 OTHERS = ("speed", "robotarium", "others")
 """Measured by code of their own."""
@@ -43,10 +39,10 @@ FIGURES = ("drawn", "none")
 
 @dataclass(frozen=True)
 class Suite:
-    """A cross product of settings and policies, or several of them (`parts`).
+    """A cross product of settings and methods, or several of them (`parts`).
 
-    `policies` of a suite with parts run in each of their settings besides the parts' own. `rules`
-    are fields of every scenario, `policy_rules` of those that a policy meets. `axes` are the
+    `methods` of a suite with parts run in each of their settings besides the parts' own. `rules`
+    are fields of every mission, `method_settings` what is set of a method. `axes` are the
     settings of each curve, by what grows along it. `trials` and `time_limit` (seconds that a
     planner may take) hold unless the command line says otherwise.
     """
@@ -54,18 +50,14 @@ class Suite:
     name: str
     about: str
     settings: tuple[str, ...] = ()
-    policies: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()
     trials: int = 50
     time_limit: float = 10.0
-    rules: Mapping[str, str | int] = field(default_factory=dict)
-    policy_rules: Mapping[str, Mapping[str, str | int]] = field(default_factory=dict)
+    rules: Mapping[str, int] = field(default_factory=dict)
+    method_settings: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     figure: str = "drawn"
     axes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     parts: tuple[Suite, ...] = ()
-
-    def rules_for(self, policy: str) -> dict[str, str | int]:
-        """Return the fields of the scenarios that a policy meets."""
-        return {**self.rules, **self.policy_rules.get(policy, {})}
 
     @property
     def figures(self) -> tuple[Suite, ...]:
@@ -74,12 +66,12 @@ class Suite:
         return drawn or ((self,) if self.figure != "none" else ())
 
 
-def player_of(policy: str) -> str:
-    """Return the policy that plays where a suite has it twice, under other rules.
+def player_of(method: str) -> str:
+    """Return the method that plays where a suite has it twice, under other rules.
 
-    So `follow-plan@absent` is `follow-plan`; what its rules are stands under `policy_rules`.
+    So `plan@absent` is `follow-plan`; what its rules are stands under `method_rules`.
     """
-    return policy.partition("@")[0]
+    return method.partition("@")[0]
 
 
 def names_of_suites() -> list[str]:
@@ -132,19 +124,19 @@ def _read_suite(reader: Reader, value: Any, name: str) -> Suite:
         name=name,
         about=reader.text(("about",), said.get("about", name)),
         settings=tuple(dict.fromkeys(settings)),
-        policies=tuple(reader.names(("policies",), said.get("policies", []))),
+        methods=tuple(reader.names(("methods",), said.get("methods", []))),
         trials=reader.whole(("trials",), said.get("trials", Suite.trials), least=1),
         time_limit=reader.number(("time_limit",), said.get("time_limit", Suite.time_limit)),
         rules=_rules(reader, ("rules",), said.get("rules", {})),
-        policy_rules=_policy_rules(reader, said),
+        method_settings=_method_settings(reader, said),
         figure=_one_of(reader, ("figure",), said.get("figure", Suite.figure), FIGURES),
         axes=axes,
         parts=parts,
     )
     if suite.time_limit < 0:
         reader.refuse(("time_limit",), f"time_limit is {suite.time_limit:g}; write 0 or more")
-    if not reader.tree.problems and not (suite.settings and (suite.policies or parts)):
-        reader.refuse((), "a suite needs settings and policies, or parts; add them")
+    if not reader.tree.problems and not (suite.settings and (suite.methods or parts)):
+        reader.refuse((), "a suite needs settings and methods, or parts; add them")
     return suite
 
 
@@ -173,20 +165,23 @@ def _settings(reader: Reader, where: tuple[str, ...], value: Any) -> tuple[str, 
     return tuple(names)
 
 
-def _rules(reader: Reader, where: tuple[str, ...], value: Any) -> dict[str, str | int]:
+def _rules(reader: Reader, where: tuple[str, ...], value: Any) -> dict[str, int]:
     rules = reader.mapping(where, value, dict.fromkeys(RULES, False))
-    return {key: _rule(reader, (*where, key), part) for key, part in rules.items()}
+    return {key: reader.whole((*where, key), part, 0, 1) for key, part in rules.items()}
 
 
-def _policy_rules(reader: Reader, said: dict[str, Any]) -> dict[str, dict[str, str | int]]:
-    known = dict.fromkeys(reader.names(("policies",), said.get("policies", [])), False)
-    rules = reader.mapping(("policy_rules",), said.get("policy_rules", {}), known)
-    return {name: _rules(reader, ("policy_rules", name), part) for name, part in rules.items()}
-
-
-def _rule(reader: Reader, where: tuple[str, ...], value: Any) -> str | int:
-    known = RULES[where[-1]]
-    return _one_of(reader, where, value, known) if known else reader.whole(where, value, 0, 1)
+def _method_settings(reader: Reader, said: dict[str, Any]) -> dict[str, dict[str, str]]:
+    known = dict.fromkeys(reader.names(("methods",), said.get("methods", [])), False)
+    given = reader.mapping(("method_settings",), said.get("method_settings", {}), known)
+    found = {}
+    for name, value in given.items():
+        where = ("method_settings", name)
+        settings = reader.mapping(where, value, dict.fromkeys(METHOD_SETTINGS, False))
+        found[name] = {
+            key: _one_of(reader, (*where, key), part, METHOD_SETTINGS[key])
+            for key, part in settings.items()
+        }
+    return found
 
 
 def _one_of(reader: Reader, where: tuple[str, ...], value: Any, known: Sequence[str]) -> str:
@@ -197,19 +192,19 @@ def _one_of(reader: Reader, where: tuple[str, ...], value: Any, known: Sequence[
 
 
 def cells(
-    suite: Suite, policies: Sequence[str] = (), settings: Sequence[str] = ()
+    suite: Suite, methods: Sequence[str] = (), settings: Sequence[str] = ()
 ) -> Iterator[tuple[str, str]]:
-    """Yield every (setting, policy) of a suite once.
+    """Yield every (setting, method) of a suite once.
 
-    `policies`, if given, stand in for those of the suite, in each of its settings; `settings`, if
+    `methods`, if given, stand in for those of the suite, in each of its settings; `settings`, if
     given, are the only ones wanted.
     """
     listed = [
-        (setting, policy)
+        (setting, method)
         for part in suite.parts or (suite,)
         for setting in part.settings
-        for policy in policies or (*suite.policies, *part.policies)
+        for method in methods or (*suite.methods, *part.methods)
     ]
-    for setting, policy in dict.fromkeys(listed):
+    for setting, method in dict.fromkeys(listed):
         if not settings or setting in settings:
-            yield setting, policy
+            yield setting, method

@@ -1,4 +1,4 @@
-"""What the rows of each policy in each setting come to."""
+"""What the rows of each method in each setting come to."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from teamformer.bench.rows import Row
 from teamformer.bench.statistics import Mean, mean_of, wilson
 
 BASELINES = ("heuristic", "join-all", "authors-heuristic")
-"""What every policy is compared with, world by world."""
+"""What every method is compared with, world by world."""
 
 CENTRAL = "central"
 
-HOPEFUL = "follow-plan@needed"
+HOPEFUL = "plan@needed"
 """What makes its plan anew at every event and takes all that may be needed as needed.
 
 Between it and `central`, which knows the truth, lies the room that there is to be won.
@@ -23,7 +23,7 @@ Between it and `central`, which knows the truth, lies the room that there is to 
 
 @dataclass(frozen=True)
 class Summary:
-    """One policy in one setting.
+    """One method in one setting.
 
     `makespan` is over completed trials only, as the paper has it; `steps` over all, a failure
     counting as its step limit. `against` holds, for each baseline, the difference of makespans
@@ -34,11 +34,11 @@ class Summary:
     `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
     ratios of the makespan to the best known and to the lower bound of the same world, less one;
     they are over worlds that a planner has planned, where there are such. `to_list` is the
-    difference to the list schedule. The means after that are of the worlds, whatever the policy.
+    difference to the list schedule. The means after that are of the worlds, whatever the method.
     """
 
     setting: str
-    policy: str
+    method: str
     trials: int
     failures: int
     makespan: Mean
@@ -65,10 +65,10 @@ class Summary:
 
 
 def summarise(rows: Iterable[Row]) -> list[Summary]:
-    """Return a summary for each setting and policy, in the order in which the rows have them."""
+    """Return a summary for each setting and method, in the order in which the rows have them."""
     cells: dict[tuple[str, str], list[Row]] = defaultdict(list)
     for row in rows:
-        cells[row.setting, row.policy].append(row)
+        cells[row.setting, row.method].append(row)
     makespans = {
         cell: {row.world_seed: row.makespan for row in cells[cell] if row.makespan is not None}
         for cell in cells
@@ -78,32 +78,32 @@ def summarise(rows: Iterable[Row]) -> list[Summary]:
         planned[setting] |= {row.world_seed for row in found if row.relaxed is not None}
     return [
         _summary(
-            cells[setting, policy],
+            cells[setting, method],
             planned[setting],
             {
-                bar: differences(makespans[setting, policy], makespans[setting, bar])
+                bar: differences(makespans[setting, method], makespans[setting, bar])
                 for bar in BASELINES
-                if bar != policy and (setting, bar) in makespans
+                if bar != method and (setting, bar) in makespans
             },
-            share_of(makespans[setting, policy], makespans.get((setting, CENTRAL), {})),
+            share_of(makespans[setting, method], makespans.get((setting, CENTRAL), {})),
             room_won(
-                makespans[setting, policy],
+                makespans[setting, method],
                 makespans.get((setting, HOPEFUL), {}),
                 makespans.get((setting, CENTRAL), {}),
             ),
         )
-        for setting, policy in cells
+        for setting, method in cells
     ]
 
 
 def on_shared_worlds(rows: Sequence[Row]) -> list[Row]:
-    """Return, of each setting, the rows of worlds in which every policy there has a trial."""
-    policies: dict[str, set[str]] = defaultdict(set)
+    """Return, of each setting, the rows of worlds in which every method there has a trial."""
+    methods: dict[str, set[str]] = defaultdict(set)
     played: dict[tuple[str, int], set[str]] = defaultdict(set)
     for row in rows:
-        policies[row.setting].add(row.policy)
-        played[row.setting, row.world_seed].add(row.policy)
-    return [row for row in rows if played[row.setting, row.world_seed] == policies[row.setting]]
+        methods[row.setting].add(row.method)
+        played[row.setting, row.world_seed].add(row.method)
+    return [row for row in rows if played[row.setting, row.world_seed] == methods[row.setting]]
 
 
 def differences(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
@@ -146,7 +146,7 @@ def _summary(
     done = [row for row in rows if row.makespan is not None]
     return Summary(
         setting=rows[0].setting,
-        policy=rows[0].policy,
+        method=rows[0].method,
         trials=len(rows),
         failures=len(rows) - len(done),
         makespan=_mean(row.makespan for row in done),

@@ -19,9 +19,11 @@ ScenarioPath = Annotated[Path, typer.Argument(metavar="SCENARIO", help="a scenar
 ReplayPath = Annotated[Path, typer.Argument(metavar="REPLAY", help="a replay.json")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 Seed = Annotated[int, typer.Option(min=0, help="of all randomness")]
-Order = Annotated[str | None, typer.Option(help="the shared task order: tsp or schedule")]
-Allocation = Annotated[
-    str | None, typer.Option(help="who heads for which task: paper, nearest, crews or plan")
+Method = Annotated[
+    str | None,
+    typer.Option(
+        help="how it is solved; see `methods`; else plan, or crews if the mission is too large"
+    ),
 ]
 StepLimit = Annotated[int | None, typer.Option(min=1, help="give up after so many steps")]
 TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may plan")]

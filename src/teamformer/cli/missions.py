@@ -8,9 +8,8 @@ from typing import Annotated
 import typer
 
 from teamformer.cli.app import (
-    Allocation,
     AsJson,
-    Order,
+    Method,
     ScenarioPath,
     Seed,
     StepLimit,
@@ -24,9 +23,7 @@ from teamformer.errors import TeamformerError
 @app.command()
 def run(
     scenario: ScenarioPath,
-    policy: Annotated[str, typer.Option(help="who decides; see `policies`")] = "teamformer",
-    order: Order = None,
-    allocation: Allocation = None,
+    method: Method = None,
     seed: Seed = 0,
     step_limit: StepLimit = None,
     time_limit: TimeLimit = 10.0,
@@ -38,36 +35,30 @@ def run(
     as_json: AsJson = False,
 ) -> None:
     """Run one trial of a scenario."""
-    from teamformer.commands.missions.run import Changes
     from teamformer.commands.missions.run import run as command
 
     if html and out is None:
         raise TeamformerError("--html needs a folder for the page", "add --out FOLDER")
-    changes = Changes(order, allocation, step_limit)
-    status = command(scenario, policy, seed, changes, time_limit, out, html, as_json, explain)
+    status = command(scenario, method, seed, step_limit, time_limit, out, html, as_json, explain)
     raise typer.Exit(status)
 
 
 @app.command()
 def compare(
     scenario: ScenarioPath,
-    policies: Annotated[
+    methods: Annotated[
         str, typer.Option(help="names, with commas")
-    ] = "heuristic,join-all,teamformer,central",
-    seeds: Annotated[int, typer.Option(min=1, help="trials of each policy")] = 1,
-    order: Order = None,
-    allocation: Allocation = None,
+    ] = "heuristic,join-all,teamformer,crews,plan,central",
+    seeds: Annotated[int, typer.Option(min=1, help="trials by each method")] = 1,
     step_limit: StepLimit = None,
     time_limit: TimeLimit = 10.0,
     as_json: AsJson = False,
 ) -> None:
-    """Run a scenario under several policies, side by side."""
+    """Run a mission by several methods, side by side."""
     from teamformer.commands.missions.compare import compare as command
-    from teamformer.commands.missions.run import Changes
 
-    changes = Changes(order, allocation, step_limit)
-    names = [name.strip() for name in policies.split(",")]
-    raise typer.Exit(command(scenario, names, seeds, changes, time_limit, as_json))
+    names = [name.strip() for name in methods.split(",")]
+    raise typer.Exit(command(scenario, names, seeds, step_limit, time_limit, as_json))
 
 
 @app.command()
@@ -127,7 +118,7 @@ def import_(
 @app.command()
 def plan(
     scenario: ScenarioPath,
-    policy: Annotated[
+    method: Annotated[
         str, typer.Option(help="central; in continuous time also plan or reactive")
     ] = "central",
     time_limit: TimeLimit = 10.0,
@@ -141,7 +132,7 @@ def plan(
     if out is not None and not html:
         raise TeamformerError("--out is for the page", "add --html")
     page = (out or Path()) / "plan.html" if html else None
-    raise typer.Exit(command(scenario, policy, time_limit, page, as_json))
+    raise typer.Exit(command(scenario, method, time_limit, page, as_json))
 
 
 @app.command()
@@ -149,7 +140,7 @@ def live(
     scenario: Annotated[
         Path | None, typer.Argument(metavar="[SCENARIO]", help="none: draw one in the editor")
     ] = None,
-    policy: Annotated[str, typer.Option(help="who decides; see `policies`")] = "teamformer",
+    method: Method = None,
     seed: Seed = 0,
     port: Annotated[int, typer.Option(min=1, max=65535)] = 8765,
     host: Annotated[
@@ -176,5 +167,5 @@ def live(
     from teamformer.commands.missions.live import live as command
 
     at = None if fleet is None else FleetAt(fleet, pace, key, tls, sign)
-    options = Options(policy, seed, port, host, speed, time_limit, out, at)
+    options = Options(method, seed, port, host, speed, time_limit, out, at)
     raise typer.Exit(command(scenario, options))

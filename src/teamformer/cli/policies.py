@@ -8,14 +8,14 @@ from typing import Annotated
 
 import typer
 
-from teamformer.cli.app import Allocation, AsJson, Order, Seed, app, is_given, split_names
+from teamformer.cli.app import AsJson, Seed, app, is_given, split_names
 from teamformer.errors import TeamformerError
 
 
 @app.command()
-def policies(as_json: AsJson = False) -> None:
-    """List what can be named with --policy."""
-    from teamformer.commands.policies.listing import policies as command
+def methods(as_json: AsJson = False) -> None:
+    """List what can be named with --method."""
+    from teamformer.commands.policies.listing import methods as command
 
     raise typer.Exit(command(as_json))
 
@@ -23,16 +23,14 @@ def policies(as_json: AsJson = False) -> None:
 @app.command()
 def bench(
     suite: Annotated[str, typer.Argument(metavar="SUITE", help="a name, or a .yaml file")],
-    trials: Annotated[int | None, typer.Option(min=1, help="of each policy and setting")] = None,
-    policies: Annotated[str, typer.Option(help="names, with commas; else the suite's")] = "",
-    without: Annotated[str, typer.Option(help="policies to leave out")] = "",
+    trials: Annotated[int | None, typer.Option(min=1, help="of each method and setting")] = None,
+    methods: Annotated[str, typer.Option(help="names, with commas; else the suite's")] = "",
+    without: Annotated[str, typer.Option(help="methods to leave out")] = "",
     settings: Annotated[str, typer.Option(help="the only ones wanted")] = "",
     seed: Annotated[int, typer.Option(min=0, help="of the first world")] = 0,
     time_limit: Annotated[
         float | None, typer.Option(min=0, help="seconds that central may plan")
     ] = None,
-    order: Order = None,
-    allocation: Allocation = None,
     worlds: Annotated[
         list[Path] | None, typer.Option(help="files or folders, for `authors` and `others`")
     ] = None,
@@ -49,10 +47,10 @@ def bench(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure policies on a suite of settings; `speed` times the simulator.
+    """Measure methods on a suite of settings; `speed` times the simulator.
 
     Suites: fig3 fig4a fig4b fig5a fig5b fig6 fig9 table1, together `paper`; taught,
-    missions, uncertain, fleet, scale, authors, others, robotarium.
+    missions, uncertain, methods, scale, authors, others, robotarium.
 
     Run it again with the same folder to go on after an interruption, or for more trials.
     """
@@ -63,9 +61,7 @@ def bench(
         trials=trials,
         seed=seed,
         time_limit=time_limit,
-        order=order,
-        allocation=allocation,
-        policies=split_names(policies),
+        methods=split_names(methods),
         without=split_names(without),
         settings=split_names(settings),
         worlds=tuple(worlds or ()),
@@ -98,7 +94,7 @@ def train(
     minutes: Annotated[float | None, typer.Option(min=0, help="at most")] = None,
     worlds: Annotated[int, typer.Option(min=1, help="played in each iteration")] = 256,
     held_out: Annotated[int, typer.Option(min=1, help="worlds of each setting")] = 48,
-    method: Annotated[
+    algorithm: Annotated[
         str | None, typer.Option(help="rollouts, ppo or imitation; the network's own by default")
     ] = None,
     reward: Annotated[
@@ -130,7 +126,7 @@ def train(
         minutes=minutes,
         worlds=worlds,
         held_out=held_out,
-        method=method,
+        method=algorithm,
         reward=reward,
         seed=seed,
         device=device,

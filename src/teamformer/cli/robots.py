@@ -8,12 +8,10 @@ from typing import Annotated
 
 import typer
 
-from teamformer.cli.app import AsJson, ScenarioPath, Seed, app
+from teamformer.cli.app import AsJson, Method, ScenarioPath, Seed, app
 from teamformer.errors import TeamformerError
 
-Policy = Annotated[
-    str | None, typer.Option(help="who decides for teams; the shared plan by default")
-]
+FleetMethod = Annotated[str, typer.Option(help="plan, or who forms teams; see `methods`")]
 
 Sign = Annotated[
     Path | None, typer.Option(help="folder of the robots' public keys and the own private one")
@@ -25,7 +23,7 @@ def robotarium(
     words: Annotated[
         list[str], typer.Argument(metavar="[deploy] SCENARIO", help="a scenario file on a plane")
     ],
-    policy: Annotated[str, typer.Option(help="who decides; see `policies`")] = "teamformer",
+    method: Method = None,
     seed: Seed = 0,
     simulator: Annotated[str, typer.Option(help="plant, ours, or rps, the official one")] = "plant",
     delay: Annotated[float, typer.Option(min=0, max=1, help="seconds until robots obey")] = 0.0,
@@ -46,7 +44,7 @@ def robotarium(
     *verbs, path = words
     if verbs not in ([], ["deploy"]):
         raise TeamformerError(f"'{' '.join(words)}' is not one scenario", "give one file")
-    options = RobotariumOptions(policy, seed, simulator, delay, noise, out)
+    options = RobotariumOptions(method, seed, simulator, delay, noise, out)
     if verbs:
         raise typer.Exit(deploy(Path(path), options, verify, python, as_json))
     raise typer.Exit(command(Path(path), options, as_json))
@@ -64,14 +62,14 @@ def rehearse(
     workers: Annotated[
         int | None, typer.Option(min=1, help="processes; one for each core by default")
     ] = None,
-    policy: Policy = None,
+    method: FleetMethod = "plan",
     as_json: AsJson = False,
 ) -> None:
     """Try the fleet's own agents under random faults: every robot a mind of its own, no server."""
     from teamformer.commands.robots.rehearse import Options
     from teamformer.commands.robots.rehearse import rehearse as command
 
-    options = Options(schedules, seed, loss, crashes, schedule, out, workers, policy)
+    options = Options(schedules, seed, loss, crashes, schedule, out, workers, method)
     raise typer.Exit(command(scenario, options, as_json))
 
 
@@ -84,7 +82,7 @@ def fleet(
     ] = 0.0,
     facts: Annotated[Path | None, typer.Option(help="folder for the agents' facts files")] = None,
     time_limit: Annotated[float, typer.Option(min=1, help="seconds until it gives up")] = 3600.0,
-    policy: Policy = None,
+    method: FleetMethod = "plan",
     sign: Sign = None,
     task: Annotated[str | None, typer.Option(help="add: the new task's name")] = None,
     at: Annotated[str | None, typer.Option(help="add: its place, X,Y")] = None,
@@ -104,7 +102,7 @@ def fleet(
     if verbs not in ([], ["add"]):
         raise TeamformerError(f"'{' '.join(words)}' is not one scenario", "give one file")
     if not verbs:
-        options = Options(pace, drop, facts, time_limit, policy, sign)
+        options = Options(pace, drop, facts, time_limit, method, sign)
         raise typer.Exit(command(Path(path), options, as_json))
     if task is None or at is None or needs is None:
         raise TeamformerError("a task to add needs --task NAME, --at X,Y and --needs ...")
@@ -129,7 +127,7 @@ def agent(
     drop: Annotated[
         float, typer.Option(min=0, max=0.95, help="of messages to throw away, for trials")
     ] = 0.0,
-    policy: Policy = None,
+    method: FleetMethod = "plan",
     sign: Sign = None,
 ) -> None:
     """Run the mind of one robot, over Zenoh from peer to peer."""
@@ -137,5 +135,5 @@ def agent(
     from teamformer.commands.robots.agent import agent as command
 
     ends = (listen, tuple(connect or ()))
-    options = Options(robot, body, *ends, key, tls, facts, plan, pace, drop, policy, sign)
+    options = Options(robot, body, *ends, key, tls, facts, plan, pace, drop, method, sign)
     raise typer.Exit(command(scenario, options))

@@ -1,7 +1,7 @@
 """Compiling on a first run: said beforehand, and shared with a second process.
 
 numba compiles on one core. So while this process compiles a planner, which it needs first,
-`python -m teamformer.commands.compiling POLICY` compiles what comes after it into the cache; with
+`python -m teamformer.commands.compiling METHOD` compiles what comes after it into the cache; with
 `--simulator` only the step, as by a shared plan no policy has to think. With `--everything` it
 compiles what any first run needs, for a wheel that brings it along.
 """
@@ -12,6 +12,7 @@ import atexit
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -20,43 +21,59 @@ from teamformer.commands.console import say
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario
+    from teamformer.trials.methods import Method
 
 
-def announce_compiling(
-    policy_names: Iterable[str] = (), is_planned: bool = False, has_shared_plan: bool = False
-) -> None:
-    """Say that a first run compiles, so that nobody takes the wait for a fault.
+def announce_compiling(methods: Iterable[Method] = ()) -> None:
+    """Say that a first run compiles, so that nobody takes the wait for a fault, and compile.
 
-    `is_planned` says that crews, a schedule or a shared plan will be planned, as `central` always
-    does; `has_shared_plan` that it is the last.
+    What these methods need is then compiled, so that no trial's time has it in.
     """
     from teamformer.jit import needs_compiling
     from teamformer.planning.teams import threshold_search
     from teamformer.sim.allocation.task_order import plan_worlds
     from teamformer.sim.step import step_worlds
 
-    names = list(policy_names)
+    wanted = {method.name: method for method in methods}
+    allocations = {method.allocation for method in wanted.values()}
+    beside = os.cpu_count() or 1
     is_new = needs_compiling(step_worlds)
+    needed = is_new
     if is_new:
         say("compiling the simulator, on the first run only (half a minute, more if busy) ...")
-    if has_shared_plan and needs_compiling(threshold_search.search):
+    if "plan" in allocations and needs_compiling(threshold_search.search):
+        needed = True
         say("compiling the planner, on the first run only (a minute) ...")
-        if is_new and (os.cpu_count() or 1) > 1:
+        if is_new and beside > 1:
             _compile_beside("--simulator")
-    has_crews = is_planned and not has_shared_plan
-    if (has_crews or "central" in names) and needs_compiling(plan_worlds):
+    if ("crews" in allocations or "central" in wanted) and needs_compiling(plan_worlds):
+        needed = True
         say("compiling the planner of crews, on the first run only (half a minute, too) ...")
-        if is_new and (os.cpu_count() or 1) > 1:
-            _compile_beside(next((name for name in names if name != "central"), "join-all"))
-    if "central" in names:
+        if is_new and beside > 1 and "plan" not in allocations:
+            _compile_beside(next((name for name in wanted if name != "central"), "join-all"))
+    if "central" in wanted:
         from teamformer.planning.relaxation import threshold
 
         if needs_compiling(threshold_search.search) or not threshold.is_compiled():
+            needed = True
             say("compiling the central planner, on the first run only (half a minute) ...")
+    if needed and wanted:
+        _compile(wanted.values())
+
+
+def _compile(methods: Iterable[Method]) -> None:
+    """Compile what methods need, by playing the smallest mission, and say how long it took."""
+    from teamformer.scenarios.smallest import smallest_scenario
+    from teamformer.trials.trial import run_trial
+
+    begun = time.perf_counter()
+    for method in methods:
+        run_trial(smallest_scenario(), method)
+    say(f"compiled in {time.perf_counter() - begun:.0f} s")
 
 
 def _compile_beside(what: str) -> None:
-    """Let another process compile the simulator or a policy too; it ends with this one."""
+    """Let another process compile the simulator or a method too; it ends with this one."""
     nowhere = subprocess.DEVNULL
     helper = subprocess.Popen(
         [sys.executable, "-m", "teamformer.commands.compiling", what],
@@ -68,10 +85,10 @@ def _compile_beside(what: str) -> None:
 
 
 def main() -> None:
-    """Compile what a policy needs, or everything."""
+    """Compile what a method needs, or everything."""
     from teamformer.scenarios.smallest import smallest_scenario
 
-    smallest = replace(smallest_scenario(), allocation="paper")
+    smallest = smallest_scenario()
     names = sys.argv[1:]
     if names == ["--everything"]:
         _compile_everything(smallest)
@@ -91,28 +108,24 @@ def _make_a_step(smallest: Scenario) -> None:
 
 
 def _play(worlds: Iterable[Scenario], names: Iterable[str]) -> None:
-    """Run policies in worlds, as `run` does."""
-    from teamformer.commands.missions.run import ready_policy, watch_trial
+    """Run methods in worlds, as `run` does."""
+    from teamformer.commands.missions.run import watch_trial
+    from teamformer.trials.methods import load_method
 
     for world in worlds:
         for name in names:
-            watch_trial(world, ready_policy(name, time_limit=1.0), name, seed=0)
+            watch_trial(world, load_method(name, time_limit=1.0), seed=0)
 
 
 def _compile_everything(smallest: Scenario) -> None:
-    """Run policies of each kind under all allocations, on grids with and without walls, a plane."""
+    """Run methods of each kind on grids with and without walls, and on a plane."""
     from teamformer.grid import Grid
-    from teamformer.mission.rules import ALLOCATIONS
     from teamformer.plane import Plane
-    from teamformer.policies import POLICIES
+    from teamformer.trials.methods import METHODS
 
     walled, plane = Grid(2, 2, ("..", ".@")), Plane(2.0, 1.0)
     worlds = [replace(smallest, world=world) for world in (smallest.world, walled, plane)]
-    _play(worlds, [listing.name for listing in POLICIES])
-    scripted = ("teamformer", "join-crew", "central")
-    for allocation in ALLOCATIONS:
-        _play((replace(world, allocation=allocation) for world in worlds), scripted)
-    _play([replace(smallest, order="schedule")], ("join-all",))
+    _play(worlds, [listing.name for listing in METHODS])
 
 
 if __name__ == "__main__":

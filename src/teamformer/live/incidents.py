@@ -114,11 +114,10 @@ def search_plan(
 
     `is_over` says that nobody wants to know any more.
     """
-    allocation = past.scenario.allocation
-    if allocation != "plan":
+    if past.scenario.allocation != "plan":
         raise TeamformerError(
-            f"under allocation '{allocation}' robots go by no plan that could be another; "
-            "a mission with allocation plan can be planned anew"
+            "by this method robots go by no plan that could be another; "
+            "a mission that runs by the method 'plan' can be planned anew"
         )
     believed, facts, old = past.env.plan_now()
     searches = 1 if past.scenario.has_surprises else SEARCHES

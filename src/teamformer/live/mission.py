@@ -20,20 +20,25 @@ from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.sim.env import Decision, Tally, TeamFormation
 from teamformer.sim.replay.record import Replay, Step
+from teamformer.trials.methods import Method
 from teamformer.trials.recorder import Recorder
 from teamformer.truth import draw_truth
 
-MakePolicy = Callable[[], Policy]
+MakeMethod = Callable[[], Method]
 
 
 class Mission:
-    """One scenario that runs under one policy; `incidents` are what happened so far, with steps."""
+    """One mission that runs by one method; `incidents` are what happened so far, with steps.
 
-    def __init__(self, scenario: Scenario, make_policy: MakePolicy, name: str, seed: int) -> None:
-        self.scenario = scenario
-        self.policy_name, self.seed = name, seed
+    `make_method` makes the method anew: forecasts play with one of their own.
+    """
+
+    def __init__(self, scenario: Scenario, make_method: MakeMethod, seed: int) -> None:
+        method = make_method()
+        self.scenario = scenario = method.apply(scenario)
+        self.method_name, self.seed = method.name, seed
         self.incidents: list[tuple[int, Happening]] = []
-        self._make_policy = make_policy
+        self._make_method = make_method
         self._policy = self._begin()
         self._decisions: list[Decision] = []
         self._env = TeamFormation([scenario], truths=[draw_truth(scenario, seed)])
@@ -78,7 +83,7 @@ class Mission:
 
     def record(self) -> Replay:
         """Return the record so far; that of a mission that still runs is of an interrupted one."""
-        return self._recorder.finish(self.policy_name, self.seed, None)
+        return self._recorder.finish(self.method_name, self.seed, None)
 
     def past(self) -> Past:
         """Return the present and how it came about, to play it ahead while the mission goes on."""
@@ -92,7 +97,7 @@ class Mission:
         return Past(scenario, env, self._begin, tuple(self._decisions), plans)
 
     def _begin(self) -> Policy:
-        policy = self._make_policy()
+        policy = self._make_method().policy
         everything = [self.scenario] if policy.needs_everything else None
         policy.begin(everything, np.random.default_rng(self.seed))
         return policy
@@ -101,8 +106,8 @@ class Mission:
         """Return the mission as it would stand if something happened now."""
         if self._policy.needs_everything:
             raise TeamformerError(
-                f"'{self.policy_name}' plans with all that the scenario says, so that nothing can "
-                "happen to its mission; run it under another policy"
+                f"'{self.method_name}' plans with all that the mission says, so that nothing can "
+                "happen to it; run it by another method"
             )
         scenario = happening.apply(self.scenario, self._env.truths[0], self.steps)
         env = TeamFormation([scenario], truths=[draw_truth(scenario, self.seed)])
@@ -117,7 +122,7 @@ class Mission:
                 env.view()
                 env.step(decision)
                 recorder.step()
-        if not _is_same_past(recorder.finish(self.policy_name, self.seed, None), self.record()):
+        if not _is_same_past(recorder.finish(self.method_name, self.seed, None), self.record()):
             raise TeamformerError("this would change what has been; it has not happened")
         return env, recorder, scenario
 

@@ -12,16 +12,9 @@ from teamformer.mission.links import find_link_problems, find_links
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
 
-ORDERS = ("tsp", "schedule")
 NEW_TASKS = ("resolve", "nearest")
-ALLOCATIONS = ("paper", "nearest", "crews", "plan")
+ALLOCATIONS = ("paper", "crews", "plan")
 FORESIGHTS = ("needed", "absent", "scouting")
-
-WITHOUT_CREWS = ("paper", "nearest")
-"""Those in which every team follows one order, as the paper's networks were made for."""
-
-BEST_ALLOCATION = "plan"
-"""What a scenario file means that says nothing about it."""
 
 TIMES = ("steps", "continuous")
 HOME = "home"

@@ -45,16 +45,6 @@ class Planner(Policy, Protocol):
 
 
 @runtime_checkable
-class MadeFor(Policy, Protocol):
-    """A policy that was made for some allocations, the first of them above all.
-
-    Under any other it only does as a scripted one.
-    """
-
-    allocations: tuple[str, ...]
-
-
-@runtime_checkable
 class Guarded(Policy, Protocol):
     """A policy with a deadlock guard, which can be switched off.
 

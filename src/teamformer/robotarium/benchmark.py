@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.policies import POLICIES
 from teamformer.robotarium.experiment import Experiment, Simulator, run_experiment
 from teamformer.robotarium.random_missions import random_mission
 from teamformer.robotarium.robots.plant import Weather
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import load_method
 
 SIZES = {"20 robots, 5 tasks": (20, 5, 10), "4 robots, 3 tasks": (4, 3, 4)}
 """Robots, tasks and capabilities of each setting."""
@@ -23,7 +22,7 @@ RPS_SHARE = 5  # every fifth mission is flown on Robotarium's own simulator too
 
 
 def bench_robotarium(
-    trials: int, policy: str = "teamformer", first_seed: int = 0, with_rps: bool = False
+    trials: int, method: str = "plan", first_seed: int = 0, with_rps: bool = False
 ) -> Iterator[dict[str, Any]]:
     """Yield a row for every mission, with `suite` and `setting` besides what `row()` has.
 
@@ -35,8 +34,7 @@ def bench_robotarium(
             scenario = random_mission(robots, tasks, capabilities, np.random.default_rng(seed))
 
             def fly(simulator: Simulator, weather: Weather | None = None) -> Experiment:
-                player = load_policy(policy, POLICIES)
-                return run_experiment(scenario, player, policy, seed, simulator, weather)  # noqa: B023
+                return run_experiment(scenario, load_method(method), seed, simulator, weather)  # noqa: B023
 
             calm = fly("plant")
             yield _row(size, "plant", calm)

@@ -1,4 +1,4 @@
-"""One experiment: a scenario, a policy and robots, simulated by the plant or Robotarium's own."""
+"""One experiment: a scenario, a method and robots, simulated by the plant or Robotarium's own."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from teamformer.robotarium.robots.arena import MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Faults, Plant, Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
 from teamformer.sim.arrays import Array
+from teamformer.trials.methods import Method, as_method
 
 Simulator = Literal["plant", "rps"]
 
@@ -26,7 +27,7 @@ class Experiment:
     """What came of one; `report` is what Robotarium's own simulator said, if it was asked."""
 
     scenario: Scenario
-    policy: str
+    method: str
     seed: int
     outcome: Outcome
     faults: Faults
@@ -46,7 +47,7 @@ class Experiment:
         makespan = last if outcome.is_completed and last is not None else None
         return {
             "scenario": self.scenario.name,
-            "policy": self.policy,
+            "method": self.method,
             "seed": self.seed,
             "completed": outcome.is_completed,
             "status": tally.status,
@@ -76,8 +77,7 @@ class Experiment:
 
 def run_experiment(
     scenario: Scenario,
-    policy: Policy,
-    name: str,
+    method: Method | Policy,
     seed: int = 0,
     simulator: Simulator = "plant",
     weather: Weather | None = None,
@@ -85,6 +85,8 @@ def run_experiment(
 ) -> Experiment:
     """Run one experiment; raises `ScenarioError` for a scenario that robots have no room for."""
     check_mission(scenario)
+    method = as_method(method, scenario)
+    scenario, policy = method.apply(scenario), method.policy
     begun = time.perf_counter()
     poses, report = start_poses(scenario, seed), ""
     if simulator == "plant":
@@ -96,7 +98,7 @@ def run_experiment(
         outcome = fly(scenario, policy, robots, with_daqp(), seed, watch)
         faults, report = robots.faults, robots.finish()
     seconds = time.perf_counter() - begun
-    return Experiment(scenario, name, seed, outcome, faults, seconds, report)
+    return Experiment(scenario, method.name, seed, outcome, faults, seconds, report)
 
 
 def start_poses(scenario: Scenario, seed: int) -> Array:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from teamformer.capabilities import exact, total
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
-from teamformer.mission.rules import BEST_ALLOCATION
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.scenarios.generate import random_places, spawn_places
 from teamformer.scenarios.surprises import SURPRISES, make_uncertain
@@ -152,7 +151,6 @@ def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Scenario
         robots=robots,
         tasks=tasks,
         sensing_radius=family.sensing_radius,
-        allocation=BEST_ALLOCATION,
     )
     return mission, spare
 

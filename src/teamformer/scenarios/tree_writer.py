@@ -31,9 +31,6 @@ def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
         "join_radius": _radius_to_tree(scenario.join_radius),
         "forming_steps": scenario.forming_steps,
         "step_limit": scenario.step_limit,
-        "order": scenario.order,
-        "new_tasks": scenario.new_tasks,
-        "allocation": scenario.allocation,
         **_mission_rules_to_tree(scenario),
     }
 
@@ -49,8 +46,6 @@ def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
         tree["forming"] = scenario.forming
     if scenario.cost is not None:
         tree["cost"] = dict(scenario.cost)
-    if scenario.foresight != "scouting":
-        tree["foresight"] = scenario.foresight
     if scenario.arrivals is not None:
         tree["arrivals"] = _arrivals_to_tree(scenario.arrivals)
     if scenario.finding_radius != 1:

@@ -12,7 +12,6 @@ from typing import Any
 
 from teamformer.errors import ScenarioError
 from teamformer.mission.links import COST_PARTS
-from teamformer.mission.rules import BEST_ALLOCATION
 from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task
 from teamformer.plane import DECIMALS, Plane
 from teamformer.scenarios.tree_reader import Reader, name_of
@@ -37,17 +36,16 @@ TOP_KEYS = {
     "join_radius": False,
     "forming_steps": False,
     "step_limit": False,
-    "order": False,
-    "new_tasks": False,
-    "allocation": False,
     "time": False,
     "ends": False,
     "forming": False,
     "cost": False,
-    "foresight": False,
     "finding_radius": False,
     "arrivals": False,
 }
+KEYS_OF_METHODS = ("order", "new_tasks", "allocation", "foresight")
+"""What files said before methods did: how a mission is solved, not what it is."""
+
 ROBOT_KEYS = {
     "name": False,
     "at": True,
@@ -81,7 +79,7 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
 
     `name` is for a scenario without one; map files are looked for in `folder`.
     """
-    top = reader.mapping((), reader.tree.value, TOP_KEYS)
+    top = reader.mapping((), _without_methods(reader), TOP_KEYS)
     if not _knows_version(reader, top):
         return None
     world = read_world(reader, top.get("world", {"grid": [1, 1]}), folder)
@@ -306,21 +304,29 @@ def _read_teams(reader: Reader, value: Any, robots: list[str]) -> tuple[tuple[in
     return tuple(teams)
 
 
-def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[str, Any]:
-    """Return the rules that the file sets; the others keep the model's defaults.
+def _without_methods(reader: Reader) -> Any:
+    """Return the file's tree without keys that say how to solve a mission; refuse those."""
+    tree = reader.tree.value
+    if not isinstance(tree, dict):
+        return tree
+    for key in KEYS_OF_METHODS:
+        if key in tree:
+            what = f"'{key}' says how to solve the mission, not what it is"
+            reader.refuse((key,), f"{what}; delete it, and choose a method with --method")
+    return {key: value for key, value in tree.items() if key not in KEYS_OF_METHODS}
 
-    But for the allocation: the model's default is the paper's, a file's is the best that there is.
-    """
-    rules: dict[str, Any] = {"allocation": BEST_ALLOCATION}
+
+def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[str, Any]:
+    """Return the rules that the file sets; the others keep the model's defaults."""
+    rules: dict[str, Any] = {}
     for key in ("sensing_radius", "join_radius", "finding_radius"):
         if key in top:
             rules[key] = reader.number((key,), top[key], can_be_infinite=True)
     for key, least in (("forming_steps", 0), ("step_limit", 1)):
         if key in top:
             rules[key] = reader.whole((key,), top[key], least)
-    for key in ("order", "new_tasks", "allocation", "time", "foresight"):
-        if key in top:
-            rules[key] = reader.text((key,), top[key])
+    if "time" in top:
+        rules["time"] = reader.text(("time",), top["time"])
     if "forming" in top:
         rules["forming"] = reader.number(("forming",), top["forming"])
     if "arrivals" in top:

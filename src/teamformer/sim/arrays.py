@@ -25,7 +25,7 @@ STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
 RESOLVE, NEAREST = 0, 1
 """What happens to the order when tasks appear: a new tour, or each after its nearest."""
 
-PAPER, NEAREST_ALONE, CREWS, PLAN = 0, 1, 2, 3
+PAPER, CREWS, PLAN = 0, 1, 2
 """Who heads for which task: allocations as in `mission.rules.ALLOCATIONS`."""
 
 NEEDED, ABSENT, SCOUTING = 0, 1, 2
@@ -40,8 +40,7 @@ RULES = np.dtype(
         ("forming_steps", np.int32),
         ("step_limit", np.int32),
         ("new_tasks", np.int32),  # RESOLVE or NEAREST
-        ("allocation", np.int32),  # PAPER, NEAREST_ALONE, CREWS or PLAN
-        ("has_schedule", np.bool_),  # the order is planned, no tour
+        ("allocation", np.int32),  # PAPER, CREWS or PLAN
         ("foresight", np.int32),  # NEEDED, ABSENT or SCOUTING
         ("hides_needs", np.bool_),  # what some tasks need is not known
         ("hides_places", np.bool_),  # where some tasks are is not known

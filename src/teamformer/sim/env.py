@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -78,6 +79,7 @@ class TeamFormation:
         self.scenarios = tuple(with_arrivals(scenario, truth) for scenario, truth in both)
         self._start = pack_worlds(self.scenarios, self.truths)
         self._orderings = orderings_for(self._start, self.scenarios)
+        self.planning_seconds = 0.0  # of plans, crews and orders
         self._order_tasks(self._start)
         self.worlds = Worlds(*(array.copy() for array in self._start))
         reward = reward or Reward()
@@ -194,8 +196,10 @@ class TeamFormation:
         take_over_plan(self.worlds, w, self.scenarios[w], plan)
 
     def _order_tasks(self, worlds: Worlds) -> None:
+        begun = time.perf_counter()
         for bring_up_to_date in self._orderings:
             bring_up_to_date(worlds)
+        self.planning_seconds += time.perf_counter() - begun
 
     def _read(self, decision: Decision) -> tuple[Array, Array]:
         """Return what the teams want and name, as the kernels take it."""

@@ -133,7 +133,6 @@ def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
         "hides_needs": any(task.may_need for task in scenario.tasks),
         "has_delays": any(robot.delays for robot in scenario.robots),
         "hides_places": any(task.within for task in scenario.tasks),
-        "has_schedule": scenario.order == "schedule",
         "has_walls": bool(scenario.world.rows),
         "is_plane": plane is not None,
         "sensing_radius": max(scenario.sensing_radius, here),

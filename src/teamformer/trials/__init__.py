@@ -1,1 +1,1 @@
-"""Trials: one scenario, one policy, one seed, run to its end and recorded."""
+"""Trials: one mission, one method, one seed, run to its end and recorded."""

@@ -108,12 +108,12 @@ class Recorder:
         """Return what the latest step has changed."""
         return self._steps[-1]
 
-    def finish(self, policy: str, seed: int, lower_bound: int | None) -> Replay:
+    def finish(self, method: str, seed: int, lower_bound: int | None) -> Replay:
         """Return the record so far: one of a trial that still runs is of an interrupted one."""
         made, is_uncertain = self._before.tally.steps, self._scenario.has_surprises
         return Replay(
             scenario=self._scenario,
-            policy=policy,
+            method=method,
             seed=seed,
             orders=tuple(order for order in self._orders if order[0] <= made),
             start=self._start,

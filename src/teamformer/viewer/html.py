@@ -76,7 +76,7 @@ def _read(name: str) -> str:
 def _title(tree: Mapping[str, object]) -> str:
     scenario = tree["scenario"]
     name = scenario.get("name") if isinstance(scenario, Mapping) else None
-    return f"{name or 'unnamed scenario'}, {tree['policy']}"
+    return f"{name or 'unnamed scenario'}, {tree['method']}"
 
 
 def _content_policy(style: str, script: str) -> str:

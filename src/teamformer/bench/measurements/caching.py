@@ -55,7 +55,7 @@ def _views_of_trials(capabilities: int, trials: int) -> list[tuple[Array, ...]]:
     spec = Spec(ROBOTS, TASKS, capabilities, requirements=NEEDS, world=Grid(SIDE, SIDE))
     rng = np.random.default_rng(0)
     env = TeamFormation([generate(spec, rng) for _ in range(trials)])
-    policy, codec, views = JoinAll(), SpellingCodec(capabilities), []
+    method, codec, views = JoinAll(), SpellingCodec(capabilities), []
     for step in itertools.count():
         if not env.is_running.any():
             break
@@ -65,7 +65,7 @@ def _views_of_trials(capabilities: int, trials: int) -> list[tuple[Array, ...]]:
             rows = codec.has_choice(view, tokens)
             if rows.any():
                 views.append(tuple(part[rows] for part in tokens))
-        env.step(policy.decide(view))
+        env.step(method.decide(view))
     return views
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from teamformer.bench.measurements.caching import measure_caching
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.policies.learned.any_fleet import teamformer_any
+from teamformer.policies.learned.any_fleet import teamformer
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.files import write_scenario
 from teamformer.scenarios.generate import Spec, generate
@@ -59,11 +59,11 @@ def measure_speed() -> Iterator[Measurement]:
 
 def _trial_of_default(name: str) -> float:
     """Return the processor seconds of a whole trial, the median of nine after a first one."""
-    policy, taken = teamformer_any(), []
+    method, taken = teamformer(), []
     for seed in range(10):
         scenario = world_of(name, seed)
         begun = time.process_time()
-        run_trial(scenario, policy, "teamformer")
+        run_trial(scenario, method)
         taken.append(time.process_time() - begun)
     return float(np.median(taken[1:]))
 
@@ -97,14 +97,14 @@ def _spread_out(scenario: Scenario) -> Scenario:
 
 def _join_all_rate() -> float:
     """Play whole trials of a batch again and again."""
-    worlds, policy = _worlds(BATCH, 4, 4, 10, 4), JoinAll()
-    run_trials(worlds[:1], policy)  # compile
+    worlds, method = _worlds(BATCH, 4, 4, 10, 4), JoinAll()
+    run_trials(worlds[:1], method)  # compile
     env = TeamFormation(worlds)
     steps, begun = 0, time.perf_counter()
     while time.perf_counter() - begun < MEASURED_SECONDS:
         env.reset()
         while (running := int(env.is_running.sum())) > 0:
-            env.step(policy.decide(env.view()))
+            env.step(method.decide(env.view()))
             steps += running
     return steps / (time.perf_counter() - begun)
 
@@ -133,7 +133,7 @@ def _maintain(env: TeamFormation) -> float:
 
 def _large_trial() -> tuple[float, float]:
     scenario = _worlds(1, 1000, 1000, 100, 8)[0]
-    trial = run_trial(scenario, JoinAll(), "join-all")
+    trial = run_trial(scenario, JoinAll())
     return trial.total_seconds, float(trial.replay.end.makespan or np.nan)
 
 

@@ -13,7 +13,7 @@ from teamformer.bench.others.results import (
 from teamformer.bench.report.tables import markdown
 
 COLUMNS = (
-    *("policy", "instances", "makespan", "bound", "gap"),
+    *("method", "instances", "makespan", "bound", "gap"),
     *("proven", "wins", "ties", "losses", "seconds"),
 )
 
@@ -37,17 +37,17 @@ def results_of(results: Sequence[Result], collection: str) -> list[Result]:
 
 
 def table_of_means(results: Sequence[Result]) -> list[list[str]]:
-    """Return a row for each published method, and one for each policy, as in `COLUMNS`."""
+    """Return a row for each published method, and one for each method, as in `COLUMNS`."""
     rows = [
         [f"{name} (published)", "", f"{mean:.3f}", *[""] * (len(COLUMNS) - 3)]
         for name, mean in published_means(results).items()
     ]
-    for policy in dict.fromkeys(result.policy for result in results):
-        told = compare(results, policy)
+    for method in dict.fromkeys(result.method for result in results):
+        told = compare(results, method)
         is_bounded = told.bound > 0
         rows.append(
             [
-                *(policy, f"{told.instances}", f"{told.makespan:.3f}"),
+                *(method, f"{told.instances}", f"{told.makespan:.3f}"),
                 *(f"{told.bound:.3f}" if is_bounded else "", f"{told.gap:.1f}%" * is_bounded),
                 *(f"{told.proven}" if is_bounded else "", f"{told.wins}", f"{told.ties}"),
                 *(f"{told.losses}", f"{told.seconds:.2f}"),
@@ -57,12 +57,12 @@ def table_of_means(results: Sequence[Result]) -> list[list[str]]:
 
 
 def _sections(results: Sequence[Result]) -> Iterator[str]:
-    limits = sorted({result.time_limit for result in results if result.policy == "central"})
+    limits = sorted({result.time_limit for result in results if result.method == "central"})
     had = f"; `central` had {limits[0]:g} s" if limits else ""
     yield f"Means{had}. Wins, ties and losses are against the best published of each instance."
     yield markdown(COLUMNS, table_of_means(results), 1).rstrip()
-    policies = list(dict.fromkeys(result.policy for result in results))
-    headers = ("instance", "best published", "bound", *policies)
+    methods = list(dict.fromkeys(result.method for result in results))
+    headers = ("instance", "best published", "bound", *methods)
     yield markdown(headers, _instances(results), 1).rstrip()
     curve = anytime_curve(results)
     if curve:
@@ -73,11 +73,11 @@ def _sections(results: Sequence[Result]) -> Iterator[str]:
 
 
 def _instances(results: Sequence[Result]) -> Iterator[list[str]]:
-    policies = list(dict.fromkeys(result.policy for result in results))
+    methods = list(dict.fromkeys(result.method for result in results))
     for name in dict.fromkeys(result.instance for result in results):
-        of_it = {result.policy: result for result in results if result.instance == name}
+        of_it = {result.method: result for result in results if result.instance == name}
         first = next(iter(of_it.values()))
         bound = max(result.bound for result in of_it.values())
-        reached = [f"{of_it[p].makespan:.3f}" if p in of_it else "" for p in policies]
+        reached = [f"{of_it[p].makespan:.3f}" if p in of_it else "" for p in methods]
         best = "" if first.best is None else f"{first.best:.3f}"
         yield [name.split("/", 1)[1], best, f"{bound:.3f}" if bound else "", *reached]

@@ -1,4 +1,4 @@
-"""What policies reach on instances of others, and how that compares."""
+"""What methods reach on instances of others, and how that compares."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ MOMENTS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0)
 
 @dataclass(frozen=True)
 class Result:
-    """What a policy reached on an instance; `curve` holds (seconds, makespan)."""
+    """What a method reached on an instance; `curve` holds (seconds, makespan)."""
 
     collection: str
     instance: str
-    policy: str
+    method: str
     makespan: float
     bound: float
     proven: bool
@@ -46,9 +46,9 @@ class Result:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A policy's means, and how often it is better than the best published, or worse."""
+    """A method's means, and how often it is better than the best published, or worse."""
 
-    policy: str
+    method: str
     instances: int
     makespan: float
     bound: float
@@ -60,17 +60,17 @@ class Comparison:
     seconds: float
 
 
-def measure(instance: Instance, policy: str, time_limit: float) -> Result:
-    """Plan an instance by a policy; `central` has so many seconds."""
+def measure(instance: Instance, method: str, time_limit: float) -> Result:
+    """Plan an instance by a method; `central` has so many seconds."""
     mission = pose_mission(instance.mission)
     begun = time.perf_counter()
-    made = plan_continuous(mission, policy, time_limit)
+    made = plan_continuous(mission, method, time_limit)
     seconds = time.perf_counter() - begun
     assert made is not None, "tasks that nobody can do are refused with the scenario"
     return Result(
         collection=instance.collection,
         instance=instance.name,
-        policy=policy,
+        method=method,
         makespan=round(made.makespan, DIGITS),
         bound=round(made.bound, DIGITS),
         proven=made.is_proven,
@@ -90,15 +90,15 @@ def result_of(row: dict[str, Any]) -> Result:
         raise TeamformerError("this row is none of `bench others`") from None
 
 
-def compare(results: Sequence[Result], policy: str) -> Comparison:
-    """Return how a policy did on the instances of one collection."""
-    mine = [result for result in results if result.policy == policy]
+def compare(results: Sequence[Result], method: str) -> Comparison:
+    """Return how a method did on the instances of one collection."""
+    mine = [result for result in results if result.method == method]
     compared = [(result.makespan, result.best) for result in mine if result.best is not None]
     bound = {name: _bound_of(results, name) for name in {result.instance for result in mine}}
     makespan = fmean(result.makespan for result in mine)
     floor = fmean(bound[result.instance] for result in mine)
     return Comparison(
-        policy=policy,
+        method=method,
         instances=len(mine),
         makespan=makespan,
         bound=floor,
@@ -129,7 +129,7 @@ def published_means(results: Sequence[Result]) -> Published:
 
 def anytime_curve(results: Sequence[Result]) -> list[tuple[float, float]]:
     """Return the mean makespan that `central` had found at some moments."""
-    planned = [result for result in results if result.policy == "central"]
+    planned = [result for result in results if result.method == "central"]
     limit = min((result.time_limit for result in planned), default=0.0)
     return [
         (moment, fmean(_best_by(result.curve, moment) for result in planned))

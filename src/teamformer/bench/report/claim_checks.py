@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from teamformer.bench.report.evidence import Evidence
 from teamformer.bench.report.tables import interval, number, seconds
 from teamformer.bench.statistics import Mean, wilson
-from teamformer.policies import POLICIES
 from teamformer.scenarios.named_settings import spec_of
-from teamformer.trials.registry import BARE
+from teamformer.trials.methods import BARE, LISTED
 
 BY_PPO = "-ppo"
-LISTED = {listing.name for listing in POLICIES}
+ANY_FLEET = "any-fleet"
+"""The family whose only method is `teamformer`, whatever the number of capabilities."""
 
 TABLE_1 = (
     "4N20T-C4",
@@ -36,17 +36,19 @@ class Judgement:
 
 
 Judge = Callable[[Evidence, str], Judgement]
-"""Judges a claim for a family of policies: `teamformer` (the paper's) or `teamformer-any`."""
+"""Judges a claim for a family of methods: `teamformer` (the paper's) or `ANY_FLEET`."""
 
 UNKNOWN = Judgement("not measured", None)
 
 
-def policy_for(family: str, setting: str) -> str:
-    """Return the policy of a family that serves a setting: `gnn-c4`, or the name itself.
+def method_for(family: str, setting: str) -> str:
+    """Return the method of a family that serves a setting: `gnn-c4`, or the name itself.
 
     The paper's networks learned by PPO from nothing. Where a script has taught the one of that
     name, it is the one that PPO made: `gnn-c4-ppo`.
     """
+    if family == ANY_FLEET:
+        return "teamformer"
     if family not in ("teamformer", "deepset", "gnn"):
         return family
     name = f"{family}-c{spec_of(setting).capabilities}"
@@ -57,11 +59,11 @@ def near_optimum(setting: str, most: float) -> Judge:
     """Judge whether makespans are within so many steps of the proven optimum."""
 
     def judge(evidence: Evidence, family: str) -> Judgement:
-        policy = policy_for(family, setting)
-        found = evidence.from_optimum(setting, policy)
+        method = method_for(family, setting)
+        found = evidence.from_optimum(setting, method)
         if found is None:
             return UNKNOWN
-        played = evidence.difference(setting, policy, "central")
+        played = evidence.difference(setting, method, "central")
         text = f"{interval(found)} from the optimum with free joins"
         text += f"; {interval(played)} from its play" if played else ""
         return Judgement(text, found.value - _reach(found) <= most)
@@ -73,14 +75,14 @@ def faster_than(setting: str, families: tuple[str, ...]) -> Judge:
     """Judge whether mean makespans are below those of all other families measured."""
 
     def judge(evidence: Evidence, family: str) -> Judgement:
-        policy = policy_for(family, setting)
+        method = method_for(family, setting)
         found = {
-            bar: evidence.difference(setting, policy, policy_for(bar, setting)) for bar in families
+            bar: evidence.difference(setting, method, method_for(bar, setting)) for bar in families
         }
         known = {bar: mean for bar, mean in found.items() if mean is not None and mean.count}
         if not known:
             return UNKNOWN
-        scripted = evidence.difference(setting, policy, "join-all")
+        scripted = evidence.difference(setting, method, "join-all")
         told = [f"{bar} {interval(mean)}" for bar, mean in known.items()]
         told += [f"(join-all {interval(scripted)})"] if scripted else []
         told += [f"({bar} not measured)" for bar in families if bar not in known]
@@ -93,7 +95,7 @@ def saves(setting: str, bar: str, claimed: float) -> Judge:
     """Judge whether a share of another family's makespan is saved, or the interval reaches it."""
 
     def judge(evidence: Evidence, family: str) -> Judgement:
-        found = evidence.saving(setting, policy_for(family, setting), policy_for(bar, setting))
+        found = evidence.saving(setting, method_for(family, setting), method_for(bar, setting))
         if found is None:
             return UNKNOWN
         low, high = found.value - _reach(found), found.value + _reach(found)
@@ -107,7 +109,7 @@ def no_failure(setting: str, of: str | None = None) -> Judge:
     """Judge whether no trial failed."""
 
     def judge(evidence: Evidence, family: str) -> Judgement:
-        summary = evidence.summary(setting, policy_for(of or family, setting))
+        summary = evidence.summary(setting, method_for(of or family, setting))
         if summary is None:
             return UNKNOWN
         return Judgement(_failed(summary.failures, summary.trials), summary.failures == 0)
@@ -119,9 +121,9 @@ def some_failures(setting: str, of: str) -> Judge:
     """Judge whether a family's trials fail at all, without the deadlock guard if that was run."""
 
     def judge(evidence: Evidence, family: str) -> Judgement:
-        policy = policy_for(of, setting)
-        bare = evidence.summary(setting, policy + BARE)
-        summary = bare or evidence.summary(setting, policy)
+        method = method_for(of, setting)
+        bare = evidence.summary(setting, method + BARE)
+        summary = bare or evidence.summary(setting, method)
         if summary is None:
             return UNKNOWN
         told = _failed(summary.failures, summary.trials)
@@ -135,7 +137,7 @@ def trend(of: str | None, rises: bool) -> Judge:
     """Judge whether the makespan rises (or falls) with the requirements of 100-robot worlds."""
 
     def judge(evidence: Evidence, family: str) -> Judgement:
-        found = [evidence.summary(s, policy_for(of or family, s)) for s in TABLE_1[4:]]
+        found = [evidence.summary(s, method_for(of or family, s)) for s in TABLE_1[4:]]
         means = [summary.makespan.value for summary in found if summary]
         if len(means) < 2:
             return UNKNOWN
@@ -147,7 +149,7 @@ def trend(of: str | None, rises: bool) -> Judge:
 
 def splits_fall(evidence: Evidence, family: str) -> Judgement:
     """Judge whether teams split less as tasks require more."""
-    found = [evidence.splits(s, policy_for(family, s)) for s in TABLE_1[4:]]
+    found = [evidence.splits(s, method_for(family, s)) for s in TABLE_1[4:]]
     known = [splits for splits in found if splits is not None]
     if len(known) < 2:
         return UNKNOWN
@@ -159,7 +161,7 @@ def as_quick(setting: str, claimed: float) -> Judge:
     """Judge whether deciding takes no longer than claimed."""
 
     def judge(evidence: Evidence, family: str) -> Judgement:
-        summary = evidence.summary(setting, policy_for(family, setting))
+        summary = evidence.summary(setting, method_for(family, setting))
         if summary is None or not summary.inference.count:
             return UNKNOWN
         told = f"{seconds(summary.inference)} s (one CPU thread)"
@@ -169,11 +171,11 @@ def as_quick(setting: str, claimed: float) -> Judge:
 
 
 def slowest(evidence: Evidence, family: str) -> Judgement:
-    """Judge whether the policy takes longer than deep set and GNN."""
+    """Judge whether the method takes longer than deep set and GNN."""
     told, holds = [], []
     for setting in TABLE_1[:4]:
-        ours = evidence.summary(setting, policy_for(family, setting))
-        others = [evidence.summary(setting, policy_for(bar, setting)) for bar in ("deepset", "gnn")]
+        ours = evidence.summary(setting, method_for(family, setting))
+        others = [evidence.summary(setting, method_for(bar, setting)) for bar in ("deepset", "gnn")]
         times = [other.inference.value for other in others if other and other.inference.count]
         if ours and times and ours.inference.count:
             told.append(f"{setting}: {ours.inference.value / max(times):.1f} times the slower one")

@@ -95,7 +95,7 @@ def _claims_on_small_worlds() -> Iterator[Claim]:
     for family in ("teamformer", "deepset", "gnn"):
         yield Claim(
             "Fig. 3",
-            f"no learned policy fails on four tasks: {family}",
+            f"no learned method fails on four tasks: {family}",
             "0 of 50",
             no_failure(small, family),
             "A network that was trained here may still wait for ever in a world it has not seen.",
@@ -154,7 +154,7 @@ def _claims_on_requirements() -> Iterator[Claim]:
     )
     yield Claim(
         "Fig. 6",
-        "... and the policy's falls",
+        "... and the method's falls",
         "falls from R = 10 to 90",
         trend(None, rises=False),
         "Once everybody has joined, what is left is the tour, which has the same length whatever "
@@ -195,7 +195,7 @@ def _claims_of_table_1() -> Iterator[Claim]:
         )
     yield Claim(
         "Table I",
-        "in general the policy has the highest inference time",
+        "in general the method has the highest inference time",
         "above deep set and GNN",
         slowest,
         "Keys and values are cached, what teams share is encoded once, and all teams of a step go "

@@ -22,15 +22,15 @@ from teamformer.scenarios.named_settings import spec_of
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 FAMILIES = {
-    "teamformer": "#0072b2",
-    "teamformer-any": "#56b4e9",
-    "deepset": "#e69f00",
-    "gnn": "#cc79a7",
+    "teamformer-c": "#0072b2",
+    "teamformer": "#56b4e9",
+    "deepset-c": "#e69f00",
+    "gnn-c": "#cc79a7",
     "heuristic": "#d55e00",
     "authors-heuristic": "#8c3b00",
     "join-all": "#009e73",
     "join-fitting": "#66c2a5",
-    "join-crew": "#f0e442",
+    "crews": "#f0e442",
     "central": "#444444",
 }
 MARKERS = {"c8": "s", "c100": "^"}  # of networks that differ in their number of capabilities only
@@ -74,13 +74,13 @@ def draw_anytime(rows: Sequence[Row], folder: Path) -> Iterator[Path]:
 def _bars(part: Suite, summaries: Sequence[Summary]) -> Figure:
     """Draw mean makespans with standard errors, a group of bars for each setting."""
     settings = [s for s in part.settings if any(summary.setting == s for summary in summaries)]
-    policies = list(dict.fromkeys(summary.policy for summary in summaries))
+    methods = list(dict.fromkeys(summary.method for summary in summaries))
     title = f"{part.about}; {_worlds(summaries)}"
     figure, [axes] = _begin(title, 1, width=max(5.0, 1.5 + 0.45 * len(summaries)))
-    width = 0.8 / len(policies)
+    width = 0.8 / len(methods)
     for summary in summaries:
         middle = settings.index(summary.setting)
-        place = policies.index(summary.policy)
+        place = methods.index(summary.method)
         left = middle - 0.4 + (place + 0.5) * width
         _bar(axes, summary, left, width, is_first=middle == 0)
     for middle, setting in enumerate(settings):
@@ -95,15 +95,15 @@ def _worlds(summaries: Sequence[Summary]) -> str:
     """Say over how many worlds the bars are."""
     counts = sorted({summary.trials for summary in summaries})
     many = " to ".join(str(count) for count in dict.fromkeys((counts[0], counts[-1])))
-    return f"{many} worlds, the same for all policies"
+    return f"{many} worlds, the same for all methods"
 
 
 def _bar(axes: Axes, summary: Summary, left: float, width: float, is_first: bool) -> None:
     mean = summary.makespan
-    colour = colour_of(summary.policy)
+    colour = colour_of(summary.method)
     height = 0.0 if math.isnan(mean.value) else mean.value
     error = 0.0 if math.isnan(mean.error) else mean.error
-    axes.bar(left, height, width * 0.92, yerr=error, color=colour, label=summary.policy, capsize=2)
+    axes.bar(left, height, width * 0.92, yerr=error, color=colour, label=summary.method, capsize=2)
     told = f"{height:.0f}" if height >= 100 else f"{height:.1f}"
     if summary.failures:
         told += f"\n{summary.failures} failed"
@@ -141,13 +141,13 @@ def _curves(part: Suite, summaries: Sequence[Summary]) -> Figure:
     for column, (axis, settings) in enumerate(part.axes.items()):
         for row, (label, value_of) in enumerate(MEASURES):
             axes = panels[row * count + column]
-            for policy in dict.fromkeys(summary.policy for summary in summaries):
+            for method in dict.fromkeys(summary.method for summary in summaries):
                 points = {
                     getattr(spec_of(s.setting), axis): value_of(s)
                     for s in summaries
-                    if s.policy == policy and s.setting in settings and not math.isnan(value_of(s))
+                    if s.method == method and s.setting in settings and not math.isnan(value_of(s))
                 }
-                _curve(axes, policy, points)
+                _curve(axes, method, points)
             _scale(axes, sorted({getattr(spec_of(setting), axis) for setting in settings}))
             axes.set_xlabel(axis)
             axes.set_ylabel(label)
@@ -166,22 +166,22 @@ def _scale(axes: Axes, sizes: Sequence[int]) -> None:
     axes.yaxis.set_major_formatter("{x:g}")
 
 
-def _curve(axes: Axes, policy: str, points: dict[int, float]) -> None:
+def _curve(axes: Axes, method: str, points: dict[int, float]) -> None:
     if not points:
         return
     sizes, values = zip(*sorted(points.items()), strict=True)
     exponent = growth_exponent(sizes, values)
-    label = policy if math.isnan(exponent) else f"{policy}: n^{exponent:.2f}"
-    marker = next((MARKERS[part] for part in policy.split("-") if part in MARKERS), "o")
-    axes.plot(sizes, values, color=colour_of(policy), label=label, marker=marker, markersize=4)
+    label = method if math.isnan(exponent) else f"{method}: n^{exponent:.2f}"
+    marker = next((MARKERS[part] for part in method.split("-") if part in MARKERS), "o")
+    axes.plot(sizes, values, color=colour_of(method), label=label, marker=marker, markersize=4)
 
 
-def colour_of(policy: str) -> str:
-    """Return the colour of a policy, the same in every figure."""
-    family = re.sub(r"-c\d+(-.*)?$", "", policy)
+def colour_of(method: str) -> str:
+    """Return the colour of a method, the same in every figure."""
+    family = re.sub(r"-c\d+(-.*)?$", "-c", method)
     if family in FAMILIES:
         return FAMILIES[family]
-    return OTHERS[sum(policy.encode()) % len(OTHERS)]
+    return OTHERS[sum(method.encode()) % len(OTHERS)]
 
 
 def _begin(
@@ -197,7 +197,7 @@ def _begin(
 
 
 def _finish(figure: Figure, axes: Axes) -> None:
-    """Add the legend, each policy once, under the figure."""
+    """Add the legend, each method once, under the figure."""
     handles, labels = axes.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     figure.legend(

@@ -9,7 +9,7 @@ from teamformer.bench.report.tables import EXPLANATION, summary_csv, summary_tab
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import on_shared_worlds, summarise
-from teamformer.trials.registry import BARE
+from teamformer.trials.methods import BARE
 from teamformer.whole_files import write_whole
 
 
@@ -18,7 +18,7 @@ def write_report(
 ) -> Iterator[Path]:
     """Write tables and figures; yield each file. Without matplotlib the figures are left out.
 
-    Tables are over all trials, figures over the worlds that all policies of a setting have run.
+    Tables are over all trials, figures over the worlds that all methods of a setting have run.
     Policies without their deadlock guard are in tables only.
     """
     summaries = summarise(rows)
@@ -34,6 +34,6 @@ def write_report(
     except ImportError:
         say("no figures: they need matplotlib; pip install 'teamformer[plots]'")
         return
-    drawn = [row for row in rows if not row.policy.endswith(BARE)]
+    drawn = [row for row in rows if not row.method.endswith(BARE)]
     yield from draw_suite(suite, summarise(on_shared_worlds(drawn)), folder)
     yield from draw_anytime(rows, folder)

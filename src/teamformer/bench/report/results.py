@@ -11,7 +11,7 @@ from pathlib import Path
 from string import Template
 from typing import TypeVar
 
-from teamformer.bench.report.claim_checks import TABLE_1, Judgement, policy_for
+from teamformer.bench.report.claim_checks import ANY_FLEET, TABLE_1, Judgement, method_for
 from teamformer.bench.report.claims import FAILURES, INFERENCE, Claim, claims
 from teamformer.bench.report.evidence import Evidence
 from teamformer.bench.report.tables import (
@@ -27,12 +27,12 @@ from teamformer.bench.runner import AUTHORS
 from teamformer.bench.statistics import Mean, wilson
 from teamformer.bench.store import read_folder
 from teamformer.bench.summary import Summary
-from teamformer.trials.registry import BARE
+from teamformer.trials.methods import BARE
 from teamformer.whole_files import write_whole
 
 FAMILIES = {
     "teamformer": "the paper's network, trained here",
-    "teamformer-any": "`teamformer-any`",
+    ANY_FLEET: "`teamformer`",
 }
 T = TypeVar("T")
 VERDICTS = {True: "holds", False: "**does not hold**", None: ""}
@@ -121,32 +121,34 @@ def _table_1(evidence: Evidence) -> str:
     """Return Table I, with the paper's numbers in brackets."""
     rows = [
         ["failures", _label(family), *(_failures(evidence, family, s) for s in TABLE_1)]
-        for family in ("teamformer", "deepset", "gnn", "teamformer-any", "join-all", "heuristic")
+        for family in ("teamformer", "deepset", "gnn", ANY_FLEET, "join-all", "heuristic")
     ]
     rows += [
         ["failures, bare", _label(family), *(_failures(evidence, family, s, BARE) for s in TABLE_1)]
-        for family in ("teamformer", "deepset", "gnn", "teamformer-any")
+        for family in ("teamformer", "deepset", "gnn", ANY_FLEET)
     ]
     rows += [
         ["inference, s", _label(family), *(_inference(evidence, family, s) for s in TABLE_1)]
-        for family in (*INFERENCE, "teamformer-any", "join-all", "central")
+        for family in (*INFERENCE, ANY_FLEET, "join-all", "central")
     ]
     return markdown(["", "method", *TABLE_1], rows)
 
 
 def _label(family: str) -> str:
+    if family == ANY_FLEET:
+        return "teamformer"
     return f"{family}-cN" if family in FAILURES else family
 
 
 def _failures(evidence: Evidence, family: str, setting: str, ending: str = "") -> str:
-    summary = evidence.summary(setting, policy_for(family, setting) + ending)
+    summary = evidence.summary(setting, method_for(family, setting) + ending)
     theirs = _of_paper(FAILURES, family, setting)
     told = "-" if summary is None else f"{summary.failures} of {summary.trials}"
     return told if theirs is None else f"{told} ({theirs})"
 
 
 def _inference(evidence: Evidence, family: str, setting: str) -> str:
-    summary = evidence.summary(setting, policy_for(family, setting))
+    summary = evidence.summary(setting, method_for(family, setting))
     theirs = _of_paper(INFERENCE, family, setting)
     spent = None
     if summary is not None:
@@ -169,7 +171,7 @@ def _everything(suites: Mapping[str, Sequence[Row]]) -> str:
 
 
 def _room(evidence: Evidence) -> str:
-    """Return how much better any policy could be, for each setting."""
+    """Return how much better any method could be, for each setting."""
     rows = [
         row
         for setting in dict.fromkeys(summary.setting for summary in evidence.summaries)
@@ -184,7 +186,7 @@ def _room(evidence: Evidence) -> str:
         "best known",
         "`central`, played",
         "`join-all`",
-        "`teamformer-any`",
+        "`teamformer`",
     ]
     return markdown(headers, rows, words=1)
 
@@ -198,7 +200,7 @@ def _room_row(evidence: Evidence, setting: str) -> list[str]:
     central = inner.summary(setting, "central")
     if central is None:
         return []
-    played = [inner.summary(setting, name) for name in ("join-all", "teamformer-any")]
+    played = [inner.summary(setting, name) for name in ("join-all", "teamformer")]
     return [
         setting,
         number(central.lower_bound.value),
@@ -237,20 +239,20 @@ def _beside_the_authors(rows: Sequence[Row]) -> str:
     """Return how ours do beside the authors' own heuristic, on their worlds."""
     evidence = Evidence(rows)
     settings = dict.fromkeys(summary.setting for summary in evidence.summaries)
-    policies = ("heuristic", "join-all", "teamformer-any")
-    table = [[setting, *_beside(evidence, setting, policies)] for setting in settings]
+    methods = ("heuristic", "join-all", "teamformer")
+    table = [[setting, *_beside(evidence, setting, methods)] for setting in settings]
     if not table:
         return "Not measured: `teamformer bench authors --worlds FILE` reads such worlds.\n"
-    headers = ["setting", "worlds", AUTHORS, "it failed", *policies]
+    headers = ["setting", "worlds", AUTHORS, "it failed", *methods]
     return markdown(headers, table, words=1)
 
 
-def _beside(evidence: Evidence, setting: str, policies: Sequence[str]) -> Iterator[str]:
+def _beside(evidence: Evidence, setting: str, methods: Sequence[str]) -> Iterator[str]:
     theirs = evidence.summary(setting, AUTHORS)
     if theirs is not None:
         yield from (str(theirs.trials), _mean(theirs), str(theirs.failures))
-    for policy in policies:
-        ours, saving = evidence.summary(setting, policy), evidence.saving(setting, policy, AUTHORS)
+    for method in methods:
+        ours, saving = evidence.summary(setting, method), evidence.saving(setting, method, AUTHORS)
         yield _mean(ours) + ("" if saving is None else f" ({-saving.value:+.0%})")
 
 
@@ -264,7 +266,7 @@ def _power(evidence: Evidence) -> str:
     alone = Mean(0.0, summary.makespan.deviation * 2**0.5, 50).half_width
     together = Mean(0.0, paired.deviation, 50).half_width
     return (
-        f"On {setting} the makespan of one policy varies by {summary.makespan.deviation:.1f} steps "
+        f"On {setting} the makespan of one method varies by {summary.makespan.deviation:.1f} steps "
         f"between worlds, so two means over 50 different worlds must be {alone:.1f} steps apart to "
         f"tell them; that of `heuristic` to `join-all` on the same worlds, {together:.1f}."
     )

@@ -12,7 +12,7 @@ from teamformer.bench.summary import BASELINES, CENTRAL, Summary
 
 HEADERS = (
     "setting",
-    "policy",
+    "method",
     "trials",
     "makespan",
     "failures",
@@ -30,10 +30,10 @@ failure counting as its step limit. `failures`: how many, and the 95% interval o
 interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
 mean. `room won`: the part of the steps between the plan that takes as needed what may be and
 `central`, which knows the truth, on the same worlds, with its 95% interval. `inference`: CPU
-seconds that the policy takes in a whole trial, mean ± standard deviation, over trials that ran
+seconds that the method takes in a whole trial, mean ± standard deviation, over trials that ran
 alone, one after the other, one thread each (the first 50 of a setting; all others share batches and
 are not timed). `to best`, `to bound`: how much
-longer than the best makespan known of each world, by whatever policy here, and than what is proven
+longer than the best makespan known of each world, by whatever method here, and than what is proven
 that no plan can beat; over the worlds that `central` planned, where it planned any.
 """
 
@@ -43,7 +43,7 @@ def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
     low, high = summary.failure_interval
     cells = {
         "setting": summary.setting,
-        "policy": summary.policy,
+        "method": summary.method,
         "trials": str(summary.trials),
         "makespan": plus_minus(summary.makespan, summary.makespan.error),
         "failures": f"{summary.failures} ({100 * low:.1f}-{100 * high:.1f}%)",
@@ -65,7 +65,7 @@ def headers_for(summaries: Sequence[Summary]) -> list[str]:
     headers = list(HEADERS)
     if any("authors-heuristic" in summary.against for summary in summaries):
         headers.insert(headers.index("to join-all") + 1, "to authors-heuristic")
-    if any(summary.to_central.count for summary in summaries if summary.policy != CENTRAL):
+    if any(summary.to_central.count for summary in summaries if summary.method != CENTRAL):
         headers.insert(headers.index("inference, s"), "to central")
     if any(summary.room.count for summary in summaries):
         headers.insert(headers.index("inference, s"), "room won")
@@ -98,7 +98,7 @@ def _numbers(summary: Summary) -> dict[str, str | int | float]:
     low, high = summary.failure_interval
     numbers: dict[str, str | int | float] = {
         "setting": summary.setting,
-        "policy": summary.policy,
+        "method": summary.method,
         "trials": summary.trials,
         "failures": summary.failures,
         "failure_rate_low": low,

@@ -1,8 +1,8 @@
-"""`teamformer compare`: the same scenario under several policies, side by side."""
+"""`teamformer compare`: the same mission by several methods, side by side."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,89 +12,78 @@ from rich.text import Text
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, print_json, say, wide
 from teamformer.commands.missions.run import (
-    Changes,
     best_known,
     percent_over,
     plan_line,
-    ready_policy,
+    read_mission,
     result_row,
     watch_trial,
 )
 from teamformer.errors import TeamformerError
-from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
-from teamformer.policies.protocol import Policy
-from teamformer.scenarios.files import read_scenario
+from teamformer.trials.methods import Method, load_method
 from teamformer.trials.trial import Trial
 
 
 def compare(
     path: Path,
-    policy_names: Sequence[str],
+    names: Sequence[str],
     seeds: int,
-    changes: Changes,
+    step_limit: int | None,
     time_limit: float,
     as_json: bool,
 ) -> int:
-    """Run every policy with every seed and show them together; return the exit status."""
-    twice = sorted({name for name in policy_names if policy_names.count(name) > 1})
+    """Run every method with every seed and show them together; return the exit status."""
+    twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         hint = "name it once; --seeds runs it more often"
-        raise TeamformerError(f"policy '{twice[0]}' is named twice", hint)
-    scenario = changes.apply(read_scenario(path, rules_not_played))
-    policies = {name: ready_policy(name, time_limit) for name in policy_names}
-    worlds = {name: changes.suit(scenario, policy, name) for name, policy in policies.items()}
-    played = worlds.values()
-    has_shared_plan = any(world.allocation == "plan" for world in played)
-    announce_compiling(policy_names, any(w.is_planned for w in played), has_shared_plan)
-    trials = _share_bound(_run_all(worlds, policies, seeds))
+        raise TeamformerError(f"method '{twice[0]}' is named twice", hint)
+    mission = read_mission(path, step_limit)
+    methods = [load_method(name, time_limit) for name in names]
+    announce_compiling(methods)
+    trials = _share_bound(_run_all(mission, methods, seeds))
     best = best_known(trials)
     if as_json:
         for trial in trials:
             print_json(result_row(trial, best))
     else:
-        out.print(Text(scenario.name, style="bold"))
-        wide.print(_table(trials, best, scenario.allocation))
+        out.print(Text(mission.name, style="bold"))
+        wide.print(_table(trials, best))
         bound = trials[0].replay.lower_bound
         out.print(f"best known {best or '-'}, lower bound {bound or '-'}")
         for trial in trials:
             if trial.plan is not None:
                 out.print(plan_line(trial.plan))
-    is_complete = len(trials) == len(policies) * seeds
+    is_complete = len(trials) == len(methods) * seeds
     return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
 
 
-def _run_all(
-    worlds: Mapping[str, Scenario], policies: Mapping[str, Policy], seeds: int
-) -> list[Trial]:
-    """Run every policy in its world with every seed; Ctrl-C ends it with what was done so far."""
+def _run_all(mission: Scenario, methods: Sequence[Method], seeds: int) -> list[Trial]:
+    """Run every method with every seed; Ctrl-C ends it with what was done so far."""
     trials: list[Trial] = []
-    for name, policy in policies.items():
+    for method in methods:
         for seed in range(seeds):
-            say(f"{name}, seed {seed} ...")
-            trials.append(watch_trial(worlds[name], policy, name, seed))
+            say(f"{method.name}, seed {seed} ...")
+            trials.append(watch_trial(mission, method, seed))
             if trials[-1].is_interrupted:
                 done = sum(trial.replay.end.status != "interrupted" for trial in trials)
-                say(f"interrupted: {done} of {len(policies) * seeds} trials ran to their end")
+                say(f"interrupted: {done} of {len(methods) * seeds} trials ran to their end")
                 return trials
     return trials
 
 
 def _share_bound(trials: Sequence[Trial]) -> list[Trial]:
-    """Have all trials know the highest bound that any of them does.
-
-    Their scenarios differ at most in the allocation, which no bound depends on.
-    """
+    """Have all trials know the highest bound that any of them does."""
     bounds = [trial.replay.lower_bound for trial in trials]
     best = max((bound for bound in bounds if bound is not None), default=None)
     return [replace(trial, replay=replace(trial.replay, lower_bound=best)) for trial in trials]
 
 
-def _table(trials: Sequence[Trial], best: int | None, allocation: str) -> Table:
-    """Return a row for each trial; who ran under another allocation is said to."""
+def _table(trials: Sequence[Trial], best: int | None) -> Table:
+    """Return a row for each trial."""
     table = Table(box=None, header_style="dim")
     columns = (
-        "policy",
+        "method",
         "seed",
         "makespan",
         "to best",
@@ -102,25 +91,25 @@ def _table(trials: Sequence[Trial], best: int | None, allocation: str) -> Table:
         "tasks",
         "joins",
         "splits",
+        "planning",
         "deciding",
     )
     for column in columns:
-        table.add_column(column, justify="left" if column == "policy" else "right")
+        table.add_column(column, justify="left" if column == "method" else "right")
     for trial in trials:
         replay, end = trial.replay, trial.replay.end
         makespan = end.status if end.makespan is None else str(end.makespan)
         bars = (best, replay.lower_bound)
         over = [percent_over(end.makespan, bar) for bar in bars]
-        own = replay.scenario.allocation
-        label = replay.policy if own == allocation else f"{replay.policy}, {own}"
         table.add_row(
-            Text(label),
+            Text(replay.method),
             str(replay.seed),
             makespan,
             *("" if gap is None else f"{gap:+.0f}%" for gap in over),
             f"{end.tasks_done}/{len(replay.scenario.tasks)}",
             str(end.joins),
             str(end.splits),
-            f"{trial.decision_seconds:.3f} s",
+            f"{trial.planning_seconds:.2f} s",
+            f"{trial.decision_seconds:.2f} s",
         )
     return table

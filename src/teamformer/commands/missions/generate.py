@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from teamformer.commands.console import prepare_file, print_json, say
 from teamformer.errors import TeamformerError
 from teamformer.grid import LARGEST_MAP, Grid
-from teamformer.mission.rules import BEST_ALLOCATION
 from teamformer.model import Scenario, World
 from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
@@ -37,7 +35,7 @@ def generate(
     name = f"{spec.robots} robots, {spec.tasks} tasks, seed {seed}"
     spec = Spec(**{**vars(spec), "world": world})
     scenario = generate_scenario(spec, np.random.default_rng(seed), name)
-    return _write(replace(scenario, allocation=BEST_ALLOCATION), path, as_json)
+    return _write(scenario, path, as_json)
 
 
 def generate_setting(setting: str, seed: int, path: Path, as_json: bool) -> int:

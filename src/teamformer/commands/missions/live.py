@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
-from teamformer.commands.missions.run import ready_policy
+from teamformer.commands.missions.run import chosen_method
 from teamformer.commands.robots.rehearse import require_extra, signatures_in
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_live_missions, rules_of_simulated_missions
 from teamformer.model import Scenario
-from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario
+from teamformer.scenarios.smallest import smallest_scenario
+from teamformer.trials.methods import load_method
 
 if TYPE_CHECKING:
     from teamformer.fleet.observer.session import ObserverSession
@@ -42,7 +43,7 @@ class FleetAt:
 class Options:
     """What the command line says of a live mission."""
 
-    policy: str
+    method: str | None
     seed: int
     port: int
     host: str
@@ -102,15 +103,12 @@ def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, s
     from teamformer.live.workshop import Workshop
 
     scenario = None if path is None else read_scenario(path, rules_of_live_missions)
-    ready_policy(options.policy, options.time_limit)
-    has_plan = scenario is not None and scenario.allocation == "plan"
-    announce_compiling([options.policy], scenario is None or scenario.is_planned, has_plan)
+    name = options.method
+    announce_compiling([chosen_method(name, scenario or smallest_scenario(), options.time_limit)])
 
-    def start(scenario: Scenario) -> Mission:
-        def make() -> Policy:
-            return ready_policy(options.policy, options.time_limit)
-
-        return Mission(scenario, make, options.policy, options.seed)
+    def start(mission: Scenario) -> Mission:
+        chosen = chosen_method(name, mission, options.time_limit).name
+        return Mission(mission, lambda: load_method(chosen, options.time_limit), options.seed)
 
     if scenario is None:
         return Workshop(start, options.folder, options.speed), "editor"

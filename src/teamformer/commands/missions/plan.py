@@ -21,9 +21,9 @@ from teamformer.planning.coalitions.rules import (
     plan_continuous,
     warm_up,
 )
-from teamformer.policies.central.policy import Central
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.task_times import lateness
+from teamformer.trials.methods import load_method
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
 from teamformer.truth import expected_mission
@@ -34,17 +34,17 @@ DIGITS = 6
 """Places after the point that are printed of a time."""
 
 
-def plan(path: Path, policy: str, time_limit: float, page: Path | None, as_json: bool) -> int:
+def plan(path: Path, method: str, time_limit: float, page: Path | None, as_json: bool) -> int:
     """Plan a mission and show the plan; return the exit status."""
     scenario = read_scenario(path)
-    if policy not in PLANNERS:
-        raise TeamformerError(f"--policy {policy} is unknown", f"use {', '.join(PLANNERS)}")
+    if method not in PLANNERS:
+        raise TeamformerError(f"--method {method} is unknown", f"use {', '.join(PLANNERS)}")
     if page is not None:
         prepare_file(page)
     if scenario.time == "continuous":
-        made = _plan_continuous(scenario, policy, time_limit)
+        made = _plan_continuous(scenario, method, time_limit)
     else:
-        made = _plan_steps(path, scenario, policy, time_limit)
+        made = _plan_steps(path, scenario, method, time_limit)
     if made is None:
         say(f"no plan was found for {scenario.name}; a longer --time-limit may find one")
         return 1
@@ -89,27 +89,28 @@ def plan_row(scenario: Scenario, made: MissionPlan) -> dict[str, Any]:
     }
 
 
-def _plan_continuous(scenario: Scenario, policy: str, time_limit: float) -> MissionPlan | None:
+def _plan_continuous(scenario: Scenario, method: str, time_limit: float) -> MissionPlan | None:
     if not is_compiled(is_linked(scenario)):
         say("compiling the planner, on the first run only (half a minute, more if busy) ...")
     warm_up(is_linked(scenario))
-    return plan_continuous(pose_mission(scenario), policy, time_limit)
+    return plan_continuous(pose_mission(scenario), method, time_limit)
 
 
 def _plan_steps(
-    path: Path, scenario: Scenario, policy: str, time_limit: float
+    path: Path, scenario: Scenario, method: str, time_limit: float
 ) -> MissionPlan | None:
     """Plan a mission in steps by the central planner, and read the routes off its play."""
     for problem in rules_not_played(scenario):
         raise TeamformerError(f"{path}: {problem.message}")
-    if policy != "central":
+    if method != "central":
         raise TeamformerError(
-            f"--policy {policy} plans missions in continuous time", "leave --policy out"
+            f"--method {method} plans missions in continuous time", "leave --method out"
         )
-    announce_compiling(["central"], scenario.is_planned)
+    central = load_method(method, time_limit)
+    announce_compiling([central])
     if scenario.has_surprises:
         say("not everything is known: this is planned for what is to be expected")
-    trial = run_trial(expected_mission(scenario), Central(time_limit), "central")
+    trial = run_trial(expected_mission(scenario), central)
     end, bound = trial.replay.end, trial.replay.lower_bound or 0
     if end.makespan is None:
         return None

@@ -1,4 +1,4 @@
-"""`teamformer run`: one scenario, one policy, one trial."""
+"""`teamformer run`: one mission, one method, one trial."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import difflib
 from collections import defaultdict
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,16 +29,12 @@ from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.planning.teams.shared_plan import is_too_large
-from teamformer.policies import POLICIES
 from teamformer.policies.central.plays import CentralPlan
-from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import lateness
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
-from teamformer.trials.registry import load_policy
-from teamformer.trials.suiting import refuse_unknown, suited
+from teamformer.trials.methods import DEFAULT, Method, default_for, load_method
 from teamformer.trials.trial import Trial, run_trial
 from teamformer.truth import draw_truth
 
@@ -46,42 +42,30 @@ LONGEST_TABLE = 40  # tasks
 MOST_NAMES = 12
 
 
-@dataclass(frozen=True)
-class Changes:
-    """What the command line changes in a scenario; None leaves what the file says."""
+def chosen_method(name: str | None, mission: Scenario, time_limit: float) -> Method:
+    """Return the method of a name; without one the plan, or crews for a mission too large for it.
 
-    order: str | None = None
-    allocation: str | None = None
-    step_limit: int | None = None
+    That it is crews is said. Raises `TeamformerError` for a name that is unknown.
+    """
+    if name is None:
+        name = default_for(mission)
+        if name != DEFAULT:
+            size = f"{len(mission.robots)} robots and {len(mission.tasks)} tasks"
+            say(f"{size} are too many to share a plan soon: {name} instead; or --method {DEFAULT}")
+    return load_method(name, time_limit)
 
-    def apply(self, scenario: Scenario) -> Scenario:
-        """Return the changed scenario."""
-        changed = {key: value for key, value in vars(self).items() if value is not None}
-        return replace(scenario, **changed)
 
-    def suit(self, scenario: Scenario, policy: Policy, name: str) -> Scenario:
-        """Return a changed scenario under an allocation that a policy was made for, and say so.
-
-        So it is said where crews stand in for a shared plan that would take too long. Raises
-        `TeamformerError` if the command line asks for an allocation that the policy does not know.
-        """
-        refuse_unknown(policy, name, self.allocation)
-        its_own = suited(scenario, policy)
-        if its_own is not scenario:
-            what = f"allocation {its_own.allocation}, not {scenario.allocation}"
-            say(f"{name} was made for {what}, and runs under that")
-        if its_own.allocation == "plan" != self.allocation and is_too_large(its_own):
-            size = f"{len(its_own.robots)} robots and {len(its_own.tasks)} tasks"
-            say(f"{size} are too many to share a plan soon: crews instead; or --allocation plan")
-            return replace(its_own, allocation="crews")
-        return its_own
+def read_mission(path: Path, step_limit: int | None) -> Scenario:
+    """Read a mission in steps; a step limit other than None takes the place of its own."""
+    mission = read_scenario(path, rules_not_played)
+    return mission if step_limit is None else replace(mission, step_limit=step_limit)
 
 
 def run(
     path: Path,
-    policy_name: str,
+    method_name: str | None,
     seed: int,
-    changes: Changes,
+    step_limit: int | None,
     time_limit: float,
     folder: Path | None,
     with_page: bool,
@@ -92,15 +76,14 @@ def run(
 
     `explained` is the name of a robot whose story is told too.
     """
-    scenario = changes.apply(read_scenario(path, rules_not_played))
-    robot = None if explained is None else _robot_number(scenario, explained)
-    policy = ready_policy(policy_name, time_limit)
-    scenario = changes.suit(scenario, policy, policy_name)
+    mission = read_mission(path, step_limit)
+    robot = None if explained is None else _robot_number(mission, explained)
+    method = chosen_method(method_name, mission, time_limit)
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling([policy_name], scenario.is_planned, scenario.allocation == "plan")
+    announce_compiling([method])
     with ended_like_ctrl_c():
-        trial = watch_trial(scenario, policy, policy_name, seed)
+        trial = watch_trial(mission, method, seed)
     story = [] if robot is None else list(story_lines(trial.replay, robot))
     with suppress(ReaderGoneError):  # the record is written all the same
         if as_json:
@@ -135,22 +118,13 @@ def _story_table(story: Sequence[tuple[str, str, str]]) -> Table:
     return table
 
 
-def ready_policy(name: str, time_limit: float) -> Policy:
-    """Return a policy by name; a planner is given its time."""
-    policy = load_policy(name, POLICIES)
-    if isinstance(policy, Planner):
-        policy.time_limit = time_limit
-    return policy
-
-
-def watch_trial(scenario: Scenario, policy: Policy, name: str, seed: int) -> Trial:
+def watch_trial(mission: Scenario, method: Method, seed: int) -> Trial:
     """Run a trial with its lower bound, and a display of progress if it takes long."""
-    bound = lower_bound(draw_truth(scenario, seed))
-    with StepProgress(len(scenario.tasks)) as progress:
+    bound = lower_bound(draw_truth(mission, seed))
+    with StepProgress(len(mission.tasks)) as progress:
         return run_trial(
-            scenario,
-            policy,
-            name,
+            mission,
+            method,
             seed,
             bound,
             on_step=lambda tally: progress.update(tally.steps, tally.tasks_done),
@@ -202,7 +176,7 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
     replay, end = trial.replay, trial.replay.end
     return {
         "scenario": replay.scenario.name,
-        "policy": replay.policy,
+        "method": replay.method,
         "seed": replay.seed,
         "completed": end.status == "completed",
         "status": end.status,
@@ -212,14 +186,15 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
         "tasks_done": end.tasks_done,
         "tasks": len(replay.scenario.tasks),
         "robots": len(replay.scenario.robots),
-        "allocation": replay.scenario.allocation,
         "capabilities": len(replay.scenario.capabilities),
         "joins": end.joins,
         "splits": end.splits,
         "illegal_decisions": end.illegal_decisions,
         "blocked_tasks": list(end.blocked_tasks),
         "late": lateness(replay),
+        "planning_seconds": round(trial.planning_seconds, 6),
         "decision_seconds": round(trial.decision_seconds, 6),
+        "simulating_seconds": round(trial.simulating_seconds, 6),
         "total_seconds": round(trial.total_seconds, 6),
         "best_known": best_known,
         "lower_bound": replay.lower_bound,
@@ -242,10 +217,7 @@ def _write(replay: Replay, folder: Path, with_page: bool) -> None:
 def _show(trial: Trial) -> None:
     replay, end = trial.replay, trial.replay.end
     scenario = replay.scenario
-    title = (
-        f"{scenario.name}: {replay.policy}, seed {replay.seed}, allocation {scenario.allocation}"
-    )
-    out.print(Text(title, style="bold"))
+    out.print(Text(f"{scenario.name}: {replay.method}, seed {replay.seed}", style="bold"))
     if len(scenario.tasks) <= LONGEST_TABLE:
         out.print(_task_table(replay))
     out.print(_verdict(replay), style="green" if end.status == "completed" else "red")
@@ -258,8 +230,11 @@ def _show(trial: Trial) -> None:
         out.print(plan_line(trial.plan))
     out.print(
         f"{end.tasks_done} of {len(scenario.tasks)} tasks, {end.joins} joins, {end.splits} splits, "
-        f"{end.illegal_decisions} illegal decisions; deciding took {trial.decision_seconds:.3f} s "
-        f"of {trial.total_seconds:.3f} s"
+        f"{end.illegal_decisions} illegal decisions"
+    )
+    out.print(
+        f"planning {trial.planning_seconds:.2f} s, deciding {trial.decision_seconds:.2f} s, "
+        f"simulating {trial.simulating_seconds:.2f} s"
     )
 
 

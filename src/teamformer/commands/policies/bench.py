@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -13,13 +13,14 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.bench.executors import ENGINES
+from teamformer.bench.jobs import ready_method
 from teamformer.bench.report.files import write_report
 from teamformer.bench.report.results import write_results
 from teamformer.bench.report.tables import cells_of, headers_for
 from teamformer.bench.rows import Row
-from teamformer.bench.runner import Request, run_benchmark
+from teamformer.bench.runner import AUTHORS, Request, fitting_cells, run_benchmark
 from teamformer.bench.store import Store, read_folder
-from teamformer.bench.suites import Suite, cells, load_suite, player_of
+from teamformer.bench.suites import Suite, load_suite, player_of
 from teamformer.bench.summary import Summary, summarise
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import (
@@ -34,8 +35,8 @@ from teamformer.commands.console import (
 )
 from teamformer.commands.policies.bench_others import bench_others
 from teamformer.errors import TeamformerError
-from teamformer.mission.rules import ALLOCATIONS, ORDERS
 from teamformer.scenarios.authors import read_worlds
+from teamformer.trials.methods import Method
 
 
 @dataclass(frozen=True)
@@ -45,9 +46,7 @@ class BenchOptions:
     trials: int | None = None
     seed: int = 0
     time_limit: float | None = None
-    order: str | None = None
-    allocation: str | None = None
-    policies: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()
     without: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
     worlds: tuple[Path, ...] = ()
@@ -64,7 +63,7 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
         return _measure_speed(as_json)
     if suite_name == "others":
         limit = 10.0 if options.time_limit is None else options.time_limit
-        parts = (options.worlds, options.policies, limit, options.folder)
+        parts = (options.worlds, options.methods, limit, options.folder)
         return bench_others(*parts, as_json)
     if suite_name == "robotarium":
         return _fly_missions(options, as_json)
@@ -93,7 +92,7 @@ def _measure(request: Request, options: BenchOptions) -> list[Row]:
     """Run what is missing, write tables and figures, and return all rows."""
     place = TemporaryDirectory() if options.folder is None else nullcontext(options.folder)
     with place as folder, Store(Path(folder), request.about, say) as store:
-        announce_compiling(*_to_compile(request))
+        announce_compiling(_to_compile(request))
         with Counting("trials") as counting:
             run_benchmark(request, store, ENGINES[options.engine], say, counting.update)
         rows = list(store.rows.values())
@@ -103,25 +102,10 @@ def _measure(request: Request, options: BenchOptions) -> list[Row]:
     return rows
 
 
-def _to_compile(request: Request) -> tuple[set[str], bool, bool]:
-    """Return the policies that will run, whether anything is planned, and whether a shared plan."""
-    policies = {policy for _, policy in cells(request.suite, request.policies, request.settings)}
-    rules = {rule for policy in policies for rule in request.suite.rules_for(policy).values()}
-    is_planned = not rules.isdisjoint({"crews", "schedule", "plan"})
-    players = {player_of(policy) for policy in policies.difference(request.without)}
-    return players, is_planned, "plan" in rules
-
-
-def _changed_rules(options: BenchOptions) -> dict[str, str]:
-    """Return the rules that the command line puts in place of the suite's."""
-    rules: dict[str, str] = {}
-    for name, known in (("order", ORDERS), ("allocation", ALLOCATIONS)):
-        value = getattr(options, name)
-        if value is not None and value not in known:
-            raise TeamformerError(f"there is no {name} '{value}'", f"use {' or '.join(known)}")
-        if value is not None:
-            rules[name] = value
-    return rules
+def _to_compile(request: Request) -> list[Method]:
+    """Return the methods that will run, each once."""
+    fitting = {player_of(method) for _, method in fitting_cells(request, lambda _: None)}
+    return [ready_method(name, request.time_limit) for name in sorted(fitting - {AUTHORS})]
 
 
 def _prepare_results(options: BenchOptions) -> None:
@@ -148,15 +132,12 @@ def _request(suite: Suite, options: BenchOptions) -> Request:
             hint = f"it has {', '.join(suite.settings)}"
             raise TeamformerError(f"suite '{suite.name}' has no setting '{setting}'", hint)
     limit = suite.time_limit if options.time_limit is None else options.time_limit
-    changed = _changed_rules(options)
-    if changed:  # for all policies alike
-        suite = replace(suite, rules={**suite.rules, **changed}, policy_rules={})
     return Request(
         suite=suite,
         trials=options.trials or suite.trials,
         first_seed=options.seed,
         time_limit=limit,
-        policies=options.policies,
+        methods=options.methods,
         without=options.without,
         settings=settings,
         workers=options.workers,
@@ -188,7 +169,7 @@ def _table(summaries: list[Summary]) -> Table:
     headers = [header for header in headers_for(summaries) if header != "setting"]
     table = Table(box=None, header_style="dim")
     for header in headers:
-        table.add_column(header, justify="left" if header == "policy" else "right")
+        table.add_column(header, justify="left" if header == "method" else "right")
     for summary in summaries:
         table.add_row(*cells_of(summary, headers))
     return table
@@ -197,8 +178,8 @@ def _table(summaries: list[Summary]) -> Table:
 def _fly_missions(options: BenchOptions, as_json: bool) -> int:
     from teamformer.commands.robots.robotarium import fly_missions
 
-    policy = options.policies[0] if options.policies else "teamformer"
-    return fly_missions(options.trials or 100, policy, options.seed, options.folder, as_json)
+    method = options.methods[0] if options.methods else "plan"
+    return fly_missions(options.trials or 100, method, options.seed, options.folder, as_json)
 
 
 def _measure_speed(as_json: bool) -> int:

@@ -1,4 +1,4 @@
-"""`teamformer bench others`: instances of others, policies of ours, and what is published."""
+"""`teamformer bench others`: instances of others, methods of ours, and what is published."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ ROWS, REPORT = "rows.jsonl", "report.md"
 
 def bench_others(
     folders: Sequence[Path],
-    policies: Sequence[str],
+    methods: Sequence[str],
     time_limit: float,
     folder: Path | None,
     as_json: bool,
 ) -> int:
     """Measure and show; return the exit status."""
-    policies = policies or tuple(PLANNERS)
-    for policy in policies:
-        if policy not in PLANNERS:
+    methods = methods or tuple(PLANNERS)
+    for method in methods:
+        if method not in PLANNERS:
             hint = f"use {', '.join(PLANNERS)}"
-            raise TeamformerError(f"--policies {policy} is unknown here", hint)
+            raise TeamformerError(f"--methods {method} is unknown here", hint)
     instances = read_instances(folders)
     if folder is not None:
         prepare_folder(folder)
     known = [] if folder is None else _rows_in(folder / ROWS)
     results: list[Result] = []
     try:
-        for result in _measure_all(instances, policies, time_limit, known, folder):
+        for result in _measure_all(instances, methods, time_limit, known, folder):
             results.append(result)
             if as_json:
                 print(json.dumps(_row(result)), flush=True)
@@ -64,24 +64,24 @@ def bench_others(
 
 def _measure_all(
     instances: Sequence[Instance],
-    policies: Sequence[str],
+    methods: Sequence[str],
     time_limit: float,
     known: Sequence[Result],
     folder: Path | None,
 ) -> Iterator[Result]:
-    """Plan every instance by every policy, but for what was measured before."""
-    before = {(result.instance, result.policy, result.time_limit): result for result in known}
+    """Plan every instance by every method, but for what was measured before."""
+    before = {(result.instance, result.method, result.time_limit): result for result in known}
     if not is_compiled():
         say("compiling the planner, on the first run only (half a minute, more if busy) ...")
     warm_up()
-    pairs = [(instance, policy) for instance in instances for policy in policies]
+    pairs = [(instance, method) for instance in instances for method in methods]
     file: TextIO | None = None if folder is None else (folder / ROWS).open("a", encoding="utf-8")
     try:
         with Counting("plans") as counting:
-            for done, (instance, policy) in enumerate(pairs, 1):
-                result = before.get((instance.name, policy, time_limit))
+            for done, (instance, method) in enumerate(pairs, 1):
+                result = before.get((instance.name, method, time_limit))
                 if result is None:
-                    result = measure(instance, policy, time_limit)
+                    result = measure(instance, method, time_limit)
                     if file is not None:
                         print(json.dumps(_row(result)), file=file, flush=True)
                 yield result

@@ -1,31 +1,35 @@
-"""`teamformer policies`: what can be named with --policy."""
+"""`teamformer methods`: what can be named with --method."""
 
 from __future__ import annotations
 
 from rich.table import Table
 
 from teamformer.commands.console import out, print_json
-from teamformer.policies import POLICIES
+from teamformer.trials.methods import METHODS
+
+COORDINATION = {"plan": "the shared plan", "crews": "crews", "paper": "the paper's order"}
 
 
-def policies(as_json: bool) -> int:
-    """List the policies; return the exit status."""
+def methods(as_json: bool) -> int:
+    """List the methods; return the exit status."""
     if as_json:
-        for listing in POLICIES:
+        for listing in METHODS:
             print_json(
                 {
                     "name": listing.name,
                     "summary": listing.summary,
+                    "coordination": COORDINATION[listing.allocation],
                     "trained_on": listing.trained_on,
                 }
             )
         return 0
     table = Table(box=None, header_style="dim")
     table.add_column("name", no_wrap=True)
-    table.add_column("what it does", overflow="fold")
-    table.add_column("trained on", overflow="fold")
-    for listing in POLICIES:
-        table.add_row(listing.name, listing.summary, listing.trained_on)
+    for header in ("what it does", "tasks by", "trained on"):
+        table.add_column(header, overflow="fold")
+    for listing in METHODS:
+        by = COORDINATION[listing.allocation]
+        table.add_row(listing.name, listing.summary, by, listing.trained_on)
     out.print(table)
-    out.print("your own: --policy module:Class (docs/policies.md)")
+    out.print("your own: --method module:Class (docs/methods.md)")
     return 0

@@ -63,7 +63,7 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
 def _claims(replay: Replay) -> dict[str, Any]:
     """Return what a record says of itself that its steps cannot show."""
     return {
-        "policy": replay.policy,
+        "method": replay.method,
         "seed": replay.seed,
         "illegal_decisions": replay.end.illegal_decisions,
         "lower_bound": replay.lower_bound,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.commands.robots.rehearse import check_policy, require_extra, signatures_in
+from teamformer.commands.robots.rehearse import require_extra, signatures_in
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.model import Scenario
@@ -29,7 +29,7 @@ class Options:
     plan: Path | None
     pace: float
     drop: float
-    policy: str | None = None
+    method: str = "plan"
     sign: Path | None = None
 
 
@@ -37,9 +37,9 @@ def agent(path: Path, options: Options) -> int:
     """Run the mind of a robot until it is told to end; return the exit status."""
     require_extra("zenoh")
     from teamformer.fleet.agent.planning import FleetPlan, first_plan
+    from teamformer.fleet.methods import policy_of
     from teamformer.fleet.mission import Mission, seconds_a_step
     from teamformer.fleet.planner import SharedPlanner
-    from teamformer.fleet.policies import policy_of
     from teamformer.fleet.process.facts_file import FactsFile
     from teamformer.fleet.process.loop import AgentProcess
     from teamformer.fleet.transports.transport import (
@@ -67,8 +67,7 @@ def agent(path: Path, options: Options) -> int:
         plan = FleetPlan(_read_plan(options.plan))
     else:
         plan = first_plan(mission, SharedPlanner())
-    check_policy(options.policy, scenario)
-    policy = None if options.policy is None else policy_of(options.policy, robot)
+    policy = policy_of(options.method, robot)
     make_body = _body_maker(options.body, mission, robot)
     ends = (options.listen, options.connect)
     transport = ZenohTransport(mission.number, robot, *ends, options.drop, certificates)

@@ -18,7 +18,7 @@ from teamformer.commands.console import (
     print_json,
     say,
 )
-from teamformer.commands.robots.rehearse import check_policy, require_extra, signatures_in
+from teamformer.commands.robots.rehearse import check_method, require_extra, signatures_in
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.scenarios.files import read_scenario
@@ -40,7 +40,7 @@ class Options:
     drop: float
     folder: Path | None
     time_limit: float
-    policy: str | None = None
+    method: str = "plan"
     sign: Path | None = None
 
 
@@ -69,12 +69,12 @@ def fleet(path: Path, options: Options, as_json: bool) -> int:
     scenario = read_scenario(path, rules_of_simulated_missions)
     if options.folder is not None:
         prepare_folder(options.folder)
-    check_policy(options.policy, scenario)
+    check_method(options.method)
     mission = Mission(scenario, seconds_a_step(scenario, options.pace))
     signatures = signatures_in(options.sign, mission, None)
     with TemporaryDirectory(prefix="teamformer-facts-") as temporary:
         folder = options.folder or Path(temporary)
-        more = ["--policy", options.policy] if options.policy else []
+        more = ["--method", options.method]
         more += ["--sign", str(options.sign)] if options.sign else []
         local = LocalFleet(mission, options.pace, options.drop, folder, say, more, signatures)
         with ended_like_ctrl_c():

@@ -39,7 +39,7 @@ class Options:
     schedule: int | None
     folder: Path | None
     workers: int | None
-    policy: str | None = None
+    method: str = "plan"
 
 
 def rehearse(path: Path, options: Options, as_json: bool) -> int:
@@ -54,8 +54,8 @@ def rehearse(path: Path, options: Options, as_json: bool) -> int:
             raise TeamformerError("--out is for one schedule", "say which with --schedule K")
         prepare_folder(options.folder)
     _check(scenario, options)
-    check_policy(options.policy, scenario)
-    stage = set_stage(Mission(scenario, seconds_a_step(scenario)), options.policy)
+    check_method(options.method)
+    stage = set_stage(Mission(scenario, seconds_a_step(scenario)), options.method)
     if stage.undisturbed.status == "blocked":
         names = ", ".join(stage.undisturbed.blocked_tasks)
         raise TeamformerError(f"undisturbed, the fleet never does {names}", "report this mission")
@@ -84,13 +84,11 @@ def signatures_in(folder: Path | None, mission: Any, who: int | None) -> Any:
     return read_signatures(folder, mission.scenario, mission.number, who)
 
 
-def check_policy(name: str | None, scenario: Scenario) -> None:
-    """Refuse a policy that no robot could have, or that was made for another allocation."""
-    from teamformer.fleet.policies import policy_of
-    from teamformer.trials.suiting import refuse_unknown
+def check_method(name: str) -> None:
+    """Refuse a method by which no robot could decide."""
+    from teamformer.fleet.methods import policy_of
 
-    if name is not None:
-        refuse_unknown(policy_of(name, 0), name, scenario.allocation)
+    policy_of(name, 0)
 
 
 def _check(scenario: Scenario, options: Options) -> None:
@@ -187,7 +185,7 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
 
     faults = faults_of(stage, options.seed, schedule, Knobs(options.loss, options.crashes))
     trace = Trace(with_messages=options.folder is not None)
-    rehearsal, outcome, violations = play(stage.mission, stage.plan, faults, trace, stage.policy)
+    rehearsal, outcome, violations = play(stage.mission, stage.plan, faults, trace, stage.method)
     if options.folder is not None:
         replay = record_of(rehearsal, outcome, trace.events, options.seed)
         write_replay(replay, options.folder / "replay.json")
@@ -215,7 +213,7 @@ def _shrink(stage: Any, options: Options, schedule: int) -> None:
 
     say(f"looking for a smaller one than schedule {schedule} ...")
     faults = faults_of(stage, options.seed, schedule, Knobs(options.loss, options.crashes))
-    fails_so = partial(fails, policy=stage.policy)
+    fails_so = partial(fails, method=stage.method)
     mission, faults = shrink(stage.mission, faults, fails_so)
     names = ", ".join(task.name for task in mission.tasks)
     say(f"the smallest that fails has the tasks {names} and these faults:")

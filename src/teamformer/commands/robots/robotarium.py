@@ -15,19 +15,20 @@ from rich.text import Text
 from teamformer.capabilities import describe
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
-from teamformer.commands.missions.run import Changes
+from teamformer.commands.missions.run import chosen_method
 from teamformer.errors import TeamformerError
-from teamformer.policies import POLICIES
-from teamformer.policies.protocol import Policy
+from teamformer.model import Scenario
 from teamformer.robotarium.benchmark import bench_robotarium, count_missions, summarise
 from teamformer.robotarium.experiment import Experiment, run_experiment
 from teamformer.robotarium.mission_checks import find_problems
 from teamformer.robotarium.robots.arena import TICK
 from teamformer.robotarium.robots.plant import Weather
 from teamformer.scenarios.files import read_scenario
-from teamformer.trials.registry import load_policy
+from teamformer.scenarios.smallest import smallest_scenario
+from teamformer.trials.methods import Method, load_method
 from teamformer.whole_files import write_whole
 
+DEPLOYED_BY_DEFAULT = "teamformer"
 NOISE = (0.002, np.deg2rad(1.0))  # metres and radians
 
 
@@ -35,7 +36,7 @@ NOISE = (0.002, np.deg2rad(1.0))  # metres and radians
 class RobotariumOptions:
     """What the command line says."""
 
-    policy: str = "teamformer"
+    method: str | None = None
     seed: int = 0
     simulator: str = "plant"
     delay: float = 0.0
@@ -55,19 +56,17 @@ def robotarium(path: Path, options: RobotariumOptions, as_json: bool) -> int:
         raise TeamformerError(f"there is no simulator '{options.simulator}'", "use plant or rps")
     if options.simulator == "rps" and (options.delay or options.has_noise):
         raise TeamformerError("rps has neither delay nor noise", "use --simulator plant")
-    policy = _decentralised(options.policy)
+    method = _decentralised(options.method, scenario)
     film: Any = None
     if options.folder is not None:
         from teamformer.robotarium.draw import Film
 
         prepare_folder(options.folder)
         film = Film()
-    scenario = Changes().suit(scenario, policy, options.policy)
-    announce_compiling([options.policy], scenario.is_planned, scenario.allocation == "plan")
+    announce_compiling([method])
     done = run_experiment(
         scenario,
-        policy,
-        options.policy,
+        method,
         options.seed,
         "rps" if options.simulator == "rps" else "plant",
         options.weather(),
@@ -82,15 +81,15 @@ def robotarium(path: Path, options: RobotariumOptions, as_json: bool) -> int:
     return 0 if done.is_good else 1
 
 
-def _decentralised(name: str) -> Policy:
-    """Return a policy that can fly: a plan of steps is not what real robots keep to."""
-    policy = load_policy(name, POLICIES)
-    if policy.needs_everything:
+def _decentralised(name: str | None, mission: Scenario) -> Method:
+    """Return a method that can fly: a plan of steps is not what real robots keep to."""
+    method = chosen_method(name, mission, time_limit=0.0)
+    if method.policy.needs_everything:
         raise TeamformerError(
-            f"policy '{name}' plans every step before the start, and robots drive as they can",
-            "name one that decides by its view, such as teamformer or heuristic",
+            f"method '{name}' plans every step before the start, and robots drive as they can",
+            "name one that decides as the mission goes, such as plan or heuristic",
         )
-    return policy
+    return method
 
 
 def deploy(
@@ -104,15 +103,15 @@ def deploy(
     if folder is None:
         raise TeamformerError("where is the folder to go?", "add -o FOLDER")
     prepare_folder(folder)
-    files = write(scenario, options.policy, options.seed, folder)
+    name = options.method or DEPLOYED_BY_DEFAULT
+    files = write(scenario, name, options.seed, folder)
     main = files[0]
     say(f"written: {len(files)} files in {folder}; upload all and mark {main.name} as main")
     if not verifies:
         if as_json:
             print_json({"folder": str(folder), "files": [file.name for file in files]})
         return 0
-    policy = load_policy(options.policy, POLICIES)
-    expected = run_experiment(scenario, policy, options.policy, options.seed).row()
+    expected = run_experiment(scenario, load_method(name), options.seed).row()
     found = verify(folder, python)
     is_same = all(found[key] == expected[key] for key in COMPARED)
     if as_json:
@@ -122,18 +121,17 @@ def deploy(
     return 0 if is_same and found["status"] == "completed" else 1
 
 
-def fly_missions(trials: int, policy: str, seed: int, folder: Path | None, as_json: bool) -> int:
+def fly_missions(trials: int, method: str, seed: int, folder: Path | None, as_json: bool) -> int:
     """Fly random missions and show how many were good; return the exit status."""
     has_rps = find_spec("rps") is not None
     if not has_rps:
         say("without robotarium-python-simulator: only the plant is measured")
     if folder is not None:
         prepare_folder(folder)
-    _decentralised(policy)
-    announce_compiling([policy])
+    announce_compiling([_decentralised(method, smallest_scenario())])
     rows = []
     with Counting("missions") as counting:
-        for row in bench_robotarium(trials, policy, seed, has_rps):
+        for row in bench_robotarium(trials, method, seed, has_rps):
             rows.append(row)
             counting.update(len(rows), count_missions(trials, has_rps))
             if as_json:
@@ -174,7 +172,7 @@ def _write(done: Experiment, film: Any, folder: Path) -> None:
 
 def _show(done: Experiment) -> None:
     scenario, outcome, faults = done.scenario, done.outcome, done.faults
-    out.print(Text(f"{scenario.name}: {done.policy}, seed {done.seed}", style="bold"))
+    out.print(Text(f"{scenario.name}: {done.method}, seed {done.seed}", style="bold"))
     table = Table("seconds", "task", "needs", box=None, header_style="dim")
     finished = sorted(zip(outcome.done_at, scenario.tasks, strict=True), key=_when)
     for tick, task in finished:

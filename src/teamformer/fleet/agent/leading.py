@@ -29,8 +29,8 @@ from teamformer.policies.protocol import Policy
 PATIENCE = 30.0
 """Seconds, besides a walk across the map, in which something must get done under a policy."""
 
-MakePolicy = Callable[[int], Policy]
-"""Makes the policy of a robot, by its number."""
+MakePolicy = Callable[[int], Policy | None]
+"""Makes the policy of a robot, by its number; None is the plan."""
 
 
 def warm_up(policy: Policy, mission: Mission, robot: int) -> None:

@@ -96,7 +96,7 @@ class Watch:
         done = sum(len(step.done) for step in self.steps)
         return Replay(
             scenario=replace(self.scenario, teams=(), allocation="paper"),
-            policy="fleet",
+            method="fleet",
             seed=0,
             orders=((0, tuple(k for k, task in enumerate(tasks) if task.appears == 0)),),
             start=tuple((r, (r,), *at.at) for r, at in enumerate(self.scenario.robots)),

@@ -55,7 +55,7 @@ class Rehearsal:
         plan: FleetPlan,
         faults: Faults,
         trace: Trace | None = None,
-        make_policy: MakePolicy | None = None,
+        make_policy: MakePolicy = lambda robot: None,
     ) -> None:
         robots = mission.robots
         self.mission = mission
@@ -257,7 +257,7 @@ class Rehearsal:
             self._clock(robot),
             remembered,
             nonce,
-            self._make_policy(robot) if self._make_policy else None,
+            self._make_policy(robot),
         )
 
     def _plan_happenings(self) -> None:

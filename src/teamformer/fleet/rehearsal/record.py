@@ -37,7 +37,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     is_complete = outcome.status == "ended"
     return Replay(
         scenario=scenario,
-        policy="fleet",
+        method="fleet",
         seed=seed,
         orders=((0, tuple(k for k, task in enumerate(scenario.tasks) if task.appears == 0)),),
         start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(scenario.robots)),

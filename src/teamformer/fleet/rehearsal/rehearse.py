@@ -10,9 +10,9 @@ from functools import partial
 from itertools import islice
 
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
+from teamformer.fleet.methods import PLAN, policy_of
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import SharedPlanner
-from teamformer.fleet.policies import policy_of
 from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
@@ -37,7 +37,7 @@ class Stage:
     mission: Mission
     plan: FleetPlan
     undisturbed: Outcome
-    policy: str | None = None  # who decides for teams; None is the plan
+    method: str = PLAN
 
 
 @dataclass(frozen=True)
@@ -55,11 +55,11 @@ class Verdict:
         return not self.violations and self.outcome.status != "blocked"
 
 
-def set_stage(mission: Mission, policy: str | None = None) -> Stage:
+def set_stage(mission: Mission, method: str = PLAN) -> Stage:
     """Make the plan that ships with a mission, and play it undisturbed."""
     plan = first_plan(mission, SharedPlanner())
-    _, outcome, _ = play(mission, plan, Faults(), policy=policy)
-    return Stage(mission, plan, outcome, policy)
+    _, outcome, _ = play(mission, plan, Faults(), method=method)
+    return Stage(mission, plan, outcome, method)
 
 
 def play(
@@ -67,11 +67,11 @@ def play(
     plan: FleetPlan,
     faults: Faults,
     trace: Trace | None = None,
-    policy: str | None = None,
+    method: str = PLAN,
 ) -> tuple[Rehearsal, Outcome, list[str]]:
     """Play one schedule; return it, how it ended and what was promised and not kept."""
     trace = trace or Trace()
-    make_policy = None if policy is None else partial(policy_of, policy)
+    make_policy = partial(policy_of, method)
     rehearsal = Rehearsal(mission, SharedPlanner(), plan, faults, trace, make_policy)
     outcome = rehearsal.run(deadline(mission, faults))
     names = set(outcome.blocked_tasks) if outcome.status == "blocked" else set()
@@ -99,7 +99,7 @@ def faults_of(stage: Stage, seed: int, schedule: int, knobs: Knobs) -> Faults:
 def judge(stage: Stage, seed: int, knobs: Knobs, schedule: int) -> Verdict:
     """Play and judge a schedule by its number."""
     faults = faults_of(stage, seed, schedule, knobs)
-    _, outcome, violations = play(stage.mission, stage.plan, faults, policy=stage.policy)
+    _, outcome, violations = play(stage.mission, stage.plan, faults, method=stage.method)
     return Verdict(schedule, outcome, tuple(violations), faults.kinds)
 
 
@@ -127,8 +127,8 @@ def _judge_all(one: Callable[[int], Verdict], schedules: Sequence[int]) -> list[
     return [one(schedule) for schedule in schedules]
 
 
-def fails(mission: Mission, faults: Faults, policy: str | None = None) -> bool:
+def fails(mission: Mission, faults: Faults, method: str = PLAN) -> bool:
     """Say whether a mission, planned anew, breaks a promise or blocks under a schedule."""
     plan = first_plan(mission, SharedPlanner())
-    _, outcome, violations = play(mission, plan, faults, policy=policy)
+    _, outcome, violations = play(mission, plan, faults, method=method)
     return bool(violations) or outcome.status == "blocked"

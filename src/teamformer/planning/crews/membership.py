@@ -17,28 +17,23 @@ if TYPE_CHECKING:
 
 
 @allocating_kernel
-def deal_robots(shared: Shared, crew: Array, in_one_crew: bool) -> None:
+def deal_robots(shared: Shared, crew: Array) -> None:
     """Deal the robots out into crews, region by region; write each robot's crew.
 
     A crew takes robots that bring something it still lacks, until it has what any one task needs
     and one of every capability, or nobody brings any of it. Robots that start as a team stay
-    together. With `in_one_crew` all robots of a region are one crew.
+    together.
     """
     brings = np.zeros(shared.counts.shape, dtype=np.int64)  # of each company, at its leader
-    everything, regions = 0, 0
+    regions = 0
     for robot in range(len(crew)):
         _add(shared.counts[robot], brings[shared.company[robot]])
         regions = max(regions, shared.robot_region[robot] + 1)
-        for cap in range(shared.counts.shape[1]):
-            everything += shared.counts[robot, cap]
     demand = np.empty(shared.counts.shape[1], dtype=np.int64)
     have = np.empty(shared.counts.shape[1], dtype=np.int64)
     number = 0
     for region in range(regions):
         _demand_in(shared, region, demand)
-        if in_one_crew:
-            for cap in range(len(demand)):
-                demand[cap] = everything
         is_dealt = False
         while not is_dealt:
             for cap in range(len(have)):

@@ -35,9 +35,7 @@ if TYPE_CHECKING:
 
 
 @entry
-def plan_crews(
-    shared: Shared, crew: Array, task_crew: Array, in_one_crew: bool, rounds: int
-) -> Array:
+def plan_crews(shared: Shared, crew: Array, task_crew: Array, rounds: int) -> Array:
     """Write the crew of each robot and task; return the tasks in the order they will be done in.
 
     `crew` (robots,) holds the crews so far, NOBODY for all at the start; `task_crew` (tasks,) whose
@@ -45,7 +43,7 @@ def plan_crews(
     is how many changes are tried.
     """
     if count_crews(crew) == 0:
-        return deal_crews(shared, crew, task_crew, in_one_crew, rounds)
+        return deal_crews(shared, crew, task_crew, rounds)
     is_able = merge_where_needed(shared, crew)  # (crews, tasks)
     parties = _gather_all(shared, crew)
     lists = empty_lists(len(is_able), len(task_crew))
@@ -56,11 +54,9 @@ def plan_crews(
 
 
 @entry
-def deal_crews(
-    shared: Shared, crew: Array, task_crew: Array, in_one_crew: bool, rounds: int
-) -> Array:
+def deal_crews(shared: Shared, crew: Array, task_crew: Array, rounds: int) -> Array:
     """Plan crews for the first time, as `plan_crews` does; its own entry, which compiles sooner."""
-    deal_robots(shared, crew, in_one_crew)
+    deal_robots(shared, crew)
     is_able = merge_where_needed(shared, crew)  # (crews, tasks)
     parties = _gather_all(shared, crew)
     lists = empty_lists(len(is_able), len(task_crew))

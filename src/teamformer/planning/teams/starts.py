@@ -24,7 +24,7 @@ def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> TeamPlan:
     shared = _shared(problem, company)
     crew = np.full(len(problem.pace), NOBODY, np.int64)
     task_crew = np.full(len(problem.appears), NOBODY, np.int64)
-    sequence = deal_crews(shared, crew, task_crew, False, rounds)
+    sequence = deal_crews(shared, crew, task_crew, rounds)
     parties: list[list[set[int]]] = [[] for _ in range(int(crew.max()) + 1)]
     for leader in np.unique(company).tolist():
         together = np.flatnonzero(company == leader)

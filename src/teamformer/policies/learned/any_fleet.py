@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from teamformer.mission.rules import ALLOCATIONS
 from teamformer.policies.learned.macro_actions import wanted_counts
 from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork, shipped
 from teamformer.policies.learned.policy import Learned
@@ -10,13 +9,9 @@ from teamformer.policies.learned.relational_features import Relations, relate
 from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
 
-NAME = "teamformer-any"
-
 
 class AnyFleetCodec:
     """Reads relations, which belong to no capability; an action is a choice, (teams,)."""
-
-    allocations: tuple[str, ...] = ALLOCATIONS
 
     def encode(self, view: View) -> Relations:
         """Return each team's relations."""
@@ -37,6 +32,6 @@ def any_fleet(content: bytes, name: str) -> Learned:
     return Learned(AnyFleetCodec(), GreedyChoice(OnnxNetwork(content, name, Relations._fields)))
 
 
-def teamformer_any() -> Learned:
+def teamformer() -> Learned:
     """Return the policy that comes with the package."""
-    return any_fleet(shipped(f"{NAME}.onnx"), NAME)
+    return any_fleet(shipped("teamformer.onnx"), "teamformer")

@@ -113,33 +113,3 @@ def shipped_speller(name: str, keeps_memories: bool = True) -> Speller:
     """Return a network that comes with the package: `NAME.onnx` and `NAME-step.onnx`."""
     encoder, step = shipped(f"{name}.onnx"), shipped(f"{name}-step.onnx")
     return Speller(encoder, step, name, keeps_memories)
-
-
-def teamformer_c4() -> Learned:
-    """Return the shipped network for up to four capabilities."""
-    return policy_of(shipped_speller("teamformer-c4"))
-
-
-def teamformer_c4_ppo() -> Learned:
-    """Return the one that PPO made from nothing, for up to four capabilities."""
-    return policy_of(shipped_speller("teamformer-c4-ppo"))
-
-
-def teamformer_c8() -> Learned:
-    """Return the shipped network for up to eight capabilities."""
-    return policy_of(shipped_speller("teamformer-c8"))
-
-
-def teamformer_c8_ppo() -> Learned:
-    """Return the one that PPO made from nothing, for up to eight capabilities."""
-    return policy_of(shipped_speller("teamformer-c8-ppo"))
-
-
-def teamformer_c100() -> Learned:
-    """Return the shipped network for up to a hundred capabilities."""
-    return policy_of(shipped_speller("teamformer-c100"))
-
-
-def teamformer_c100_ppo() -> Learned:
-    """Return the one that PPO made from nothing, for up to a hundred capabilities."""
-    return policy_of(shipped_speller("teamformer-c100-ppo"))

@@ -12,10 +12,8 @@ class Codec(Protocol):
     """Reads views into tokens and writes actions as wanted counts.
 
     A codec is made for nothing in particular: it keeps no state between views. Row i of whatever
-    it returns belongs to row i of the view. `allocations` are those that its networks know.
+    it returns belongs to row i of the view.
     """
-
-    allocations: tuple[str, ...]
 
     def encode(self, view: View) -> tuple[Array, ...]:
         """Return the network's inputs, each (teams, ...): float32, int64 or bool."""

@@ -13,8 +13,7 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.jit import entry, kernel
-from teamformer.mission.rules import WITHOUT_CREWS
-from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork, shipped
+from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.token_features import TASK_FEATURES, TEAM_FEATURES, SpellingCodec
 from teamformer.rules.splitting import anybody_fits
@@ -50,8 +49,6 @@ class CombinationCodec:
 
     Fewer capabilities than the network's are padded; more raise `TeamformerError`.
     """
-
-    allocations: tuple[str, ...] = WITHOUT_CREWS
 
     def __init__(self, capabilities: int) -> None:
         if capabilities > MOST_CAPABILITIES:
@@ -167,43 +164,3 @@ def combining(content: bytes, name: str, capabilities: int) -> Learned:
         hint = "its policy.json has been changed; train or export it again"
         raise TeamformerError(f"{name} is not made for {capabilities} capabilities", hint)
     return Learned(CombinationCodec(capabilities), GreedyChoice(network))
-
-
-def deepset_c4() -> Learned:
-    """Return the shipped deep set for up to four capabilities."""
-    return combining(shipped("deepset-c4.onnx"), "deepset-c4", 4)
-
-
-def deepset_c4_ppo() -> Learned:
-    """Return the one that PPO made from nothing, for up to four capabilities."""
-    return combining(shipped("deepset-c4-ppo.onnx"), "deepset-c4-ppo", 4)
-
-
-def deepset_c8() -> Learned:
-    """Return the shipped deep set for up to eight capabilities."""
-    return combining(shipped("deepset-c8.onnx"), "deepset-c8", 8)
-
-
-def deepset_c8_ppo() -> Learned:
-    """Return the one that PPO made from nothing, for up to eight capabilities."""
-    return combining(shipped("deepset-c8-ppo.onnx"), "deepset-c8-ppo", 8)
-
-
-def gnn_c4() -> Learned:
-    """Return the shipped graph network for up to four capabilities."""
-    return combining(shipped("gnn-c4.onnx"), "gnn-c4", 4)
-
-
-def gnn_c4_ppo() -> Learned:
-    """Return the one that PPO made from nothing, for up to four capabilities."""
-    return combining(shipped("gnn-c4-ppo.onnx"), "gnn-c4-ppo", 4)
-
-
-def gnn_c8() -> Learned:
-    """Return the shipped graph network for up to eight capabilities."""
-    return combining(shipped("gnn-c8.onnx"), "gnn-c8", 8)
-
-
-def gnn_c8_ppo() -> Learned:
-    """Return the one that PPO made from nothing, for up to eight capabilities."""
-    return combining(shipped("gnn-c8-ppo.onnx"), "gnn-c8-ppo", 8)

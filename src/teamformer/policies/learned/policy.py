@@ -31,7 +31,6 @@ class Learned:
 
     def __init__(self, codec: Codec, brain: Brain, is_guarded: bool = True) -> None:
         self.codec = codec
-        self.allocations = codec.allocations
         self.brain = brain
         self.is_guarded = is_guarded
         self.overdue = 0

@@ -12,7 +12,6 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.jit import entry, kernel
-from teamformer.mission.rules import WITHOUT_CREWS
 from teamformer.policies.learned.feature_layout import (
     OwnToken,
     PlaceToken,
@@ -58,8 +57,6 @@ class SpellingCodec:
     `1 + seen` different kinds of robots with several capabilities splits for the first ones.
     """
 
-    allocations: tuple[str, ...] = WITHOUT_CREWS
-
     def __init__(self, capabilities: int) -> None:
         self.capabilities = capabilities
 
@@ -70,7 +67,7 @@ class SpellingCodec:
             raise TeamformerError(
                 f"the network spells counts one by one, and a robot brings {most:,} units of a "
                 f"capability; {MOST_SPELLED:,} are possible",
-                "use rounder figures, or teamformer-any, which spells nothing",
+                "use rounder figures, or teamformer, which spells nothing",
             )
         return self.read(view)
 
@@ -80,7 +77,7 @@ class SpellingCodec:
         if caps > self.capabilities:
             raise TeamformerError(
                 f"the network knows {self.capabilities} capabilities, the scenario has {caps}",
-                "use teamformer-any, which serves any number",
+                "use teamformer, which serves any number",
             )
         seen, tasks = 1 + view.seen_slot.shape[1], view.task_number.shape[1]
         tokens = Spelled(

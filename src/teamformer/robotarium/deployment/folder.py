@@ -18,11 +18,11 @@ import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
-from teamformer.policies import POLICIES
 from teamformer.policies.learned.onnx_sessions import shipped
 from teamformer.robotarium.deployment.graphs import Graph, read_graph
 from teamformer.robotarium.experiment import start_poses
 from teamformer.robotarium.mission_checks import check_mission
+from teamformer.trials.methods import DEFAULT, load_method
 from teamformer.whole_files import write_all
 
 ROOT = Path(__file__).parents[2]
@@ -46,31 +46,37 @@ FOR_MISSIONS = (
     "robotarium.control.qp_solvers",
     "sim.env",
 )
-NETWORKS = {"teamformer": "teamformer-any", "teamformer-any": "teamformer-any"}
-DEPLOYED = ("teamformer", "teamformer-any", "heuristic", "join-all", "join-fitting", "join-crew")
+NETWORK = "teamformer"
+DEPLOYED = {
+    NETWORK: "policies.learned.any_fleet:teamformer",
+    "heuristic": "policies.scripted.heuristic:Heuristic",
+    "join-all": "policies.scripted.joining:JoinAll",
+    "join-fitting": "policies.scripted.join_fitting:JoinFitting",
+    "crews": "policies.scripted.joining:JoinCrew",
+}
+"""Methods that the testbed can run, and what makes their policies there."""
 
 
-def deploy(scenario: Scenario, policy: str, seed: int, folder: Path) -> list[Path]:
-    """Write the folder for a scenario and a policy; return its files, the main one first.
+def deploy(mission: Scenario, name: str, seed: int, folder: Path) -> list[Path]:
+    """Write the folder for a mission and a method; return its files, the main one first.
 
     What an earlier deployment has left in the folder is replaced. Raises `TeamformerError` for a
-    policy that has no form for the testbed, and for a folder that holds anything else.
+    method that has no form for the testbed, and for a folder that holds anything else.
     """
-    check_mission(scenario)
-    if scenario.allocation == "plan":
-        hint = "write allocation: crews, or paper, in the scenario"
-        raise TeamformerError("the testbed is too slow for a shared plan: it has no numba", hint)
-    if policy not in DEPLOYED:
+    check_mission(mission)
+    if name not in DEPLOYED:
         hint = f"use {', '.join(DEPLOYED)}"
-        raise TeamformerError(f"policy '{policy}' cannot be deployed", hint)
-    where = next(listing.where for listing in POLICIES if listing.name == policy)
-    module, maker = where.removeprefix("teamformer.").split(":")
+        if name == DEFAULT:
+            raise TeamformerError("the testbed is too slow for plans: it has no numba", hint)
+        raise TeamformerError(f"method '{name}' cannot be deployed", hint)
+    scenario = load_method(name).apply(mission)
+    module, maker = DEPLOYED[name].split(":")
     texts = {f"{_flat(name)}.py": _text(name) for name in sorted(_needed(module))}
     texts["tf_scenario.py"] = _scenario_text(scenario, start_poses(scenario, seed), seed)
     texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", _flat(module)).replace("MAKER", maker)
     contents: dict[str, str | bytes] = {**texts}
-    if policy in NETWORKS:
-        graph = read_graph(shipped(f"{NETWORKS[policy]}.npz"))
+    if name == NETWORK:
+        graph = read_graph(shipped(f"{NETWORK}.npz"))
         contents["tf_graph.py"] = _graph_text(graph)
         contents[WEIGHTS] = _as_npy(_weights(graph))
     for old in _earlier_files(folder):

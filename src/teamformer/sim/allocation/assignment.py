@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import covers, helps
-from teamformer.sim.arrays import CREWS, NEAREST_ALONE, PLAN, Array, World
+from teamformer.sim.arrays import CREWS, PLAN, Array, World
 from teamformer.sim.motion import travel, travel_between
 from teamformer.sim.spatial_index import find_near
 
@@ -67,17 +67,13 @@ def choose_task(world: World, team: int) -> tuple[Any, bool]:
     """Return the team's task by the shared order, and whether it is a detour.
 
     The first open task in the order that it can contribute to and that nearer teams it senses do
-    not cover already, or a later one that it can do alone on a detour: one that shortens the tour,
-    or under the rule of the nearest the nearest.
+    not cover already, or a later one that it can do alone on a detour that shortens the tour.
     """
     near = find_near(world, team, world.rules.sensing_radius)
     for position in range(world.count.open):
         task = world.order[position]
         if contributes(world, team, task) and not is_covered(world, near, team, task):
-            if world.rules.allocation == NEAREST_ALONE:
-                detour = _nearest_alone(world, near, team, position)
-            else:
-                detour = _best_detour(world, near, team, position)
+            detour = _best_detour(world, near, team, position)
             if detour != NOBODY:
                 return detour, True
             return task, False
@@ -152,26 +148,4 @@ def _best_detour(world: World, near: Array, team: int, position: int) -> Any:
             change += travel_between(world, before, after) - travel_between(world, task, after)
         if change < best_change and not is_covered(world, near, team, task):
             best, best_change = task, change
-    return best
-
-
-@kernel
-def _nearest_alone(world: World, near: Array, team: int, position: int) -> Any:
-    """Return the nearest later task of a team that can do all open ones alone; else NOBODY.
-
-    NOBODY too if its next one, at `position`, is no farther.
-    """
-    best = np.int32(NOBODY)
-    x, y = world.teams[team].x, world.teams[team].y
-    best_away = travel(world, x, y, world.order[position])
-    for later in range(world.count.open):
-        task = world.order[later]
-        if world.robots[team].region != world.tasks[task].region:
-            continue
-        if not can_do_alone(world, team, task):
-            return np.int32(NOBODY)
-        away = travel(world, x, y, task)
-        is_nearer = later > position and away < best_away
-        if is_nearer and not is_covered(world, near, team, task):
-            best, best_away = task, away
     return best

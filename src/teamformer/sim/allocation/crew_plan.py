@@ -15,7 +15,6 @@ from teamformer.planning.crews.plan import plan_crews
 from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.rules.constants import MICROMETRES, NOBODY
 from teamformer.sim.allocation.known_positions import bring_up_to_date, is_needed, note_doers
-from teamformer.sim.arrays import CREWS, NEAREST
 from teamformer.sim.completion import is_possible
 from teamformer.sim.motion import travel
 
@@ -31,13 +30,11 @@ ROUNDS_AGAIN = 300
 
 @allocating_kernel
 def update_plan(world: World) -> None:
-    """Plan the crews, or only the order, where need be; call it after each step.
+    """Plan the crews where need be; call it after each step.
 
     Crews are planned at the start, when tasks appear, when robots are lost or back, when it shows
-    what a task needs or that it is elsewhere, and when a crew has nothing left to do; an order
-    alone at the start and when tasks appear.
+    what a task needs or that it is elsewhere, and when a crew has nothing left to do.
     """
-    has_crews = world.rules.allocation == CREWS
     any_new, any_done = world.count.arrived > 0, world.count.noted < world.count.done
     is_changed = _forget_lost(world)
     is_changed |= world.count.back > world.count.planned_back
@@ -46,12 +43,10 @@ def update_plan(world: World) -> None:
     world.count.planned_back = world.count.back
     world.count.planned_shown = world.count.shown
     world.count.planned_found = world.count.found
-    is_idle = _note_done(world) and has_crews
-    if world.count.open > 0 and (any_new or (has_crews and (is_changed or is_idle))):
+    is_idle = _note_done(world)
+    if world.count.open > 0 and (any_new or is_changed or is_idle):
         rounds = ROUNDS if any_new or is_changed else ROUNDS_AGAIN
-        if world.rules.new_tasks == NEAREST and any_new and world.count.plans > 0:
-            rounds = 0
-        _plan(world, not has_crews, rounds * world.count.open)
+        _plan(world, rounds * world.count.open)
     if any_new or any_done or is_changed:
         _find_next_tasks(world)
 
@@ -117,7 +112,7 @@ def _find_next_tasks(world: World) -> None:
 
 
 @allocating_kernel
-def _plan(world: World, in_one_crew: bool, rounds: int) -> None:
+def _plan(world: World, rounds: int) -> None:
     """Plan crews and order from the state that everybody knows.
 
     Tasks that wait for a robot to come back are on no crew's list, and last in the order.
@@ -144,7 +139,7 @@ def _plan(world: World, in_one_crew: bool, rounds: int) -> None:
             crew[index] = newest
     for index in range(count):
         task_crew[index] = world.tasks[tasks[index]].crew
-    sequence = plan_crews(shared, crew, task_crew, in_one_crew, rounds)
+    sequence = plan_crews(shared, crew, task_crew, rounds)
     for index in range(len(robots)):
         world.robots[robots[index]].crew = crew[index]
     for position in range(count):

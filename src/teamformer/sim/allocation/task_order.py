@@ -16,7 +16,7 @@ from teamformer.planning.tour import UNLINKED, plan_tour
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.crew_plan import update_plan
 from teamformer.sim.allocation.plan_updates import update_shared_plans
-from teamformer.sim.arrays import CREWS, NEAREST, PLAN, RUNNING, World, Worlds, world_at
+from teamformer.sim.arrays import CREWS, NEAREST, PAPER, PLAN, RUNNING, World, Worlds, world_at
 from teamformer.sim.motion import travel, travel_between
 
 
@@ -26,13 +26,13 @@ def orderings_for(worlds: Worlds, scenarios: Sequence[Scenario]) -> list[Callabl
     Only what these worlds need, as a planner that is never called need not be compiled.
     """
     has_plan = worlds.rules["allocation"] == PLAN
-    has_lists = (worlds.rules["allocation"] == CREWS) | (worlds.rules["has_schedule"] != 0)
+    has_crews = worlds.rules["allocation"] == CREWS
     orderings: list[Callable[[Worlds], None]] = []
     if has_plan.any():
         orderings.append(partial(update_shared_plans, scenarios=scenarios))
-    if (has_lists & ~has_plan).any():
+    if has_crews.any():
         orderings.append(plan_worlds)
-    if not (has_lists | has_plan).all():
+    if not (has_crews | has_plan).all():
         orderings.append(order_worlds)
     return orderings
 
@@ -42,7 +42,7 @@ def plan_worlds(worlds: Worlds) -> None:
     """Bring crews and order up to date in every world that goes on and plans them."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
-        if world.count.status == RUNNING and _has_lists(world):
+        if world.count.status == RUNNING and world.rules.allocation == CREWS:
             update_plan(world)
             world.count.arrived = 0
 
@@ -52,16 +52,13 @@ def order_worlds(worlds: Worlds) -> None:
     """Bring the order up to date in every other world that goes on."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
-        has_tour = world.rules.allocation != PLAN and not _has_lists(world)
-        if world.count.status == RUNNING and has_tour and world.count.arrived > 0:
+        if (
+            world.count.status == RUNNING
+            and world.rules.allocation == PAPER
+            and world.count.arrived > 0
+        ):
             _order_arrived(world)
             world.count.arrived = 0
-
-
-@kernel
-def _has_lists(world: World) -> bool:
-    is_shared = world.rules.allocation == PLAN
-    return not is_shared and (world.rules.allocation == CREWS or world.rules.has_schedule)
 
 
 @allocating_kernel

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ReplayError, TeamformerError
 from teamformer.mission.arrivals import with_arrivals
+from teamformer.mission.rules import ALLOCATIONS, FORESIGHTS
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.rules.constants import PLAN_REASONS
@@ -52,7 +53,8 @@ RUN_AGAIN = "run the scenario again to have it written anew"
 STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
-REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
+HOW_KEYS = ("allocation", "foresight")
+REPLAY_KEYS = ("teamformer_replay", *HOW_KEYS, *(field.name for field in fields(Replay)))
 OPTIONAL_KEYS = ("crews", "plans", "scouts", "truth")
 NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in OPTIONAL_KEYS)
 
@@ -113,7 +115,7 @@ def replay_from_tree(tree: Any, source: str) -> Replay:
     try:
         check_keys(tree, REPLAY_KEYS, NEEDED_KEYS)
         scenario = scenario_from_tree(tree["scenario"], f"{source}: scenario")
-        return _replay(tree, scenario)
+        return _replay(tree, _as_played(scenario, tree))
     except DamageError as damage:
         raise ReplayError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
 
@@ -126,9 +128,20 @@ def _check_version(tree: Any, source: str) -> None:
     if not is_whole(version) or version < 1:
         what = f"the format version is {short(version)}, not a number from 1 on"
         raise ReplayError(f"{source}: {what}", RUN_AGAIN)
+    if version < VERSION:
+        what = f"format {version} is of an earlier teamformer, which knew no methods"
+        raise ReplayError(f"{source}: {what}", RUN_AGAIN)
     if version > VERSION:
         what = f"format {short(version)} is newer than {VERSION}"
         raise ReplayError(f"{source}: {what}", "install a newer teamformer")
+
+
+def _as_played(scenario: Scenario, tree: Mapping[str, Any]) -> Scenario:
+    """Return a mission with what the record says of how it was played."""
+    for key, known in zip(HOW_KEYS, (ALLOCATIONS, FORESIGHTS), strict=True):
+        if tree[key] not in known:
+            raise DamageError(f"the {key} is {short(tree[key])}, not one of {known}")
+    return replace(scenario, allocation=tree["allocation"], foresight=tree["foresight"])
 
 
 Coordinate = Callable[[Any], float]
@@ -171,7 +184,7 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         end = _ending(tree["end"])
     return Replay(
         scenario=scenario,
-        policy=text_of(tree["policy"]),
+        method=text_of(tree["method"]),
         seed=whole_number(tree["seed"]),
         orders=orders,
         start=start,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from teamformer.model import Scenario
 
-VERSION = 1
+VERSION = 2
 HEARD = ("beat", "facts", "plan")
 """What the agents of a rehearsed fleet say to one another."""
 STATUSES = ("completed", "step limit", "infeasible", "interrupted")
@@ -79,10 +79,10 @@ class Ending:
 
 @dataclass(frozen=True)
 class Replay:
-    """A whole trial; scenario, policy and seed determine the rest."""
+    """A whole trial; scenario, method and seed determine the rest."""
 
     scenario: Scenario
-    policy: str
+    method: str
     seed: int
     orders: tuple[tuple[int, tuple[int, ...]], ...]  # steps made, open tasks in order
     start: tuple[tuple[int, tuple[int, ...], float, float], ...]  # slot, robots, x, y

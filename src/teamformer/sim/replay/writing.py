@@ -18,7 +18,9 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
     tree = {
         "teamformer_replay": VERSION,
         "scenario": scenario_to_tree(replay.scenario),
-        "policy": replay.policy,
+        "method": replay.method,
+        "allocation": replay.scenario.allocation,
+        "foresight": replay.scenario.foresight,
         "seed": replay.seed,
         "orders": _lists(replay.orders),
         "start": _lists(replay.start),

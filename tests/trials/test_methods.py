@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 
 from teamformer.errors import TeamformerError
-from teamformer.policies import POLICIES
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.protocol import Planner
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.sim.env import TeamFormation
-from teamformer.trials.registry import load_policy
+from teamformer.trials.methods import METHODS, load_method
 
 OWN = """
 from teamformer.sim.env import Decision
@@ -92,34 +91,34 @@ def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def test_listed_names() -> None:
-    assert isinstance(load_policy("heuristic", POLICIES), Heuristic)
-    assert isinstance(load_policy("join-all", POLICIES), JoinAll)
+    assert isinstance(load_method("heuristic").policy, Heuristic)
+    assert isinstance(load_method("join-all").policy, JoinAll)
 
 
 def test_learned_policies_go_without_their_deadlock_guard(own_module: str, tmp_path: Path) -> None:
-    for name in ("teamformer-any", "gnn-c8"):
-        with_it, bare = load_policy(name, POLICIES), load_policy(f"{name}-bare", POLICIES)
+    for name in ("teamformer", "gnn-c8"):
+        with_it, bare = load_method(name).policy, load_method(f"{name}-bare").policy
         assert isinstance(with_it, Learned)
         assert isinstance(bare, Learned)
         assert (with_it.is_guarded, bare.is_guarded) == (True, False)
     for name in ("join-all-bare", f"{own_module}:Patient-bare"):
         with pytest.raises(TeamformerError, match="has no deadlock guard"):
-            load_policy(name, POLICIES)
+            load_method(name)
     with pytest.raises(TeamformerError, match="no policy 'gnn-bare'"):
-        load_policy("gnn-bare", POLICIES)
+        load_method("gnn-bare")
 
 
 def test_names_are_listed_once() -> None:
-    names = [listing.name for listing in POLICIES]
+    names = [listing.name for listing in METHODS]
     assert len(set(names)) == len(names)
-    assert all(listing.summary for listing in POLICIES)
+    assert all(listing.summary for listing in METHODS)
 
 
 def test_a_class_of_ones_own(own_module: str) -> None:
-    policy: Any = load_policy(f"{own_module}:Timed", POLICIES)
+    policy: Any = load_method(f"{own_module}:Timed").policy
     assert type(policy).__name__ == "Timed"
     assert isinstance(policy, Planner)
-    assert not isinstance(load_policy(f"{own_module}:Patient", POLICIES), Planner)
+    assert not isinstance(load_method(f"{own_module}:Patient").policy, Planner)
 
 
 @pytest.mark.parametrize(
@@ -135,14 +134,14 @@ def test_a_class_of_ones_own(own_module: str) -> None:
 def test_what_goes_wrong_in_a_policy_of_ones_own_is_told_by_line(
     name: str, message: str, own_module: str
 ) -> None:
-    policy = load_policy(f"{own_module}:{name}", POLICIES)
+    policy = load_method(f"{own_module}:{name}").policy
     view = TeamFormation([smallest_scenario()]).view()
     with pytest.raises(TeamformerError, match=message):
         policy.decide(view)
 
 
 def test_what_goes_wrong_when_a_policy_begins_is_told_by_line(own_module: str) -> None:
-    policy = load_policy(f"{own_module}:Rude", POLICIES)
+    policy = load_method(f"{own_module}:Rude").policy
     with pytest.raises(TeamformerError, match=r"my_own_policies.py:28: KeyError: 'seed'"):
         policy.begin(None, np.random.default_rng(0))
 
@@ -166,6 +165,6 @@ def test_what_goes_wrong_when_a_policy_begins_is_told_by_line(own_module: str) -
 @pytest.mark.usefixtures("own_module")
 def test_what_is_no_policy(name: str, message: str, hint: str) -> None:
     with pytest.raises(TeamformerError) as error:
-        load_policy(name, POLICIES)
+        load_method(name)
     assert message in str(error.value)
     assert hint in error.value.hint

@@ -190,10 +190,8 @@ class Scenario:
     last task (None), or when all robots are back where they started (`home`) or at a place. Plans
     in continuous time are judged by their makespan, or by a `cost` that weighs several things.
 
-    `foresight` says what is done about what may be needed: it is taken as `needed` or as `absent`
-    until it is known; with `scouting` as needed, and who has time to spare goes and looks. Where a
-    task is that is only known to be `within` a distance of a place shows once a team is within
-    `finding_radius` of it. By `arrivals` more tasks appear at random.
+    Where a task is that is only known to be `within` a distance of a place shows once a team is
+    within `finding_radius` of it. By `arrivals` more tasks appear at random.
     """
 
     name: str
@@ -206,13 +204,10 @@ class Scenario:
     join_radius: float = 0.0
     forming_steps: int = 1
     step_limit: int = 0  # 0: a generous limit is worked out, see default_step_limit
-    new_tasks: str = "resolve"
-    allocation: str = "paper"
     time: str = "steps"
     ends: Place | str | None = None
     forming: float = 0.0
     cost: Mapping[str, float] | None = None
-    foresight: str = "scouting"
     finding_radius: float = 1.0
     arrivals: Arrivals | None = None
 
@@ -251,11 +246,6 @@ class Scenario:
     def out_of_units(self, counts: Mapping[str, int]) -> dict[str, float]:
         """Return counts that arrays hold as they are written; needs as they were rounded up."""
         return out_of_units(counts, self.units)
-
-    @property
-    def is_planned(self) -> bool:
-        """Say whether crews or a plan make the task order; else a tour does."""
-        return self.allocation in ("crews", "plan")
 
 
 def default_step_limit(scenario: Scenario) -> int:

@@ -129,9 +129,12 @@ def believed_mission(
     return replace(scenario, arrivals=None, tasks=tuple(tasks), robots=tuple(robots))
 
 
-def expected_mission(scenario: Scenario) -> Scenario:
-    """Return an uncertain mission as it is believed before it begins."""
-    needs = (expected_needs(task, scenario.foresight) for task in scenario.tasks)
+def expected_mission(scenario: Scenario, foresight: str = "scouting") -> Scenario:
+    """Return an uncertain mission as it is believed before it begins.
+
+    By `foresight` needs that nobody knows are believed to be there, unless that is `absent`.
+    """
+    needs = (expected_needs(task, foresight) for task in scenario.tasks)
     return believed_mission(scenario, dict(enumerate(needs)))
 
 

@@ -14,7 +14,7 @@ from teamformer.fleet.planner import SharedPlanner, Situation
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.planning.teams import shared_plan
-from teamformer.planning.teams.facts import SharedPlan
+from teamformer.planning.teams.situation import SharedPlan
 from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.scenarios.named_settings import world_of
 from teamformer.trials.trial import run_trials

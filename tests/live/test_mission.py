@@ -23,7 +23,7 @@ from teamformer.live.incidents import (
 )
 from teamformer.live.mission import Mission
 from teamformer.model import Absence, Breakdown, Delays
-from teamformer.planning.teams.facts import SharedPlan
+from teamformer.planning.teams.situation import SharedPlan
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario

@@ -16,7 +16,7 @@ from random_worlds import random_world
 from teamformer.capabilities import covers, total
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
-from teamformer.planning.teams.facts import Facts, SharedPlan, situation_of
+from teamformer.planning.teams.situation import Facts, SharedPlan, situation_of
 from teamformer.planning.teams.plan import plan_teams
 from teamformer.planning.teams.shared_plan import (
     Rounds,

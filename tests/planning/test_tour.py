@@ -7,7 +7,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from teamformer.planning.tour import (
+from teamformer.rules.tour import (
     LARGEST_EXACT,
     _nearest_first_tour,
     shortest_tour,

@@ -12,7 +12,7 @@ from random_worlds import random_world
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import relax
-from teamformer.planning.teams.facts import situation_in_hindsight
+from teamformer.planning.teams.situation import situation_in_hindsight
 from teamformer.planning.teams.plan import TeamPlan, routes_of
 from teamformer.planning.teams.solve import first_search
 from teamformer.policies.central.plan_from_play import plan_from_play

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import player_of
+from teamformer.coordination import Coordinator, Known, Plan, heeded_by
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.authors import read_world
-from teamformer.scenarios.named_settings import world_of
+from teamformer.scenarios.named_settings import new_tasks_of, world_of
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, Tally
 from teamformer.sim.view import View
@@ -57,48 +60,91 @@ class Job:
 
 
 class Clock:
-    """A policy that is timed; stands between the environment and the policy itself."""
+    """Times a method: stands between the worlds and its policy, or its coordinator."""
 
-    def __init__(self, policy: Policy, worlds: int) -> None:
-        self.policy, self.needs_everything = policy, policy.needs_everything
+    def __init__(self, method: Method, worlds: int) -> None:
+        self._method = method
         self.seconds = np.zeros(worlds)
         self.cpu_seconds = np.zeros(worlds)
         self.decisions = np.zeros(worlds, dtype=np.int64)
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
-        """Start the policy; what that takes is shared out evenly."""
-        began, began_cpu = time.perf_counter(), time.process_time()
-        self.policy.begin(everything, rng)
-        even = np.full(len(self.seconds), 1 / len(self.seconds))
-        self._share_out(even, began, began_cpu)
+    @property
+    def policy(self) -> Policy | None:
+        """Return the policy that is timed, if the method has one."""
+        return self._method.policy
 
-    def decide(self, view: View) -> Decision:
-        """Let the policy decide; what that takes is shared out by rows of the view."""
-        began, began_cpu = time.perf_counter(), time.process_time()
-        decision = self.policy.decide(view)
-        rows = np.bincount(view.world, minlength=len(self.seconds))
-        self._share_out(rows / rows.sum(), began, began_cpu)
-        self.decisions += rows
-        return decision
+    def timed(self) -> Method:
+        """Return the method as it is played under the clock."""
+        if self._method.policy is not None:
+            return replace(self._method, policy=_TimedPolicy(self, self._method.policy))
+        assert self._method.coordinator is not None
+        return replace(self._method, coordinator=_TimedCoordinator(self, self._method.coordinator))
 
-    def _share_out(self, shares: Array, began: float, began_cpu: float) -> None:
+    @contextmanager
+    def counting(self, shares: Array) -> Iterator[None]:
+        """Share out among worlds, (worlds,), what is done within."""
+        began, began_cpu = time.perf_counter(), time.process_time()
+        yield
         self.seconds += shares * (time.perf_counter() - began)
         self.cpu_seconds += shares * (time.process_time() - began_cpu)
+
+    @property
+    def evenly(self) -> Array:
+        """Return the same share for each world, (worlds,)."""
+        return np.full(len(self.seconds), 1 / len(self.seconds))
+
+
+class _TimedPolicy:
+    """A policy under a clock; what it takes to decide is shared out by rows of the view."""
+
+    def __init__(self, clock: Clock, policy: Policy) -> None:
+        self._clock, self._policy = clock, policy
+        self.needs_everything = policy.needs_everything
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._policy, name)  # what planners have besides
+
+    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+        """Start the policy."""
+        with self._clock.counting(self._clock.evenly):
+            self._policy.begin(everything, rng)
+
+    def decide(self, view: View) -> Decision:
+        """Let the policy decide."""
+        rows = np.bincount(view.world, minlength=len(self._clock.seconds))
+        self._clock.decisions += rows
+        with self._clock.counting(rows / rows.sum()):
+            return self._policy.decide(view)
+
+
+class _TimedCoordinator:
+    """A coordinator under a clock; what it takes to plan is shared out evenly."""
+
+    def __init__(self, clock: Clock, coordinator: Coordinator) -> None:
+        self._clock, self._coordinator = clock, coordinator
+        self.heeds = heeded_by(coordinator)
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        """Let the coordinator plan."""
+        with self._clock.counting(self._clock.evenly):
+            return self._coordinator.update(known, plan)
 
 
 def run_job(job: Job) -> list[Row]:
     """Run the trials of a job."""
     method = ready_method(player_of(job.method), job.time_limit)
-    method = with_settings(method, job.settings)
+    late = {"new_tasks": new_tasks_of(job.setting)}
+    method = with_settings(method, late | dict(job.settings))
     worlds = {seed: job.scenario(seed) for seed in job.seeds}
     _warm_up(job, method)
     parts = [[seed] for seed in job.seeds] if job.is_timed else [list(job.seeds)]
     rows = []
     for seeds in parts:
-        clock = Clock(method.policy, len(seeds))
-        timed = replace(method, policy=clock)
+        clock = Clock(method, len(seeds))
         began = time.perf_counter()
-        tallies = run_trials([worlds[seed] for seed in seeds], timed, seeds[0], truth_seeds=seeds)
+        tallies = run_trials(
+            [worlds[seed] for seed in seeds], clock.timed(), seeds[0], truth_seeds=seeds
+        )
         seconds = (time.perf_counter() - began) / len(seeds)
         for place, seed in enumerate(seeds):
             row = _row(job, seed, worlds[seed], tallies[place])
@@ -123,7 +169,7 @@ def _warm_up(job: Job, method: Method) -> None:
         return
     _WARM.add((job.method, job.setting))
     scenario = job.scenario(job.seeds[0])
-    if method.policy.needs_everything:  # planning takes as long as it may
+    if method.needs_everything:  # planning takes as long as it may
         scenario = world_of(f"{len(scenario.robots)}N1T-C{len(scenario.capabilities)}", 0)
     run_trials([scenario], method)
 

@@ -200,7 +200,7 @@ def _goes_alone(method: str, request: Request) -> bool:
     """Say whether trials must not share a batch: a planner's, and those of a user's own method."""
     method = player_of(method)
     is_listed = method.removesuffix(BARE) in LISTED
-    return not is_listed or ready_method(method, request.time_limit).policy.needs_everything
+    return not is_listed or ready_method(method, request.time_limit).needs_everything
 
 
 def _lot_size(setting: str, is_timed: bool, alone: bool) -> int:

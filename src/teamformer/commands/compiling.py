@@ -30,27 +30,23 @@ def announce_compiling(methods: Iterable[Method] = ()) -> None:
     What these methods need is then compiled, so that no trial's time has it in.
     """
     from teamformer.jit import needs_compiling
+    from teamformer.planning.crews.plan import deal_crews
     from teamformer.planning.teams import threshold_search
-    from teamformer.sim.allocation.task_order import plan_worlds
     from teamformer.sim.step import step_worlds
 
     wanted = {method.name: method for method in methods}
-    allocations = {method.allocation for method in wanted.values()}
-    beside = os.cpu_count() or 1
     is_new = needs_compiling(step_worlds)
     needed = is_new
     if is_new:
         say("compiling the simulator, on the first run only (half a minute, more if busy) ...")
-    if "plan" in allocations and needs_compiling(threshold_search.search):
+    if "plan" in wanted and needs_compiling(threshold_search.search):
         needed = True
         say("compiling the planner, on the first run only (a minute) ...")
-        if is_new and beside > 1:
+        if is_new and (os.cpu_count() or 1) > 1:
             _compile_beside("--simulator")
-    if ("crews" in allocations or "central" in wanted) and needs_compiling(plan_worlds):
+    if "crews" in wanted and needs_compiling(deal_crews):
         needed = True
         say("compiling the planner of crews, on the first run only (half a minute, too) ...")
-        if is_new and beside > 1 and "plan" not in allocations:
-            _compile_beside(next((name for name in wanted if name != "central"), "join-all"))
     if "central" in wanted:
         from teamformer.planning.relaxation import threshold
 
@@ -99,12 +95,12 @@ def main() -> None:
 
 
 def _make_a_step(smallest: Scenario) -> None:
-    """Make one step by a shared plan that holds nothing: its task is not known yet."""
-    from teamformer.sim.env import Decision, TeamFormation
+    """Make one step by plans that hold nothing."""
+    from teamformer.coordinators.on_command import OnCommand
+    from teamformer.sim.env import TeamFormation
 
-    later = tuple(replace(task, appears=9) for task in smallest.tasks)
-    env = TeamFormation([replace(smallest, allocation="plan", tasks=later)])
-    env.step(Decision(env.view().counts))
+    env = TeamFormation([smallest], coordinator=OnCommand())
+    env.step(env.planned_decision(env.view()))
 
 
 def _play(worlds: Iterable[Scenario], names: Iterable[str]) -> None:

@@ -119,7 +119,7 @@ def _why_idle(replay: Replay, moment: Moment, robot: int) -> str:
 
 
 def _why_task(replay: Replay, moment: Moment, robot: int, task: int) -> str:
-    """Return which plan said so: the policy itself, a crew's list, or the shared order."""
+    """Return which plan said so: the policy itself, the plan, or the shared order."""
     step = replay.steps[moment.step - 1]
     if moment.team[robot] in step.named:
         return "its policy named the task itself"
@@ -130,14 +130,6 @@ def _why_task(replay: Replay, moment: Moment, robot: int, task: int) -> str:
             names = ", ".join(replay.scenario.robots[scout].name for scout in sorted(looking))
             return f"the plan has {names} look first what is to be known of it"
         return _in_plan(replay.scenario, plan.get(task, ()))
-    crews = [row for row in replay.crews if row[0] < moment.step]
-    if crews:
-        for number, crew in enumerate(crews[-1][1], start=1):
-            if robot in crew.robots:
-                is_own = task in crew.tasks
-                return (
-                    f"on the list of {'its' if is_own else 'another crew than its'} crew {number}"
-                )
     orders = [row for row in replay.orders if row[0] < moment.step]
     if orders and task in orders[-1][1]:
         return f"number {orders[-1][1].index(task) + 1} in the order that everybody shares"
@@ -185,7 +177,7 @@ def _in_plan(scenario: Scenario, robots: tuple[int, ...]) -> str:
 def _plan(replay: Replay, moment: Moment) -> str:
     """Return when the plan that holds was made, and after what, if not at the start."""
     made = max(
-        (row[0] for row in (*replay.orders, *replay.crews, *replay.plans) if row[0] < moment.step),
+        (row[0] for row in (*replay.orders, *replay.plans) if row[0] < moment.step),
         default=0,
     )
     if not made:

@@ -1,4 +1,4 @@
-"""Methods for agents, by name: the shared plan, or a policy for each robot, made once a process."""
+"""Methods for agents, by name: a coordinator's plans, or a policy for each robot."""
 
 from __future__ import annotations
 
@@ -6,32 +6,43 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from teamformer.errors import TeamformerError
+from teamformer.fleet.planner import CoordinatedPlanner
 
 if TYPE_CHECKING:
     from teamformer.policies.protocol import Policy
+    from teamformer.trials.methods import Method
 
 PLAN = "plan"
-"""The method by which robots follow their shared plan; by any other a policy forms teams."""
+"""The shared plan: the default, and what robots fall back to whose policy gets nowhere."""
+
+
+def planner_of(method: str) -> CoordinatedPlanner:
+    """Return what makes the plans of a fleet: the method's coordinator, else the shared plan.
+
+    Raises what `policy_of` raises.
+    """
+    if method == PLAN:
+        return CoordinatedPlanner()  # loaded when it first plans
+    return CoordinatedPlanner(_load(method).coordinator)
 
 
 @lru_cache(maxsize=1024)
 def policy_of(method: str, robot: int) -> Policy | None:
-    """Return the policy of a robot; None for `plan`. An agent that begins to use it calls `begin`.
+    """Return the policy of a robot; None where robots go by plans. Each robot has one of its own.
 
-    Raises `TeamformerError` for what is no method, for one that has to know everything, and for
-    crews, which agents do not plan.
+    An agent that begins to use it calls `begin`. Raises `TeamformerError` for what is no method,
+    and for one that has to know everything.
     """
+    return None if method == PLAN else _load(method).policy
+
+
+def _load(method: str) -> Method:
     from teamformer.trials.methods import load_method
 
-    if method == PLAN:
-        return None
     loaded = load_method(method)
-    if loaded.policy.needs_everything:
+    if loaded.needs_everything:
         raise TeamformerError(
             f"method '{method}' needs to know everything, and no robot does",
-            "use one that decides by its view; `teamformer methods` lists them",
+            "use one that decides as the mission goes; `teamformer methods` lists them",
         )
-    if loaded.allocation != "paper":
-        hint = f"use {PLAN}, or a policy such as heuristic"
-        raise TeamformerError(f"agents do not plan by the method '{method}'", hint)
-    return loaded.policy
+    return loaded

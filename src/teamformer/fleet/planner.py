@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from importlib import import_module
 from operator import itemgetter
 from typing import NamedTuple, Protocol
 
+from teamformer.coordination import UNFORESEEN, Coordinator, Known, Plan
 from teamformer.errors import ScenarioError
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.mission import Mission
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario, Task
-from teamformer.planning.teams.facts import Facts, SharedPlan
+from teamformer.sim.guidance.guide import refuse_unfit
 
 Stop = tuple[int, tuple[int, ...]]
 """A task and its coalition."""
@@ -35,20 +35,20 @@ class Planner(Protocol):
         """Return every task with a coalition that can do it, in an order to be kept to."""
 
 
-class SharedPlanner:
-    """Plans as the simulator's `allocation: plan` does, from what is true now.
+class CoordinatedPlanner:
+    """Has a coordinator plan from what is true now.
 
-    The plan before is one of the plans that the search begins with, and stays where what would be
-    gained is small. Where there is one, the search is brief: faults come often, and fast.
+    By default that is the shared plan: the one before is among those that its search begins with,
+    and stays where what would be gained is small. Where there is one, the search is brief: faults
+    come often, and fast.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, coordinator: Coordinator | None = None) -> None:
+        self._coordinator = coordinator
         self._extended: tuple[int, Sequence[TaskFact], Scenario | None] | None = None
 
     def plan(self, mission: Mission, situation: Situation) -> Sequence[Stop]:
-        """Return the shared plan; tasks that are being served come first, as they are."""
-        from teamformer.planning.teams.shared_plan import plan_mission
-
+        """Return the coordinator's plan; tasks that are being served come first, as they are."""
         robots = sorted(situation.places)
         own = len(mission.tasks)
         added = [task for task in situation.tasks if task.key >= own]
@@ -62,23 +62,36 @@ class SharedPlanner:
         places = [robot.at for robot in mission.scenario.robots]
         for robot in robots:
             places[robot] = _place(situation.places[robot], is_grid)
-        facts = Facts(
+        old = _old_plan(situation, number_of)
+        known = Known(
+            mission=scenario,
             step=0,
             open_tasks=tuple(number_of[task.key] for task in situation.tasks),
             places=tuple(places),
             teams=tuple((robot,) for robot in robots),
             free_at=(0,) * len(places),
+            news=UNFORESEEN[1:] if situation.old else ("start",),  # nobody tells which it was
         )
-        old = _old_plan(situation, number_of)
-        plan = plan_mission(scenario, facts, old, is_brief=bool(situation.old))
-        planned = zip(plan.ends, plan.order, plan.coalitions, strict=True)
+        plan = self._chosen().update(known, old)
+        refuse_unfit(known, plan)
+        ends = plan.ends or range(len(plan.order))
+        planned = zip(ends, plan.order, plan.coalitions, strict=True)
         in_time = sorted(planned, key=itemgetter(0))  # what is done in passing comes on the way
-        stops = [(key_of[task], coalition) for _, task, coalition in in_time]
+        stops = [(key_of[task], coalition) for _, task, coalition in in_time if coalition]
+        stops += _one_after_another(mission, _without(situation, stops), robots)
         return _serving_first(mission, situation, stops)
 
     def warm_up(self) -> None:
         """Load what planning needs, so that the first plan has not to wait for it."""
-        import_module("teamformer.planning.teams.shared_plan")
+        self._chosen()
+
+    def _chosen(self) -> Coordinator:
+        """Return the coordinator; the shared plan is loaded when it is first asked for."""
+        if self._coordinator is None:
+            from teamformer.coordinators.shared_plan import SharedPlan
+
+            self._coordinator = SharedPlan(scouts=False, is_brief=True)
+        return self._coordinator
 
     def _with_added(self, mission: Mission, added: Sequence[TaskFact]) -> Scenario | None:
         """Return the mission with operators' tasks at its end, None if it could not be run so.
@@ -98,7 +111,7 @@ def _can_be_at(mission: Mission, robot: int, place: tuple[float, float]) -> bool
     return world.is_free(place) and world.region(place) == mission.regions[robot]
 
 
-def _old_plan(situation: Situation, number_of: Mapping[int, int]) -> SharedPlan | None:
+def _old_plan(situation: Situation, number_of: Mapping[int, int]) -> Plan | None:
     """Return what is left of the plan before, in the numbers of the scenario."""
     open_keys = {task.key for task in situation.tasks}
     kept = [
@@ -109,7 +122,7 @@ def _old_plan(situation: Situation, number_of: Mapping[int, int]) -> SharedPlan 
     if not kept:
         return None
     order, coalitions = zip(*kept, strict=True)
-    return SharedPlan(order, coalitions, (), "")
+    return Plan(order, coalitions)
 
 
 def _extend(mission: Mission, added: Sequence[TaskFact]) -> Scenario | None:
@@ -134,6 +147,13 @@ def _place(place: tuple[float, float], is_grid: bool) -> Place:
     return (int(place[0]), int(place[1])) if is_grid else place
 
 
+def _without(situation: Situation, stops: Sequence[Stop]) -> Situation:
+    """Return a situation without the tasks that are planned."""
+    planned = {key for key, _ in stops}
+    left = tuple(task for task in situation.tasks if task.key not in planned)
+    return situation._replace(tasks=left)
+
+
 def _serving_first(mission: Mission, situation: Situation, stops: list[Stop]) -> list[Stop]:
     """Let who is at work go on; everything else keeps its order."""
     going = {
@@ -146,7 +166,7 @@ def _serving_first(mission: Mission, situation: Situation, stops: list[Stop]) ->
 
 
 def _one_after_another(mission: Mission, situation: Situation, robots: Sequence[int]) -> list[Stop]:
-    """Return the plainest plan there is: whoever can reach a task goes, task by task."""
+    """Return the plainest plan there is: all robots that can reach a task go, task by task."""
     return [
         (task.key, tuple(robot for robot in robots if mission.reach(robot, task)))
         for task in situation.tasks

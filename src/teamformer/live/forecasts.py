@@ -12,12 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from teamformer.coordination import Coordinator, Plan
+from teamformer.coordinators.replayed import Replayed
 from teamformer.grid import Grid, Place
 from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.planning.teams.facts import SharedPlan
-from teamformer.policies.protocol import Policy
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, Tally, TeamFormation
+from teamformer.trials.methods import Method
+from teamformer.trials.trial import decide
 from teamformer.truth import draw_absences, draw_truth
 
 SAMPLES = 40
@@ -36,11 +38,11 @@ class Past:
 
     scenario: Scenario
     env: TeamFormation
-    begin_policy: Callable[[], Policy]
+    begin: Callable[[], Method]
     decisions: Sequence[Decision]
-    plans: Sequence[tuple[int, SharedPlan]]  # taken over after so many steps
+    plans: Sequence[tuple[int, Plan]]  # taken over after so many steps
 
-    def with_plan(self, plan: SharedPlan) -> Past:
+    def with_plan(self, plan: Plan) -> Past:
         """Return the same if a plan were taken over now."""
         env, steps = self.env.fork(), self.env.tally().steps
         env.take_over_plan(plan)
@@ -82,10 +84,15 @@ class Forecast:
         return sum(self.ends) / len(self.ends)
 
 
-def play_ahead(env: TeamFormation, policy: Policy) -> Tally:
+def replayed(env: TeamFormation, coordinator: Coordinator | None) -> Coordinator | None:
+    """Return a coordinator that gives the plans of an environment again while the same happens."""
+    return None if coordinator is None else Replayed(env.plans(), coordinator)
+
+
+def play_ahead(env: TeamFormation, method: Method) -> Tally:
     """Play an environment to its end; return how that is."""
     while env.is_running[0]:
-        env.step(policy.decide(env.view()))
+        env.step(decide(env, method, env.view()))
     return env.tally()
 
 
@@ -94,16 +101,16 @@ def forecast(
 ) -> Forecast:
     """Return how the mission ends; `is_over` says that nobody wants to know any more."""
     if not past.scenario.has_surprises:
-        return _summed_up([play_ahead(past.env.fork(), past.begin_policy())])
+        return _summed_up([play_ahead(past.env.fork(), past.begin())])
     until = time.monotonic() + seconds
     tallies: list[Tally] = []
     for seed in range(SAMPLES):
         env = _future(past, seed)
         if env is not None:
-            tallies.append(play_ahead(env, past.begin_policy()))
+            tallies.append(play_ahead(env, past.begin()))
         if tallies and (is_over() or time.monotonic() > until):
             break
-    return _summed_up(tallies or [play_ahead(past.env.fork(), past.begin_policy())])
+    return _summed_up(tallies or [play_ahead(past.env.fork(), past.begin())])
 
 
 def _summed_up(tallies: Sequence[Tally]) -> Forecast:
@@ -115,7 +122,8 @@ def _summed_up(tallies: Sequence[Tally]) -> Forecast:
 def _future(past: Past, seed: int) -> TeamFormation | None:
     """Return the present under a truth that is drawn; None if the past would have been another."""
     truth = possible_truth(past.scenario, past.env, seed)
-    env = TeamFormation([past.scenario], truths=[truth])
+    coordinator = replayed(past.env, past.begin().coordinator)
+    env = TeamFormation([past.scenario], truths=[truth], coordinator=coordinator)
     for made, decision in enumerate([*past.decisions, None]):
         for plan in (plan for steps, plan in past.plans if steps == made):
             env.take_over_plan(plan)

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from teamformer.capabilities import Counts, describe
+from teamformer.coordination import Plan
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import Place
 from teamformer.live.forecasts import Forecast, Past, forecast
 from teamformer.model import Absence, Scenario, Task
-from teamformer.planning.teams.facts import SharedPlan
 from teamformer.planning.teams.longer_search import search_longer
 
 SEARCHES = 4
@@ -91,7 +91,7 @@ Incident = NewTask | LostRobot | RobotBack
 class PlanTakenOver:
     """A plan that was searched for longer, and by which the robots go from now on."""
 
-    plan: SharedPlan
+    plan: Plan
     forecast: Forecast
     without: Forecast  # how the mission was to end before
 
@@ -114,15 +114,15 @@ def search_plan(
 
     `is_over` says that nobody wants to know any more.
     """
-    if past.scenario.allocation != "plan":
+    if not past.env.is_coordinated[0]:
         raise TeamformerError(
             "by this method robots go by no plan that could be another; "
             "a mission that runs by the method 'plan' can be planned anew"
         )
-    believed, facts, old = past.env.plan_now()
+    known, old = past.env.known(), past.env.plan()
     searches = 1 if past.scenario.has_surprises else SEARCHES
     plans = [
-        search_longer(believed, facts, old, seconds / searches, seed, is_over)
+        search_longer(known, old, seconds / searches, seed, is_over)
         for seed in range(searches)
         if seed == 0 or not is_over()
     ]

@@ -1,8 +1,9 @@
 """A mission step by step, whose past stays as it was when incidents happen.
 
 An incident changes the scenario: a task that appears now, a robot lost or back in the next step.
-The changed scenario is then played again up to now with the decisions that were made, so that the
-record is at every moment what `run` makes of the mission's scenario. Of what was recorded, only
+The changed scenario is then played again up to now with the decisions and plans that were made, so
+that nothing is planned but what follows from now on, and the record is at every moment what `run`
+makes of the mission's scenario. Of what was recorded, only
 the assignments after the latest step may change: whoever learns of a task thinks anew. A plan that
 is taken over changes no scenario: the record holds it, and `run` makes plans of its own.
 """
@@ -11,17 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
+from teamformer.coordination import Coordinator
 from teamformer.errors import TeamformerError
-from teamformer.live.forecasts import Past
+from teamformer.live.forecasts import Past, replayed
 from teamformer.live.incidents import Happening, Incident, PlanTakenOver
 from teamformer.model import Scenario
-from teamformer.policies.protocol import Policy
+from teamformer.policies.protocol import Planner
 from teamformer.sim.env import Decision, Tally, TeamFormation
 from teamformer.sim.replay.record import Replay, Step
 from teamformer.trials.methods import Method
 from teamformer.trials.recorder import Recorder
+from teamformer.trials.trial import begin, decide
 from teamformer.truth import draw_truth
 
 MakeMethod = Callable[[], Method]
@@ -34,14 +35,13 @@ class Mission:
     """
 
     def __init__(self, scenario: Scenario, make_method: MakeMethod, seed: int) -> None:
-        method = make_method()
-        self.scenario = scenario = method.apply(scenario)
-        self.method_name, self.seed = method.name, seed
+        self.scenario, self.seed = scenario, seed
         self.incidents: list[tuple[int, Happening]] = []
         self._make_method = make_method
-        self._policy = self._begin()
+        self._method = self._begin()
+        self.method_name = self._method.name
         self._decisions: list[Decision] = []
-        self._env = TeamFormation([scenario], truths=[draw_truth(scenario, seed)])
+        self._env = self._stage(scenario, self._method.coordinator)
         self._recorder = Recorder(self._env)
 
     @property
@@ -69,7 +69,7 @@ class Mission:
 
     def step(self) -> Step:
         """Make one step and return what it changed."""
-        decision = _copied(self._policy.decide(self._env.view()))
+        decision = _copied(decide(self._env, self._method, self._env.view()))
         self._env.step(decision)
         self._decisions.append(decision)
         self._recorder.step()
@@ -96,21 +96,28 @@ class Mission:
         plans = self.past().plans
         return Past(scenario, env, self._begin, tuple(self._decisions), plans)
 
-    def _begin(self) -> Policy:
-        policy = self._make_method().policy
-        everything = [self.scenario] if policy.needs_everything else None
-        policy.begin(everything, np.random.default_rng(self.seed))
-        return policy
+    def _begin(self) -> Method:
+        method = self._make_method()
+        begin(method, [self.scenario], [self.scenario], self.seed)
+        return method
+
+    def _stage(self, scenario: Scenario, coordinator: Coordinator | None) -> TeamFormation:
+        """Return the mission before its first step; a planner brings its own coordinator."""
+        policy = self._method.policy
+        if isinstance(policy, Planner):
+            coordinator = policy.plans[0].coordinator
+        truth = draw_truth(scenario, self.seed)
+        return TeamFormation([scenario], truths=[truth], coordinator=coordinator)
 
     def _changed(self, happening: Happening) -> tuple[TeamFormation, Recorder, Scenario]:
         """Return the mission as it would stand if something happened now."""
-        if self._policy.needs_everything:
+        if self._method.needs_everything:
             raise TeamformerError(
                 f"'{self.method_name}' plans with all that the mission says, so that nothing can "
                 "happen to it; run it by another method"
             )
         scenario = happening.apply(self.scenario, self._env.truths[0], self.steps)
-        env = TeamFormation([scenario], truths=[draw_truth(scenario, self.seed)])
+        env = self._stage(scenario, replayed(self._env, self._method.coordinator))
         recorder = Recorder(env)
         happened = [*self.incidents, (self.steps, happening)]
         plans = [(steps, it.plan) for steps, it in happened if isinstance(it, PlanTakenOver)]

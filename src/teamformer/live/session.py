@@ -319,5 +319,5 @@ def finite(record: Tree) -> Tree:
 
 def _plans_of(record: Replay) -> Iterator[tuple[str, Sequence[tuple[Any, ...]]]]:
     """Yield what a record keeps of plans: by key, rows that begin with the steps made."""
-    for key in ("orders", "crews", "plans"):
+    for key in ("orders", "plans"):
         yield key, getattr(record, key)

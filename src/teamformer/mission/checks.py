@@ -21,7 +21,7 @@ from teamformer.capabilities import (
 from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP
 from teamformer.mission.places import believed_place, busiest_part, find_region_problems
-from teamformer.mission.rules import ALLOCATIONS, NEW_TASKS, find_rule_problems
+from teamformer.mission.rules import find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
 from teamformer.plane import Plane
 
@@ -102,10 +102,6 @@ def _problems_of_rules(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("forming_steps",), f"forming_steps is {scenario.forming_steps}; use 0 or 1")
     limit, where = scenario.step_limit, ("step_limit",)
     yield from _problems_of_steps(limit, 0, where, "step_limit is", "use 1 or more")
-    for key, known in (("new_tasks", NEW_TASKS), ("allocation", ALLOCATIONS)):
-        if getattr(scenario, key) not in known:
-            choices = " or ".join(known)
-            yield Problem((key,), f"{key} '{getattr(scenario, key)}' is unknown; use {choices}")
 
 
 def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:

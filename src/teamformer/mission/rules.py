@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
 
 NEW_TASKS = ("resolve", "nearest")
-ALLOCATIONS = ("paper", "crews", "plan")
 FORESIGHTS = ("needed", "absent", "scouting")
 
 TIMES = ("steps", "continuous")

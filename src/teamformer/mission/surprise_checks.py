@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem
-from teamformer.mission.rules import FORESIGHTS, find_surprises
+from teamformer.mission.rules import find_surprises
 
 if TYPE_CHECKING:
     from teamformer.model import Arrivals, Breakdown, Robot, Scenario, Task
@@ -21,9 +21,6 @@ LARGEST = 10**9
 
 def find_surprise_problems(scenario: Scenario) -> Iterator[Problem]:
     """Return what is wrong with a scenario's uncertain durations, needs and breakdowns."""
-    if scenario.foresight not in FORESIGHTS:
-        choices = " or ".join(FORESIGHTS)
-        yield Problem(("foresight",), f"foresight '{scenario.foresight}' is unknown; use {choices}")
     if scenario.time == "continuous":
         yield from _only_in_steps(scenario)
     for number, robot in enumerate(scenario.robots):

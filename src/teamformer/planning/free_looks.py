@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.model import Scenario
+from teamformer.coordination import Known, Plan
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.teams.facts import Facts, SharedPlan, Situation, situation_of
+from teamformer.planning.teams.situation import Situation, situation_of
 from teamformer.rules.constants import FAR
 
 SOONER = 3
@@ -22,13 +22,6 @@ SOONER = 3
 
 SEARCH = 5
 """How many steps it takes to look for a task whose place is not known, beyond the way there."""
-
-
-class Unseen(NamedTuple):
-    """Tasks of which nobody knows what they need, and where they are."""
-
-    needs: frozenset[int]
-    places: frozenset[int]
 
 
 class _Group(NamedTuple):
@@ -47,29 +40,27 @@ class _Look(NamedTuple):
     task: int
 
 
-def with_free_looks(
-    believed: Scenario, facts: Facts, plan: SharedPlan, unseen: Unseen
-) -> SharedPlan:
-    """Return a plan for a mission as it is believed to be, in which who has time to spare scouts.
+def with_free_looks(known: Known, plan: Plan) -> Plan:
+    """Return a plan in which robots that have time to spare scout.
 
     Every task is looked at by one group of robots at most, the one that is there first, and every
     group looks at one.
     """
-    takes = dict.fromkeys(unseen.needs, 0) | dict.fromkeys(unseen.places, SEARCH)
+    takes = dict.fromkeys(known.unseen_needs, 0) | dict.fromkeys(known.unseen_places, SEARCH)
     if takes.keys().isdisjoint(plan.order):
         return plan
-    situation = situation_of(believed, replace(facts, open_tasks=plan.order))
+    situation = situation_of(replace(known, open_tasks=plan.order))
     groups = _groups_of(plan, situation)
     scouts: list[tuple[int, int]] = []
     is_out, is_scouted = np.zeros(len(groups), np.bool_), np.zeros(len(plan.order), np.bool_)
-    for _, number, task in sorted(_free_looks(plan, situation, facts.step, takes, groups)):
+    for _, number, task in sorted(_free_looks(plan, situation, known.step, takes, groups)):
         if not is_out[number] and not is_scouted[task]:
             is_out[number] = is_scouted[task] = True
             scouts += [(situation.robots[r], situation.tasks[task]) for r in groups[number].robots]
     return replace(plan, scouts=tuple(sorted(scouts)))
 
 
-def _groups_of(plan: SharedPlan, situation: Situation) -> list[_Group]:
+def _groups_of(plan: Plan, situation: Situation) -> list[_Group]:
     place = {task: index for index, task in enumerate(situation.tasks)}
     following: dict[int, int] = {}
     for task, robots in zip(plan.order, plan.coalitions, strict=True):
@@ -87,7 +78,7 @@ def _groups_of(plan: SharedPlan, situation: Situation) -> list[_Group]:
 
 
 def _free_looks(
-    plan: SharedPlan, situation: Situation, step: int, takes: Mapping[int, int],
+    plan: Plan, situation: Situation, step: int, takes: Mapping[int, int],
     groups: list[_Group],
 ) -> Iterator[_Look]:  # fmt: skip
     """Yield what groups can look at in time, before anybody begins there.
@@ -115,7 +106,7 @@ def _free_looks(
             yield _Look(int(there[index]), number, int(tasks[index]))
 
 
-def _services(plan: SharedPlan, situation: Situation) -> tuple[Array, Array]:
+def _services(plan: Plan, situation: Situation) -> tuple[Array, Array]:
     """Return when each task's service is to begin, and how many robots do it."""
     place = {task: index for index, task in enumerate(situation.tasks)}
     starts = np.full(len(place), FAR, np.int64)

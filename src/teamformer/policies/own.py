@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import sysconfig
-import traceback
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
+from teamformer.own_code import telling_where
 from teamformer.policies.protocol import Policy
 from teamformer.sim.env import Decision, read_decision
 from teamformer.sim.view import View
@@ -63,32 +60,3 @@ def _decide(decide: Callable[[View], Decision], name: str, view: View) -> Decisi
 
 
 HINT = "see docs/policies.md for what a decision is"
-INSTALLED = (str(Path(__file__).parents[1]), sysconfig.get_path("stdlib"))
-
-
-@contextmanager
-def telling_where(what: str) -> Iterator[None]:
-    """Turn whatever a user's code raises into an error that says what, and in which line."""
-    try:
-        yield
-    except TeamformerError:
-        raise
-    except Exception as error:
-        raise TeamformerError(f"{what}{_place_of(error)}: {_spell(error)}") from error
-
-
-def _place_of(error: Exception) -> str:
-    """Return the file and line that raised, by the deepest frame outside of installed packages."""
-    if isinstance(error, SyntaxError) and error.filename:
-        return f" at {error.filename}:{error.lineno}"
-    frames = traceback.extract_tb(error.__traceback__)[1:]  # without telling_where itself
-    theirs = [frame for frame in frames if not _is_installed(frame.filename)]
-    return f" at {theirs[-1].filename}:{theirs[-1].lineno}" if theirs else ""
-
-
-def _is_installed(file: str) -> bool:
-    return file.startswith(("<", *INSTALLED)) or "site-packages" in file
-
-
-def _spell(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__

@@ -35,12 +35,14 @@ class Policy(Protocol):
 class Planner(Policy, Protocol):
     """A policy that plans every scenario of a batch in `begin`, for as long as it is given.
 
-    `time_limit` is in seconds for each scenario, `workers` the threads that it may use; `plans`
-    holds what it found, a plan for each scenario.
+    `time_limit` is in seconds for each scenario, `workers` the threads that it may use. `believed`
+    is what robots know of each scenario that is planned, set before `begin`. `plans` holds what was
+    found, a plan for each scenario.
     """
 
     time_limit: float
     workers: int
+    believed: Sequence[Scenario]
     plans: list[CentralPlan]
 
 

@@ -1,4 +1,4 @@
-"""Crews and shared plans: that they share out the open tasks, and that every team goes by them."""
+"""Plans: that each task is for robots that can do it, and that every team goes by them."""
 
 from __future__ import annotations
 
@@ -11,26 +11,21 @@ from teamformer.referee.finding import Search
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.truth import Knowledge
 from teamformer.referee.verdict import Notes
-from teamformer.sim.replay.record import Crew, Replay, SharedPlanMade
-
-SHARED_OUT = ("crews", "plan")
-"""The allocations by which the record says who does what."""
+from teamformer.sim.replay.record import Replay, SharedPlanMade
 
 
-class CrewLists:
-    """Whose list each task is on, and in which order, as the record has it step by step."""
+class PlannedTasks:
+    """Who does each task, and in which order, by the plans that the record has step by step."""
 
-    def __init__(self, replay: Replay, knowledge: Knowledge) -> None:
+    def __init__(self, replay: Replay) -> None:
         self.scenario = replay.mission
-        self._knowledge = knowledge
-        self._crews = dict(replay.crews)
+        self.is_coordinated = replay.is_coordinated
         self._plans = dict(replay.plans)
         self._scouts = {steps: dict(scouts) for steps, scouts in replay.scouts}
         self._looks: dict[int, int] = {}  # the task that a robot looks at first
         self._took = [step.took for step in replay.steps]
         self._coalition: dict[int, set[int]] = {}
         self._orders = dict(replay.orders)
-        self._now: Sequence[Crew] = ()
         self._rank: dict[int, int] = {}
 
     def looked_at(self) -> set[int]:
@@ -40,19 +35,17 @@ class CrewLists:
     def give_tasks(self, fleet: Fleet, tasks: Tasks, steps_made: int) -> None:
         """Write each team's `due`, once all have formed in a step and before they walk.
 
-        It is the first open task that is on the list of one of its robots' crews and needs that
-        robot, or that has one of its robots in its coalition; or what one of them looks at first.
+        It is the first open task that has one of its robots in its coalition; or what one of them
+        looks at first.
         """
-        if self.scenario.allocation not in SHARED_OUT:
+        if not self.is_coordinated:
             return
-        if steps_made in self._crews or steps_made in self._plans:
+        if steps_made in self._plans:
             order = self._orders.get(steps_made, ())
-            self._now = self._crews.get(steps_made, ())
             self._rank = {task: i for i, task in enumerate(order)}
-            if steps_made in self._plans:
-                made = self._plans[steps_made].coalitions
-                self._coalition = {task: set(c) for task, c in zip(order, made, strict=False)}
-                self._looks = dict(self._scouts.get(steps_made, {}))
+            made = self._plans[steps_made].coalitions
+            self._coalition = {task: set(c) for task, c in zip(order, made, strict=False)}
+            self._looks = dict(self._scouts.get(steps_made, {}))
         elif steps_made > 0:
             self._exchange_parts(self._took[steps_made - 1])
         for team in fleet.teams.values():
@@ -93,35 +86,23 @@ class CrewLists:
                 yield self._looks[robot]
                 continue
             yield from [task for task in open_now if robot in self._coalition[task]][:1]
-        for crew in self._now:
-            open_ones = [task for task in crew.tasks if tasks.is_open(task, steps_made)]
-            for robot in team.robots & set(crew.robots):
-                yield from [task for task in open_ones if self._is_needed(robot, task, steps_made)][
-                    :1
-                ]
-
-    def _is_needed(self, robot: int, task: int, steps_made: int) -> bool:
-        """Say whether a task needs something that a robot can do, and it can get there."""
-        world, one, wanted = (
-            self.scenario.world,
-            self.scenario.robots[robot],
-            self.scenario.tasks[task],
-        )
-        return world.region(one.at) == world.region(wanted.at) and bool(
-            one.can.keys() & self._knowledge.needs(task, steps_made).keys()
-        )
 
 
 def check_assignments(
-    fleet: Fleet, tasks: Tasks, named: Sequence[int], steps_made: int, is_news: bool, notes: Notes
+    fleet: Fleet,
+    tasks: Tasks,
+    lists: PlannedTasks,
+    named: Sequence[int],
+    steps_made: int,
+    is_news: bool,
+    notes: Notes,
 ) -> None:
     """Check after a step that each team heads for the task that it is due to do, or named.
 
     Everybody is free after news (a loss, a return, needs that became known, a task that is
     elsewhere) and when tasks appear, except from a task being served.
     """
-    scenario = fleet.scenario
-    if scenario.allocation not in SHARED_OUT:
+    if not lists.is_coordinated:
         return
     is_news = is_news or steps_made in tasks.openings()
     for slot, team in sorted(fleet.teams.items()):
@@ -129,34 +110,24 @@ def check_assignments(
         if is_news and due not in team.services:
             due = None
         if slot not in named and not team.was_serving and team.task != due:
-            by = "the plan" if scenario.allocation == "plan" else "its crew's list"
             goes, should = (_name(fleet, task) for task in (team.task, due))
-            notes.note(f"{fleet.name(team)} heads for {goes}; by {by} it is {should}")
+            notes.note(f"{fleet.name(team)} heads for {goes}; by the plan it is {should}")
 
 
 def _name(fleet: Fleet, task: int | None) -> str:
     return "nothing" if task is None else f"task {fleet.scenario.tasks[task].name}"
 
 
-def judge_crews(
+def judge_plans(
     replay: Replay, tasks: Tasks, knowledge: Knowledge, search: Search, notes: Notes
 ) -> None:
-    """Check that crews are planned when they must be, and share out robots and open tasks."""
-    scenario = replay.mission
+    """Check that plans are made when they must be, for robots that can do what they are to do."""
     shown = knowledge.shown_after | search.news_after
-    for allocation, made in (("crews", replay.crews), ("plan", replay.plans)):
-        if scenario.allocation != allocation and made:
-            notes.note(f"the record has {allocation}, and the scenario has none")
     orders = dict(replay.orders)
-    if scenario.allocation == "crews":
-        _check_moments(replay, tasks, {steps for steps, _ in replay.crews}, shown, "crews", notes)
-        for steps, crews in replay.crews:
-            left = _robots_left(scenario, steps)
-            _check_crews(replay, knowledge, steps, crews, left, orders.get(steps, ()), notes)
-    if scenario.allocation == "plan":
-        _check_moments(replay, tasks, {steps for steps, _ in replay.plans}, shown, "plan", notes)
-        for steps, plan in replay.plans:
-            _check_plan(replay, knowledge, steps, plan, orders.get(steps, ()), notes)
+    if replay.is_coordinated:
+        _check_moments(replay, tasks, {steps for steps, _ in replay.plans}, shown, notes)
+    for steps, plan in replay.plans:
+        _check_plan(replay, knowledge, steps, plan, orders.get(steps, ()), notes)
     for steps, scouts in replay.scouts:
         _check_scouts(replay, knowledge, search, steps, scouts, orders.get(steps, ()), notes)
 
@@ -173,16 +144,15 @@ def _robots_left(scenario: Scenario, steps: int) -> set[int]:
 
 
 def _check_moments(
-    replay: Replay, tasks: Tasks, made: set[int], shown: set[int], what: str, notes: Notes
+    replay: Replay, tasks: Tasks, made: set[int], shown: set[int], notes: Notes
 ) -> None:
-    """Check that crews or plans are made at the start, for new tasks and needs, losses, returns."""
+    """Check that plans are made at the start, for new tasks and needs, losses, returns."""
     scenario, last = replay.mission, len(replay.steps) - 1
     changes = ((away.lost, away.back) for robot in scenario.robots for away in robot.absences)
     news = {steps for pair in changes for steps in pair if steps is not None}
     for steps in sorted({0, *tasks.openings(), *news, *shown} - made):
         if steps <= last and tasks.open_after(steps):
-            are = "is no" if what == "plan" else "are no"
-            notes.note(f"there {are} {what} from after {steps} steps")
+            notes.note(f"there is no plan from after {steps} steps")
 
 
 def _check_plan(
@@ -200,8 +170,7 @@ def _check_plan(
         name, needs = replay.scenario.tasks[task].name, knowledge.needs(task, steps)
         if len(set(coalition)) != len(coalition) or not set(coalition) <= left:
             notes.note(f"{when} has a robot twice or one that is lost in the coalition of {name}")
-        waits = not coalition and not _can_do(replay, left, task, needs)
-        if not waits and not _can_do(replay, coalition, task, needs):
+        if coalition and not _can_do(replay, coalition, task, needs):
             notes.note(f"{when} has a coalition for task {name} that cannot do it")
 
 
@@ -226,32 +195,6 @@ def _check_scouts(
         if task not in order or is_known:
             name = replay.scenario.tasks[task].name
             notes.note(f"{when} has somebody look at task {name}, of which all is known")
-
-
-def _check_crews(
-    replay: Replay,
-    knowledge: Knowledge,
-    steps: int,
-    crews: Sequence[Crew],
-    left: set[int],
-    order: Sequence[int],
-    notes: Notes,
-) -> None:
-    when = f"the crews made after {steps} steps"
-    if sorted(robot for crew in crews for robot in crew.robots) != sorted(left):
-        notes.note(f"{when} are not of all robots left, each in one")
-    listed = [task for crew in crews for task in crew.tasks]
-    needs = {task: knowledge.needs(task, steps) for task in {*order, *listed}}
-    waiting = [task for task in order if not _can_do(replay, left, task, needs[task])]
-    if sorted(listed + waiting) != sorted(order):
-        notes.note(f"{when} do not share out the open tasks, each on one list")
-    for crew in crews:
-        if [task for task in order if task in crew.tasks] != list(crew.tasks):
-            notes.note(f"{when} have a list that is not in order")
-        for task in crew.tasks:
-            if not _can_do(replay, crew.robots, task, needs[task]):
-                name = replay.scenario.tasks[task].name
-                notes.note(f"{when} have task {name} on the list of one that cannot do it")
 
 
 def _can_do(replay: Replay, numbers: Iterable[int], task: int, needs: Counts) -> bool:

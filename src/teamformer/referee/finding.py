@@ -67,12 +67,12 @@ def _one_nearer(at: tuple[int, int], goal: tuple[int, int]) -> tuple[int, int]:
 class Search:
     """Which places are left for each task that is not found, and where it is believed to be."""
 
-    def __init__(self, scenario: Scenario, ways: Ways) -> None:
+    def __init__(self, scenario: Scenario, ways: Ways, foresight: str) -> None:
         world = scenario.world
         here = world.arrival_radius if isinstance(world, Plane) else 0.0
         self._radius = max(scenario.finding_radius, here)
         self._unit = world.unit if isinstance(world, Plane) else 1
-        self._plans_looks = scenario.foresight == "scouting"
+        self._plans_looks = foresight == "scouting"
         self._ways = ways
         self._left = {
             number: places_of(world, task)
@@ -98,21 +98,21 @@ class Search:
         number: int,
         notes: Notes,
     ) -> bool:
-        """Rule out what teams are near to, say where the record differs; is there news?
+        """Rule out what teams are near to, say where the record differs; is a task elsewhere?
 
-        That is, a task turned out to be elsewhere, or one was found that is `looked_at`.
+        That is news, and so is a task that is found where somebody has `looked_at` it.
         """
         found: set[int] = set()
         moved: set[tuple[int, float, float]] = set()
         for task in sorted(self._left):
             if tasks.is_open(task, number - 1):
                 self._look_for(fleet, task, tasks.scenario.tasks[task].at, found, moved)
-        is_news = any(task in found for task, _, _ in moved) or not found.isdisjoint(looked_at)
-        if is_news:
+        is_elsewhere = any(task in found for task, _, _ in moved)
+        if is_elsewhere or not found.isdisjoint(looked_at):
             self.news_after.add(number)
         self._found_after |= dict.fromkeys(found, number)
         self._compare(found, moved, step, tasks.scenario, notes)
-        return is_news
+        return is_elsewhere
 
     def _look_for(
         self,

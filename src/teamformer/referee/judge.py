@@ -6,7 +6,7 @@ once.
 
 from __future__ import annotations
 
-from teamformer.referee.allocation import CrewLists, check_assignments, judge_crews
+from teamformer.referee.allocation import PlannedTasks, check_assignments, judge_plans
 from teamformer.referee.completion import Tasks
 from teamformer.referee.delays import Delays
 from teamformer.referee.finding import Search
@@ -32,9 +32,9 @@ def judge(replay: Replay) -> Verdict:
     notes = Notes()
     judge_truth(replay, notes)
     fleet, tasks = start_fleet(replay, notes), Tasks(replay.mission)
-    knowledge, ways = Knowledge(replay.scenario), Ways(replay.mission)
-    search = Search(replay.scenario, ways)
-    lists = CrewLists(replay, knowledge)
+    knowledge, ways = Knowledge(replay.scenario, replay.foresight), Ways(replay.mission)
+    search = Search(replay.scenario, ways, replay.foresight)
+    lists = PlannedTasks(replay)
     delays, over = Delays(replay.mission), ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
@@ -48,7 +48,7 @@ def judge(replay: Replay) -> Verdict:
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
     judge_orders(replay, tasks, notes)
-    judge_crews(replay, tasks, knowledge, search, notes)
+    judge_plans(replay, tasks, knowledge, search, notes)
     judge_ending(replay, fleet, tasks, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
     return Verdict(findings, len(replay.steps), len(tasks.done), tasks.lateness())
@@ -59,7 +59,7 @@ def _judge_step(
     tasks: Tasks,
     knowledge: Knowledge,
     search: Search,
-    lists: CrewLists,
+    lists: PlannedTasks,
     step: Step,
     number: int,
     due: set[int],
@@ -99,7 +99,7 @@ def _judge_step(
     tasks.complete(fleet, recorded, number, notes)
     _assign(fleet, tasks, step, number, notes)
     is_news = bool(due) or any_back or any_found or any_shown
-    check_assignments(fleet, tasks, step.named, number, is_news, notes)
+    check_assignments(fleet, tasks, lists, step.named, number, is_news, notes)
 
 
 def _are_together(fleet: Fleet, pair: tuple[int, int]) -> bool:

@@ -83,8 +83,8 @@ def _can_be_robot(robot: Robot, real: Robot) -> bool:
 class Knowledge:
     """What is believed that tasks need, and when that changed."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self._scenario = scenario
+    def __init__(self, scenario: Scenario, foresight: str) -> None:
+        self._scenario, self._foresight = scenario, foresight
         self._hidden = {number for number, task in enumerate(scenario.tasks) if task.may_need}
         self._shown_at: dict[int, float] = dict.fromkeys(self._hidden, math.inf)
         self._changes: list[tuple[int, dict[int, Counts]]] = []  # steps made, by task
@@ -104,7 +104,7 @@ class Knowledge:
         have = total(r.can for r in fleet if world.region(r.at) == part)
         needs = dict(task.needs)
         for cap, chance in task.may_need.items():
-            is_absent = self._scenario.foresight == "absent" or chance == 0
+            is_absent = self._foresight == "absent" or chance == 0
             if not is_absent and have.get(cap, 0) >= exact(needs.get(cap, 0) + 1):
                 needs[cap] = exact(needs.get(cap, 0) + 1)
         return needs

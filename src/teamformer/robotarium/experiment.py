@@ -9,7 +9,6 @@ from typing import Any, Literal
 import numpy as np
 
 from teamformer.model import Scenario
-from teamformer.policies.protocol import Policy
 from teamformer.robotarium.control.qp_solvers import with_daqp
 from teamformer.robotarium.mission import Outcome, Watch, fly
 from teamformer.robotarium.mission_checks import check_mission
@@ -17,7 +16,7 @@ from teamformer.robotarium.robots.arena import MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Faults, Plant, Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
 from teamformer.sim.arrays import Array
-from teamformer.trials.methods import Method, as_method
+from teamformer.trials.methods import Player, as_method
 
 Simulator = Literal["plant", "rps"]
 
@@ -77,7 +76,7 @@ class Experiment:
 
 def run_experiment(
     scenario: Scenario,
-    method: Method | Policy,
+    player: Player,
     seed: int = 0,
     simulator: Simulator = "plant",
     weather: Weather | None = None,
@@ -85,17 +84,17 @@ def run_experiment(
 ) -> Experiment:
     """Run one experiment; raises `ScenarioError` for a scenario that robots have no room for."""
     check_mission(scenario)
-    method = as_method(method, scenario)
-    scenario, policy = method.apply(scenario), method.policy
+    method = as_method(player)
+    policy, coordinator = method.policy, method.coordinator
     begun = time.perf_counter()
     poses, report = start_poses(scenario, seed), ""
     if simulator == "plant":
         plant = Plant(poses, weather, seed)
-        outcome = fly(scenario, policy, plant, with_daqp(), seed, watch)
+        outcome = fly(scenario, policy, plant, with_daqp(), seed, watch, coordinator)
         faults = plant.faults
     else:
         robots = RpsRobots(poses)
-        outcome = fly(scenario, policy, robots, with_daqp(), seed, watch)
+        outcome = fly(scenario, policy, robots, with_daqp(), seed, watch, coordinator)
         faults, report = robots.faults, robots.finish()
     seconds = time.perf_counter() - begun
     return Experiment(scenario, method.name, seed, outcome, faults, seconds, report)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from teamformer.coordination import Coordinator
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.policies.protocol import Policy
@@ -24,7 +25,8 @@ from teamformer.robotarium.robots.plant import Robots
 from teamformer.robotarium.teams import RobotTeam, teams_of
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.arrays import Array
-from teamformer.sim.env import Tally, TeamFormation
+from teamformer.sim.env import Decision, Tally, TeamFormation
+from teamformer.sim.view import View
 
 
 @dataclass(frozen=True)
@@ -86,24 +88,35 @@ def ticks_per_step(plane: Plane) -> int:
 
 def fly(
     scenario: Scenario,
-    policy: Policy,
+    policy: Policy | None,
     robots: Robots,
     solve: Solver,
     seed: int = 0,
     watch: Watch | None = None,
+    coordinator: Coordinator | None = None,
 ) -> Outcome:
-    """Run a mission to its end; `watch` is called at every tick."""
-    return _Mission(scenario, policy, robots, solve, seed).run(watch or (lambda moment: None))
+    """Run a mission to its end; `watch` is called at every tick.
+
+    A policy decides for the teams, or, without one, the plans of a coordinator do.
+    """
+    mission = _Mission(scenario, policy, coordinator, robots, solve, seed)
+    return mission.run(watch or (lambda moment: None))
 
 
 class _Mission:
     """The state of a mission under way."""
 
     def __init__(
-        self, scenario: Scenario, policy: Policy, robots: Robots, solve: Solver, seed: int
+        self,
+        scenario: Scenario,
+        policy: Policy | None,
+        coordinator: Coordinator | None,
+        robots: Robots,
+        solve: Solver,
+        seed: int,
     ) -> None:
         steering = Steering()
-        self._env = TeamFormation([as_flown(scenario, steering)])
+        self._env = TeamFormation([as_flown(scenario, steering)], coordinator=coordinator)
         self._policy = policy
         self._robots = robots
         self._controller = Controller(len(scenario.robots), solve, steering)
@@ -116,7 +129,8 @@ class _Mission:
         self._ticks = 0
         self._under_way = np.zeros(len(scenario.robots), dtype=np.int64)  # see choose_goals
         self._seconds: dict[str, list[float]] = {"decision": [], "tick": []}
-        policy.begin([scenario] if policy.needs_everything else None, np.random.default_rng(seed))
+        if policy is not None:
+            policy.begin(None, np.random.default_rng(seed))
 
     def run(self, watch: Watch) -> Outcome:
         """Decide, move and see what came of it until all is done or time is up."""
@@ -135,6 +149,12 @@ class _Mission:
         watch(self._moment(poses, teams_of(self._env)))
         return self._outcome()
 
+    def _wanted(self, view: View) -> Decision:
+        """Return what the policy, or the plan, wants of the teams of a view."""
+        if self._policy is None:
+            return self._env.planned_decision(view)
+        return self._policy.decide(view)
+
     def _moment(self, poses: Array, teams: list[RobotTeam]) -> Moment:
         is_done = self._env.worlds.tasks["done_at"][0] != NOBODY
         return Moment(self._ticks, poses, tuple(teams), self._is_open(), is_done)
@@ -143,7 +163,7 @@ class _Mission:
         """Let all teams decide, and carry out what they want."""
         begun = time.process_time()
         view = self._env.view()
-        decision = self._policy.decide(view)
+        decision = self._wanted(view)
         self._seconds["decision"].append(time.process_time() - begun)
         self._env.start_step(decision)
 

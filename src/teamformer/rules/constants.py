@@ -13,16 +13,3 @@ ROUNDING = 1e-9
 
 MICROMETRES = 10.0**DECIMALS
 """In a metre: places on a plane are kept to whole ones, in every step."""
-
-PLAN_REASONS = (
-    "start",
-    "task appeared",
-    "robot lost",
-    "service broken off",
-    "robot back",
-    "needs known",
-    "service overdue",
-    "task found",
-    "taken over",
-)
-"""Why a shared plan is made, as records say it."""

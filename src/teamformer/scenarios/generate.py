@@ -33,7 +33,6 @@ class Spec:
     late_tasks: int = 0  # tasks besides, that appear together
     late_between: tuple[int, int] = (10, 25)  # the steps in which they may, both included
     step_limit: int = 0
-    new_tasks: str = "resolve"
     sensing_radius: float = 1.0
     join_radius: float = 0.0
     starts_in_teams: bool = False  # False: every robot starts alone
@@ -79,7 +78,6 @@ def generate(spec: Spec, rng: np.random.Generator, name: str = "generated") -> S
         sensing_radius=spec.sensing_radius * unit,
         join_radius=spec.join_radius * unit,
         step_limit=spec.step_limit,
-        new_tasks=spec.new_tasks,
     )
 
 

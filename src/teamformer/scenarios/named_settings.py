@@ -71,8 +71,13 @@ def spec_of(setting: str) -> Spec:
         requirements=said["requirements"] or None,
         world=Grid(said["width"] or side, said["height"] or side),
         late_tasks=said["late_tasks"],
-        new_tasks=INSERTIONS[match["insertion"] or "tsp"],
     )
+
+
+def new_tasks_of(setting: str) -> str:
+    """Return what the paper's order does with tasks that appear, as a setting's name says it."""
+    match = NAME.fullmatch(setting)
+    return INSERTIONS[(match and match["insertion"]) or "tsp"]
 
 
 def world_of(setting: str, world_seed: int) -> Scenario:

@@ -16,20 +16,18 @@ import numpy.typing as npt
 Array = npt.NDArray[Any]
 
 NEVER = 2**30
-MIXED = -2
-"""The crew of a team whose robots are of several."""
-
 RUNNING, COMPLETED, STEP_LIMIT, INFEASIBLE = 0, 1, 2, 3
 STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
 
 RESOLVE, NEAREST = 0, 1
 """What happens to the order when tasks appear: a new tour, or each after its nearest."""
 
-PAPER, CREWS, PLAN = 0, 1, 2
-"""Who heads for which task: allocations as in `mission.rules.ALLOCATIONS`."""
-
 NEEDED, ABSENT, SCOUTING = 0, 1, 2
-"""As what that is taken which may be needed: as in `mission.rules.FORESIGHTS`."""
+"""How needs that nobody knows are treated: as in `mission.rules.FORESIGHTS`."""
+
+START, APPEARED, LOST, BROKEN_OFF, BACK = 1, 2, 4, 8, 16
+SHOWN, OVERDUE, FOUND, DONE = 32, 64, 128, 256
+"""News, in bits, in the order of `coordination.NEWS`."""
 
 RULES = np.dtype(
     [
@@ -40,7 +38,7 @@ RULES = np.dtype(
         ("forming_steps", np.int32),
         ("step_limit", np.int32),
         ("new_tasks", np.int32),  # RESOLVE or NEAREST
-        ("allocation", np.int32),  # PAPER, CREWS or PLAN
+        ("is_coordinated", np.bool_),  # a coordinator plans; else the paper's order and allocator
         ("foresight", np.int32),  # NEEDED, ABSENT or SCOUTING
         ("hides_needs", np.bool_),  # what some tasks need is not known
         ("hides_places", np.bool_),  # where some tasks are is not known
@@ -64,21 +62,8 @@ COUNT = np.dtype(
         ("open", np.int32),  # released tasks that are not done
         ("arrived", np.int32),  # of these, tasks that the order does not know yet
         ("done", np.int32),
-        ("noted", np.int32),  # of these, tasks that the crews know of
-        ("plans", np.int32),  # how often the order, the crews or the shared plan were made
-        ("lost", np.int32),  # how often robots were lost
-        ("back", np.int32),  # how often robots came back
-        ("broken_off", np.int32),  # services
-        ("overdue", np.int32),  # how often a service was not over when it was expected to be
-        ("shown", np.int32),  # tasks whose needs have become known
-        ("found", np.int32),  # tasks that were found elsewhere than believed
-        ("planned_lost", np.int32),  # losses that the shared plan knows of
-        ("planned_back", np.int32),  # returns that it knows of
-        ("planned_broken_off", np.int32),  # services that it knows to be broken off
-        ("planned_overdue", np.int32),  # and to be overdue
-        ("planned_shown", np.int32),  # tasks whose needs it knows since these have become known
-        ("planned_found", np.int32),  # and that it knows to have been found elsewhere
-        ("reason", np.int32),  # why the shared plan was made last, in bits
+        ("orders", np.int32),  # how often the order was made
+        ("news", np.int32),  # what has happened that no coordinator was told yet, in bits
         ("joins", np.int32),
         ("splits", np.int32),
         ("illegal", np.int32),
@@ -98,16 +83,7 @@ ROBOT = np.dtype(
         ("delay", np.float64),  # with what probability it stands still in a step
         ("luck", np.uint64),  # state of the random numbers that say in which
         ("stays", np.bool_),  # in the split being made
-        ("crew", np.int32),  # NOBODY once it is known to be lost
-        ("next", np.int32),  # its first open task by its crew's list or the shared plan, or NOBODY
-        ("kind", np.int32),  # the lowest robot that brings the same and is as fast
-        ("scouts", np.int32),  # a task that it looks at first by the shared plan, or NOBODY
-        ("took", np.int32),  # the robot whose part of the shared plan it has just taken, or NOBODY
-        # What everybody knows of it: that it was there then, together with others.
-        ("spot_x", np.float64),
-        ("spot_y", np.float64),
-        ("left_at", np.int32),  # step
-        ("company", np.int32),  # the lowest robot among them
+        ("next", np.int32),  # the task that it is to do next by its coordinator's plan, or NOBODY
         ("pace", np.float64),  # cells a step, on a plane metres a step
     ],
     align=True,
@@ -132,8 +108,6 @@ TEAM = np.dtype(
         ("pursued", np.int32),  # assignment during the step
         ("next_here", np.int32),  # the next team in the same cell
         ("next", np.int32),  # the earliest of its robots' next tasks
-        ("crew", np.int32),  # that of all its robots, or MIXED
-        ("is_parting", np.bool_),  # its robots have different next tasks by the shared plan
     ],
     align=True,
 )
@@ -149,9 +123,7 @@ TASK = np.dtype(
         ("region", np.int32),
         ("next_here", np.int32),  # the next task in the same cell
         ("rank", np.int32),  # place in the order while open
-        ("crew", np.int32),  # whose list it is on
         ("server", np.int32),  # team that serves it, or NOBODY
-        ("waiting", np.int32),  # a team that waits at it for others by the shared plan, or NOBODY
         ("served", np.int32),  # steps of its service so far
         ("expected", np.int32),  # of how many its service is expected to be
         ("hides_needs", np.bool_),  # what it needs is not known
@@ -210,8 +182,6 @@ class Worlds(NamedTuple):
     near_key: Array  # (worlds, robots) what these are sorted by
     room: Array  # (worlds, caps) what still fits into a split
     here: Array  # (worlds, tasks) tasks found where a team is
-    coalition: Array  # (worlds, tasks, robots) who does what by the shared plan, or (worlds, 0, 0)
-    planned: Array  # (worlds, robots, caps) what it wants each team to have, or (worlds, 0, 0)
 
 
 if TYPE_CHECKING:
@@ -243,8 +213,6 @@ if TYPE_CHECKING:
         near_key: Array
         room: Array
         here: Array
-        coalition: Array
-        planned: Array
 
 else:
     World = Worlds
@@ -279,6 +247,4 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.near_key[w],
         worlds.room[w],
         worlds.here[w],
-        worlds.coalition[w],
-        worlds.planned[w],
     )

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import can_do_alone
-from teamformer.sim.arrays import COMPLETED, INFEASIBLE, NEVER, STEP_LIMIT
+from teamformer.sim.arrays import (
+    APPEARED,
+    BROKEN_OFF,
+    COMPLETED,
+    DONE,
+    INFEASIBLE,
+    NEVER,
+    STEP_LIMIT,
+)
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
 from teamformer.sim.surprises.beliefs import expect_end
 
@@ -50,7 +58,7 @@ def _serve(world: World, team: int, task: int, step: int) -> None:
     world.tasks[task].served += 1
     if not (can_do_alone(world, team, task) and stands_at(world, team, task)):
         _end_service(world, team, task)
-        world.count.broken_off += 1
+        world.count.news |= BROKEN_OFF
     elif world.tasks[task].served == world.tasks[task].takes:
         _end_service(world, team, task)
         _finish(world, team, task, step)
@@ -82,6 +90,7 @@ def _finish(world: World, team: int, task: int, step: int) -> None:
     world.tasks[task].done_at = step
     world.tasks[task].done_by = team
     world.count.done += 1
+    world.count.news |= DONE
     for cap in range(world.has.shape[1]):
         world.demand[cap] -= world.needs[task, cap] > 0
     for other in range(world.precedes.shape[0]):
@@ -141,6 +150,8 @@ def release_tasks(world: World, steps_made: int) -> bool:
             for cap in range(world.has.shape[1]):
                 world.demand[cap] += world.needs[task, cap] > 0
     world.count.arrived = arrived
+    if arrived > 0:
+        world.count.news |= APPEARED
     return arrived > 0
 
 

@@ -12,14 +12,15 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.coordination import Coordinator, Known, Plan
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
-from teamformer.planning.teams.facts import Facts, SharedPlan
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.allocation.plan_updates import plan_in, take_over_plan
-from teamformer.sim.allocation.task_order import orderings_for
+from teamformer.sim.allocation.task_order import order_worlds
 from teamformer.sim.arrays import RUNNING, STATUS_NAMES, Array, Worlds
+from teamformer.sim.guidance.guide import Guide
+from teamformer.sim.guidance.known import known_of
 from teamformer.sim.packing import pack_worlds
 from teamformer.sim.reward import Reward
 from teamformer.sim.step import finish_worlds, form_worlds, step_worlds
@@ -59,6 +60,13 @@ class TeamFormation:
     results with any number of threads. `rewards` (worlds, robots) holds the rewards of the last
     step, by slot. `truths` says what uncertain missions really are; left out, it is drawn by the
     seed 0. With more than one thread, `close()` it, or use it in a `with`, to end them.
+
+    With a `coordinator`, one for all worlds or one for each (None: without), teams go by its plans:
+    `planned_decision(view)` is what these want. Without one, teams head for tasks by the paper's
+    shared order and allocator; `new_tasks` says what becomes of the order when tasks appear: it is
+    solved anew (`resolve`), or each goes after its nearest (`nearest`). `foresight` says how needs
+    are treated that nobody knows yet: as `needed` or as `absent`; with `scouting` as needed, and
+    places are looked for with a view to what may come.
     """
 
     def __init__(
@@ -67,6 +75,9 @@ class TeamFormation:
         reward: Reward | None = None,
         threads: int = 1,
         truths: Sequence[Scenario] | None = None,
+        coordinator: Coordinator | Sequence[Coordinator | None] | None = None,
+        new_tasks: str = "resolve",
+        foresight: str = "scouting",
     ) -> None:
         self.scenarios = tuple(scenarios)
         if not self.scenarios:
@@ -77,11 +88,17 @@ class TeamFormation:
         self.truths = tuple(drawn if truths is None else truths)
         both = zip(self.scenarios, self.truths, strict=True)
         self.scenarios = tuple(with_arrivals(scenario, truth) for scenario, truth in both)
-        self._start = pack_worlds(self.scenarios, self.truths)
-        self._orderings = orderings_for(self._start, self.scenarios)
-        self.planning_seconds = 0.0  # of plans, crews and orders
-        self._order_tasks(self._start)
+        coordinators = _for_each(coordinator, len(self.scenarios))
+        is_coordinated = [coordinator is not None for coordinator in coordinators]
+        self._start = pack_worlds(self.scenarios, self.truths, is_coordinated, new_tasks, foresight)
+        self._has_order = not all(is_coordinated)
+        self._guide = (
+            Guide(self._start, self.scenarios, coordinators) if any(is_coordinated) else None
+        )
+        self.planning_seconds = 0.0  # of plans and orders
+        self._bring_up_to_date(self._start)
         self.worlds = Worlds(*(array.copy() for array in self._start))
+        self._first_guide = self._guide.fork() if self._guide else None
         reward = reward or Reward()
         self._weights = (reward.done, reward.step, reward.fit)
         count, robots, caps = self.worlds.has.shape
@@ -119,6 +136,7 @@ class TeamFormation:
         for array, start in zip(self.worlds, self._start, strict=True):
             if not (self._are_ways_fixed and array is self.worlds.fields):
                 array[:] = start
+        self._guide = self._first_guide.fork() if self._first_guide else None
         self.rewards[:] = 0.0
         self._is_viewed = False
 
@@ -130,6 +148,7 @@ class TeamFormation:
         twin._room = View(*(part.copy() for part in self._room))
         twin._first_row, twin._first_member = self._first_row.copy(), self._first_member.copy()
         twin.rewards = self.rewards.copy()
+        twin._guide = self._guide.fork() if self._guide else None
         twin._pool, twin._is_viewed = None, False
         return twin
 
@@ -157,7 +176,7 @@ class TeamFormation:
         """
         wanted, named = self._read(decision)
         self._in_chunks(lambda begin, end: self._step_worlds(wanted, named, begin, end))
-        self._order_tasks(self.worlds)
+        self._bring_up_to_date(self.worlds)
 
     def start_step(self, decision: Decision) -> None:
         """Make the phases of a step before motion: decisions, splits, joins and allocation.
@@ -182,23 +201,55 @@ class TeamFormation:
         corners = np.array([scenario.world.corner for scenario in self.scenarios])
         inside = np.clip(np.round(places, DECIMALS), 0.0, corners[:, None])
         finish_worlds(self.worlds, inside, self._weights, self.rewards)
-        self._order_tasks(self.worlds)
+        self._bring_up_to_date(self.worlds)
 
-    def plan_now(self, w: int = 0) -> tuple[Scenario, Facts, SharedPlan]:
-        """Return what is believed of a world under `allocation: plan`, its present and its plan."""
-        return plan_in(self.worlds, w, self.scenarios[w])
+    @property
+    def is_coordinated(self) -> Array:
+        """Return which worlds have a coordinator, as (worlds,)."""
+        return np.asarray(self.worlds.rules["is_coordinated"])
 
-    def take_over_plan(self, plan: SharedPlan, w: int = 0) -> None:
-        """Let the teams of a world under `allocation: plan` go by a plan from the next step on.
+    def planned_decision(self, view: View) -> Decision:
+        """Return what the plans of coordinators want of each team of a view."""
+        return Decision(self._guided.wanted(view.world, view.slot))
 
-        It holds until something happens that a new one is made after.
+    def known(self, w: int = 0) -> Known:
+        """Return what everybody knows of a world now."""
+        return known_of(self.worlds, w, self.scenarios[w], 0)
+
+    def plan(self, w: int = 0) -> Plan:
+        """Return the plan that a coordinated world goes by now."""
+        return self._guided.plan(self.worlds, w)
+
+    def plans(self, w: int = 0) -> tuple[tuple[int, Plan], ...]:
+        """Return all plans of a world so far, each with the steps made when it was; or none."""
+        return tuple(self._guide.plans[w]) if self._guide else ()
+
+    def exchanges(self, w: int = 0) -> Array:
+        """Return the robot whose part of the plan each has taken in the latest step, (robots,)."""
+        if self._guide is None:
+            return np.full(self.worlds.robots.shape[1], NOBODY)
+        return self._guide.parts.took[w]
+
+    def take_over_plan(self, plan: Plan, w: int = 0) -> None:
+        """Let the teams of a coordinated world go by a plan from the next step on.
+
+        It holds until there is news after which the coordinator makes a new one.
         """
-        take_over_plan(self.worlds, w, self.scenarios[w], plan)
+        self._guided.take_over(self.worlds, w, plan)
 
-    def _order_tasks(self, worlds: Worlds) -> None:
+    @property
+    def _guided(self) -> Guide:
+        if self._guide is None:
+            raise ValueError("these worlds have no coordinator; give one")
+        return self._guide
+
+    def _bring_up_to_date(self, worlds: Worlds) -> None:
+        """Have orders and plans made where there is news."""
         begun = time.perf_counter()
-        for bring_up_to_date in self._orderings:
-            bring_up_to_date(worlds)
+        if self._has_order:
+            order_worlds(worlds)
+        if self._guide is not None:
+            self._guide.update(worlds)
         self.planning_seconds += time.perf_counter() - begun
 
     def _read(self, decision: Decision) -> tuple[Array, Array]:
@@ -238,6 +289,17 @@ class TeamFormation:
             work(0, len(self.scenarios))
         else:
             list(self._pool.map(work, *zip(*self._chunks, strict=True)))
+
+
+def _for_each(
+    coordinator: Coordinator | Sequence[Coordinator | None] | None, count: int
+) -> list[Coordinator | None]:
+    """Return a coordinator, or None, for each world."""
+    if not isinstance(coordinator, Sequence):
+        return [coordinator] * count
+    if len(coordinator) != count:
+        raise ValueError(f"there are {len(coordinator)} coordinators for {count} scenarios")
+    return list(coordinator)
 
 
 def read_decision(decision: Decision, rows: int, caps: int) -> tuple[Array, Array]:

@@ -10,7 +10,6 @@ from teamformer.jit import kernel
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.splitting import fits
-from teamformer.sim.allocation.crewmates import are_mates, name_crews
 from teamformer.sim.arrays import NEVER
 from teamformer.sim.spatial_index import distance_squared, distance_squared_to, find_near
 
@@ -27,7 +26,6 @@ def read_decisions(world: World, wanted: Array, named: Array, first_row: int) ->
     `wanted` is (teams, caps) and `named` is (teams,), one row for each team in slot order from
     `first_row` on. What is illegal counts as maintain, and is counted.
     """
-    name_crews(world)
     row = first_row
     for team in range(world.rules.robots):
         world.teams[team].has_formed = False
@@ -92,8 +90,8 @@ def choose_stayers(world: World, team: int, wanted: Array) -> int:
 def _find_partner(world: World, team: int, wanted: Array, prefers_mates: bool) -> int:
     """Return the nearest team within the join radius that has exactly what is wanted more.
 
-    Ties: the same assignment first, then the lower slot. Where there are crews, one of the
-    own crew comes before all others, unless the decision names a task.
+    Ties: the same assignment first, then the lower slot. By a plan, one that has the same task next
+    comes before all others, unless the decision names a task.
     """
     partner, partner_away, partner_shares, partner_is_mate = NOBODY, 0.0, False, False
     for i in range(find_near(world, team, world.rules.join_radius)):
@@ -103,7 +101,7 @@ def _find_partner(world: World, team: int, wanted: Array, prefers_mates: bool) -
         away = distance_squared(world, team, other)
         task = world.teams[team].task
         shares = task != NOBODY and task == world.teams[other].task
-        is_mate = prefers_mates and are_mates(world, team, other)
+        is_mate = prefers_mates and _are_mates(world, team, other)
         if partner == NOBODY or is_mate != partner_is_mate:
             is_better = partner == NOBODY or is_mate
         elif away != partner_away:
@@ -114,6 +112,13 @@ def _find_partner(world: World, team: int, wanted: Array, prefers_mates: bool) -
             partner, partner_away, partner_shares = other, away, shares
             partner_is_mate = is_mate
     return partner
+
+
+@kernel
+def _are_mates(world: World, team: int, other: int) -> bool:
+    """Say whether two teams have the same task next by a plan."""
+    task = world.teams[team].next
+    return world.rules.is_coordinated and task != NOBODY and task == world.teams[other].next
 
 
 @kernel

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.allocation.known_positions import be_alone_from
+from teamformer.sim.arrays import BACK, LOST
 from teamformer.sim.formation import add_robot, clear_slot
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def lose_robots(world: World, step: int) -> bool:
     for robot in range(world.rules.robots):
         if world.robots[robot].lost == step and world.robots[robot].team != NOBODY:
             any_lost = True
-            world.count.lost += 1
+            world.count.news |= LOST
             team = world.robots[robot].team
             world.robots[robot].x, world.robots[robot].y = world.teams[team].x, world.teams[team].y
             _take_out(world, robot)
@@ -39,13 +39,12 @@ def return_robots(world: World, step: int) -> bool:
     for robot in range(world.rules.robots):
         if world.robots[robot].back == step and world.robots[robot].team == NOBODY:
             any_back = True
-            world.count.back += 1
+            world.count.news |= BACK
             clear_slot(world, robot)
             add_robot(world, robot, robot)
             world.teams[robot].x = world.robots[robot].x
             world.teams[robot].y = world.robots[robot].y
             world.teams[robot].pursued = NOBODY
-            be_alone_from(world, robot, step)
             _look_ahead(world, robot, step)
     return any_back
 

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from teamformer.jit import allocating_kernel, kernel
-from teamformer.planning.distances import UNREACHABLE, fill_field
-from teamformer.planning.steps import downhill
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
+from teamformer.rules.distances import UNREACHABLE, fill_field
+from teamformer.rules.steps import downhill
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
 from teamformer.sim.surprises.delays import delay_teams
 

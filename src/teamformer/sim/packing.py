@@ -11,25 +11,24 @@ from teamformer.errors import ScenarioError
 from teamformer.grid import Grid, Place
 from teamformer.mission.places import believed_place, possible_places
 from teamformer.mission.rules import (
-    ALLOCATIONS,
     FORESIGHTS,
+    NEW_TASKS,
     is_known_from_start,
     opening_step,
     rules_not_played,
 )
 from teamformer.model import Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
-from teamformer.planning.distances import UNREACHABLE, blocked_cells, distance_fields
 from teamformer.rules.constants import NOBODY
+from teamformer.rules.distances import UNREACHABLE, blocked_cells, distance_fields
 from teamformer.sim.arrays import (
     CELL,
     COUNT,
-    NEAREST,
     NEVER,
-    RESOLVE,
     ROBOT,
     RULES,
     SPOT,
+    START,
     TASK,
     TEAM,
     Worlds,
@@ -38,20 +37,31 @@ from teamformer.sim.surprises.delays import first_luck
 from teamformer.truth import expected_needs
 
 
-def pack_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> Worlds:
+def pack_worlds(
+    scenarios: Sequence[Scenario],
+    truths: Sequence[Scenario],
+    is_coordinated: Sequence[bool],
+    new_tasks: str,
+    foresight: str,
+) -> Worlds:
     """Lay scenarios out as they stand before the first step, padded to the largest of them.
 
-    `truths` says what each of them really is. Raises `ScenarioError` for missions whose rules are
+    `truths` says what each of them really is, `is_coordinated` which of them have a coordinator.
+    `new_tasks` is what the paper's order does with tasks that appear, `foresight` how needs that
+    nobody knows are treated. Raises `ScenarioError` for missions whose rules are
     not those of the steps.
     """
     problems = [problem for scenario in scenarios for problem in rules_not_played(scenario)]
     if problems:
         raise ScenarioError(problems)
     worlds = _empty_worlds(scenarios, truths)
+    worlds.rules["new_tasks"] = NEW_TASKS.index(new_tasks)
+    worlds.rules["foresight"] = FORESIGHTS.index(foresight)
     for w, (scenario, truth) in enumerate(zip(scenarios, truths, strict=True)):
         _pack_rules(worlds, w, scenario)
+        worlds.rules["is_coordinated"][w] = is_coordinated[w]
         _pack_robots(worlds, w, truth)
-        _pack_tasks(worlds, w, scenario, truth)
+        _pack_tasks(worlds, w, scenario, truth, foresight)
         if isinstance(scenario.world, Grid) and scenario.world.rows:
             places = [believed_place(scenario.world, task) for task in scenario.tasks]
             _pack_map(worlds, w, scenario.world, places)
@@ -68,7 +78,6 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
     has_precedence = any(task.after for s in scenarios for task in s.tasks)
     precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
     times = max(len(robot.absences) for truth in truths for robot in truth.robots)
-    has_plan = any(s.allocation == "plan" for s in scenarios)
     hides_needs = any(task.may_need for s in scenarios for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
     hides_places = any(task.within for s in scenarios for task in s.tasks)
@@ -99,20 +108,18 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
         near_key=np.zeros((count, robots), dtype=np.int64),
         room=np.zeros((count, caps), dtype=np.int32),
         here=np.zeros((count, tasks), dtype=np.int32),
-        coalition=np.zeros((count, tasks, robots) if has_plan else (count, 0, 0), dtype=np.bool_),
-        planned=np.zeros((count, robots, caps) if has_plan else (count, 0, 0), dtype=np.int32),
     )
     worlds.robots["team"] = NOBODY
     worlds.robots["lost"] = worlds.robots["back"] = NEVER
     worlds.teams["task"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
     worlds.tasks["appears"] = NEVER
-    for field in ("next_here", "server", "done_at", "done_by", "crew", "waiting"):
+    for field in ("next_here", "server", "done_at", "done_by"):
         worlds.tasks[field] = NOBODY
     for field in ("shown_at", "moved_at", "found_at"):
         worlds.tasks[field] = NOBODY
-    worlds.robots["crew"] = worlds.robots["next"] = worlds.robots["took"] = NOBODY
-    worlds.robots["scouts"] = NOBODY
+    worlds.robots["next"] = NOBODY
+    worlds.count["news"] = START
     return worlds
 
 
@@ -127,9 +134,6 @@ def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
         "height": height,
         "forming_steps": scenario.forming_steps,
         "step_limit": scenario.step_limit,
-        "new_tasks": NEAREST if scenario.new_tasks == "nearest" else RESOLVE,
-        "allocation": ALLOCATIONS.index(scenario.allocation),
-        "foresight": FORESIGHTS.index(scenario.foresight),
         "hides_needs": any(task.may_need for task in scenario.tasks),
         "has_delays": any(robot.delays for robot in scenario.robots),
         "hides_places": any(task.within for task in scenario.tasks),
@@ -190,24 +194,21 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
             record["delay"] = robot.delays.chance
             record["luck"] = first_luck(robot.delays.seed or 0)
         record["region"] = scenario.world.region(robot.at)
-        record["spot_x"], record["spot_y"] = robot.at
         for name, count in scenario.in_units(robot.can).items():
             worlds.brings[w, r, column[name]] = count
-    kinds: dict[tuple[object, ...], int] = {}
-    for r, robot in enumerate(scenario.robots):
-        kind = (*sorted(robot.can.items()), robot.speed, scenario.world.region(robot.at))
-        worlds.robots["kind"][w, r] = kinds.setdefault(kind, r)
     for members in scenario.starting_teams:
         slot, robots = members[0], list(members)
         team = worlds.teams[w, slot]
         team["x"], team["y"] = scenario.robots[slot].at
         team["size"] = len(members)
         team["pace"] = worlds.robots[w, robots]["pace"].min()
-        worlds.robots["team"][w, robots] = worlds.robots["company"][w, robots] = slot
+        worlds.robots["team"][w, robots] = slot
         worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
 
 
-def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario, truth: Scenario) -> None:
+def _pack_tasks(
+    worlds: Worlds, w: int, scenario: Scenario, truth: Scenario, foresight: str
+) -> None:
     cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
     number_of = {task.name: k for k, task in enumerate(scenario.tasks)}
     width, height, cells_per_length = _cells_of(scenario)
@@ -227,7 +228,7 @@ def _pack_tasks(worlds: Worlds, w: int, scenario: Scenario, truth: Scenario) -> 
         record["next_here"], cell["first_task"] = cell["first_task"], k
         if task.within:
             _pack_places(worlds, w, k, task, scenario.world, truth.tasks[k].at)
-        believed = expected_needs(task, scenario.foresight)
+        believed = expected_needs(task, foresight)
         for name, count in scenario.in_units(believed).items():
             worlds.needs[w, k, cap_of[name]] = count
         if len(worlds.true_needs[w]):

@@ -9,8 +9,7 @@ import numpy as np
 from teamformer.jit import entry, kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import fills_gap
-from teamformer.sim.allocation.crewmates import are_mates, name_crews
-from teamformer.sim.arrays import CREWS, PLAN, RUNNING, Array, world_at
+from teamformer.sim.arrays import RUNNING, Array, world_at
 from teamformer.sim.formation import is_in_same_place
 from teamformer.sim.spatial_index import (
     distance_squared,
@@ -41,8 +40,7 @@ class View(NamedTuple):
     Teams are the nearest within the sensing radius: of those equally far (all in the same place
     are), first the ones that bring what the own task still needs, of these the ones with the same
     assignment, then those with the nearest slots. Tasks are the own assignment, then the open tasks
-    in their shared order; where there are crews, those on the list of the own crew come before the
-    others.
+    in their shared order.
     """
 
     world: Array  # (teams,) int32, index into the batch
@@ -54,9 +52,6 @@ class View(NamedTuple):
     is_at_task: Array  # (teams,) bool, stands where its assignment is
     is_serving: Array  # (teams,) bool, must maintain until the service ends
     rest: Array  # (teams,) int32, steps until that is expected; 0 if it does not serve
-    has_crews: Array  # (teams,) bool, tasks are shared out among crews
-    has_plan: Array  # (teams,) bool, a shared plan says who does what
-    planned: Array  # (teams, caps) int16, counts that it wants the team to have; else its own
     unit: Array  # (teams,) float32, the length that counts as one cell: 1 on a grid
     arrival_radius: Array  # (teams,) float32, what is so near is in the same place: 0 on a grid
     pace: Array  # (teams,) float32, the length that the team walks in a step
@@ -67,7 +62,6 @@ class View(NamedTuple):
     seen_task: Array  # (teams, seen) int32
     is_here: Array  # (teams, seen) bool, in the same place
     can_join: Array  # (teams, seen) bool, wanting its counts more is legal
-    is_mate: Array  # (teams, seen) bool, of the same crew; all are where there are no crews
     task_number: Array  # (teams, tasks) int32
     task_place: Array  # (teams, tasks, 2) float64
     task_needs: Array  # (teams, tasks, caps) int16, as is believed
@@ -103,7 +97,6 @@ def fill_views(
             continue
         world = world_at(worlds, w)
         list_teams_by_cell(world)
-        name_crews(world)
         _write_members(world, view, first_row[w], first_member[w])
         row = first_row[w]
         for team in range(world.rules.robots):
@@ -148,11 +141,6 @@ def _write_own(world: World, view: View, row: int, team: int) -> None:
     view.is_at_task[row] = task != NOBODY and stands_at(world, team, task)
     view.is_serving[row] = world.teams[team].serves > 0
     view.rest[row] = expected_rest(world, team)
-    view.has_crews[row] = world.rules.allocation == CREWS
-    has_plan = world.rules.allocation == PLAN
-    view.has_plan[row] = has_plan
-    for cap in range(view.counts.shape[1]):
-        view.planned[row, cap] = world.planned[team, cap] if has_plan else world.has[team, cap]
     view.unit[row] = world.rules.unit
     view.arrival_radius[row] = world.rules.arrival_radius
     view.pace[row] = world.teams[team].pace
@@ -178,7 +166,6 @@ def _write_seen(world: World, view: View, row: int, team: int) -> None:
         view.is_here[row, column] = is_in_same_place(world, team, other)
         is_busy = world.teams[team].serves > 0 or world.teams[other].serves > 0
         view.can_join[row, column] = not is_busy and distance_squared(world, team, other) <= reach
-        view.is_mate[row, column] = are_mates(world, team, other)
 
 
 @kernel
@@ -190,7 +177,6 @@ def _pad_seen(view: View, row: int, column: int) -> None:
     view.seen_task[row, column] = NOBODY
     view.is_here[row, column] = False
     view.can_join[row, column] = False
-    view.is_mate[row, column] = False
 
 
 @kernel
@@ -241,19 +227,10 @@ def _write_tasks(world: World, view: View, row: int, team: int) -> None:
     if own != NOBODY:
         _write_task(world, view, row, column, own)
         column += 1
-    has_crews = world.rules.allocation == CREWS
-    crew = world.robots[team].crew
-    position = 0
-    while has_crews and column < columns and position < world.count.open:
-        task = world.order[position]
-        if task != own and world.tasks[task].crew == crew:
-            _write_task(world, view, row, column, task)
-            column += 1
-        position += 1
     position = 0
     while column < columns and position < world.count.open:
         task = world.order[position]
-        if task != own and not (has_crews and world.tasks[task].crew == crew):
+        if task != own:
             _write_task(world, view, row, column, task)
             column += 1
         position += 1
@@ -306,9 +283,6 @@ def make_view(
         is_at_task=np.zeros(teams, dtype=np.bool_),
         is_serving=np.zeros(teams, dtype=np.bool_),
         rest=np.zeros(teams, dtype=np.int32),
-        has_crews=np.zeros(teams, dtype=np.bool_),
-        has_plan=np.zeros(teams, dtype=np.bool_),
-        planned=np.zeros((teams, caps), dtype=np.int32),
         unit=np.zeros(teams, dtype=np.float32),
         arrival_radius=np.zeros(teams, dtype=np.float32),
         pace=np.zeros(teams, dtype=np.float32),
@@ -319,7 +293,6 @@ def make_view(
         seen_task=np.zeros((teams, seen), dtype=np.int32),
         is_here=np.zeros((teams, seen), dtype=np.bool_),
         can_join=np.zeros((teams, seen), dtype=np.bool_),
-        is_mate=np.zeros((teams, seen), dtype=np.bool_),
         task_number=np.zeros((teams, shown), dtype=np.int32),
         task_place=np.zeros((teams, shown, 2)),
         task_needs=np.zeros((teams, shown, caps), dtype=np.int32),

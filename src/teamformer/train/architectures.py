@@ -44,7 +44,6 @@ class Architecture:
     mixture: Callable[[int | None], Mixture]
     selection: Callable[[int | None], tuple[Spec, ...]]
     is_for_any_number: bool = False
-    allocations: tuple[str, ...] = ("paper",)  # that it is selected under
     methods: tuple[str, ...] = ("ppo", "imitation")  # that it can learn by, its own first
     ppo: PpoSettings = field(default_factory=PpoSettings)
 
@@ -127,7 +126,6 @@ ARCHITECTURES = {
         mixture=lambda capabilities: ANY_MIXTURE,
         selection=lambda capabilities: ANY_SELECTION,
         is_for_any_number=True,
-        allocations=("paper", "crews"),
         methods=("rollouts", "ppo"),
         ppo=ANY_PPO,
     ),

@@ -14,7 +14,7 @@ from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.policy import Brain, Learned
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinUseful
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Tally, TeamFormation
 
@@ -23,7 +23,7 @@ from teamformer.sim.env import Tally, TeamFormation
 class Exam:
     """Held-out worlds, in settings, and the mean steps of the scripted policies on each.
 
-    The bar is join-crew where tasks are shared out among crews, else join-all.
+    The bar is join-all.
     """
 
     settings: tuple[TeamFormation, ...]  # at their start; trials are played in forks of them
@@ -59,7 +59,7 @@ def prepare_exam(settings: Sequence[Sequence[Scenario]]) -> Exam:
     starts = tuple(TeamFormation(worlds) for worlds in settings)
     return Exam(
         settings=starts,
-        bar=tuple(_mean_steps(start, JoinUseful()) for start in starts),
+        bar=tuple(_mean_steps(start, JoinAll()) for start in starts),
         heuristic=tuple(_mean_steps(start, Heuristic()) for start in starts),
     )
 

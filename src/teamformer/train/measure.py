@@ -11,14 +11,13 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Scenario
 from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.protocol import Guarded, Policy
 from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinUseful
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.generate import generate
 from teamformer.scenarios.named_settings import spec_of
 from teamformer.sim.arrays import Array
@@ -92,7 +91,7 @@ def main() -> None:
     )
     print("|---|---|---|---|---|---|---|---|---|---|---|")
     about = read_about(options.folder / "best")["settings"]
-    rules = {"allocation": options.allocation, "sensing_radius": options.sensing}
+    rules = {"sensing_radius": options.sensing}
     for name in options.settings:
         if about["capabilities"] in (None, SETTINGS[name].capabilities):
             drawn = final_worlds(name, options.worlds)
@@ -105,14 +104,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("folder", type=Path, help="a training's folder")
     parser.add_argument("--worlds", type=int, default=200)
     parser.add_argument("--settings", nargs="*", default=list(SETTINGS), choices=SETTINGS)
-    parser.add_argument("--allocation", default="paper", choices=ALLOCATIONS)
     parser.add_argument("--sensing", type=float, default=1.0, help="cells; inf: everybody")
     return parser
 
 
 def _line(name: str, worlds: Sequence[Scenario], folder: Path) -> str:
     policy = load_trained(folder)
-    played, bar = measure(policy, worlds), measure(JoinUseful(), worlds)
+    played, bar = measure(policy, worlds), measure(JoinAll(), worlds)
     overdue = policy.overdue if isinstance(policy, Guarded) else 0
     heuristic = measure(Heuristic(), worlds)
     codec, network = load_network(folder)

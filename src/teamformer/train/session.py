@@ -24,9 +24,7 @@ def run_session(settings: TrainSettings, folder: Path, on_report: Callable[[Repo
         raise TeamformerError("torch finds no CUDA device", "use --device cpu")
     torch.set_num_threads(1)
     architecture = settings.architecture
-    worlds = selection_worlds(
-        settings.held_out, architecture.selection(settings.capabilities), architecture.allocations
-    )
+    worlds = selection_worlds(settings.held_out, architecture.selection(settings.capabilities))
     with distributed.joined(settings.device):
         if distributed.rank() > 0:
             train(settings, folder, worlds)

@@ -33,7 +33,6 @@ class Mixture:
     in_teams: float = 0.3  # share of worlds with random starting teams
     wide_sensing: float = 0.15  # share of worlds in which teams sense 5 cells instead of 1
     alike: float = 0.0  # share of worlds with half as many capabilities, robots being alike
-    crews: float = 0.0  # share of worlds whose tasks are shared out among crews
     walls: float = 0.0  # share of worlds in which a fifth of the cells is blocked
     varied: float = 0.0  # share of worlds whose robots have speeds and whose tasks take time
     counted: float = 0.0  # share of worlds with robots that can do more and tasks that need more
@@ -64,8 +63,7 @@ def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
         world = _with_speeds_and_durations(world, rng)
     if rng.random() < mixture.counted:
         world = _with_counts(world, rng)
-    allocation = "crews" if rng.random() < mixture.crews else "paper"
-    return replace(world, allocation=allocation)
+    return world
 
 
 def _draw_grid(mixture: Mixture, rng: np.random.Generator) -> Grid:
@@ -144,7 +142,7 @@ def training_worlds(mixture: Mixture, count: int, seed: tuple[int, ...]) -> list
 
 
 ANY_MIXTURE = Mixture(
-    robots=(2, 24), tasks=(1, 24), crowds=0.2, crews=0.25, walls=0.15, varied=0.2, counted=0.3
+    robots=(2, 24), tasks=(1, 24), crowds=0.2, walls=0.15, varied=0.2, counted=0.3
 )
 """What the policy for any fleet is trained on."""
 
@@ -218,22 +216,13 @@ def paper_selection(capabilities: int | None) -> tuple[Spec, ...]:
     )
 
 
-def selection_worlds(
-    count: int,
-    specs: Sequence[Spec] = ANY_SELECTION,
-    allocations: Sequence[str] = ("paper",),
-) -> list[list[Scenario]]:
-    """Return `count` worlds of each spec, under each allocation, to select checkpoints on.
+def selection_worlds(count: int, specs: Sequence[Spec] = ANY_SELECTION) -> list[list[Scenario]]:
+    """Return `count` worlds of each spec, to select checkpoints on.
 
     They are larger than those trained on.
     """
     rng = np.random.default_rng([SELECTION, 0])
-    drawn = [[generate(spec, rng, "selection") for _ in range(count)] for spec in specs]
-    return [
-        [replace(world, allocation=allocation) for world in worlds]
-        for allocation in allocations
-        for worlds in drawn
-    ]
+    return [[generate(spec, rng, "selection") for _ in range(count)] for spec in specs]
 
 
 def _between(least_most: tuple[int, int], rng: np.random.Generator) -> int:

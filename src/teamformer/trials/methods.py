@@ -10,13 +10,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard, cast
 
+from teamformer.coordination import Coordinator
+from teamformer.coordinators.crews import Crews
+from teamformer.coordinators.own import OwnCoordinator
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
+from teamformer.own_code import telling_where
 from teamformer.planning.teams.shared_plan import is_too_large
 from teamformer.policies.learned.shipped import Card, shipped_cards, shipped_policy
-from teamformer.policies.own import telling_where, watch_own
+from teamformer.policies.own import watch_own
 from teamformer.policies.protocol import Guarded, Planner, Policy
 
 BARE = "-bare"
@@ -28,35 +33,46 @@ DEFAULT, STAND_IN = "plan", "crews"
 
 @dataclass(frozen=True)
 class Method:
-    """How a mission is solved: what tells robots their tasks, and the policy that forms teams.
+    """How a mission is solved: who coordinates the robots, or the policy that forms teams.
 
-    `allocation` is `paper` (the paper's shared order and its allocator), `crews` or `plan`. Two
-    settings are for measurements: `new_tasks`, what the paper's order does with tasks that appear,
-    and `foresight`, what a plan assumes about needs that nobody knows yet.
+    With a `coordinator` teams go by its plans, and there is no policy. With a `policy` teams head
+    for tasks by the paper's shared order and allocator, and it decides who joins and who splits;
+    one that plans for itself, as `central`, brings its own coordinator. Two settings are for
+    measurements: `new_tasks`, what the paper's order does with tasks that appear, and `foresight`,
+    how needs are treated that nobody knows yet.
     """
 
     name: str
-    policy: Policy
-    allocation: str = "paper"
+    policy: Policy | None = None
+    coordinator: Coordinator | None = None
     new_tasks: str = "resolve"
     foresight: str = "scouting"
 
-    def apply(self, mission: Scenario) -> Scenario:
-        """Return a mission as this method plays it."""
-        return replace(
-            mission,
-            allocation=self.allocation,
-            new_tasks=self.new_tasks,
-            foresight=self.foresight,
-        )
+    def __post_init__(self) -> None:
+        if (self.policy is None) == (self.coordinator is None):
+            raise ValueError(f"method '{self.name}' needs a policy or a coordinator, and not both")
+
+    @property
+    def needs_everything(self) -> bool:
+        """Say whether it is told what the mission really is; no robot could be."""
+        return self.policy is not None and self.policy.needs_everything
 
 
-def as_method(method: Method | Policy, mission: Scenario) -> Method:
-    """Return a method; of a policy by itself, one that plays a mission as it stands."""
-    if isinstance(method, Method):
-        return method
-    how = (mission.allocation, mission.new_tasks, mission.foresight)
-    return Method(type(method).__name__, method, *how)
+Player = Method | Policy | Coordinator
+
+
+def as_method(player: Player) -> Method:
+    """Return a method; a policy or a coordinator makes one by itself, named as its class."""
+    if isinstance(player, Method):
+        return player
+    name = type(player).__name__
+    if _is_coordinator(player):
+        return Method(name, coordinator=player)
+    return Method(name, policy=cast(Policy, player))
+
+
+def _is_coordinator(player: Any) -> TypeGuard[Coordinator]:
+    return hasattr(player, "update")
 
 
 SETTINGS = ("new_tasks", "foresight")
@@ -64,18 +80,25 @@ SETTINGS = ("new_tasks", "foresight")
 
 
 def with_settings(method: Method, settings: Mapping[str, str]) -> Method:
-    """Return a method with some of `SETTINGS` changed, as suites of benchmarks do."""
-    return replace(method, **settings)  # type: ignore[arg-type]
+    """Return a method with some of `SETTINGS` changed, as suites of benchmarks do.
+
+    A shared plan sends scouts only with the foresight `scouting`.
+    """
+    changed = replace(method, **settings)  # type: ignore[arg-type]
+    if isinstance(changed.coordinator, SharedPlan):
+        scouts = changed.foresight == "scouting"
+        return replace(changed, coordinator=replace(changed.coordinator, scouts=scouts))
+    return changed
 
 
 @dataclass(frozen=True)
 class Listing:
-    """A method that can be named: how its policy is made, and what to say of it."""
+    """A method that can be named: how it is made, and what to say of it."""
 
     name: str
-    make: Callable[[], Policy]
+    make: Callable[[], Policy | Coordinator]
     summary: str
-    allocation: str = "paper"
+    tasks_by: str = "the paper's order"
     trained_on: str = "nothing to train"
 
 
@@ -102,13 +125,13 @@ def _listing_of(card: Card) -> Listing:
 METHODS = (
     Listing(
         "plan",
-        _imported("scripted.follow_plan:FollowPlan"),
+        SharedPlan,
         "the shared plan: every robot works out alike who does what with whom, and who scouts",
-        "plan",
+        "the shared plan",
     ),
     Listing(
         "crews",
-        _imported("scripted.joining:JoinCrew"),
+        Crews,
         "standing parts of the fleet, each with a list of tasks; for very large missions",
         "crews",
     ),
@@ -116,7 +139,7 @@ METHODS = (
         "central",
         _imported("central.policy:Central"),
         "knows everything, searches for a plan for a time, proves bounds with OR-Tools CP-SAT",
-        "plan",
+        "its own plan",
     ),
     Listing("heuristic", _imported("scripted.heuristic:Heuristic"), "the paper's heuristic"),
     Listing(
@@ -139,15 +162,15 @@ def load_method(name: str, time_limit: float | None = None, workers: int | None 
 
     With `-bare` after it a learned policy goes without its deadlock guard. `time_limit` (seconds)
     and `workers` (threads) are what a planner may take for each mission. Raises `TeamformerError`
-    for a name that is unknown and for a class that is no policy.
+    for a name that is unknown and for a class that is neither policy nor coordinator.
     """
-    listing = LISTED.get(name)
-    allocation = "paper" if listing is None else listing.allocation
-    policy = _load_policy(name)
-    if isinstance(policy, Planner):
-        policy.time_limit = policy.time_limit if time_limit is None else time_limit
-        policy.workers = policy.workers if workers is None else workers
-    return Method(name, policy, allocation)
+    made = _make_player(name)
+    if _is_coordinator(made):
+        return Method(name, coordinator=made)
+    if isinstance(made, Planner):
+        made.time_limit = made.time_limit if time_limit is None else time_limit
+        made.workers = made.workers if workers is None else workers
+    return Method(name, policy=cast(Policy, made))
 
 
 def default_for(mission: Scenario) -> str:
@@ -155,7 +178,7 @@ def default_for(mission: Scenario) -> str:
     return STAND_IN if is_too_large(mission) else DEFAULT
 
 
-def _load_policy(name: str) -> Policy:
+def _make_player(name: str) -> Policy | Coordinator:
     if name in LISTED:
         return LISTED[name].make()
     if name and Path(name).is_dir():
@@ -173,9 +196,9 @@ def _load_policy(name: str) -> Policy:
     raise TeamformerError(f"there is no method '{name}'", hint)
 
 
-def _bare(name: str) -> Policy:
+def _bare(name: str) -> Guarded:
     try:
-        policy = _load_policy(name.removesuffix(BARE))
+        policy = _make_player(name.removesuffix(BARE))
     except TeamformerError as error:
         raise TeamformerError(f"there is no method '{name}': {error}", error.hint) from None
     if not isinstance(policy, Guarded):
@@ -210,17 +233,21 @@ def _look_here() -> None:
         sys.path.append(str(Path.cwd()))
 
 
-def _instance(where: str) -> Policy:
+def _instance(where: str) -> Policy | Coordinator:
     module_name, _, class_name = where.partition(":")
     if not all(part.isidentifier() for part in (*module_name.split("."), class_name)):
         hint = "write it as module:Class, such as mine:Patient for class Patient in mine.py"
         raise TeamformerError(f"method '{where}' cannot be imported: it is no name", hint)
     _look_here()
-    policy = _make(_find(where, module_name, class_name), where)
+    made = _make(_find(where, module_name, class_name), where)
+    if _is_coordinator(made):
+        return OwnCoordinator(made, where)
+    policy: Policy = made
     for part in ("needs_everything", "begin", "decide"):
         if not hasattr(policy, part):
-            hint = "see docs/policies.md for what a policy offers"
-            raise TeamformerError(f"'{where}' is no policy: it has no '{part}'", hint)
+            hint = "see docs/methods.md for what a policy and a coordinator offer"
+            what = f"'{where}' is neither a coordinator, as it has no 'update', nor a policy"
+            raise TeamformerError(f"{what}: it has no '{part}'", hint)
     return policy if where.startswith("teamformer.") else watch_own(policy, where)
 
 
@@ -237,11 +264,10 @@ def _find(where: str, module_name: str, class_name: str) -> Any:
     return getattr(module, class_name)
 
 
-def _make(make: Any, where: str) -> Policy:
+def _make(make: Any, where: str) -> Any:
     try:
         inspect.signature(make).bind()
     except TypeError as error:
         raise TeamformerError(f"'{where}' cannot be made without arguments: {error}") from None
     with telling_where(f"'{where}' cannot be made"):
-        policy: Policy = make()
-    return policy
+        return make()

@@ -9,13 +9,12 @@ import numpy as np
 
 from teamformer.capabilities import covers
 from teamformer.mission.checks import totals_by_region
+from teamformer.mission.rules import FORESIGHTS
 from teamformer.plane import Plane
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.allocation.plan_updates import reasons_in
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Tally, TeamFormation
 from teamformer.sim.replay.record import (
-    Crew,
     Ending,
     Replay,
     SharedPlanMade,
@@ -47,13 +46,14 @@ class Recorder:
     def __init__(self, env: TeamFormation) -> None:
         self._env = env
         self._scenario, self._truth = env.scenarios[0], env.truths[0]
+        self._is_coordinated = bool(env.is_coordinated[0])
+        self._foresight = FORESIGHTS[env.worlds.rules["foresight"][0]]
         self._along = float if isinstance(self._scenario.world, Plane) else int
         self._steps: list[Step] = []
         self._orders: list[tuple[int, tuple[int, ...]]] = []
-        self._crews: list[tuple[int, tuple[Crew, ...]]] = []
         self._shared_plans: list[tuple[int, SharedPlanMade]] = []
         self._scouts: list[tuple[int, tuple[tuple[int, int], ...]]] = []
-        self._plans = 0
+        self._orders_made = 0
         self._before = self._snapshot()
         self._start = tuple(
             (slot, robots, *self._scenario.robots[slot].at)
@@ -80,7 +80,7 @@ class Recorder:
                 teams=_changed_teams(before, after, self._along),
                 done=tuple((int(k), int(tasks["done_by"][k])) for k in done),
                 named=self._named(formed),
-                took=_exchanges(robots["took"]),
+                took=_exchanges(self._env.exchanges()),
                 shown=tuple(shown.tolist()),
                 found=tuple(np.flatnonzero(tasks["found_at"] == steps).tolist()),
                 moved=self._moved(tasks, steps),
@@ -88,7 +88,7 @@ class Recorder:
             )
         )
         appears = (tasks["appears"] == steps) & (tasks["awaits"] == 0)
-        if appears.any() or self._plans < self._env.worlds.count["plans"][0]:
+        if appears.any() or self._orders_made < self._env.worlds.count["orders"][0]:
             self._write_order(steps)
         self._before = after  # last: only now does the step count as written down
 
@@ -120,10 +120,10 @@ class Recorder:
             steps=tuple(self._steps[:made]),
             end=self._ending(),
             lower_bound=lower_bound,
-            crews=tuple(self._crews),
             plans=tuple(plan for plan in self._shared_plans if plan[0] <= made),
             truth=truth_until(self._scenario, self._truth, made + 1) if is_uncertain else None,
             scouts=tuple(row for row in self._scouts if row[0] <= made),
+            foresight=self._foresight,
         )
 
     def _snapshot(self) -> _Snapshot:
@@ -134,36 +134,18 @@ class Recorder:
         worlds = self._env.worlds
         order = tuple(worlds.order[0, : worlds.count["open"][0]].tolist())
         self._orders.append((steps, order))
-        plans = int(worlds.count["plans"][0])
-        if self._scenario.allocation == "crews" and plans > self._plans:
-            self._crews.append((steps, self._crews_now(order)))
-        if self._scenario.allocation == "plan" and plans > self._plans:
-            self._shared_plans.append((steps, self._shared_plan_now(order)))
-            scouted = worlds.robots["scouts"][0]
-            if (scouted != NOBODY).any():
-                scouts = np.flatnonzero(scouted != NOBODY).tolist()
-                self._scouts.append((steps, tuple((r, int(scouted[r])) for r in scouts)))
-        self._plans = plans
-
-    def _shared_plan_now(self, order: tuple[int, ...]) -> SharedPlanMade:
-        worlds = self._env.worlds
-        return SharedPlanMade(
-            reasons_in(int(worlds.count["reason"][0])),
-            tuple(tuple(np.flatnonzero(worlds.coalition[0, task]).tolist()) for task in order),
-        )
-
-    def _crews_now(self, order: tuple[int, ...]) -> tuple[Crew, ...]:
-        """Return the crews, by number, with their lists."""
-        crew_of, list_of = self._env.worlds.robots["crew"][0], self._env.worlds.tasks["crew"][0]
-        members = _groups(crew_of)
-        return tuple(
-            Crew(members[number], tuple(task for task in order if list_of[task] == number))
-            for number in sorted(members)
-        )
+        made = int(worlds.count["orders"][0])
+        plans = self._env.plans()
+        if plans and made > self._orders_made:
+            _, plan = plans[-1]
+            self._shared_plans.append((steps, SharedPlanMade(plan.why, plan.coalitions)))
+            if plan.scouts:
+                self._scouts.append((steps, plan.scouts))
+        self._orders_made = made
 
     def _named(self, formed: Groups) -> tuple[int, ...]:
         """Return the teams that decisions gave their task, where only those differ from lists."""
-        if self._scenario.allocation not in ("crews", "plan"):
+        if not self._is_coordinated:
             return ()
         is_commanded = self._env.worlds.teams["is_commanded"][0]
         return tuple(slot for slot in sorted(formed) if is_commanded[slot])

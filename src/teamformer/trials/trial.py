@@ -8,12 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from teamformer.coordination import Coordinator
 from teamformer.model import Scenario
 from teamformer.policies.central.plays import CentralPlan
-from teamformer.policies.protocol import Planner, Policy
-from teamformer.sim.env import Tally, TeamFormation
+from teamformer.policies.protocol import Planner
+from teamformer.sim.env import Decision, Tally, TeamFormation
 from teamformer.sim.replay.record import Replay
-from teamformer.trials.methods import Method, as_method
+from teamformer.sim.view import View
+from teamformer.trials.methods import Method, Player, as_method
 from teamformer.trials.recorder import Recorder
 from teamformer.truth import draw_truth
 
@@ -22,7 +24,7 @@ from teamformer.truth import draw_truth
 class Trial:
     """A finished trial: its record, and what the clock said (which the record never holds).
 
-    The seconds are apart: `planning_seconds` are of plans, crews and orders, `decision_seconds` of
+    The seconds are apart: `planning_seconds` are of plans and orders, `decision_seconds` of
     the policy, `simulating_seconds` of all else. `is_interrupted` says that Ctrl-C was pressed, be
     it in the very last step.
     """
@@ -42,33 +44,33 @@ class Trial:
 
 def run_trial(
     mission: Scenario,
-    method: Method | Policy,
+    player: Player,
     seed: int = 0,
     lower_bound: int | None = None,
     on_step: Callable[[Tally], None] | None = None,
 ) -> Trial:
     """Run one trial and record it; Ctrl-C ends it with what was done so far.
 
-    The seed says what an uncertain mission really is. A policy that is told everything is told
-    that too, so that for it nothing is uncertain.
+    `player` is a method, or a policy or a coordinator by itself. The seed says what an uncertain
+    mission really is. A policy that is told everything is told that too, so that for it nothing is
+    uncertain.
 
     `lower_bound` is what is known of the mission; a planner that has proven more raises it.
     `on_step` is called after each step, for a display of progress.
     """
-    method = as_method(method, mission)
-    policy, scenario = method.policy, method.apply(mission)
-    begun = time.perf_counter()
+    method, begun = as_method(player), time.perf_counter()
     planning = deciding = 0.0
-    truth = draw_truth(scenario, seed)
-    env = TeamFormation([truth if policy.needs_everything else scenario], truths=[truth])
-    recorder = Recorder(env)
     is_interrupted = False
+    truth = draw_truth(mission, seed)
+    env = recorder = None
     try:
-        planning = _seconds(lambda: _begin(policy, [truth], seed))
+        planning = _seconds(lambda: begin(method, [mission], [truth], seed))
+        env = _stage([mission], method, [truth])
+        recorder = Recorder(env)
         while env.is_running[0]:
             view = env.view()
             asked = time.perf_counter()
-            decision = policy.decide(view)
+            decision = decide(env, method, view)
             deciding += time.perf_counter() - asked
             env.step(decision)
             recorder.step()
@@ -76,7 +78,10 @@ def run_trial(
                 on_step(env.tally())
     except KeyboardInterrupt:
         is_interrupted = True
-    plan = next(iter(policy.plans), None) if isinstance(policy, Planner) else None
+    if env is None or recorder is None:  # nothing was played: what there is, before the first step
+        env = TeamFormation([mission], truths=[truth])
+        recorder = Recorder(env)
+    plan = next(iter(method.policy.plans), None) if isinstance(method.policy, Planner) else None
     replay = recorder.finish(method.name, seed, _best_bound(lower_bound, plan))
     seconds = (planning + env.planning_seconds, deciding, time.perf_counter() - begun)
     return Trial(replay, *seconds, is_interrupted, plan)
@@ -84,7 +89,7 @@ def run_trial(
 
 def run_trials(
     missions: Sequence[Scenario],
-    method: Method | Policy,
+    player: Player,
     seed: int = 0,
     threads: int = 1,
     truth_seeds: Sequence[int] = (),
@@ -93,27 +98,59 @@ def run_trials(
 
     `truth_seeds` say what uncertain missions really are; left out, `seed` says it of them all.
     """
-    policy = method.policy if isinstance(method, Method) else method
-    scenarios = [as_method(method, mission).apply(mission) for mission in missions]
-    seeds = truth_seeds or [seed] * len(scenarios)
-    truths = [draw_truth(scenario, own) for scenario, own in zip(scenarios, seeds, strict=True)]
-    played = truths if policy.needs_everything else scenarios
-    with TeamFormation(played, threads=threads, truths=truths) as env:
-        _begin(policy, truths, seed)
+    method = as_method(player)
+    seeds = truth_seeds or [seed] * len(missions)
+    truths = [draw_truth(mission, own) for mission, own in zip(missions, seeds, strict=True)]
+    begin(method, missions, truths, seed)
+    with _stage(missions, method, truths, threads) as env:
         while env.is_running.any():
-            env.step(policy.decide(env.view()))
-        return [env.tally(w) for w in range(len(scenarios))]
+            env.step(decide(env, method, env.view()))
+        return [env.tally(w) for w in range(len(missions))]
+
+
+def decide(env: TeamFormation, method: Method, view: View) -> Decision:
+    """Return what a method decides for the teams of a view."""
+    if method.policy is None:
+        return env.planned_decision(view)
+    return method.policy.decide(view)
+
+
+def _stage(
+    missions: Sequence[Scenario], method: Method, truths: Sequence[Scenario], threads: int = 1
+) -> TeamFormation:
+    """Return the worlds that a method plays in, after it has begun."""
+    coordinators: Sequence[Coordinator | None] = [method.coordinator] * len(missions)
+    if isinstance(method.policy, Planner):
+        missions = [plan.mission for plan in method.policy.plans]
+        coordinators = [plan.coordinator for plan in method.policy.plans]
+    elif method.needs_everything:
+        missions = truths
+    return TeamFormation(
+        missions,
+        threads=threads,
+        truths=truths,
+        coordinator=coordinators,
+        new_tasks=method.new_tasks,
+        foresight=method.foresight,
+    )
+
+
+def begin(
+    method: Method, missions: Sequence[Scenario], truths: Sequence[Scenario], seed: int
+) -> None:
+    """Start a method; only a policy that says so is told more than its views."""
+    policy = method.policy
+    if policy is None:
+        return
+    if isinstance(policy, Planner):
+        policy.believed = missions
+    policy.begin(truths if policy.needs_everything else None, np.random.default_rng(seed))
 
 
 def _best_bound(known: int | None, plan: CentralPlan | None) -> int | None:
     """Return the highest bound that holds for every policy."""
     proven = None if plan is None else plan.bound
     return max((bound for bound in (known, proven) if bound is not None), default=None)
-
-
-def _begin(policy: Policy, scenarios: Sequence[Scenario], seed: int) -> None:
-    """Start a policy; only one that says so is told more than its views."""
-    policy.begin(scenarios if policy.needs_everything else None, np.random.default_rng(seed))
 
 
 def _seconds(work: Callable[[], None]) -> float:

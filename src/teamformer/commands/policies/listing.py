@@ -7,8 +7,6 @@ from rich.table import Table
 from teamformer.commands.console import out, print_json
 from teamformer.trials.methods import METHODS
 
-COORDINATION = {"plan": "the shared plan", "crews": "crews", "paper": "the paper's order"}
-
 
 def methods(as_json: bool) -> int:
     """List the methods; return the exit status."""
@@ -18,7 +16,7 @@ def methods(as_json: bool) -> int:
                 {
                     "name": listing.name,
                     "summary": listing.summary,
-                    "coordination": COORDINATION[listing.allocation],
+                    "tasks_by": listing.tasks_by,
                     "trained_on": listing.trained_on,
                 }
             )
@@ -28,8 +26,7 @@ def methods(as_json: bool) -> int:
     for header in ("what it does", "tasks by", "trained on"):
         table.add_column(header, overflow="fold")
     for listing in METHODS:
-        by = COORDINATION[listing.allocation]
-        table.add_row(listing.name, listing.summary, by, listing.trained_on)
+        table.add_row(listing.name, listing.summary, listing.tasks_by, listing.trained_on)
     out.print(table)
     out.print("your own: --method module:Class (docs/methods.md)")
     return 0

@@ -37,9 +37,8 @@ def agent(path: Path, options: Options) -> int:
     """Run the mind of a robot until it is told to end; return the exit status."""
     require_extra("zenoh")
     from teamformer.fleet.agent.planning import FleetPlan, first_plan
-    from teamformer.fleet.methods import policy_of
+    from teamformer.fleet.methods import planner_of, policy_of
     from teamformer.fleet.mission import Mission, seconds_a_step
-    from teamformer.fleet.planner import SharedPlanner
     from teamformer.fleet.process.facts_file import FactsFile
     from teamformer.fleet.process.loop import AgentProcess
     from teamformer.fleet.transports.transport import (
@@ -66,14 +65,22 @@ def agent(path: Path, options: Options) -> int:
     if options.plan is not None:
         plan = FleetPlan(_read_plan(options.plan))
     else:
-        plan = first_plan(mission, SharedPlanner())
-    policy = policy_of(options.method, robot)
+        plan = first_plan(mission, planner_of(options.method))
+    policy_of(options.method, robot)  # an unknown method is told before anything moves
     make_body = _body_maker(options.body, mission, robot)
     ends = (options.listen, options.connect)
     transport = ZenohTransport(mission.number, robot, *ends, options.drop, certificates)
     try:
         process = AgentProcess(
-            mission, robot, plan, transport, make_body(transport), secret, facts, signatures, policy
+            mission,
+            robot,
+            plan,
+            transport,
+            make_body(transport),
+            secret,
+            facts,
+            signatures,
+            options.method,
         )
         print(f"agent {options.robot} of mission {mission.number:x}", file=sys.stderr, flush=True)
         return process.run()

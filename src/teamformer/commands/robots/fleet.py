@@ -74,9 +74,10 @@ def fleet(path: Path, options: Options, as_json: bool) -> int:
     signatures = signatures_in(options.sign, mission, None)
     with TemporaryDirectory(prefix="teamformer-facts-") as temporary:
         folder = options.folder or Path(temporary)
-        more = ["--method", options.method]
-        more += ["--sign", str(options.sign)] if options.sign else []
-        local = LocalFleet(mission, options.pace, options.drop, folder, say, more, signatures)
+        more = ["--sign", str(options.sign)] if options.sign else []
+        local = LocalFleet(
+            mission, options.pace, options.drop, folder, say, more, signatures, options.method
+        )
         with ended_like_ctrl_c():
             result = local.run(options.time_limit)
     makespan = max((done.at for done in result.done), default=None)

@@ -84,7 +84,7 @@ def robotarium(path: Path, options: RobotariumOptions, as_json: bool) -> int:
 def _decentralised(name: str | None, mission: Scenario) -> Method:
     """Return a method that can fly: a plan of steps is not what real robots keep to."""
     method = chosen_method(name, mission, time_limit=0.0)
-    if method.policy.needs_everything:
+    if method.needs_everything:
         raise TeamformerError(
             f"method '{name}' plans every step before the start, and robots drive as they can",
             "name one that decides as the mission goes, such as plan or heuristic",

@@ -37,7 +37,7 @@ def warm_up(policy: Policy, mission: Mission, robot: int) -> None:
     """Ask a policy about the robot alone at a task, so that it loads what it decides with."""
     task = mission.tasks[0]
     alone = Company(robot, (robot,), (task.x, task.y), task.key, False)
-    view = view_of(Knowledge(mission, robot, Remembered()), alone, [], [task.key], robot)
+    view = view_of(Knowledge(mission, robot, Remembered()), alone, [], [task.key])
     policy.begin(None, np.random.default_rng(robot))
     policy.decide(view)
 
@@ -131,7 +131,7 @@ class Leading:
     def _ask(self, own: Company, seen: list[Company]) -> tuple[int, LeadNote]:
         """Return the team to stand with, and what is to be said to others."""
         knowledge, me = self._knowledge, self._knowledge.me
-        view = view_of(knowledge, own, seen, self._order(), self._wanted_by_plan(own, seen))
+        view = view_of(knowledge, own, seen, self._order())
         decision = self._policy.decide(view)
         if decision.task is not None:
             keys = list(knowledge.tasks)
@@ -162,14 +162,6 @@ class Leading:
         if not stay or not leave:
             return ()
         return tuple(leave if self._knowledge.me in stay else stay)
-
-    def _wanted_by_plan(self, own: Company, seen: list[Company]) -> int:
-        """Return the team here that the plan wants this one to join, itself for none."""
-        coalition = self._keeper.plan.coalition(own.goal)
-        for team in seen:
-            if team.goal == own.goal and team.place == own.place and team.lead in coalition:
-                return team.lead
-        return own.lead
 
     def _order(self) -> list[int]:
         """Return the open tasks in the plan's order, those that it does not have at the end."""

@@ -46,12 +46,9 @@ def companies(words: Iterable[Word]) -> list[Company]:
 
 
 def view_of(
-    knowledge: Knowledge, own: Company, seen: Sequence[Company], order: Sequence[int], want: int
+    knowledge: Knowledge, own: Company, seen: Sequence[Company], order: Sequence[int]
 ) -> View:
-    """Return the view of the team `own`; `seen` are others, `order` the open tasks in their order.
-
-    `want` is the bare slot of the team that the plan wants it to join, its own to maintain.
-    """
+    """Return the view of the team `own`; `seen` are others, `order` the open tasks in order."""
     mission, scenario = knowledge.mission, knowledge.mission.scenario
     caps, world = len(scenario.capabilities), scenario.world
     number = {key: place for place, key in enumerate(knowledge.tasks)}
@@ -62,19 +59,16 @@ def view_of(
         member_counts=np.array([mission.brings[r] for r in own.robots], np.int32).reshape(-1, caps),
     )
     view.slot[0], view.place[0], view.size[0] = own.lead, own.place, len(own.robots)
-    view.counts[0] = view.planned[0] = view.member_counts.sum(axis=0)
+    view.counts[0] = view.member_counts.sum(axis=0)
     goal = knowledge.tasks.get(own.goal)
     view.task[0] = number.get(own.goal, NOBODY)
     view.is_at_task[0] = goal is not None and mission.is_same_place(*own.place, goal.x, goal.y)
     view.is_serving[0] = own.is_serving
-    view.has_plan[0] = scenario.allocation == "plan"
     view.unit[0] = world.unit if isinstance(world, Plane) else 1.0
     view.arrival_radius[0] = mission.radius
     view.pace[0] = min(mission.paces[robot] for robot in own.robots) * mission.step
     for column, team in enumerate(nearest_first(knowledge, own, seen)[: view.seen_slot.shape[1]]):
         _write_seen(knowledge, view, column, own, team, number)
-        if team.lead == want:
-            view.planned[0] += view.seen_counts[0, column]
     view.seen_slot[0, min(len(seen), NEAREST_TEAMS) :] = NOBODY
     view.seen_task[0, min(len(seen), NEAREST_TEAMS) :] = NOBODY
     view.task_number[0] = NOBODY
@@ -104,7 +98,6 @@ def _write_seen(
     is_busy = own.is_serving or team.is_serving
     reach = max(mission.scenario.join_radius, mission.radius)
     view.can_join[0, column] = not is_busy and math.dist(own.place, team.place) <= reach
-    view.is_mate[0, column] = True
 
 
 def nearest_first(knowledge: Knowledge, own: Company, seen: Iterable[Company]) -> list[Company]:

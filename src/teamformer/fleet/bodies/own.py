@@ -8,7 +8,7 @@ from typing import Any
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.mission import Mission
-from teamformer.policies.own import telling_where
+from teamformer.own_code import telling_where
 
 HINT = "see docs/robots.md for what a body offers"
 

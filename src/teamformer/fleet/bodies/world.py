@@ -15,7 +15,7 @@ from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.messages import NOBODY, TaskFact
 from teamformer.fleet.mission import Mission
 from teamformer.grid import Grid, Place
-from teamformer.planning.distances import Distances, distance_fields
+from teamformer.rules.distances import Distances, distance_fields
 
 NEVER = float("inf")
 

@@ -95,7 +95,7 @@ class Watch:
         tasks, steps = self.scenario.tasks, len(self.steps)
         done = sum(len(step.done) for step in self.steps)
         return Replay(
-            scenario=replace(self.scenario, teams=(), allocation="paper"),
+            scenario=replace(self.scenario, teams=()),
             method="fleet",
             seed=0,
             orders=((0, tuple(k for k, task in enumerate(tasks) if task.appears == 0)),),

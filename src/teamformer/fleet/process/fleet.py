@@ -19,8 +19,8 @@ from msgspec.msgpack import encode
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.world import Done
 from teamformer.fleet.messages import NOBODY
+from teamformer.fleet.methods import PLAN, planner_of
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.process.world_server import WorldServer
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 from teamformer.scenarios.files import write_scenario
@@ -55,7 +55,9 @@ class LocalFleet:
         tell: Callable[[str], None],
         more: Sequence[str] = (),
         signatures: Signatures | None = None,
+        method: str = PLAN,
     ) -> None:
+        self._method = method
         self._mission, self._pace, self._drop = mission, pace, drop
         self._folder, self._tell = folder, tell
         self._more = tuple(more)  # that agents are told besides
@@ -66,7 +68,7 @@ class LocalFleet:
     def run(self, seconds: float) -> FleetResult:
         """Run until all is done or so many seconds have passed."""
         robots = self._mission.scenario.robots
-        plan = first_plan(self._mission, SharedPlanner())
+        plan = first_plan(self._mission, planner_of(self._method))
         with TemporaryDirectory(prefix="teamformer-fleet-") as temporary:
             scenario, ship = Path(temporary) / "mission.json", Path(temporary) / "plan"
             write_scenario(self._mission.scenario, scenario)
@@ -100,7 +102,7 @@ class LocalFleet:
         command += ["--robot", name, "--body", "sim", "--listen", endpoints[robot]]
         command += ["--plan", str(ship), "--pace", repr(self._pace), "--drop", repr(self._drop)]
         command += ["--facts", str(self._folder / f"facts-{robot}")]
-        command += self._more
+        command += ["--method", self._method, *self._more]
         for endpoint in (endpoints[-1], *endpoints[:robot]):
             command += ["--connect", endpoint]
         return command

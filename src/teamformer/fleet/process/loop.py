@@ -16,14 +16,13 @@ from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Body, Report
 from teamformer.fleet.messages import Message, Notice, Post
+from teamformer.fleet.methods import PLAN, planner_of, policy_of
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.transports.transport import Sluice, Transport
 
 if TYPE_CHECKING:
     from teamformer.fleet.signatures import Signatures
-    from teamformer.policies.protocol import Policy
 
 LONGEST_WAIT = 0.1
 """Seconds between two ticks at most."""
@@ -50,7 +49,7 @@ class AgentProcess:
     secret: bytes = b""
     facts: FactsFile | None = None
     signatures: Signatures | None = None
-    policy: Policy | None = None  # who decides for the team; None is the plan
+    method: str = PLAN
 
     def __post_init__(self) -> None:
         self.is_ending = False
@@ -63,20 +62,21 @@ class AgentProcess:
         """Run until SIGTERM or SIGINT; return the exit status."""
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._end)
-        if self.policy is not None:  # so that its first answer has not to be waited for
+        policy = policy_of(self.method, self.robot)
+        if policy is not None:  # so that its first answer has not to be waited for
             from teamformer.fleet.agent.leading import warm_up  # brings the simulator's views
 
-            warm_up(self.policy, self.mission, self.robot)
+            warm_up(policy, self.mission, self.robot)
         report = self._first_report()
         if report is None:
             return 0
         remembered = self.facts.read() if self.facts else None
-        planner = SharedPlanner()
+        planner = planner_of(self.method)
         if self.robot < FIRST_PLANNERS:
             threading.Thread(target=planner.warm_up, daemon=True).start()
         now = time.monotonic()
         ours = (self.mission, self.robot, planner, self.plan)
-        agent = Agent(*ours, now, remembered, secrets.randbits(60), self.policy)
+        agent = Agent(*ours, now, remembered, secrets.randbits(60), policy)
         saved = self._save(agent, (-1, -1))
         watched: frozenset[int] = frozenset()
         while not self.is_ending:

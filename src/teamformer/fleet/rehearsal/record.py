@@ -77,9 +77,7 @@ def _scenario_of(rehearsal: Rehearsal) -> tuple[Scenario, dict[int, int]]:
         replace(robot, absences=_lost_at(faults, k, mission.step))
         for k, robot in enumerate(whole.robots)
     )
-    scenario = replace(
-        whole, tasks=(*whole.tasks, *added), robots=robots, teams=(), allocation="paper"
-    )
+    scenario = replace(whole, tasks=(*whole.tasks, *added), robots=robots, teams=())
     return scenario, number
 
 

@@ -10,9 +10,8 @@ from functools import partial
 from itertools import islice
 
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
-from teamformer.fleet.methods import PLAN, policy_of
+from teamformer.fleet.methods import PLAN, planner_of, policy_of
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.planner import SharedPlanner
 from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
@@ -57,7 +56,7 @@ class Verdict:
 
 def set_stage(mission: Mission, method: str = PLAN) -> Stage:
     """Make the plan that ships with a mission, and play it undisturbed."""
-    plan = first_plan(mission, SharedPlanner())
+    plan = first_plan(mission, planner_of(method))
     _, outcome, _ = play(mission, plan, Faults(), method=method)
     return Stage(mission, plan, outcome, method)
 
@@ -72,7 +71,7 @@ def play(
     """Play one schedule; return it, how it ended and what was promised and not kept."""
     trace = trace or Trace()
     make_policy = partial(policy_of, method)
-    rehearsal = Rehearsal(mission, SharedPlanner(), plan, faults, trace, make_policy)
+    rehearsal = Rehearsal(mission, planner_of(method), plan, faults, trace, make_policy)
     outcome = rehearsal.run(deadline(mission, faults))
     names = set(outcome.blocked_tasks) if outcome.status == "blocked" else set()
     tasks = rehearsal.world.tasks
@@ -129,6 +128,6 @@ def _judge_all(one: Callable[[int], Verdict], schedules: Sequence[int]) -> list[
 
 def fails(mission: Mission, faults: Faults, method: str = PLAN) -> bool:
     """Say whether a mission, planned anew, breaks a promise or blocks under a schedule."""
-    plan = first_plan(mission, SharedPlanner())
+    plan = first_plan(mission, planner_of(method))
     _, outcome, violations = play(mission, plan, faults, method=method)
     return bool(violations) or outcome.status == "blocked"

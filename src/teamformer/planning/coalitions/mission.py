@@ -29,8 +29,8 @@ from teamformer.planning.coalitions.routes import MissionPlan
 from teamformer.planning.coalitions.search.schedule import LATENESS, SPREAD, CoalitionPlan
 from teamformer.planning.coalitions.solve import Solution
 from teamformer.planning.coalitions.times import Clock, release_of, time_mission
-from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 from teamformer.planning.relaxation.problem import count_table
+from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
 Times = npt.NDArray[np.float64]
 

@@ -24,10 +24,10 @@ from teamformer.planning.crews.routes import (
     gather_parties,
     insert_task,
 )
-from teamformer.planning.tour import plan_tour
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.sorting import sort_indices
+from teamformer.rules.tour import plan_tour
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.evaluation import Room

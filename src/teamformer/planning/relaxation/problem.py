@@ -25,8 +25,8 @@ from teamformer.grid import Grid
 from teamformer.mission.rules import opening_step
 from teamformer.model import Robot, Scenario
 from teamformer.plane import Plane
-from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 from teamformer.rules.constants import FAR, MICROMETRES, NOBODY, ROUNDING
+from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
 Whole = npt.NDArray[np.int32]
 

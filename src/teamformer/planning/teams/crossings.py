@@ -15,10 +15,10 @@ import numpy as np
 from teamformer.grid import Grid, Place
 from teamformer.jit import entry, kernel
 from teamformer.model import World
-from teamformer.planning.distances import UNREACHABLE, distance_fields
 from teamformer.planning.relaxation.plan import Array
-from teamformer.planning.steps import next_cell
 from teamformer.rules.constants import NOBODY
+from teamformer.rules.distances import UNREACHABLE, distance_fields
+from teamformer.rules.steps import next_cell
 
 MOST_WAYS = 300_000
 """Of more ways than this between places and tasks, what lies on them is not looked at."""

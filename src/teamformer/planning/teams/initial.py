@@ -7,8 +7,8 @@ import numpy as np
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
-from teamformer.planning.tour import shortest_tour
 from teamformer.rules.constants import FAR
+from teamformer.rules.tour import shortest_tour
 
 
 def crew_plans(problem: Relaxed) -> list[TeamPlan]:

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 
-from teamformer.model import Scenario
-from teamformer.planning.teams.facts import Facts, SharedPlan, possible_tasks, situation_of
+from teamformer.coordination import Known, Plan
 from teamformer.planning.teams.initial import crew_plans
 from teamformer.planning.teams.shared_plan import kept_plan, shared_plan_of
+from teamformer.planning.teams.situation import situation_of
 from teamformer.planning.teams.solve import (
     BestPlan,
     from_best,
@@ -28,23 +28,21 @@ CENTRAL = "central"
 
 
 def search_longer(
-    scenario: Scenario,
-    facts: Facts,
-    old: SharedPlan,
+    known: Known,
+    old: Plan,
     seconds: float,
     seed: int = 0,
     is_over: Callable[[], bool] = lambda: False,
-) -> SharedPlan:
+) -> Plan:
     """Return the best plan found in some seconds on two threads; never worse than the old one.
 
-    What is still to come in the scenario is not looked at. It is no pure function of the facts, as
-    what is found hangs on the clock. `is_over` says that nobody waits for it any more.
+    What is still to come in the mission is not looked at. It is no pure function of what is known,
+    as what is found depends on the clock. `is_over` says that nobody waits for it any more.
     """
     begun = time.perf_counter()
-    facts = replace(facts, open_tasks=possible_tasks(scenario, facts))
-    if not facts.open_tasks:
-        return SharedPlan((), (), (), "nothing")
-    situation = situation_of(scenario, facts)
+    if not known.possible_tasks:
+        return Plan(made_from="nothing")
+    situation = situation_of(replace(known, open_tasks=known.possible_tasks))
     problem = situation.problem
     search = start_search(situation, seed)
     search.begin(kept_plan(situation, old))

@@ -10,16 +10,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
+from teamformer.coordination import Known, Plan
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
-from teamformer.planning.teams.facts import (
-    Facts,
-    SharedPlan,
-    Situation,
-    possible_tasks,
-    situation_of,
-)
 from teamformer.planning.teams.plan import TeamPlan
+from teamformer.planning.teams.situation import Situation, plan_of, situation_of
 from teamformer.planning.teams.starts import complete_plan, plan_from_coalitions, plan_from_crews
 from teamformer.planning.teams.threshold_search import ThresholdSearch
 
@@ -93,43 +88,37 @@ def is_too_large(scenario: Scenario) -> bool:
     return tasks * (tasks + len(scenario.robots)) > MOST_AT_ONCE
 
 
-def plan_mission(
-    scenario: Scenario,
-    facts: Facts,
-    old: SharedPlan | None = None,
-    is_brief: bool = False,
-) -> SharedPlan:
+def plan_mission(known: Known, old: Plan | None = None, is_brief: bool = False) -> Plan:
     """Return the plan from the present on; never worse by its own count than the old one.
 
     Robots that will be lost or back and tasks that have not appeared play no part; what the robots
     that are left cannot do is not in the plan. `is_brief` is for those who plan again often: fewer
     searches, and shorter ones.
     """
-    facts = replace(facts, open_tasks=possible_tasks(scenario, facts))
-    if not facts.open_tasks:
-        return SharedPlan((), (), (), "nothing")
-    situation = situation_of(scenario, facts)
+    if not known.possible_tasks:
+        return Plan(made_from="nothing")
+    situation = situation_of(replace(known, open_tasks=known.possible_tasks))
     rounds = rounds_for(situation.problem, old is not None)
     if is_brief:
         rounds = rounds._replace(crews=rounds.crews // BRIEF, team=rounds.team // BRIEF)
-    kept: SharedPlan | None = None
+    kept: Plan | None = None
     entered: list[_Entered] = []
     if old is not None:
         search = _search_from(situation, kept_plan(situation, old))
         kept = shared_plan_of(situation, search, "kept")
         entered.append(_Entered("old plan", search))
-    fresh = list(_first_searches(situation, rounds, facts.step))
+    fresh = list(_first_searches(situation, rounds, known.step))
     entered += fresh
     _run(entered, rounds.team // FIRST_LAP)
     if not is_brief:
-        is_better = _are_crews_better(fresh, facts.step)
+        is_better = _are_crews_better(fresh, known.step)
         more = list(_more_searches(situation, rounds, is_better))
         _run(more, rounds.team // FIRST_LAP)
         entered += more
     chosen, search = _race(entered, rounds)
     best = shared_plan_of(situation, search, chosen)
     if kept is not None:
-        left = kept.makespan - facts.step
+        left = kept.makespan - known.step
         if best.makespan + left // SMALLEST_GAIN >= kept.makespan:
             return kept
     return best
@@ -211,12 +200,12 @@ def _search_from(situation: Situation, start: TeamPlan) -> ThresholdSearch:
     return search
 
 
-def kept_plan(situation: Situation, old: SharedPlan) -> TeamPlan:
+def kept_plan(situation: Situation, old: Plan) -> TeamPlan:
     """Return what is left of an old plan, with new tasks at its end."""
     return complete_plan(situation.problem, *plan_in_numbers(situation, old))
 
 
-def ends_of(situation: Situation, plan: SharedPlan) -> dict[int, int]:
+def ends_of(situation: Situation, plan: Plan) -> dict[int, int]:
     """Return the step in which each task of a plan is done if nothing happens, by task.
 
     Coalitions that lack something are completed by who is nearest.
@@ -225,7 +214,7 @@ def ends_of(situation: Situation, plan: SharedPlan) -> dict[int, int]:
     return dict(zip(timed.order, timed.ends, strict=True))
 
 
-def plan_in_numbers(situation: Situation, plan: SharedPlan) -> tuple[list[int], list[list[int]]]:
+def plan_in_numbers(situation: Situation, plan: Plan) -> tuple[list[int], list[list[int]]]:
     """Return order and coalitions, by task, in the numbers of a situation; new tasks come last."""
     number = {robot: index for index, robot in enumerate(situation.robots)}
     place = {task: index for index, task in enumerate(situation.tasks)}
@@ -237,16 +226,7 @@ def plan_in_numbers(situation: Situation, plan: SharedPlan) -> tuple[list[int], 
     return order + sorted(set(range(len(coalitions))) - set(order)), coalitions
 
 
-def shared_plan_of(situation: Situation, search: ThresholdSearch, start: str) -> SharedPlan:
+def shared_plan_of(situation: Situation, search: ThresholdSearch, start: str) -> Plan:
     """Return what a search found in the numbers of the mission."""
-    plan, ends = search.best, search.ends
-    order = plan.order.tolist()
-    return SharedPlan(
-        order=tuple(situation.tasks[task] for task in order),
-        coalitions=tuple(
-            tuple(situation.robots[r] for r in sorted(plan.coalition[task, : plan.size[task]]))
-            for task in order
-        ),
-        ends=tuple(int(ends[task]) for task in order),
-        start=start,
-    )
+    ends = tuple(int(search.ends[task]) for task in search.best.order)
+    return replace(plan_of(situation, search.best), ends=ends, made_from=start)

@@ -9,10 +9,10 @@ from itertools import count
 
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.schedule import Schedule
-from teamformer.planning.teams.facts import Situation
 from teamformer.planning.teams.initial import crew_plans
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
 from teamformer.planning.teams.shared_plan import HOT, rounds_for
+from teamformer.planning.teams.situation import Situation
 from teamformer.planning.teams.starts import plan_from_coalitions
 from teamformer.planning.teams.threshold_search import ThresholdSearch
 

@@ -10,7 +10,7 @@ import numpy as np
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
-from teamformer.policies.protocol import Policy
+from teamformer.policies.central.players import Player, decision_of, stage_for
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation
 
@@ -39,14 +39,14 @@ class CoalitionLog:
 
 
 def plan_from_play(
-    scenario: Scenario, problem: Relaxed, policy: Policy, deadline: float = math.inf
+    scenario: Scenario, problem: Relaxed, player: Player, deadline: float = math.inf
 ) -> TeamPlan | None:
-    """Return the plan of a policy's play; None if that does not complete, or not in time.
+    """Return the plan of a player's play; None if that does not complete, or not in time.
 
     `problem` is the scenario's; `deadline` is what `time.perf_counter` then shows.
     """
-    env, log = TeamFormation([scenario]), CoalitionLog(scenario)
+    env, log = stage_for(player, scenario, scenario), CoalitionLog(scenario)
     while env.is_running[0] and time.perf_counter() < deadline:
-        env.step(policy.decide(env.view()))
+        env.step(decision_of(player, env, env.view()))
         log.note(env)
     return log.plan(problem)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import replace
 from itertools import chain
 
+from teamformer.coordinators.crews import Crews
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import earliest_starts, lower_bound
 from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.relaxation.problem import Relaxed, relax
 from teamformer.planning.relaxation.solve import Solution, solve
-from teamformer.planning.teams.facts import Situation, situation_in_hindsight
 from teamformer.planning.teams.plan import TeamPlan, routes_of
-from teamformer.planning.teams.shared_plan import HOT
+from teamformer.planning.teams.shared_plan import HOT, is_too_large
+from teamformer.planning.teams.situation import Situation, situation_in_hindsight
 from teamformer.planning.teams.solve import (
     BestPlan,
     first_search,
@@ -27,11 +28,10 @@ from teamformer.planning.teams.solve import (
 from teamformer.planning.teams.threshold_search import ThresholdSearch
 from teamformer.policies.central.plan_from_play import CoalitionLog, plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
+from teamformer.policies.central.players import Player
 from teamformer.policies.central.plays import CentralPlan, Plays
 from teamformer.policies.central.precedence import plan_with_precedence
-from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted.follow_plan import FollowPlan
-from teamformer.policies.scripted.joining import JoinAll, JoinCrew
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.rules.constants import FAR
 
 RELAXING = 0.3
@@ -52,27 +52,29 @@ It is not begun with less time left, as it cannot be stopped.
 FEW_CAPABILITIES = 8
 """With more, planning crews takes longer in proportion."""
 
-SHARED_SECONDS = 2e-4
-"""What making the shared plan may take, likewise; it cannot be stopped either."""
-
-FOLLOWED: tuple[tuple[str, str, Policy], ...] = (
-    ("crews", "crews", JoinCrew()),
-    ("join-all", "paper", JoinAll()),
-)
-"""Names, allocations and rules whose plays the search may begin at, whatever the scenario's are."""
+FOLLOWED: tuple[tuple[str, Player], ...] = (("crews", Crews()), ("join-all", JoinAll()))
+"""Names of what is played for the search to begin at, and who plays it."""
 
 
 def plan_centrally(
-    scenario: Scenario, time_limit: float, seed: int = 0, workers: int = 2
+    scenario: Scenario,
+    time_limit: float,
+    seed: int = 0,
+    workers: int = 2,
+    believed: Scenario | None = None,
 ) -> CentralPlan:
     """Return the best plan found in `time_limit` seconds; the first one if that is 0.
 
-    The shared plan and simple rules are played too, so that the plan is never slower than theirs.
+    The default and simple rules are played too, so that the plan is never slower than theirs: the
+    shared plan, or crews where that would take too long, with what the scenario says and, in an
+    uncertain mission, as by robots that know only what is `believed`.
     """
     plays = Plays(scenario, time.perf_counter(), time_limit)
     shared = CoalitionLog(scenario)
-    if _has_time_for_shared_plan(scenario, time_limit):
-        plays.add("plan", FollowPlan(), log=shared)  # the first play is never cut short
+    default = Crews() if is_too_large(scenario) else SharedPlan()
+    if believed is not None and believed.has_surprises:
+        plays.add("default", default, mission=believed)  # the first play is never cut short
+    plays.add("plan", default, log=shared)
     if any(task.after for task in scenario.tasks):
         return plan_with_precedence(scenario, plays, seed, workers)
     situation = situation_in_hindsight(scenario)
@@ -85,8 +87,8 @@ def plan_centrally(
         solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
         bound, searched = solution.bound, []
     else:
-        for name, allocation, followed in FOLLOWED:
-            _follow(name, replace(scenario, allocation=allocation), followed, search, plays)
+        for name, followed in FOLLOWED:
+            _follow(name, scenario, followed, search, plays)
         solution, best = _improve(scenario, situation, search, plays, seed, workers)
         plays.add("search", _player(scenario, best.plan))
         bound, searched = best.bound, best.curve
@@ -104,13 +106,6 @@ def _start(scenario: Scenario, situation: Situation, seed: int) -> ThresholdSear
     return first_search(situation, seed)
 
 
-def _has_time_for_shared_plan(scenario: Scenario, time_limit: float) -> bool:
-    """Say whether the scenario has a shared plan, and time to make and play it."""
-    tasks = len(scenario.tasks)
-    seconds = SHARED_SECONDS * tasks * (tasks + len(scenario.robots))
-    return scenario.allocation == "plan" and seconds <= max(1.0, time_limit)
-
-
 def _restart(search: ThresholdSearch, plan: TeamPlan | None) -> None:
     """Let a search go on from a plan if there is one."""
     if plan is not None:
@@ -118,13 +113,13 @@ def _restart(search: ThresholdSearch, plan: TeamPlan | None) -> None:
 
 
 def _follow(
-    name: str, scenario: Scenario, rule: Policy, search: ThresholdSearch, plays: Plays
+    name: str, scenario: Scenario, followed: Player, search: ThresholdSearch, plays: Plays
 ) -> None:
-    """Let the search begin at what a rule does; leave it if time is short."""
+    """Let the search begin at what a player does; leave it if time is short."""
     tasks, kinds = len(scenario.tasks), max(1.0, len(scenario.capabilities) / FEW_CAPABILITIES)
     if plays.seconds_left < CREW_SECONDS * kinds * tasks * (tasks + len(scenario.robots)):
         return
-    plan = plan_from_play(scenario, search.problem, rule, plays.begun + plays.limit)
+    plan = plan_from_play(scenario, search.problem, followed, plays.begun + plays.limit)
     if plan is not None:
         search.begin(plan)
         plays.add(name, _player(scenario, plan))

@@ -6,10 +6,14 @@ import math
 import time
 from dataclasses import dataclass
 
+from teamformer.coordination import Coordinator
+from teamformer.coordinators.on_command import OnCommand
+from teamformer.coordinators.replayed import Replayed
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.solve import Solution
 from teamformer.policies.central.plan_from_play import CoalitionLog
 from teamformer.policies.central.plan_player import PlanPlayer
+from teamformer.policies.central.players import Player, decision_of, is_coordinator, stage_for
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
@@ -39,8 +43,9 @@ class CentralPlan:
     `solution` is the relaxed schedule, in which joining is free; no policy is faster than `bound`.
     `makespan` is what the plan takes under the step rules, None if it does not end. `played_by`
     says where the plan comes from: `search` (with forming counted), `schedule` (the relaxed one),
-    `plan` (the shared one) or a simple rule. `curve` holds each improvement as (seconds,
-    makespan). `is_first` says that there was no time to improve the first plan.
+    `plan` (the shared one), `default` (the same by robots that are told nothing), or a simple rule.
+    `curve` holds each improvement as (seconds, makespan). `is_first` says that there was no time to
+    improve the first plan. The script is played in `mission`, by `coordinator` if there is one.
     """
 
     solution: Solution
@@ -48,6 +53,8 @@ class CentralPlan:
     makespan: int | None
     played_by: str
     script: Script
+    mission: Scenario
+    coordinator: Coordinator | None = None
     curve: Curve = ()
     is_first: bool = False
 
@@ -59,8 +66,9 @@ class Plays:
         self.begun = begun
         self.makespan: int | None = None
         self.limit = time_limit
-        self._scenario = scenario
+        self._scenario = self._mission = scenario
         self._played_by, self._script = "", Script()
+        self._coordinator: Coordinator | None = None
         self._curve: list[tuple[float, int]] = []
         self._longest = 0.0  # seconds that a play took
 
@@ -82,19 +90,21 @@ class Plays:
     def add(
         self,
         name: str,
-        player: PlanPlayer | Policy,
+        player: Player,
         most_seconds: float = math.inf,
         log: CoalitionLog | None = None,
+        mission: Scenario | None = None,
     ) -> None:
-        """Play a plan or a policy, and keep its decisions if it is the fastest so far.
+        """Play a plan, a policy or a coordinator, and keep what it decides if it is the fastest.
 
-        What is done is noted in `log`.
+        What is done is noted in `log`. With a `mission` it is played by robots that know no more
+        than that: it is the scenario with what is uncertain left open.
 
         Once there is a play to show, others end early: when they are no faster, when time is up,
         or after `most_seconds`.
         """
-        env = TeamFormation([self._scenario])
-        env.view()  # the shared plan is made here
+        mission = mission or self._scenario
+        env = stage_for(player, mission, self._scenario)
         begun = self.seconds
         end = begun + most_seconds if self.limit == 0 else min(begun + most_seconds, self.limit)
         most = NEVER if self.makespan is None else self.makespan
@@ -106,11 +116,13 @@ class Plays:
             if log is not None:
                 log.note(env)
         tally = env.tally()
-        if tally.status == "completed" and tally.steps < most:
-            self.makespan, self._played_by, self._script = tally.steps, name, script
+        is_fastest = tally.status == "completed" and tally.steps < most
+        if is_fastest:
+            self.makespan = tally.steps
             self._curve.append((self.seconds, tally.steps))
-        elif self.makespan is None:
-            self._played_by, self._script = name, script
+        if is_fastest or self.makespan is None:
+            self._played_by, self._script, self._mission = name, script, mission
+            self._coordinator = _again(player, env)
         self._longest = max(self._longest, self.seconds - begun)
 
     def report(
@@ -128,14 +140,29 @@ class Plays:
             if is_better and self.makespan is not None and steps >= self.makespan:
                 curve.append((round(seconds, 3), steps))
         return CentralPlan(
-            solution, bound, self.makespan, self._played_by, script, tuple(curve), is_first
+            solution,
+            bound,
+            self.makespan,
+            self._played_by,
+            script,
+            self._mission,
+            self._coordinator,
+            tuple(curve),
+            is_first,
         )
 
 
-def _step(env: TeamFormation, player: PlanPlayer | Policy) -> dict[int, tuple[Array, int]]:
+def _again(player: Player, env: TeamFormation) -> Coordinator | None:
+    """Return the coordinator by which the script of a play is played again."""
+    if isinstance(player, PlanPlayer):
+        return OnCommand()
+    return Replayed(env.plans(), OnCommand()) if is_coordinator(player) else None
+
+
+def _step(env: TeamFormation, player: Player) -> dict[int, tuple[Array, int]]:
     """Let a player make a step; return what it decided."""
     view = env.view()
-    decision = player.decide_in(env) if isinstance(player, PlanPlayer) else player.decide(view)
+    decision = decision_of(player, env, view)
     named = [NOBODY] * len(view.slot) if decision.task is None else decision.task.tolist()
     slots = view.slot.tolist()
     made = {s: (decision.wanted[row].copy(), named[row]) for row, s in enumerate(slots)}

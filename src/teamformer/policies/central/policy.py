@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -13,7 +12,7 @@ from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.coalitions.rules import warm_up as warm_up_coalitions
 from teamformer.planning.relaxation.cp_sat import make_solver
 from teamformer.planning.relaxation.problem import relax
-from teamformer.planning.teams.facts import situation_in_hindsight
+from teamformer.planning.teams.situation import situation_in_hindsight
 from teamformer.planning.teams.solve import first_search
 from teamformer.policies.central.planner import plan_centrally
 from teamformer.policies.central.plays import CentralPlan
@@ -39,6 +38,7 @@ class Central:
     def __init__(self, time_limit: float = 10.0, workers: int = 2) -> None:
         self.time_limit = time_limit
         self.workers = workers
+        self.believed: Sequence[Scenario] = ()
         self.plans: list[CentralPlan] = []
 
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
@@ -46,12 +46,13 @@ class Central:
         if everything is None:
             raise ValueError("the central planner has to be given the scenarios")
         seed = int(rng.integers(2**31))
-        for allocation in sorted({scenario.allocation for scenario in everything}):
-            _warm_up(allocation)
+        _warm_up()
         if any(task.after for scenario in everything for task in scenario.tasks):
             warm_up_coalitions()
+        believed = self.believed or everything
         self.plans = [
-            plan_centrally(scenario, self.time_limit, seed, self.workers) for scenario in everything
+            plan_centrally(scenario, self.time_limit, seed, self.workers, own)
+            for scenario, own in zip(everything, believed, strict=True)
         ]
         self._steps = np.zeros(len(self.plans), dtype=np.int64)
 
@@ -69,10 +70,10 @@ class Central:
 
 
 @cache
-def _warm_up(allocation: str) -> None:
+def _warm_up() -> None:
     """Have everything compiled and imported before the clock starts."""
     make_solver(seed=0)
-    scenario = replace(smallest_scenario(), allocation=allocation)
+    scenario = smallest_scenario()
     raise_by_routes(scenario, relax(scenario), 0, lambda _: None, lambda: False)
     search = first_search(situation_in_hindsight(scenario), seed=0)
     assert search is not None, "the smallest scenario can be done"

@@ -22,8 +22,7 @@ class Codec(Protocol):
     def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
         """Return which teams have more than one legal action, as (teams,) bool.
 
-        `Learned` says what the others do. A codec whose network does not know crews leaves teams
-        out where tasks are shared out among them.
+        `Learned` says what the others do.
         """
         ...
 

@@ -75,8 +75,8 @@ class CombinationCodec:
         )
 
     def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
-        """Return which teams have several legal actions, as (teams,); none where crews decide."""
-        several: Array = (tokens[-1].sum(axis=1) > 1) & ~view.has_crews
+        """Return which teams have several legal actions, as (teams,)."""
+        several: Array = tokens[-1].sum(axis=1) > 1
         return several
 
     def decode(self, view: View, action: Array) -> Array:

@@ -30,7 +30,7 @@ class OwnRelation(IntEnum):
     CAN_SHED = 15
     REST_AFTER_HALVING = 16  # share of the tasks in view that those who go could do alone
     REST_AFTER_SHEDDING = 17
-    HAS_CREWS = 18
+    HAS_CREWS = 18  # always 0: of a way to coordinate that shipped weights still know
     PACE = 19
     SCRIPT_FORMS = 20  # maintaining is something else than what the script wants
     SCRIPT_JOINS = 21  # somebody in view
@@ -59,7 +59,7 @@ class TeamRelation(IntEnum):
     ADDS_ANYTHING = 17
     IS_PAIRED = 18  # the one to pair off with
     NEARNESS = 19
-    IS_MATE = 20
+    IS_MATE = 20  # always 1, likewise
     SCRIPT_JOINS = 21  # it is whom the script would join
     WAY_TO_ITS_TASK = 22
     NEARNESS_OF_ITS_TASK = 23

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.policies.scripted.join_fitting import Script
+from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import are_equal
 from teamformer.rules.splitting import anybody_fits
@@ -29,14 +29,13 @@ CHOICES = SPLIT + TASKS
 
 def scripted_counts(view: View) -> Array:
     """Return the counts that the script wants, as (teams, caps)."""
-    return Script().decide(view).wanted
+    return JoinFitting().decide(view).wanted
 
 
 def legal_choices(view: View, scripted: Array) -> Array:
     """Return which choices the environment would carry out, as (teams, CHOICES).
 
-    One that wants what the script wants is left out: to follow it says the same. Where there are
-    crews, only mates are joined.
+    One that wants what the script wants is left out: to follow it says the same.
     """
     is_legal = np.zeros((len(view.slot), CHOICES), dtype=np.bool_)
     _mark_legal(view, scripted, is_legal)
@@ -69,8 +68,7 @@ def _can_choose(view: View, row: int, choice: int, kept: Array) -> bool:
         return True
     if JOIN <= choice < SPLIT:
         other = choice - JOIN
-        is_there = other < view.can_join.shape[1] and view.can_join[row, other]
-        return is_there and view.is_mate[row, other]
+        return other < view.can_join.shape[1] and view.can_join[row, other]
     is_there = view.size[row] > 1 and keep_for(view, row, choice, kept)
     return is_there and _parts(view, row, kept)
 

@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.model import Scenario
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.deadlock_guard import DeadlockGuard
-from teamformer.policies.scripted.follow_plan import FollowPlan
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
@@ -21,10 +21,9 @@ Brain = Callable[[tuple[Array, ...]], Array]
 class Learned:
     """Reads views with a codec and does what a brain says.
 
-    The brain is asked where the codec finds a choice. Elsewhere a team does as join-crew does
-    where tasks are shared out among crews, else as join-all. Where there is a shared plan it does
-    as follow-plan everywhere: the networks were not trained on plans. So does one that the
-    deadlock guard finds overdue, until a task is done; `overdue` counts such decisions.
+    The brain is asked where the codec finds a choice. Elsewhere a team does as join-all does, and
+    so does one that the deadlock guard finds overdue, until a task is done; `overdue` counts such
+    decisions.
     """
 
     needs_everything = False
@@ -35,7 +34,7 @@ class Learned:
         self.is_guarded = is_guarded
         self.overdue = 0
         self._guard = DeadlockGuard()
-        self._fallback = FollowPlan()
+        self._fallback = JoinAll()
 
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
         """Forget earlier trials."""
@@ -45,10 +44,8 @@ class Learned:
     def decide(self, view: View) -> Decision:
         """Return what the brain wants where it is asked, else what the scripted policy wants."""
         wanted = self._fallback.decide(view).wanted
-        if view.has_plan.all():
-            return Decision(wanted)
         tokens = self.codec.encode(view)
-        is_asked = self.codec.has_choice(view, tokens) & ~view.has_plan
+        is_asked = self.codec.has_choice(view, tokens)
         if self.is_guarded:
             is_overdue = self._guard.is_overdue(view)
             self.overdue += int(is_overdue.sum())

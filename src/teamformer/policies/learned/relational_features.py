@@ -240,16 +240,15 @@ def _relate_ways(view: View, out: Array, row: int, column: int, kept: Array) -> 
 
 @kernel
 def _relate_script(view: View, scripted: Array, relations: Relations, row: int) -> None:
-    """Say whom the script would join, whose crew others are in, and what kind of fleet this is."""
+    """Say whom the script would join, and how fast the team is."""
     own = relations.own[row]
-    own[Own.HAS_CREWS] = view.has_crews[row]
     own[Own.PACE] = min(view.pace[row] / view.unit[row], 2.0) / 2
     own[Own.SCRIPT_FORMS] = relations.is_legal[row, MAINTAIN]  # the script would join
     for other in range(min(TEAMS, view.seen_slot.shape[1])):
         if view.seen_slot[row, other] == NOBODY:
             continue
         out = relations.teams[row, other]
-        out[Team.IS_MATE] = view.is_mate[row, other]
+        out[Team.IS_MATE] = True
         out[Team.SCRIPT_JOINS] = relations.is_legal[row, MAINTAIN]
         for cap in range(view.counts.shape[1]):
             union = view.counts[row, cap] + view.seen_counts[row, other, cap]
@@ -262,7 +261,7 @@ def _relate_script(view: View, scripted: Array, relations: Relations, row: int) 
 def _relate_teams(view: View, relations: Relations, row: int) -> None:
     have = view.counts[row]
     own = _column_of_task(view, row, view.task[row])
-    pair = pair_by_slot(view, row, False, True)
+    pair = pair_by_slot(view, row, False)
     for other in range(min(TEAMS, view.seen_slot.shape[1])):
         if view.seen_slot[row, other] == NOBODY:
             continue

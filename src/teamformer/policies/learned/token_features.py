@@ -95,13 +95,12 @@ class SpellingCodec:
         return tokens
 
     def has_choice(self, view: View, tokens: tuple[Array, ...]) -> Array:
-        """Return which teams can do anything but maintain, as (teams,); none where crews decide."""
+        """Return which teams can do anything but maintain, as (teams,)."""
         spelled = Spelled(*tokens)
         brings = (spelled.team_counts > 0).any(axis=2)  # (teams, seen)
         can_split = (view.size > 1) & ~view.is_serving & (view.counts > 0).any(axis=1)
-        can_form = can_split | (spelled.can_join & brings).any(axis=1)
-        has_choice: Array = can_form & ~view.has_crews
-        return has_choice
+        can_form: Array = can_split | (spelled.can_join & brings).any(axis=1)
+        return can_form
 
     def decode(self, view: View, action: Array) -> Array:
         """Return the counts that actions (teams, caps) stand for, without the padding."""
@@ -123,7 +122,7 @@ def _fill(view: View, tokens: Spelled) -> None:
     for row in range(len(view.slot)):
         _find_box(view, row, box)
         _write_own(view, tokens, row, box)
-        paired = pair_by_slot(view, row, False, False)
+        paired = pair_by_slot(view, row, False)
         for other in range(view.seen_slot.shape[1]):
             if view.seen_slot[row, other] != NOBODY:
                 _write_team(view, tokens, row, other, box)

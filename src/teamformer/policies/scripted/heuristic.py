@@ -49,7 +49,7 @@ def _decide(view: View, wanted: Array) -> None:
 
 @kernel
 def _join_at_task(view: View, row: int, wanted: Array) -> None:
-    other = pair_by_slot(view, row, True, False)
+    other = pair_by_slot(view, row, True)
     if other != NOBODY:
         for cap in range(len(wanted)):
             wanted[cap] += view.seen_counts[row, other, cap]

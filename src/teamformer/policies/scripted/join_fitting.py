@@ -8,7 +8,6 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.model import Scenario
-from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.policies.scripted.pairing import is_partner, pair_by_slot
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
@@ -35,18 +34,6 @@ class JoinFitting:
         """Join whom it helps to join."""
         wanted = view.counts.copy()
         _decide(view, wanted)
-        return Decision(wanted)
-
-
-class Script(JoinFitting):
-    """Do as `JoinCrew` where tasks are shared out among crews, elsewhere as `JoinFitting`."""
-
-    def decide(self, view: View) -> Decision:
-        """Join whom it helps to join."""
-        wanted = super().decide(view).wanted
-        if view.has_crews.any():
-            of_crew = JoinCrew().decide(view).wanted
-            wanted[view.has_crews] = of_crew[view.has_crews]
         return Decision(wanted)
 
 
@@ -77,11 +64,11 @@ def _find_most_needed(view: View, row: int, most: Array) -> None:
 @kernel
 def _fitting(view: View, row: int, most: Array) -> int:
     """Return the column of the team to pair off with, else of the first that fits, or NOBODY."""
-    pair = pair_by_slot(view, row, False, False)
+    pair = pair_by_slot(view, row, False)
     if pair != NOBODY and _fits(view, row, pair, most) and not _part(view, row, pair):
         return pair
     for other in range(view.seen_slot.shape[1]):
-        is_possible = is_partner(view, row, other, False, False)
+        is_possible = is_partner(view, row, other, False)
         if is_possible and _fits(view, row, other, most) and not _part(view, row, other):
             return other
     return NOBODY
@@ -121,7 +108,7 @@ def _fits(view: View, row: int, other: int, most: Array) -> bool:
 def _missing_here(view: View, row: int) -> int:
     """Return the first team with the same assignment that brings what is missing at the task."""
     for other in range(view.seen_slot.shape[1]):
-        if not is_partner(view, row, other, True, False):
+        if not is_partner(view, row, other, True):
             continue
         at_hand = view.task_needs[row, 0]  # the own assignment is the first task of the view
         if fills_gap(view.counts[row], at_hand, view.seen_counts[row, other]):

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @kernel
-def pair_by_slot(view: View, row: int, for_same_task: bool, only_mates: bool) -> int:
+def pair_by_slot(view: View, row: int, for_same_task: bool) -> int:
     """Return the column of the team that pairs off with this one, or NOBODY.
 
     Teams in one place pair off in the order of their slots, first with second, third with fourth.
@@ -22,7 +22,7 @@ def pair_by_slot(view: View, row: int, for_same_task: bool, only_mates: bool) ->
     before = after = NOBODY  # the columns of the next lower and the next higher slot here
     lower_slots = 0
     for other in range(view.seen_slot.shape[1]):
-        if not is_partner(view, row, other, for_same_task, only_mates):
+        if not is_partner(view, row, other, for_same_task):
             continue
         slot = view.seen_slot[row, other]
         if slot < view.slot[row]:
@@ -35,13 +35,11 @@ def pair_by_slot(view: View, row: int, for_same_task: bool, only_mates: bool) ->
 
 
 @kernel
-def is_partner(view: View, row: int, other: int, for_same_task: bool, only_mates: bool) -> bool:
-    """Say whether a seen team stands here and can be joined, and heads for the same task.
+def is_partner(view: View, row: int, other: int, for_same_task: bool) -> bool:
+    """Say whether a seen team stands here and can be joined.
 
-    Both but the first may be asked for or not: the same task, and the same crew.
+    With `for_same_task` it must also head for the same task.
     """
     if not (view.is_here[row, other] and view.can_join[row, other]):
-        return False
-    if only_mates and not view.is_mate[row, other]:
         return False
     return not for_same_task or view.seen_task[row, other] == view.task[row]

@@ -22,7 +22,7 @@ from teamformer.policies.learned.onnx_sessions import shipped
 from teamformer.robotarium.deployment.graphs import Graph, read_graph
 from teamformer.robotarium.experiment import start_poses
 from teamformer.robotarium.mission_checks import check_mission
-from teamformer.trials.methods import DEFAULT, load_method
+from teamformer.trials.methods import DEFAULT, STAND_IN
 from teamformer.whole_files import write_all
 
 ROOT = Path(__file__).parents[2]
@@ -52,7 +52,6 @@ DEPLOYED = {
     "heuristic": "policies.scripted.heuristic:Heuristic",
     "join-all": "policies.scripted.joining:JoinAll",
     "join-fitting": "policies.scripted.join_fitting:JoinFitting",
-    "crews": "policies.scripted.joining:JoinCrew",
 }
 """Methods that the testbed can run, and what makes their policies there."""
 
@@ -66,13 +65,12 @@ def deploy(mission: Scenario, name: str, seed: int, folder: Path) -> list[Path]:
     check_mission(mission)
     if name not in DEPLOYED:
         hint = f"use {', '.join(DEPLOYED)}"
-        if name == DEFAULT:
+        if name in (DEFAULT, STAND_IN):
             raise TeamformerError("the testbed is too slow for plans: it has no numba", hint)
         raise TeamformerError(f"method '{name}' cannot be deployed", hint)
-    scenario = load_method(name).apply(mission)
     module, maker = DEPLOYED[name].split(":")
     texts = {f"{_flat(name)}.py": _text(name) for name in sorted(_needed(module))}
-    texts["tf_scenario.py"] = _scenario_text(scenario, start_poses(scenario, seed), seed)
+    texts["tf_scenario.py"] = _scenario_text(mission, start_poses(mission, seed), seed)
     texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", _flat(module)).replace("MAKER", maker)
     contents: dict[str, str | bytes] = {**texts}
     if name == NETWORK:

@@ -9,19 +9,18 @@ import numpy as np
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import covers, helps
-from teamformer.sim.arrays import CREWS, PLAN, Array, World
+from teamformer.sim.arrays import Array, World
 from teamformer.sim.motion import travel, travel_between
 from teamformer.sim.spatial_index import find_near
 
 
 @kernel
 def allocate_tasks(world: World, named: Array) -> None:
-    """Phase 4, in slot order: tasks that decisions name, and the allocation's for the others.
+    """Phase 4, in slot order: tasks that decisions name, the plan's, or the allocator's.
 
     The part that leaves a team under command waits for its own decision.
     """
-    is_shared_out = world.rules.allocation == CREWS or world.rules.allocation == PLAN
-    if is_shared_out:
+    if world.rules.is_coordinated:
         find_earliest_tasks(world)
     for team in range(world.rules.robots):
         world.teams[team].pursued = world.teams[team].task
@@ -31,7 +30,7 @@ def allocate_tasks(world: World, named: Array) -> None:
             row = world.teams[team].row
             world.teams[team].task = NOBODY if row == NOBODY else named[row]
             world.teams[team].is_detour = False
-        elif is_shared_out:
+        elif world.rules.is_coordinated:
             world.teams[team].task = world.teams[team].next
             world.teams[team].is_detour = False
         elif world.teams[team].task == NOBODY and contributes_to_any(world, team):
@@ -42,7 +41,7 @@ def allocate_tasks(world: World, named: Array) -> None:
 
 @kernel
 def find_earliest_tasks(world: World) -> None:
-    """Find each team's task by crews' lists or the shared plan: the earliest of its robots'."""
+    """Find each team's task by its coordinator's plan: the earliest of its robots'."""
     for team in range(world.rules.robots):
         world.teams[team].next = NOBODY
     for robot in range(world.rules.robots):

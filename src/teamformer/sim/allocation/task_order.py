@@ -5,58 +5,22 @@ It rests only on what everybody knows: the fleet list, the open tasks, who did t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
-
 import numpy as np
 
 from teamformer.jit import allocating_kernel, entry, kernel
-from teamformer.model import Scenario
-from teamformer.planning.tour import UNLINKED, plan_tour
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.allocation.crew_plan import update_plan
-from teamformer.sim.allocation.plan_updates import update_shared_plans
-from teamformer.sim.arrays import CREWS, NEAREST, PAPER, PLAN, RUNNING, World, Worlds, world_at
+from teamformer.rules.tour import UNLINKED, plan_tour
+from teamformer.sim.arrays import NEAREST, RUNNING, World, Worlds, world_at
 from teamformer.sim.motion import travel, travel_between
-
-
-def orderings_for(worlds: Worlds, scenarios: Sequence[Scenario]) -> list[Callable[[Worlds], None]]:
-    """Return what brings order, crews and plans up to date: call each after every step.
-
-    Only what these worlds need, as a planner that is never called need not be compiled.
-    """
-    has_plan = worlds.rules["allocation"] == PLAN
-    has_crews = worlds.rules["allocation"] == CREWS
-    orderings: list[Callable[[Worlds], None]] = []
-    if has_plan.any():
-        orderings.append(partial(update_shared_plans, scenarios=scenarios))
-    if has_crews.any():
-        orderings.append(plan_worlds)
-    if not (has_crews | has_plan).all():
-        orderings.append(order_worlds)
-    return orderings
-
-
-@entry
-def plan_worlds(worlds: Worlds) -> None:
-    """Bring crews and order up to date in every world that goes on and plans them."""
-    for w in range(len(worlds.rules)):
-        world = world_at(worlds, w)
-        if world.count.status == RUNNING and world.rules.allocation == CREWS:
-            update_plan(world)
-            world.count.arrived = 0
 
 
 @entry
 def order_worlds(worlds: Worlds) -> None:
-    """Bring the order up to date in every other world that goes on."""
+    """Bring the order up to date in every world that goes on without a coordinator."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
-        if (
-            world.count.status == RUNNING
-            and world.rules.allocation == PAPER
-            and world.count.arrived > 0
-        ):
+        has_order = not world.rules.is_coordinated
+        if world.count.status == RUNNING and has_order and world.count.arrived > 0:
             _order_arrived(world)
             world.count.arrived = 0
 
@@ -70,7 +34,7 @@ def _order_arrived(world: World) -> None:
         _solve_anew(world)
     for position in range(world.count.open):
         world.tasks[world.order[position]].rank = position
-    world.count.plans += 1
+    world.count.orders += 1
 
 
 @allocating_kernel

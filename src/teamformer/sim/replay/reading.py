@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from teamformer.coordination import NEWS, TAKEN_OVER
 from teamformer.errors import ReplayError, TeamformerError
 from teamformer.mission.arrivals import with_arrivals
-from teamformer.mission.rules import ALLOCATIONS, FORESIGHTS
+from teamformer.mission.rules import FORESIGHTS
 from teamformer.model import Scenario
 from teamformer.plane import Plane
-from teamformer.rules.constants import PLAN_REASONS
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.files import scenario_from_tree
 from teamformer.sim.replay.record import (
     HEARD,
     STATUSES,
     VERSION,
-    Crew,
     Ending,
     Replay,
     SharedPlanMade,
@@ -48,14 +47,14 @@ from teamformer.sim.replay.values import (
 
 LARGEST_FILE = 1_000_000_000  # bytes
 """A thousand robots on the move for three thousand steps take 40 MB."""
+REASONS = (*NEWS, TAKEN_OVER)
 RUN_AGAIN = "run the scenario again to have it written anew"
 
 STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
-HOW_KEYS = ("allocation", "foresight")
-REPLAY_KEYS = ("teamformer_replay", *HOW_KEYS, *(field.name for field in fields(Replay)))
-OPTIONAL_KEYS = ("crews", "plans", "scouts", "truth")
+REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
+OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight")
 NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in OPTIONAL_KEYS)
 
 
@@ -115,7 +114,7 @@ def replay_from_tree(tree: Any, source: str) -> Replay:
     try:
         check_keys(tree, REPLAY_KEYS, NEEDED_KEYS)
         scenario = scenario_from_tree(tree["scenario"], f"{source}: scenario")
-        return _replay(tree, _as_played(scenario, tree))
+        return _replay(tree, scenario)
     except DamageError as damage:
         raise ReplayError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
 
@@ -136,14 +135,6 @@ def _check_version(tree: Any, source: str) -> None:
         raise ReplayError(f"{source}: {what}", "install a newer teamformer")
 
 
-def _as_played(scenario: Scenario, tree: Mapping[str, Any]) -> Scenario:
-    """Return a mission with what the record says of how it was played."""
-    for key, known in zip(HOW_KEYS, (ALLOCATIONS, FORESIGHTS), strict=True):
-        if tree[key] not in known:
-            raise DamageError(f"the {key} is {short(tree[key])}, not one of {known}")
-    return replace(scenario, allocation=tree["allocation"], foresight=tree["foresight"])
-
-
 Coordinate = Callable[[Any], float]
 """Reads a coordinate: whole on a grid."""
 
@@ -160,11 +151,6 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
     with inside("orders"):
         orders = tuple(
             (count_of(at), numbers_below(order, tasks)) for at, order in rows_of(tree["orders"], 2)
-        )
-    with inside("crews"):
-        crews = tuple(
-            (count_of(at), tuple(_crew(crew, robots, tasks) for crew in list_of(made)))
-            for at, made in rows_of(tree.get("crews", []), 2)
         )
     with inside("plans"):
         plans = tuple(
@@ -191,23 +177,25 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         steps=tuple(_steps(tree["steps"], robots, tasks, along)),
         end=end,
         lower_bound=None if bound is None else count_of(bound),
-        crews=crews,
         plans=plans,
         truth=truth,
         scouts=scouts,
+        foresight=_foresight(tree),
     )
 
 
-def _crew(row: Any, robots: int, tasks: int) -> Crew:
-    [[members, listed]] = rows_of([row], 2)
-    return Crew(numbers_below(members, robots), numbers_below(listed, tasks))
+def _foresight(tree: Mapping[str, Any]) -> str:
+    found = tree.get("foresight", Replay.foresight)
+    if found not in FORESIGHTS:
+        raise DamageError(f"the foresight is {short(found)}, not one of {FORESIGHTS}")
+    return str(found)
 
 
 def _plan(row: Any, robots: int) -> SharedPlanMade:
     [[reasons, coalitions]] = rows_of([row], 2)
     for reason in list_of(reasons):
-        if reason not in PLAN_REASONS:
-            raise DamageError(f"the reason is {short(reason)}, not one of {PLAN_REASONS}")
+        if reason not in REASONS:
+            raise DamageError(f"the reason is {short(reason)}, not one of {REASONS}")
     return SharedPlanMade(
         tuple(reasons), tuple(numbers_below(coalition, robots) for coalition in list_of(coalitions))
     )

@@ -89,11 +89,16 @@ class Replay:
     steps: tuple[Step, ...]
     end: Ending
     lower_bound: int | None = None
-    crews: tuple[tuple[int, tuple[Crew, ...]], ...] = ()  # steps made, crews from then on
     plans: tuple[tuple[int, SharedPlanMade], ...] = ()  # steps made, the shared plan from then on
     truth: Scenario | None = None  # what an uncertain mission really was
     scouts: tuple[tuple[int, tuple[tuple[int, int], ...]], ...] = ()
     """Steps made, and robots by the plan made then that look first what a task needs."""
+    foresight: str = "scouting"  # how needs were treated that nobody knew
+
+    @property
+    def is_coordinated(self) -> bool:
+        """Say whether robots went by plans; else by the paper's order and allocator."""
+        return bool(self.plans)
 
     @property
     def mission(self) -> Scenario:

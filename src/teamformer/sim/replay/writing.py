@@ -19,8 +19,6 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
         "teamformer_replay": VERSION,
         "scenario": scenario_to_tree(replay.scenario),
         "method": replay.method,
-        "allocation": replay.scenario.allocation,
-        "foresight": replay.scenario.foresight,
         "seed": replay.seed,
         "orders": _lists(replay.orders),
         "start": _lists(replay.start),
@@ -30,12 +28,12 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
     }
     if replay.truth is not None:
         tree["truth"] = truth_to_tree(replay.scenario, replay.truth)
-    if replay.crews:
-        tree["crews"] = _lists(replay.crews)
     if replay.plans:
         tree["plans"] = _lists(replay.plans)
     if replay.scouts:
         tree["scouts"] = _lists(replay.scouts)
+    if replay.foresight != "scouting":
+        tree["foresight"] = replay.foresight
     return tree
 
 

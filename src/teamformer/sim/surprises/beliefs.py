@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import ABSENT
+from teamformer.sim.arrays import ABSENT, OVERDUE, SHOWN
 from teamformer.sim.spatial_index import find_tasks_here
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def show_needs(world: World, step: int) -> bool:
             if world.tasks[task].is_open and world.tasks[task].hides_needs:
                 world.tasks[task].hides_needs = False
                 world.tasks[task].shown_at = step
-                world.count.shown += 1
+                world.count.news |= SHOWN
                 for cap in range(world.needs.shape[1]):
                     _believe(world, task, cap, world.true_needs[task, cap])
                 any_shown = True
@@ -80,7 +80,7 @@ def expect_end(world: World, task: int) -> None:
     if world.tasks[task].served >= world.tasks[task].expected:
         longest, served = world.tasks[task].longest, world.tasks[task].served
         world.tasks[task].expected = (served + 1 + longest + 1) // 2
-        world.count.overdue += 1
+        world.count.news |= OVERDUE
 
 
 @kernel

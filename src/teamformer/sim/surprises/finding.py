@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from teamformer.jit import allocating_kernel, kernel
-from teamformer.planning.distances import UNREACHABLE, fill_field
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
-from teamformer.sim.arrays import SCOUTING
+from teamformer.rules.distances import UNREACHABLE, fill_field
+from teamformer.sim.arrays import FOUND, SCOUTING
 from teamformer.sim.motion import field_towards
 from teamformer.sim.spatial_index import cell_of
 from teamformer.sim.surprises.looking import soonest_left
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
 @allocating_kernel
 def find_tasks(world: World) -> bool:
-    """Let teams look around for the open tasks that are not found; say if that makes news.
+    """Let teams look around for the open tasks that are not found.
 
-    It is news where a task is if it is elsewhere than everybody believed, or somebody scouts it.
+    Says whether one was found elsewhere than everybody believed.
     """
     step, any_news = world.count.steps + 1, False
     for task in range(world.rules.tasks):
@@ -42,22 +42,13 @@ def find_tasks(world: World) -> bool:
         if not world.spots[task, lies_in].is_possible:
             world.tasks[task].hides_place = False
             world.tasks[task].found_at = step
-            if lies_in != believed_in or _is_scouted(world, task):
-                world.count.found += 1
-                any_news = True
+            world.count.news |= FOUND
             if lies_in != believed_in:
+                any_news = True
                 _believe_in(world, task, lies_in, step)
         elif any_ruled_out:
             _look_on(world, task, step)
     return any_news
-
-
-@kernel
-def _is_scouted(world: World, task: int) -> bool:
-    for robot in range(world.rules.robots):
-        if world.robots[robot].scouts == task:
-            return True
-    return False
 
 
 @allocating_kernel

@@ -13,7 +13,7 @@ from teamformer.model import Scenario
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.macro_actions import FOLLOW
 from teamformer.policies.learned.relational_features import Relations
-from teamformer.policies.scripted.join_fitting import Script
+from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 
@@ -55,7 +55,7 @@ def try_others(
             fork = env.fork()
             tried.append(_try_one(fork, codec, rng))
             steps += int((fork.worlds.count["steps"] - env.worlds.count["steps"]).sum())
-        env.step(Script().decide(env.view()))
+        env.step(JoinFitting().decide(env.view()))
     ended = env.worlds.count["steps"].astype(np.float64)
     return _compare(tried, ended), steps + int(ended.sum())
 
@@ -73,7 +73,7 @@ def _try_one(env: TeamFormation, codec: Codec, rng: np.random.Generator) -> _Tri
     choice[rows] = other
     env.step(Decision(codec.decode(view, choice)))
     while len(rows) and env.is_running.any():
-        env.step(Script().decide(env.view()))
+        env.step(JoinFitting().decide(env.view()))
     return _Tried(kept, other, world, env.worlds.count["steps"][world].astype(np.float64))
 
 

@@ -16,7 +16,7 @@ from torch import Tensor
 from teamformer.model import Scenario
 from teamformer.policies.learned.codec import ImitatingCodec
 from teamformer.policies.learned.policy import rows_of
-from teamformer.policies.scripted.join_fitting import Script
+from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.sim.arrays import COMPLETED, Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
@@ -52,7 +52,7 @@ def demonstrate(
     own = agreed = 0
     while env.is_running.any():
         view = env.view()
-        tokens, wanted = codec.encode(view), Script().decide(view).wanted
+        tokens, wanted = codec.encode(view), JoinFitting().decide(view).wanted
         has_choice = codec.has_choice(view, tokens)
         is_kept = view.can_join.any(axis=1) | (rng.random(len(has_choice)) < share)
         rows = np.flatnonzero(has_choice & is_kept)

@@ -13,7 +13,7 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import CREWS, Array, Worlds, world_at
+from teamformer.sim.arrays import Array, Worlds, world_at
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World
@@ -62,8 +62,7 @@ class WorldFeature(IntEnum):
     WAY_AHEAD = 5
     IS_ONE_TEAM = 6
     SENSING_RADIUS = 7
-    HAS_CREWS = 8
-    LONGEST_WAY = 9
+    LONGEST_WAY = 8
 
 
 TEAM_FEATURES, TASK_FEATURES, WORLD_FEATURES = map(len, (TeamFeature, TaskFeature, WorldFeature))
@@ -205,20 +204,18 @@ def _write_world(world: World, out: Array, shown: int) -> None:
     out[WorldFeature.WAY_AHEAD] = way / 5
     out[WorldFeature.IS_ONE_TEAM] = teams == 1
     out[WorldFeature.SENSING_RADIUS] = min(world.rules.sensing_radius, 10.0) / 10
-    out[WorldFeature.HAS_CREWS] = world.rules.allocation == CREWS
     out[WorldFeature.LONGEST_WAY] = _longest_way(world, shown) / 5
 
 
 @kernel
 def _longest_way(world: World, shown: int) -> float:
-    """Return the longest way along the open tasks of one crew; without crews, of all."""
+    """Return the longest way along the open tasks, in order from any of them."""
     longest = 0.0
     for first in range(shown):
         way, last = 0.0, world.order[first]
         for position in range(first + 1, shown):
             task = world.order[position]
-            if world.tasks[task].crew == world.tasks[last].crew:
-                way += _between(world, last, task)
-                last = task
+            way += _between(world, last, task)
+            last = task
         longest = max(longest, way)
     return longest

@@ -12,7 +12,7 @@ from torch import Tensor
 from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.policy import rows_of
-from teamformer.policies.scripted.joining import JoinUseful
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.arrays import COMPLETED, INFEASIBLE, Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.learning.global_state import GlobalState, global_state_of
@@ -85,7 +85,7 @@ def _decide(
     view = env.view()
     tokens = codec.encode(view)
     rows = np.flatnonzero(codec.has_choice(view, tokens))
-    wanted = JoinUseful().decide(view).wanted
+    wanted = JoinAll().decide(view).wanted
     if len(rows):
         kept = tuple(part[rows] for part in tokens)
         action, log_prob = choose(kept)

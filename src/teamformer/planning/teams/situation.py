@@ -1,17 +1,14 @@
-"""What everybody knows of a mission at a moment, and the plan that follows from it."""
+"""The present of a mission as arrays, which searches start from."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.capabilities import covers
+from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid, Place
-from teamformer.mission.checks import totals_by_region
 from teamformer.model import Scenario
-from teamformer.planning.distances import UNREACHABLE, straight_ways, travel_matrix
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import (
     Relaxed,
@@ -21,37 +18,12 @@ from teamformer.planning.relaxation.problem import (
     steps_of_cells,
 )
 from teamformer.planning.teams.crossings import Crossings, find_crossings
+from teamformer.planning.teams.plan import TeamPlan
 from teamformer.rules.constants import FAR
+from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
 MOST_CELLS = 20_000
 """Of a plane: how many cells the longest way is counted in."""
-
-
-@dataclass(frozen=True)
-class Facts:
-    """The present of a mission, as everybody knows it; robots and tasks are numbers."""
-
-    step: int  # steps made
-    open_tasks: tuple[int, ...]  # known, not done and not being served
-    places: tuple[Place, ...]  # of every robot; of lost ones any
-    teams: tuple[tuple[int, ...], ...]  # who is with whom; a robot in no team is lost
-    free_at: tuple[int, ...]  # the step from which each robot is free: `step` or its service's end
-
-
-@dataclass(frozen=True)
-class SharedPlan:
-    """Who does what: each robot's next task is the first not done that has it in its coalition."""
-
-    order: tuple[int, ...]  # open tasks
-    coalitions: tuple[tuple[int, ...], ...]  # the robots of each, in the same order
-    ends: tuple[int, ...]  # the step in which each is done if nothing happens
-    start: str  # what it was made from: crews, coalitions, the old plan, or kept
-    scouts: tuple[tuple[int, int], ...] = ()  # robots, and the task that each looks at first
-
-    @property
-    def makespan(self) -> int:
-        """Return the step in which the last task is done if nothing happens."""
-        return max(self.ends, default=0)
 
 
 class Situation(NamedTuple):
@@ -65,29 +37,16 @@ class Situation(NamedTuple):
     forming_steps: int
 
 
-def possible_tasks(scenario: Scenario, facts: Facts) -> tuple[int, ...]:
-    """Return the open tasks that the robots left can do; others wait for one to come back."""
-    left = (scenario.robots[robot] for team in facts.teams for robot in team)
-    have = totals_by_region(scenario.world, left)
-    return tuple(
-        task
-        for task in facts.open_tasks
-        if covers(
-            have.get(scenario.world.region(scenario.tasks[task].at), {}), scenario.tasks[task].needs
-        )
-    )
-
-
-def situation_of(scenario: Scenario, facts: Facts) -> Situation:
-    """Return the present as arrays; what is still to come in the scenario is not looked at."""
-    robots = tuple(sorted(robot for team in facts.teams for robot in team))
+def situation_of(known: Known) -> Situation:
+    """Return the present as arrays; what is still to come in the mission is not looked at."""
+    scenario, robots = known.mission, known.robots
     number = {robot: index for index, robot in enumerate(robots)}
     company = np.zeros(len(robots), np.int64)
-    for team in facts.teams:
+    for team in known.teams:
         company[[number[robot] for robot in team]] = min(number[robot] for robot in team)
-    tasks = facts.open_tasks
+    tasks = known.open_tasks
     spots = [scenario.tasks[task].at for task in tasks]
-    places = [*spots, *(facts.places[robot] for robot in robots)]
+    places = [*spots, *(known.places[robot] for robot in robots)]
     cells, speed = _ways(scenario, spots, places, robots)
     no_way = 1 + int(cells[cells < UNREACHABLE].max())
     speeds, pace = np.unique(speed, return_inverse=True)
@@ -101,9 +60,9 @@ def situation_of(scenario: Scenario, facts: Facts) -> Situation:
         needs=count_table([scenario.tasks[task].needs for task in tasks], scenario),
         able=able_robots(counts),
         duration=np.array([scenario.tasks[task].duration for task in tasks], np.int32),
-        appears=np.full(len(tasks), facts.step, np.int32),
+        appears=np.full(len(tasks), known.step, np.int32),
         lost=np.full(len(robots), FAR, np.int32),
-        ready=np.array([facts.free_at[robot] for robot in robots], np.int32),
+        ready=np.array([known.free_at[robot] for robot in robots], np.int32),
     )
     crossings = find_crossings(scenario.world, spots, places, speeds)
     return Situation(robots, tasks, problem, crossings, company, scenario.forming_steps)
@@ -111,16 +70,29 @@ def situation_of(scenario: Scenario, facts: Facts) -> Situation:
 
 def situation_in_hindsight(scenario: Scenario) -> Situation:
     """Return the start as arrays for who knows what will happen: what appears, who will be lost."""
-    start = Facts(
+    start = Known(
+        mission=scenario,
         step=0,
         open_tasks=tuple(range(len(scenario.tasks))),
         places=tuple(robot.at for robot in scenario.robots),
         teams=scenario.starting_teams,
         free_at=(0,) * len(scenario.robots),
     )
-    situation, future = situation_of(scenario, start), future_of(scenario)
+    situation, future = situation_of(start), future_of(scenario)
     problem = situation.problem._replace(appears=future.appears, lost=future.lost)
     return situation._replace(problem=problem)
+
+
+def plan_of(situation: Situation, found: TeamPlan) -> Plan:
+    """Return what was planned for a situation in the numbers of the mission."""
+    order = found.order.tolist()
+    return Plan(
+        order=tuple(situation.tasks[task] for task in order),
+        coalitions=tuple(
+            tuple(situation.robots[r] for r in sorted(found.coalition[task, : found.size[task]]))
+            for task in order
+        ),
+    )
 
 
 def _ways(

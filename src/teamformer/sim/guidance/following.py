@@ -1,4 +1,4 @@
-"""What the shared plan wants each team to do now: part, wait and join, or go on.
+"""What a plan wants each team to do now: part, wait and join, or go on.
 
 A robot's next task is the one that it scouts, while there is something to see; else the first
 open one in the plan's order that has it in its coalition. A team whose robots have different next
@@ -13,57 +13,66 @@ from typing import Any
 from teamformer.jit import entry, kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import find_earliest_tasks
-from teamformer.sim.arrays import PLAN, RUNNING, Array, World, Worlds, world_at
+from teamformer.sim.arrays import RUNNING, Array, World, Worlds, world_at
 from teamformer.sim.formation import choose_stayers
+from teamformer.sim.guidance.parts import Parts
 from teamformer.sim.spatial_index import stands_at
 
 
 @entry
-def follow_shared_plans(worlds: Worlds, is_new: Array) -> None:
-    """Write what teams are to do next in all worlds with a plan; `is_new` (worlds,) says which."""
+def follow_plans(worlds: Worlds, parts: Parts, is_new: Array) -> None:
+    """Write what teams are to do next in all coordinated worlds; `is_new` (worlds,) says which."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
-        if world.count.status == RUNNING and world.rules.allocation == PLAN:
-            _follow(world, is_new[w])
+        if world.count.status == RUNNING and world.rules.is_coordinated:
+            own = Parts(
+                parts.coalition[w],
+                parts.scouts[w],
+                parts.took[w],
+                parts.kind[w],
+                parts.waiting[w],
+                parts.wanted[w],
+            )
+            _follow(world, own, is_new[w])
 
 
 @kernel
-def _follow(world: World, is_new: Array) -> None:
-    _find_next_tasks(world, is_new)
+def _follow(world: World, parts: Parts, is_new: Array) -> None:
+    _find_next_tasks(world, parts, is_new)
     find_earliest_tasks(world)
     for position in range(world.count.open):
-        world.tasks[world.order[position]].waiting = NOBODY
+        parts.waiting[world.order[position]] = NOBODY
     for team in range(world.rules.robots):
         for cap in range(world.has.shape[1]):
-            world.planned[team, cap] = world.has[team, cap]
+            parts.wanted[team, cap] = world.has[team, cap]
         if world.teams[team].size == 0 or world.teams[team].serves > 0:
             continue
         if _is_parting(world, team):
-            _part(world, team)
+            _part(world, parts, team)
         else:
-            _join_who_waits(world, team)
+            _join_who_waits(world, parts, team)
     if is_new:  # the plan is written down with these exchanges made
         for robot in range(world.rules.robots):
-            world.robots[robot].took = NOBODY
+            parts.took[robot] = NOBODY
 
 
 @kernel
-def _find_next_tasks(world: World, is_new: Array) -> None:
+def _find_next_tasks(world: World, parts: Parts, is_new: Array) -> None:
     """Find each robot's next task, where its last one is done or the plan is new."""
     for robot in range(world.rules.robots):
-        world.robots[robot].took = NOBODY
+        parts.took[robot] = NOBODY
         task = world.robots[robot].next
         if not is_new and (task == NOBODY or world.tasks[task].is_open):
             continue
         world.robots[robot].next = NOBODY
         if world.robots[robot].team == NOBODY:
             continue
-        scouted = world.robots[robot].scouts
+        scouted = parts.scouts[robot]
         if scouted != NOBODY and world.tasks[scouted].is_open and _is_unseen(world, scouted):
             world.robots[robot].next = scouted
             continue
         for position in range(world.count.open):
-            if world.coalition[world.order[position], robot]:
+            if parts.coalition[world.order[position], robot]:
                 world.robots[robot].next = world.order[position]
                 break
 
@@ -85,22 +94,22 @@ def _is_parting(world: World, team: int) -> bool:
 
 
 @kernel
-def _join_who_waits(world: World, team: int) -> None:
+def _join_who_waits(world: World, parts: Parts, team: int) -> None:
     """Let a team at its task be joined by the next in slot order that is there too."""
     task = world.teams[team].next
     if task == NOBODY or not stands_at(world, team, task):
         return
-    other = world.tasks[task].waiting
+    other = parts.waiting[task]
     if other == NOBODY:
-        world.tasks[task].waiting = team
+        parts.waiting[task] = team
         return
-    world.tasks[task].waiting = NOBODY
+    parts.waiting[task] = NOBODY
     for cap in range(world.has.shape[1]):
-        world.planned[other, cap] += world.has[team, cap]
+        parts.wanted[other, cap] += world.has[team, cap]
 
 
 @kernel
-def _part(world: World, team: int) -> None:
+def _part(world: World, parts: Parts, team: int) -> None:
     """Choose the counts to keep so that the robots of one way stay, or all others.
 
     Ways are looked at in the plan's order. Members stay in robot order while they fit, so it may
@@ -110,14 +119,14 @@ def _part(world: World, team: int) -> None:
     task = world.teams[team].next
     while task != NOBODY:
         for leaves in (False, True):
-            _want_way(world, team, task, leaves)
-            choose_stayers(world, team, world.planned[team])
-            if _are_alike(world, team, task, leaves):
-                _exchange(world, team, task, leaves)
+            _want_way(world, parts, team, task, leaves)
+            choose_stayers(world, team, parts.wanted[team])
+            if _are_alike(world, parts, team, task, leaves):
+                _exchange(world, parts, team, task, leaves)
                 return
         task = _next_way(world, team, task)
     for cap in range(world.has.shape[1]):
-        world.planned[team, cap] = world.brings[team, cap]
+        parts.wanted[team, cap] = world.brings[team, cap]
 
 
 @kernel
@@ -141,25 +150,25 @@ def _is_meant_to_stay(world: World, robot: int, task: int, leaves: bool) -> bool
 
 
 @kernel
-def _want_way(world: World, team: int, task: int, leaves: bool) -> None:
+def _want_way(world: World, parts: Parts, team: int, task: int, leaves: bool) -> None:
     """Write the counts of those who are meant to stay."""
     for cap in range(world.has.shape[1]):
-        world.planned[team, cap] = 0
+        parts.wanted[team, cap] = 0
     for robot in range(team, world.rules.robots):
         if world.robots[robot].team == team and _is_meant_to_stay(world, robot, task, leaves):
             for cap in range(world.has.shape[1]):
-                world.planned[team, cap] += world.brings[robot, cap]
+                parts.wanted[team, cap] += world.brings[robot, cap]
 
 
 @kernel
-def _are_alike(world: World, team: int, task: int, leaves: bool) -> bool:
+def _are_alike(world: World, parts: Parts, team: int, task: int, leaves: bool) -> bool:
     """Say whether as many robots of each kind stay as are meant to."""
     more = world.near_key  # (robots,) by kind
     for robot in range(world.rules.robots):
         more[robot] = 0
     for robot in range(team, world.rules.robots):
         if world.robots[robot].team == team:
-            kind = world.robots[robot].kind
+            kind = parts.kind[robot]
             more[kind] += world.robots[robot].stays
             more[kind] -= _is_meant_to_stay(world, robot, task, leaves)
     for robot in range(world.rules.robots):
@@ -169,7 +178,7 @@ def _are_alike(world: World, team: int, task: int, leaves: bool) -> bool:
 
 
 @kernel
-def _exchange(world: World, team: int, task: int, leaves: bool) -> None:
+def _exchange(world: World, parts: Parts, team: int, task: int, leaves: bool) -> None:
     """Let robots that stay take the parts of like ones that are meant to, and the other way round.
 
     Each does so at most once, as one that is meant to stay then stays.
@@ -180,24 +189,24 @@ def _exchange(world: World, team: int, task: int, leaves: bool) -> None:
         if _is_meant_to_stay(world, robot, task, leaves):
             continue
         for other in range(team, world.rules.robots):
-            is_like = world.robots[other].kind == world.robots[robot].kind
+            is_like = parts.kind[other] == parts.kind[robot]
             leaves_team = world.robots[other].team == team and not world.robots[other].stays
             if is_like and leaves_team and _is_meant_to_stay(world, other, task, leaves):
-                _swap_parts(world, robot, other)
+                _swap_parts(world, parts, robot, other)
                 break
 
 
 @kernel
-def _swap_parts(world: World, robot: int, other: int) -> None:
+def _swap_parts(world: World, parts: Parts, robot: int, other: int) -> None:
     for position in range(world.count.open):
         task = world.order[position]
-        part = world.coalition[task, robot]
-        world.coalition[task, robot] = world.coalition[task, other]
-        world.coalition[task, other] = part
-    scouted = world.robots[robot].scouts
-    world.robots[robot].scouts = world.robots[other].scouts
-    world.robots[other].scouts = scouted
+        part = parts.coalition[task, robot]
+        parts.coalition[task, robot] = parts.coalition[task, other]
+        parts.coalition[task, other] = part
+    scouted = parts.scouts[robot]
+    parts.scouts[robot] = parts.scouts[other]
+    parts.scouts[other] = scouted
     following = world.robots[robot].next
     world.robots[robot].next = world.robots[other].next
     world.robots[other].next = following
-    world.robots[robot].took, world.robots[other].took = other, robot
+    parts.took[robot], parts.took[other] = other, robot

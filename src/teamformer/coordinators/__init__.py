@@ -1,0 +1,1 @@
+"""Who decides which robots do which task together: the seam is `coordination.Coordinator`."""

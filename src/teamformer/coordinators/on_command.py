@@ -1,0 +1,13 @@
+"""Teams go by the tasks that decisions name, and by nothing else."""
+
+from __future__ import annotations
+
+from teamformer.coordination import Known, Plan
+
+
+class OnCommand:
+    """Plans nothing: a team heads for the task that its decision names, or stays."""
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        """Return an empty plan."""
+        return Plan()

@@ -1,0 +1,57 @@
+"""What everybody knows of a world, as coordinators are told it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from teamformer.coordination import NEWS, Known
+from teamformer.grid import Grid
+from teamformer.model import Scenario
+from teamformer.rules.constants import NOBODY
+from teamformer.sim.arrays import Worlds
+from teamformer.truth import believed_mission
+
+
+def known_of(worlds: Worlds, w: int, scenario: Scenario, news: int) -> Known:
+    """Return what everybody knows of world `w`; `news` holds what has happened, a bit for each."""
+    robots, tasks, teams = worlds.robots[w], worlds.tasks[w], worlds.teams[w]
+    step = int(worlds.count["steps"][w])
+    free_at = np.full(len(teams), step)  # (slots,)
+    for task in np.flatnonzero(tasks["server"] != NOBODY).tolist():
+        server, rest = int(tasks["server"][task]), tasks["expected"][task] - tasks["served"][task]
+        until = step + int(rest)
+        free_at[server] = max(int(free_at[server]), until)
+    slots = robots["team"][: len(scenario.robots)]
+    along = int if isinstance(scenario.world, Grid) else float
+    members = {slot: np.flatnonzero(slots == slot) for slot in np.unique(slots[slots != NOBODY])}
+    return Known(
+        mission=_believed(worlds, w, scenario),
+        step=step,
+        open_tasks=tuple(np.flatnonzero(tasks["is_open"] & (tasks["server"] == NOBODY)).tolist()),
+        places=tuple((along(teams["x"][slot]), along(teams["y"][slot])) for slot in slots),
+        teams=tuple(tuple(members[slot].tolist()) for slot in sorted(members)),
+        free_at=tuple(free_at[slots].tolist()),
+        unseen_needs=frozenset(np.flatnonzero(tasks["hides_needs"]).tolist()),
+        unseen_places=frozenset(np.flatnonzero(tasks["hides_place"]).tolist()),
+        news=words_of(news),
+    )
+
+
+def words_of(news: int) -> tuple[str, ...]:
+    """Return the words for news that is a bit each, in the order of `NEWS`."""
+    return tuple(word for bit, word in enumerate(NEWS) if news & 1 << bit)
+
+
+def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
+    """Return a mission with what everybody believes that its tasks need, and where they are."""
+    caps, tasks = scenario.capabilities, range(len(scenario.tasks))
+    needs: dict[int, dict[str, float]] = {}
+    if worlds.rules["hides_needs"][w]:
+        for task, counts in zip(tasks, worlds.needs[w].tolist(), strict=False):
+            believed = {c: n for c, n in zip(caps, counts, strict=False) if n}
+            needs[task] = scenario.out_of_units(believed)
+    along = int if isinstance(scenario.world, Grid) else float
+    at = worlds.tasks[["x", "y"]][w]
+    unsure = [task for task in tasks if scenario.tasks[task].within]
+    places = {task: (along(at["x"][task]), along(at["y"][task])) for task in unsure}
+    return believed_mission(scenario, needs, places)

@@ -1,0 +1,20 @@
+"""The plans of a batch of worlds as arrays; imports nothing, as compiled code is kept by this."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+
+
+class Parts(NamedTuple):
+    """The plans that a batch of worlds goes by, and what they want of every team."""
+
+    coalition: Array  # (worlds, tasks, robots) bool, who does what
+    scouts: Array  # (worlds, robots) int32, the task that a robot looks at first, or NOBODY
+    took: Array  # (worlds, robots) int32, the robot whose part one has just taken, or NOBODY
+    kind: Array  # (worlds, robots) int32, the lowest robot that brings the same and is as fast
+    waiting: Array  # (worlds, tasks) int32, a team that waits there for others, or NOBODY
+    wanted: Array  # (worlds, robots, caps) int32, the counts that each team is to have, by slot

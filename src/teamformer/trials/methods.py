@@ -32,22 +32,23 @@ class Method:
 
     `allocation` is `paper` (the paper's shared order and its allocator), `crews` or `plan`. Two
     settings are for measurements: `new_tasks`, what the paper's order does with tasks that appear,
-    and `foresight`, what a plan assumes about needs that nobody knows yet.
+    and `foresight`, what a plan assumes about needs that nobody knows yet. None leaves the
+    mission's own, which only settings of benchmarks such as `4N20+20T-C4-nn` set.
     """
 
     name: str
     policy: Policy
     allocation: str = "paper"
-    new_tasks: str = "resolve"
-    foresight: str = "scouting"
+    new_tasks: str | None = None
+    foresight: str | None = None
 
     def apply(self, mission: Scenario) -> Scenario:
         """Return a mission as this method plays it."""
         return replace(
             mission,
             allocation=self.allocation,
-            new_tasks=self.new_tasks,
-            foresight=self.foresight,
+            new_tasks=self.new_tasks or mission.new_tasks,
+            foresight=self.foresight or mission.foresight,
         )
 
 
@@ -55,8 +56,7 @@ def as_method(method: Method | Policy, mission: Scenario) -> Method:
     """Return a method; of a policy by itself, one that plays a mission as it stands."""
     if isinstance(method, Method):
         return method
-    how = (mission.allocation, mission.new_tasks, mission.foresight)
-    return Method(type(method).__name__, method, *how)
+    return Method(type(method).__name__, method, mission.allocation)
 
 
 SETTINGS = ("new_tasks", "foresight")

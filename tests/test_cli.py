@@ -122,6 +122,9 @@ def test_check_says_what_is_only_claimed_and_compares_the_scenario(
     same = tmp_path / "same.yaml"
     same.write_text(f"step_limit: 900\n{text.replace('name: four', 'name: more than four')}")
     assert teamformer("check", record, "--scenario", str(same)) == 0
+    for method in ("plan", "crews"):
+        assert teamformer("run", FOUR, "--method", method, "--out", str(tmp_path)) == 0
+        assert teamformer("check", record, "--scenario", FOUR) == 0
 
 
 def test_check_finds_a_forged_makespan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

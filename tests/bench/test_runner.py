@@ -279,7 +279,7 @@ def test_what_a_suite_sets_of_a_method_counts(tmp_path: Path) -> None:
 
 
 def test_late_tasks_are_inserted_as_the_setting_of_fig_9_says(tmp_path: Path) -> None:
-    """The same worlds twice; inserting after the nearest task takes another time than a new tour."""
+    """The same worlds twice; inserting after the nearest takes another time than a new tour."""
     settings = ("4N20+20T-C4-tsp", "4N20+20T-C4-nn")
     suite = replace(SMALL, settings=settings, methods=("heuristic",))
     rows = measured(tmp_path, Request(suite, trials=4))

@@ -113,9 +113,9 @@ CASES = [
     ("sensing_radius: 1", "allocation: crews", 10, "'allocation' says how to solve the mission, "
      "not what it is; delete it, and choose a method with --method"),
     ("sensing_radius: 1", "new_tasks: nearest", 10, "'new_tasks' says how to solve the mission, "
-     "not what it is; delete it; suites of `bench` can set it, under method_settings"),
+     "not what it is; delete it; suites of bench can set it, under method_settings"),
     ("sensing_radius: 1", "foresight: absent", 10, "'foresight' says how to solve the mission, "
-     "not what it is; delete it; suites of `bench` can set it, under method_settings"),
+     "not what it is; delete it; suites of bench can set it, under method_settings"),
     # unknown, repeated, missing and misplaced keys
     ("name: good", "nmae: good", 2, "no key 'nmae'; did you mean 'name'?"),
     ("speed: 0.5", "colour: red", 7, "robot 2 has no key 'colour'; known are name, at, can"),

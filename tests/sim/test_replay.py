@@ -91,11 +91,8 @@ def test_the_file_is_json_for_other_programs(path: Path) -> None:
     tree = json.loads(path.read_bytes(), parse_constant=refuse)
     assert tree == replay_to_tree(RECORD)
     assert tree["teamformer_replay"] == 2
-    assert (tree["method"], tree["allocation"], tree["foresight"]) == (
-        "by hand",
-        "paper",
-        "scouting",
-    )
+    how = [tree[key] for key in ("method", "allocation", "foresight")]
+    assert how == ["by hand", "paper", "scouting"]
     assert not {"order", "new_tasks", "allocation", "foresight"} & set(tree["scenario"])
 
 

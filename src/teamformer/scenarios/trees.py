@@ -44,7 +44,7 @@ TOP_KEYS = {
     "arrivals": False,
 }
 BY_METHOD = "delete it, and choose a method with --method"
-BY_SUITE = "delete it; suites of `bench` can set it, under method_settings"
+BY_SUITE = "delete it; suites of bench can set it, under method_settings"
 KEYS_OF_METHODS = {
     "order": BY_METHOD,
     "allocation": BY_METHOD,

@@ -189,7 +189,7 @@ def test_generate_makes_a_scenario_that_runs(
         (("robotarium", SMALL_ROBOTS, "--method", "central"), "plans every step before the start"),
         (("bench", "robotarium", "--methods", "central"), "plans every step before the start"),
         (("generate", "-o", "x.yaml", "--grid", "99999x99999"), "9,999,800,001 cells"),
-        (("run", FOUR, "--policy", "join-all"), "no such option: --policy"),
+        (("run", FOUR, "--policy", "join-all"), "No such option: --policy"),
         (("compare", FOUR, "--methods", "join-all,"), "there is no method ''"),
         (("generate", "-o", "/proc/none/x.yaml"), "cannot be written"),
         (("generate", "-o", "x.yaml", "--grid", "ten"), "WIDTHxHEIGHT"),

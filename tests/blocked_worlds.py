@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from random_worlds import random_decision, random_world
-from teamformer.mission.rules import ORDERS
 from teamformer.model import Scenario
 from teamformer.policies.protocol import Policy
 from teamformer.sim.env import TeamFormation
@@ -22,8 +21,7 @@ def blocked_worlds(
     together = min(count, 500)
     for _ in range(count // together):
         worlds = [random_world(rng, is_plane=is_plane) for _ in range(together)]
-        order = str(rng.choice(ORDERS))
-        env = TeamFormation([replace(w, allocation=allocation, order=order) for w in worlds])
+        env = TeamFormation([replace(w, allocation=allocation) for w in worlds])
         for _ in range(int(rng.integers(0, 25))):
             if env.is_running.any():
                 env.step(random_decision(env.view(), rng))

@@ -58,20 +58,18 @@ def small_mission() -> Scenario:
 def serving(
     scenario: Scenario, folder: Path, speed: float = 20.0, token: str | None = None
 ) -> Iterator[Served]:
-    """Serve a mission under the rule `join-fitting` while the block runs."""
-    policy = "join-fitting"
-    mission = Mission(scenario, lambda: load_method(policy), 0)
+    """Serve a mission that runs by the method `join-fitting` while the block runs."""
+    mission = Mission(scenario, lambda: load_method("join-fitting"), 0)
     with _served(Session(mission, folder, speed), token) as served:
         yield served
 
 
 @contextmanager
 def serving_editor(folder: Path, speed: float = 20.0) -> Iterator[Served]:
-    """Serve the editor, whose missions run under the rule `join-fitting`."""
-    policy = "join-fitting"
+    """Serve the editor, whose missions run by the method `join-fitting`."""
 
     def start(scenario: Scenario) -> Mission:
-        return Mission(scenario, lambda: load_method(policy), 0)
+        return Mission(scenario, lambda: load_method("join-fitting"), 0)
 
     with _served(Workshop(start, folder, speed), None) as served:
         yield served

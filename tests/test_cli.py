@@ -6,10 +6,12 @@ import contextlib
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -17,10 +19,11 @@ import pytest
 
 from teamformer import cli
 from teamformer.commands import console
-from teamformer.mission.rules import ALLOCATIONS
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.reading import read_replay
+from teamformer.trials.methods import load_method
+from teamformer.trials.trial import run_trial
 
 ROOT = Path(__file__).parent.parent
 FOUR = str(ROOT / "examples" / "four-robots.yaml")
@@ -42,7 +45,7 @@ def teamformer(*words: str) -> int:
 def test_run_writes_a_record_that_check_accepts(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert teamformer("run", FOUR, "--policy", "join-all", "--html", "--out", str(tmp_path)) == 0
+    assert teamformer("run", FOUR, "--method", "join-all", "--html", "--out", str(tmp_path)) == 0
     shown = capsys.readouterr().out
     replay = read_replay(tmp_path / "replay.json")
     assert f"all done after {replay.end.makespan} steps" in shown
@@ -56,10 +59,15 @@ def test_run_json_is_one_object_with_every_key(capsys: pytest.CaptureFixture[str
     assert teamformer("run", FOUR, "--json") == 0
     row = json.loads(capsys.readouterr().out)
     keys = (
-        "scenario policy seed completed makespan steps tasks_done tasks robots capabilities joins "
-        "splits illegal_decisions decision_seconds total_seconds best_known lower_bound"
+        "scenario method seed completed makespan steps tasks_done tasks robots capabilities joins "
+        "splits illegal_decisions planning_seconds decision_seconds simulating_seconds "
+        "total_seconds best_known lower_bound"
     )
     assert set(keys.split(" ")) <= set(row)
+    assert not {"policy", "order", "allocation"} & set(row)
+    assert row["method"] == "plan"
+    parts = ("planning_seconds", "decision_seconds", "simulating_seconds")
+    assert sum(row[part] for part in parts) == pytest.approx(row["total_seconds"], abs=1e-5)
     assert row["completed"] is True
     assert row["makespan"] == row["steps"] >= row["lower_bound"] > 0
     assert (row["tasks_done"], row["tasks"], row["robots"], row["capabilities"]) == (4, 4, 4, 4)
@@ -95,13 +103,13 @@ def test_a_lost_capability_ends_the_trial_and_names_the_task(
 def test_check_says_what_is_only_claimed_and_compares_the_scenario(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ("--policy", "join-all", "--seed", "3", "--step-limit", "900")
+    words = ("--method", "join-all", "--seed", "3", "--step-limit", "900")
     assert teamformer("run", FOUR, *words, "--out", str(tmp_path)) == 0
     record = str(tmp_path / "replay.json")
     bound = read_replay(tmp_path / "replay.json").lower_bound
     capsys.readouterr()
     assert teamformer("check", record) == 0
-    claims = f"policy join-all, seed 3, illegal decisions 0, lower bound {bound}"
+    claims = f"method join-all, seed 3, illegal decisions 0, lower bound {bound}"
     assert f"only claimed by the record: {claims}\n" in capsys.readouterr().out
     assert teamformer("check", record, "--scenario", FOUR, "--json") == 1
     verdict = json.loads(capsys.readouterr().out)
@@ -114,6 +122,9 @@ def test_check_says_what_is_only_claimed_and_compares_the_scenario(
     same = tmp_path / "same.yaml"
     same.write_text(f"step_limit: 900\n{text.replace('name: four', 'name: more than four')}")
     assert teamformer("check", record, "--scenario", str(same)) == 0
+    for method in ("plan", "crews"):
+        assert teamformer("run", FOUR, "--method", method, "--out", str(tmp_path)) == 0
+        assert teamformer("check", record, "--scenario", FOUR) == 0
 
 
 def test_check_finds_a_forged_makespan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -129,11 +140,11 @@ def test_check_finds_a_forged_makespan(tmp_path: Path, capsys: pytest.CaptureFix
     assert any("makespan" in finding["message"] for finding in verdict["findings"])
 
 
-def test_compare_shows_every_policy_against_the_best(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ("compare", FOUR, "--policies", "heuristic,join-all,central", "--time-limit", "2")
+def test_compare_shows_every_method_against_the_best(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("compare", FOUR, "--methods", "heuristic,join-all,central", "--time-limit", "2")
     assert teamformer(*words, "--json") == 0
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert [row["policy"] for row in rows] == ["heuristic", "join-all", "central"]
+    assert [row["method"] for row in rows] == ["heuristic", "join-all", "central"]
     best = min(row["makespan"] for row in rows)
     assert {row["best_known"] for row in rows} == {best}
     assert rows[2]["makespan"] == best
@@ -157,7 +168,7 @@ def test_generate_makes_a_scenario_that_runs(
     words = ("--robots", "6", "--tasks", "9", "--capabilities", "3", "--grid", "12x8")
     assert teamformer("generate", *words, "--seed", "2", "-o", str(path)) == 0
     capsys.readouterr()
-    assert teamformer("run", str(path), "--policy", "heuristic", "--json") == 0
+    assert teamformer("run", str(path), "--method", "heuristic", "--json") == 0
     row = json.loads(capsys.readouterr().out)
     assert (row["robots"], row["tasks"], row["capabilities"]) == (6, 9, 3)
 
@@ -169,24 +180,24 @@ def test_generate_makes_a_scenario_that_runs(
         (("run", str(ROOT)), "this is a folder"),
         (("run", sys.executable), "not"),
         (("run", FOUR, "--seed", "x"), "--seed"),
-        (("run", FOUR, "--policy", "joinall"), "did you mean 'join-all'?"),
-        (("run", FOUR, "--policy", "nowhere:Nobody"), "cannot be imported"),
+        (("run", FOUR, "--method", "joinall"), "did you mean 'join-all'?"),
+        (("run", FOUR, "--method", "nowhere:Nobody"), "cannot be imported"),
         (("run", FOUR, "--html"), "--out"),
         (("run", FOUR, "--out", "/proc/none"), "cannot be written"),
         (("run", FOUR, "--out", FOUR), "this is no folder"),
         (("run", FOUR, "--step-limit", "9999999999"), "use a whole number up to 1,000,000,000"),
-        (("robotarium", SMALL_ROBOTS, "--policy", "central"), "plans every step before the start"),
-        (("bench", "robotarium", "--policies", "central"), "plans every step before the start"),
+        (("robotarium", SMALL_ROBOTS, "--method", "central"), "plans every step before the start"),
+        (("bench", "robotarium", "--methods", "central"), "plans every step before the start"),
         (("generate", "-o", "x.yaml", "--grid", "99999x99999"), "9,999,800,001 cells"),
-        (("run", FOUR, "--order", "alphabetical"), "order 'alphabetical' is unknown"),
-        (("compare", FOUR, "--policies", "join-all,"), "there is no policy ''"),
+        (("run", FOUR, "--policy", "join-all"), "No such option: --policy"),
+        (("compare", FOUR, "--methods", "join-all,"), "there is no method ''"),
         (("generate", "-o", "/proc/none/x.yaml"), "cannot be written"),
         (("generate", "-o", "x.yaml", "--grid", "ten"), "WIDTHxHEIGHT"),
         (("generate", "-o", "x.yaml", "--robots", "0"), "--robots"),
         (("generate", "-o", "x.yaml", "--grid", "9999x9999"), "99,980,001 cells"),
         (("generate", "-o", "x.yaml", "--cell", "0.5"), "add --map"),
-        (("compare", FOUR, "--policies", "heuristic,heuristic"), "'heuristic' is named twice"),
-        (("run", FOUR, "--policy", ".mine:X"), "write it as module:Class"),
+        (("compare", FOUR, "--methods", "heuristic,heuristic"), "'heuristic' is named twice"),
+        (("run", FOUR, "--method", ".mine:X"), "write it as module:Class"),
         (("generate", "-o", "x.yaml", "--requirements", "9"), "requirements is 9"),
         (("check", FOUR), "not"),
         (("view", "nowhere.json"), "there is no such file"),
@@ -217,11 +228,9 @@ def test_your_own_policy_by_module_and_class(
     (tmp_path / "mine.py").write_text(code, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
-    for allocation in ALLOCATIONS:
-        words = ("--policy", "mine:Sociable", "--allocation", allocation)
-        assert teamformer("run", FOUR, *words, "--json") == 0
-        row = json.loads(capsys.readouterr().out)
-        assert (row["tasks_done"], row["illegal_decisions"]) == (4, 0)
+    assert teamformer("run", FOUR, "--method", "mine:Sociable", "--json") == 0
+    row = json.loads(capsys.readouterr().out)
+    assert (row["method"], row["tasks_done"], row["illegal_decisions"]) == ("mine:Sociable", 4, 0)
 
 
 def test_a_mistake_in_your_own_policy_is_told_without_a_traceback(
@@ -240,7 +249,7 @@ class Wrong:
     (tmp_path / "wrong.py").write_text(code, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
-    assert teamformer("run", FOUR, "--policy", "wrong:Wrong", "--json") == 2
+    assert teamformer("run", FOUR, "--method", "wrong:Wrong", "--json") == 2
     printed = capsys.readouterr()
     assert "wrong.py:9: AttributeError: 'View' object has no attribute 'cuonts'" in printed.err
     assert printed.out == ""
@@ -315,7 +324,7 @@ def press_ctrl_c(
 def test_ctrl_c_leaves_a_legal_record_of_what_was_done(
     pause: float, wait: float, sent: int, tmp_path: Path
 ) -> None:
-    process = start_slow(tmp_path, pause, "run", FOUR, "--policy", "slow:Slow", "--out", "out")
+    process = start_slow(tmp_path, pause, "run", FOUR, "--method", "slow:Slow", "--out", "out")
     shown, errors = press_ctrl_c(process, 3, wait, sent)
     assert "Traceback" not in errors
     replay = read_replay(tmp_path / "out" / "replay.json")
@@ -328,7 +337,7 @@ def test_ctrl_c_leaves_a_legal_record_of_what_was_done(
 
 
 def test_ctrl_c_ends_a_comparison_and_shows_what_was_done(tmp_path: Path) -> None:
-    words = ("compare", FOUR, "--policies", "join-all,slow:Slow,heuristic", "--seeds", "2")
+    words = ("compare", FOUR, "--methods", "join-all,slow:Slow,heuristic", "--seeds", "2")
     process = start_slow(tmp_path, 0.2, *words)
     shown, errors = press_ctrl_c(process, 2, 0.05)
     assert "Traceback" not in errors
@@ -340,11 +349,11 @@ def test_ctrl_c_ends_a_comparison_and_shows_what_was_done(tmp_path: Path) -> Non
 
 
 def test_a_planner_s_bound_is_everybody_s(capsys: pytest.CaptureFixture[str]) -> None:
-    assert teamformer("compare", FOUR, "--policies", "join-all,central", "--json") == 0
+    assert teamformer("compare", FOUR, "--methods", "join-all,central", "--json") == 0
     simple, planned = map(json.loads, capsys.readouterr().out.splitlines())
     assert planned["proven"] is True  # so that the relaxed schedule is its own bound
     assert simple["lower_bound"] == planned["lower_bound"] >= planned["relaxed"]
-    assert teamformer("run", FOUR, "--policy", "central", "--json") == 0
+    assert teamformer("run", FOUR, "--method", "central", "--json") == 0
     alone = json.loads(capsys.readouterr().out)
     assert alone["lower_bound"] == planned["lower_bound"]
 
@@ -354,7 +363,7 @@ ONE_BY_ONE = [pytest.param(closed, marks=pytest.mark.slow) for closed in (">&-",
 
 @pytest.mark.parametrize("closed", [">&- 2>&-", "<&-", *ONE_BY_ONE])
 def test_closed_streams_are_no_fault(closed: str) -> None:
-    command = f"{sys.executable} -m teamformer.cli run {FOUR} --policy join-all {closed}"
+    command = f"{sys.executable} -m teamformer.cli run {FOUR} --method join-all {closed}"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(command, shell=True, capture_output=True, text=True, env=environment)
     assert done.returncode == 0
@@ -363,7 +372,7 @@ def test_closed_streams_are_no_fault(closed: str) -> None:
 
 def test_in_a_narrow_terminal_nothing_is_left_out() -> None:
     environment = {"COLUMNS": "40", "PYTHONPATH": os.pathsep.join(sys.path)}
-    for words in (["compare", FOUR, "--policies", "join-all"], ["policies"]):
+    for words in (["compare", FOUR, "--methods", "join-all"], ["methods"]):
         shown = show_in_terminal(words, {**os.environ, **environment})
         assert "…" not in shown
         assert "join-all" in shown
@@ -387,7 +396,7 @@ def test_many_robots_are_not_all_named(tmp_path: Path, capsys: pytest.CaptureFix
     file = tmp_path / "crowd.yaml"
     sizes = ("--robots", "14", "--capabilities", "14", "--tasks", "1", "--requirements", "14")
     assert teamformer("generate", *sizes, "-o", str(file)) == 0
-    assert teamformer("run", str(file), "--policy", "join-all") == 0
+    assert teamformer("run", str(file), "--method", "join-all") == 0
     shown = capsys.readouterr().out
     assert "r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11 and 3 more" in shown
 
@@ -400,41 +409,70 @@ def test_on_a_full_disk_the_result_is_shown_and_no_half_record_stays(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "write_bytes", write)
-    assert teamformer("run", FOUR, "--policy", "join-all", "--json", "--out", str(tmp_path)) == 1
+    assert teamformer("run", FOUR, "--method", "join-all", "--json", "--out", str(tmp_path)) == 1
     printed = capsys.readouterr()
     assert json.loads(printed.out)["completed"] is True
     assert f"error: {tmp_path / 'replay.json'}: No space left on device" in printed.err
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_mission_too_large_to_be_planned_soon_runs_under_crews_and_says_so(
+def test_a_mission_too_large_to_be_planned_soon_is_solved_by_crews_and_run_says_so(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("teamformer.planning.teams.shared_plan.MOST_AT_ONCE", 31)  # 4 * (4 + 4)
-    assert teamformer("run", FOUR, "--json", "--policy", "plan") == 0
+    assert teamformer("run", FOUR, "--json") == 0
     shown = capsys.readouterr()
-    assert json.loads(shown.out)["allocation"] == "crews"
+    assert json.loads(shown.out)["method"] == "crews"
     assert "4 robots and 4 tasks are too many to share a plan soon: crews instead" in shown.err
-    assert teamformer("run", FOUR, "--json", "--allocation", "plan") == 0
-    assert json.loads(capsys.readouterr().out)["allocation"] == "plan"
+    assert teamformer("run", FOUR, "--json", "--method", "plan") == 0
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["method"] == "plan"
+    assert "too many" not in shown.err
 
 
-def test_a_network_of_the_paper_runs_under_its_own_allocation_and_its_row_says_so(
+def test_run_says_by_which_method_and_what_took_the_time(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """The file says nothing of allocation, and means the best, which that network does not know."""
-    assert teamformer("compare", FOUR, "--policies", "crews,gnn-c4") == 0
-    shown = capsys.readouterr()
-    assert "gnn-c4 was made for allocation paper, not" in shown.err
-    assert " gnn-c4, paper " in shown.out
-    assert " crews " in shown.out
-    assert teamformer("run", FOUR, "--policy", "gnn-c4", "--json") == 0
-    assert json.loads(capsys.readouterr().out)["allocation"] == "paper"
-    assert teamformer("run", FOUR, "--policy", "gnn-c4", "--allocation", "crews") == 2
-    assert "hint: leave --allocation out, or use paper" in capsys.readouterr().err
+    assert teamformer("run", FOUR) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("four robots: plan, seed 0\n")
+    seconds = r"\d+\.\d\d s"
+    line = f"planning {seconds}, deciding {seconds}, simulating {seconds}\n"
+    assert re.search(line, shown), shown
 
 
-@pytest.mark.parametrize("command", ["policies", f"run {FOUR} --policy join-all --out out"])
+def test_compare_plays_every_method_under_what_it_was_made_for(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """What each does in `compare` is what it does alone, by its own coordination."""
+    names = ["heuristic", "join-all", "teamformer", "crews", "plan"]
+    assert teamformer("compare", FOUR, "--methods", ",".join(names), "--json") == 0
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [row["method"] for row in rows] == names
+    mission = read_scenario(Path(FOUR))
+    for row in rows:
+        allocation = {"crews": "crews", "plan": "plan"}.get(row["method"], "paper")
+        policy = load_method(row["method"]).policy
+        end = run_trial(replace(mission, allocation=allocation), policy).replay.end
+        made = (end.makespan, end.joins, end.splits)
+        assert (row["makespan"], row["joins"], row["splits"]) == made, row["method"]
+
+
+def test_methods_are_listed_once_each_with_who_coordinates(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert teamformer("methods", "--json") == 0
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    coordination = {row["name"]: row["coordination"] for row in rows}
+    assert len(coordination) == len(rows)
+    assert coordination.pop("plan") == coordination.pop("central") == "the shared plan"
+    assert coordination.pop("crews") == "crews"
+    assert set(coordination.values()) == {"the paper's order"}
+    assert teamformer("methods") == 0
+    assert "your own: --method module:Class (docs/methods.md)" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["methods", f"run {FOUR} --method join-all --out out"])
 def test_a_reader_that_has_seen_enough_is_no_fault(command: str, tmp_path: Path) -> None:
     pipeline = f"set -o pipefail; {sys.executable} -m teamformer.cli {command} | true"
     done = subprocess.run(

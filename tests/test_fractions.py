@@ -75,7 +75,7 @@ def pair_of_worlds(allocation: str) -> tuple[Scenario, Scenario]:
 PLAYED = [
     ("paper", "join-all"),
     ("paper", "heuristic"),
-    ("nearest", "join-fitting"),
+    ("paper", "join-fitting"),
     ("crews", "teamformer"),
     ("plan", "teamformer"),
     ("paper", "teamformer"),
@@ -115,7 +115,7 @@ def test_no_more_robots_than_this_are_needed_whatever_each_brings() -> None:
 def test_three_robots_of_33_333_do_not_lift_100() -> None:
     with pytest.raises(ScenarioError, match=r"needs 100 x lift but .* lack 0\.001 x lift"):
         haul(33.333, 33.333, 33.333)
-    replay = run_trial(haul(33.334, 33.334, 33.334), JoinAll(), "join-all").replay
+    replay = run_trial(haul(33.334, 33.334, 33.334), JoinAll()).replay
     assert replay.steps[-1].done == ((0, 0),)
     assert sum(len(step.joins) for step in replay.steps) == 2
     assert judge(replay).findings == ()
@@ -176,9 +176,9 @@ def test_the_example_is_played_by_every_kind_of_policy(tmp_path: Path) -> None:
 def test_a_network_that_spells_refuses_counts_that_take_too_long() -> None:
     scenario = haul(12.5, 7.5, needs=15)  # 5 and 3 units of 2.5
     policy = load_method("teamformer-c4").policy
-    assert run_trial(scenario, policy, "teamformer-c4").replay.end.status == "completed"
+    assert run_trial(scenario, policy).replay.end.status == "completed"
     with pytest.raises(TeamformerError, match="spells counts one by one, and a robot brings 12,34"):
-        run_trial(haul(12.345, 7.501, needs=15), policy, "teamformer-c4")
+        run_trial(haul(12.345, 7.501, needs=15), policy)
 
 
 def test_what_learners_are_given_lies_in_its_space() -> None:

@@ -165,7 +165,7 @@ def test_the_reader_of_imports_finds_them(tmp_path: Path) -> None:
     ("verb", "unwanted"),
     [
         ("--help", {"ortools", "numba", "numpy", "torch", "matplotlib", "gymnasium"}),
-        ("policies", {"ortools", "torch", "matplotlib", "gymnasium", "pettingzoo"}),
+        ("methods", {"ortools", "torch", "matplotlib", "gymnasium", "pettingzoo"}),
     ],
 )
 def test_a_verb_loads_only_what_it_needs(verb: str, unwanted: set[str]) -> None:

@@ -112,7 +112,6 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         "forming_steps is 2; use 0 or 1",
     ),
     ({"step_limit": -1}, {"step_limit": 1}, ("step_limit",), "step_limit is -1; use 1 or more"),
-    ({"order": "x"}, {"order": "tsp"}, ("order",), "order 'x' is unknown; use tsp or schedule"),
     (
         {"new_tasks": "x"},
         {"new_tasks": "nearest"},
@@ -123,7 +122,7 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         {"allocation": "x"},
         {"allocation": "paper"},
         ("allocation",),
-        "allocation 'x' is unknown; use paper or nearest or crews or plan",
+        "allocation 'x' is unknown; use paper or crews or plan",
     ),
     (
         robots(at=(4, 0)),
@@ -337,7 +336,9 @@ def test_without_robots_there_is_nobody_for_the_tasks_either() -> None:
 def test_all_problems_are_told_at_once() -> None:
     with pytest.raises(ScenarioError) as caught:
         scenario(
-            order="x", **robots(speed=-1.0, absences=(Absence(0),)), **tasks(at=(9, 9), duration=-1)
+            allocation="x",
+            **robots(speed=-1.0, absences=(Absence(0),)),
+            **tasks(at=(9, 9), duration=-1),
         )
     assert len(caught.value.problems) == 5
     assert len(str(caught.value).splitlines()) == 5

@@ -59,7 +59,7 @@ def imported(tmp_path: Path) -> Path:
 def test_plans_keep_the_instance_s_own_rules(
     policy: str, imported: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    row = plan(imported, capsys, "--policy", policy, "--time-limit", "5")
+    row = plan(imported, capsys, "--method", policy, "--time-limit", "5")
     assert row["makespan"] == pytest.approx(hetero_mrta_makespan(TREE, routes(row)), abs=1e-6)
     assert [route["robot"] for route in row["routes"]] == ["r0", "r1", "r2", "r3"]
     assert max(route["back"] for route in row["routes"]) == row["makespan"] >= row["bound"]
@@ -73,7 +73,7 @@ def test_plans_keep_the_instance_s_own_rules(
 
 
 def test_the_page_shows_every_robot_and_task(imported: Path, tmp_path: Path) -> None:
-    words = ("--policy", "plan", "--html", "--out", str(tmp_path / "page"))
+    words = ("--method", "plan", "--html", "--out", str(tmp_path / "page"))
     assert teamformer("plan", str(imported), *words) == 0
     page = (tmp_path / "page" / "plan.html").read_text(encoding="utf-8")
     assert all(f">r{n}</text>" in page for n in range(4))
@@ -122,8 +122,8 @@ def test_plans_in_steps_wait_for_windows_and_tell_who_is_late(
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("plan", FOUR, "--policy", "best"), "--policy best is unknown"),
-        (("plan", FOUR, "--policy", "reactive"), "plans missions in continuous time"),
+        (("plan", FOUR, "--method", "best"), "--method best is unknown"),
+        (("plan", FOUR, "--method", "reactive"), "plans missions in continuous time"),
         (("plan", FOUR, "--out", "x"), "--out is for the page"),
         (("plan", "nowhere.yaml"), "nowhere.yaml"),
         (("import", "mrta", FOUR, "-o", "x.yaml"), "format 'mrta' is unknown"),
@@ -143,7 +143,7 @@ def test_real_instances_of_hetero_mrta(
     path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert teamformer("import", "hetero-mrta", str(path), "-o", str(tmp_path / "m.yaml")) == 0
-    row = plan(tmp_path / "m.yaml", capsys, "--policy", "plan")
+    row = plan(tmp_path / "m.yaml", capsys, "--method", "plan")
     tree = json.loads(path.read_text())
     assert row["makespan"] == pytest.approx(hetero_mrta_makespan(tree, routes(row)), abs=1e-6)
 
@@ -180,7 +180,7 @@ def test_the_rules_give_the_makespan_that_is_published_for_ctas_d(name: str) -> 
 def test_real_instances_of_dcmrta(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = OTHERS / "dcmrta" / "env_0"
     assert teamformer("import", "dcmrta", str(folder), "-o", str(tmp_path / "m.yaml")) == 0
-    row = plan(tmp_path / "m.yaml", capsys, "--policy", "plan")
+    row = plan(tmp_path / "m.yaml", capsys, "--method", "plan")
     graph, needs = read_dcmrta(folder)
     assert row["makespan"] == pytest.approx(dcmrta_makespan(graph, needs, routes(row)), abs=1e-5)
 
@@ -242,7 +242,7 @@ def test_real_instances_of_hhcrsp(
 ) -> None:
     path, tree, published = hhcrsp_instance(name)
     assert teamformer("import", "hhcrsp", str(path), "-o", str(tmp_path / "m.yaml")) == 0
-    row = plan(tmp_path / "m.yaml", capsys, "--policy", "plan")
+    row = plan(tmp_path / "m.yaml", capsys, "--method", "plan")
     visits = {
         route["robot"]: [visit_of(tree, stop) for stop in route["stops"]] for route in row["routes"]
     }

@@ -35,7 +35,7 @@ def teamformer(*words: str) -> int:
 
 
 def small(folder: Path, *words: str) -> tuple[str, ...]:
-    chosen = ("--policies", "heuristic,join-all", "--out", str(folder), "--workers", "1")
+    chosen = ("--methods", "heuristic,join-all", "--out", str(folder), "--workers", "1")
     return ("fig3", "--trials", "4", *chosen, *words)
 
 
@@ -59,7 +59,7 @@ def test_json_is_a_line_for_each_trial(tmp_path: Path, capsys: pytest.CaptureFix
     lines = capsys.readouterr().out.splitlines()
     assert lines == (tmp_path / "rows.jsonl").read_text().splitlines()
     rows = [json.loads(line) for line in lines]
-    assert [(row["policy"], row["world_seed"]) for row in rows] == [
+    assert [(row["method"], row["world_seed"]) for row in rows] == [
         (policy, seed) for policy in ("heuristic", "join-all") for seed in range(4)
     ]
     asked = (
@@ -87,7 +87,7 @@ def test_a_row_tells_the_command_that_runs_it_again(
 
 
 def test_killed_in_the_middle_it_goes_on_where_it_was(tmp_path: Path) -> None:
-    words = ["fig4b", "--trials", "15", "--policies", "heuristic,join-all", "--workers", "2"]
+    words = ["fig4b", "--trials", "15", "--methods", "heuristic,join-all", "--workers", "2"]
     command = [*COMMAND, *words, "--out", str(tmp_path)]
     rows = tmp_path / "rows.jsonl"
     running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -103,7 +103,7 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tmp_path: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert f"{there} of 30 trials are there already" in done.stderr
     keys = [
-        (row["setting"], row["policy"], row["world_seed"])
+        (row["setting"], row["method"], row["world_seed"])
         for row in map(json.loads, rows.read_text().splitlines())
     ]
     policies = ("heuristic", "join-all")
@@ -111,7 +111,7 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tmp_path: Path) -> None:
 
 
 def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path) -> None:
-    words = ["fig3", "--trials", "40000", "--policies", "heuristic", "--workers", "2"]
+    words = ["fig3", "--trials", "40000", "--methods", "heuristic", "--workers", "2"]
     command = [*COMMAND, *words, "--out", str(tmp_path)]
     running = subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
@@ -148,12 +148,12 @@ class Dies(JoinAll):
 def test_a_worker_that_dies_is_told_and_rows_are_kept(tmp_path: Path) -> None:
     (tmp_path / "dying.py").write_text(DIES)
     words = ["fig3", "--trials", "4", "--workers", "2", "--out", "rows"]
-    asked = [*COMMAND, *words, "--policies", "heuristic,dying:Dies"]
+    asked = [*COMMAND, *words, "--methods", "heuristic,dying:Dies"]
     done = subprocess.run(asked, capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 2
     assert "error: a worker process died" in done.stderr
     assert "Traceback" not in done.stderr
-    again = [*COMMAND, *words, "--policies", "heuristic,join-all"]
+    again = [*COMMAND, *words, "--methods", "heuristic,join-all"]
     subprocess.run(again, capture_output=True, cwd=tmp_path, check=True)
     rows = (tmp_path / "rows" / "rows.jsonl").read_text().splitlines()
     assert len(rows) == 8
@@ -161,7 +161,7 @@ def test_a_worker_that_dies_is_told_and_rows_are_kept(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("pause", [0.001, pytest.param(0.03, marks=pytest.mark.slow)])
 def test_ctrl_c_ends_it_at_once_and_keeps_the_rows(pause: float, tmp_path: Path) -> None:
-    words = ["fig3", "--trials", "40000", "--policies", "heuristic", "--workers", "2"]
+    words = ["fig3", "--trials", "40000", "--methods", "heuristic", "--workers", "2"]
     command = [*COMMAND, *words, "--out", str(tmp_path)]
     running = subprocess.Popen(
         command,
@@ -201,10 +201,10 @@ def test_the_worlds_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     }
     stuck = world | {"seed": 8, "authors_heuristic": None}
     path.write_text(f"{json.dumps(world)}\n{json.dumps(stuck)}\n")
-    words = ("--policies", "join-all", "--worlds", str(path), "--workers", "1")
+    words = ("--methods", "join-all", "--worlds", str(path), "--workers", "1")
     assert bench("authors", *words, "--json") == 0
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    told = [(row["policy"], row["world_seed"], row["completed"]) for row in rows]
+    told = [(row["method"], row["world_seed"], row["completed"]) for row in rows]
     assert told[:2] == [("authors-heuristic", 6, True), ("authors-heuristic", 8, False)]
     assert told[2:] == [("join-all", 6, True), ("join-all", 8, True)]
     assert rows[0]["makespan"] == 33
@@ -219,11 +219,11 @@ def test_the_worlds_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     [
         (("fig55",), "did you mean 'fig5b' or 'fig5a'"),
         (("fig3", "--trials", "0"), "--trials"),
-        (("fig3", "--policies", "joinall"), "did you mean 'join-all'?"),
+        (("fig3", "--methods", "joinall"), "did you mean 'join-all'?"),
         (("fig3", "--settings", "4N20T-C4"), "suite 'fig3' has no setting '4N20T-C4'"),
         (("fig3", "--without", "centrall"), "there is no 'centrall' to be left out"),
         (("fig3", "--engine", "slurm"), "there is no engine 'slurm'"),
-        (("fig3", "--policies", "gnn-c4", "--without", "gnn-c4"), "no policy of those asked for"),
+        (("fig3", "--methods", "gnn-c4", "--without", "gnn-c4"), "no policy of those asked for"),
         (("authors",), "add --worlds FILE"),
         (("none.yaml",), "there is no such file"),
         (("fig3", "--out", "/proc/none"), "cannot be written"),
@@ -246,7 +246,7 @@ def test_a_world_of_a_trial_can_be_run_by_itself(
     path = str(tmp_path / "world.yaml")
     words = ("--setting", row["setting"], "--seed", str(row["world_seed"]), "-o", path)
     assert teamformer("generate", *words) == 0
-    assert teamformer("run", path, "--policy", row["policy"], "--json") == 0
+    assert teamformer("run", path, "--method", row["method"], "--json") == 0
     assert json.loads(capsys.readouterr().out)["makespan"] == row["makespan"]
     assert teamformer("generate", *words, "--force", "--robots", "9") == 2
     assert "--setting says it all" in capsys.readouterr().err
@@ -259,6 +259,6 @@ def test_another_suite_s_folder_is_refused(
 ) -> None:
     assert bench(*small(tmp_path)) == 0
     before = (tmp_path / "rows.jsonl").read_bytes()
-    assert bench("fig4a", "--trials", "1", "--policies", "join-all", "--out", str(tmp_path)) == 2
+    assert bench("fig4a", "--trials", "1", "--methods", "join-all", "--out", str(tmp_path)) == 2
     assert "holds rows of another benchmark: suite 'fig3', not 'fig4a'" in capsys.readouterr().err
     assert (tmp_path / "rows.jsonl").read_bytes() == before

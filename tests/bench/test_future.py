@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teamformer.mission.rules import ALLOCATIONS, ORDERS
+from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Scenario, Task
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.env import Decision, TeamFormation
@@ -52,41 +52,37 @@ def assert_alike(one: tuple[View, Decision], other: tuple[View, Decision]) -> No
 
 
 SETTINGS = ("4N20+20T-C4-tsp", "4N20+20T-C4-nn")
-RULES = [*itertools.product(SETTINGS, ORDERS, ALLOCATIONS)]
+RULES = [*itertools.product(SETTINGS, ALLOCATIONS)]
 OF_THE_FIRST = [rule for rule in RULES if rule[0] == SETTINGS[0]]
 OF_OTHERS = [
     pytest.param(*rule, marks=pytest.mark.slow) for rule in RULES if rule[0] != SETTINGS[0]
 ]
 
 
-@pytest.mark.parametrize(("setting", "order", "allocation"), [*OF_THE_FIRST, *OF_OTHERS])
-def test_another_future_changes_nothing_before_it(
-    setting: str, order: str, allocation: str
-) -> None:
-    check_another_future("join-fitting", setting, order, allocation, seeds=1)
+@pytest.mark.parametrize(("setting", "allocation"), [*OF_THE_FIRST, *OF_OTHERS])
+def test_another_future_changes_nothing_before_it(setting: str, allocation: str) -> None:
+    check_another_future("join-fitting", setting, allocation, seeds=1)
 
 
 @pytest.mark.parametrize("policy", FITTING)
 def test_no_policy_knows_of_the_future(policy: str) -> None:
     assert len(FITTING) >= 3
     allocation = "plan" if policy == "plan" else "paper"
-    check_another_future(policy, SETTINGS[0], ORDERS[0], allocation, seeds=1)
+    check_another_future(policy, SETTINGS[0], allocation, seeds=1)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("policy", FITTING)
-@pytest.mark.parametrize(("setting", "order", "allocation"), RULES)
+@pytest.mark.parametrize(("setting", "allocation"), RULES)
 def test_no_policy_knows_of_the_future_under_any_rules(
-    policy: str, setting: str, order: str, allocation: str
+    policy: str, setting: str, allocation: str
 ) -> None:
-    check_another_future(policy, setting, order, allocation, seeds=2)
+    check_another_future(policy, setting, allocation, seeds=2)
 
 
-def check_another_future(
-    policy: str, setting: str, order: str, allocation: str, seeds: int
-) -> None:
+def check_another_future(policy: str, setting: str, allocation: str, seeds: int) -> None:
     for seed in range(seeds):
-        scenario = replace(world_of(setting, seed), order=order, allocation=allocation)
+        scenario = replace(world_of(setting, seed), allocation=allocation)
         appears = scenario.tasks[-1].appears
         steps = appears + 1  # the view after `appears` steps is the first to know
         now = play(scenario, policy, steps)

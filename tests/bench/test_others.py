@@ -105,10 +105,10 @@ def test_the_command_writes_rows_and_goes_on(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    words = ("--worlds", str(folder), "--policies", "plan,reactive", "--out", str(out), "--json")
+    words = ("--worlds", str(folder), "--methods", "plan,reactive", "--out", str(out), "--json")
     assert teamformer("bench", "others", *words) == 0
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert [(row["instance"], row["policy"]) for row in rows] == [
+    assert [(row["instance"], row["method"]) for row in rows] == [
         ("ral/env_2", "plan"), ("ral/env_2", "reactive"),
         ("ral/env_10", "plan"), ("ral/env_10", "reactive"),
     ]  # fmt: skip
@@ -135,8 +135,8 @@ def test_nothing_to_measure_is_told(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "--worlds FOLDER" in capsys.readouterr().err
     assert teamformer("bench", "others", "--worlds", str(tmp_path / "no")) == 2
     assert "this is no folder" in capsys.readouterr().err
-    assert teamformer("bench", "others", "--policies", "best") == 2
-    assert "--policies best is unknown here" in capsys.readouterr().err
+    assert teamformer("bench", "others", "--methods", "best") == 2
+    assert "--methods best is unknown here" in capsys.readouterr().err
 
 
 def test_broken_tables_and_folders_of_one_name_are_told(folder: Path, tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ def test_a_cluster_of_two_gives_the_same_rows(tmp_path: Path) -> None:
         "small",
         "for the cluster",
         settings=("4N4T-C4", "8N20T-C8"),
-        policies=("heuristic", "join-all", "teamformer"),
+        methods=("heuristic", "join-all", "teamformer"),
     )
     request = Request(suite, trials=12, workers=2)
     here = rows_without_clocks(tmp_path / "here", request, run_here)

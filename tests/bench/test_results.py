@@ -27,14 +27,14 @@ def test_the_document_stands_on_the_rows(
 ) -> None:
     folder, document = tmp_path / "rows", tmp_path / "docs" / "results.md"
     words = ("paper", "--trials", "3", "--workers", "1", "--time-limit", "20", "--out", str(folder))
-    planned = ("--settings", "4N4T-C4", "--policies", "central,heuristic")
+    planned = ("--settings", "4N4T-C4", "--methods", "central,heuristic")
     assert bench(*words, *planned) == 0
-    others = ("--settings", "4N4T-C4,4N20+20T-C4-nn", "--policies", "join-all,teamformer")
+    others = ("--settings", "4N4T-C4,4N20+20T-C4-nn", "--methods", "join-all,teamformer")
     assert bench(*words, *others, "--report", str(document)) == 0
     capsys.readouterr()
     text = document.read_text()
-    assert "--settings 4N4T-C4,4N20+20T-C4-nn --policies join-all,teamformer" in text
-    assert "It holds 18 trials: 3 of each policy" in text
+    assert "--settings 4N4T-C4,4N20+20T-C4-nn --methods join-all,teamformer" in text
+    assert "It holds 18 trials: 3 of each method" in text
     assert "holds: 0 of 3 (0.0% to 56.1%)" in text
     assert "$" not in text.replace("\n$ ", "")  # every blank is filled in
     for image in ("fig3", "fig9"):
@@ -60,7 +60,7 @@ def test_rows_of_several_suites_stand_one_after_the_other(
 ) -> None:
     folders = [tmp_path / "fig3", tmp_path / "fig6"]
     for folder in folders:
-        chosen = ("--trials", "1", "--policies", "join-all", "--workers", "1")
+        chosen = ("--trials", "1", "--methods", "join-all", "--workers", "1")
         assert bench(folder.name, *chosen, "--out", str(folder)) == 0
     write_results(tmp_path / "results.md", "some command", folders)
     text = (tmp_path / "results.md").read_text()

@@ -19,16 +19,17 @@ from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.named_settings import world_of
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 
 SMALL = Suite(
     "small",
-    "two settings, two policies",
+    "two settings, two methods",
     settings=("4N4T-C4", "3N2T-C2"),
-    policies=("heuristic", "join-all"),
-    rules={"order": "tsp", "allocation": "paper"},
+    methods=("heuristic", "join-all"),
 )
 
 
@@ -50,7 +51,7 @@ def outcome(row: Row) -> Row:
 
 def test_every_setting_meets_every_policy_on_every_seed(tmp_path: Path) -> None:
     rows = measured(tmp_path, Request(SMALL, trials=3, first_seed=10))
-    wanted = itertools.product(SMALL.settings, SMALL.policies, (10, 11, 12))
+    wanted = itertools.product(SMALL.settings, SMALL.methods, (10, 11, 12))
     assert list(rows) == list(wanted)
     assert {row.suite for row in rows.values()} == {"small"}
 
@@ -63,18 +64,17 @@ def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:
     assert (row.makespan, row.steps, row.joins) == (end.makespan, end.steps, end.joins)
     assert (row.tasks_done, row.tasks, row.robots, row.capabilities) == (4, 4, 4, 4)
     assert row.lower_bound == lower_bound(scenario)
-    others = [rows["4N4T-C4", policy, 1].makespan or 0 for policy in SMALL.policies]
+    others = [rows["4N4T-C4", policy, 1].makespan or 0 for policy in SMALL.methods]
     assert row.best_known == min(others)
     assert row.decision_seconds is not None
     assert 0 < row.decision_seconds < (row.total_seconds or 0)
     assert row.rerun == (
-        "teamformer bench small --settings 4N4T-C4 --policies join-all --seed 1 --trials 1 "
-        "--order tsp --allocation paper --json"
+        "teamformer bench small --settings 4N4T-C4 --methods join-all --seed 1 --trials 1 --json"
     )
 
 
 def test_going_on_runs_only_what_is_missing(tmp_path: Path) -> None:
-    before = measured(tmp_path, Request(SMALL, trials=2, policies=("join-all",)))
+    before = measured(tmp_path, Request(SMALL, trials=2, methods=("join-all",)))
     asked: list[Job] = []
 
     def watching(jobs: Sequence[Job], workers: int) -> Batches:
@@ -84,7 +84,7 @@ def test_going_on_runs_only_what_is_missing(tmp_path: Path) -> None:
     said: list[str] = []
     rows = measured(tmp_path, Request(SMALL, trials=3), watching, said.append)
     assert len(rows) == 2 * 2 * 3
-    run = [(job.setting, job.policy, seed) for job in asked for seed in job.seeds]
+    run = [(job.setting, job.method, seed) for job in asked for seed in job.seeds]
     assert sorted([*run, *before]) == sorted(rows)
     assert "4 of 12 trials are there already" in said
     kept = {key: rows[key].total_seconds for key in before}
@@ -136,21 +136,21 @@ def test_what_deciding_took_is_shared_out_whole() -> None:
 
 
 def test_only_the_first_trials_are_timed(tmp_path: Path) -> None:
-    request = Request(SMALL, trials=TIMED + 3, settings=("3N2T-C2",), policies=("join-all",))
+    request = Request(SMALL, trials=TIMED + 3, settings=("3N2T-C2",), methods=("join-all",))
     rows = measured(tmp_path, request)
     assert [row.side_by_side for row in rows.values()] == [1] * TIMED + [3] * 3
 
 
 def test_a_policy_of_one_s_own_runs_alone(tmp_path: Path) -> None:
     mine = "teamformer.policies.scripted.joining:JoinAll"
-    request = Request(SMALL, trials=2, settings=("3N2T-C2",), policies=(mine,))
+    request = Request(SMALL, trials=2, settings=("3N2T-C2",), methods=(mine,))
     rows = measured(tmp_path, request)
     assert {row.side_by_side for row in rows.values()} == {1}
     assert [row.completed for row in rows.values()] == [True, True]
 
 
 def test_what_does_not_fit_is_said_and_left_out(tmp_path: Path) -> None:
-    suite = replace(SMALL, settings=("4N4T-C4", "8N4T-C8"), policies=("gnn-c4", "join-all"))
+    suite = replace(SMALL, settings=("4N4T-C4", "8N4T-C8"), methods=("gnn-c4", "join-all"))
     said: list[str] = []
     rows = measured(tmp_path, Request(suite, trials=1), say=said.append)
     assert {policy for _, policy, _ in rows} >= {"join-all"}
@@ -177,13 +177,13 @@ def test_fitting_goes_by_the_name() -> None:
 
 
 def test_an_unknown_policy_ends_it_at_once(tmp_path: Path) -> None:
-    with pytest.raises(TeamformerError, match="there is no policy 'join-al'"):
-        measured(tmp_path, Request(SMALL, trials=1, policies=("join-al",)))
+    with pytest.raises(TeamformerError, match="there is no method 'join-al'"):
+        measured(tmp_path, Request(SMALL, trials=1, methods=("join-al",)))
     assert (tmp_path / "rows.jsonl").read_text() == ""
 
 
 def test_a_planner_says_what_it_found(tmp_path: Path) -> None:
-    request = Request(SMALL, trials=2, time_limit=1.0, settings=("3N2T-C2",), policies=("central",))
+    request = Request(SMALL, trials=2, time_limit=1.0, settings=("3N2T-C2",), methods=("central",))
     for row in measured(tmp_path, request).values():
         assert row.time_limit == 1.0
         assert row.relaxed == row.relaxed_bound <= row.lower_bound  # proven
@@ -192,9 +192,9 @@ def test_a_planner_says_what_it_found(tmp_path: Path) -> None:
 
 
 def test_plans_made_in_more_time_are_not_mixed_with_others(tmp_path: Path) -> None:
-    request = Request(SMALL, trials=1, time_limit=1.0, settings=("3N2T-C2",), policies=("central",))
+    request = Request(SMALL, trials=1, time_limit=1.0, settings=("3N2T-C2",), methods=("central",))
     measured(tmp_path, request)
-    others = replace(request, time_limit=2.0, policies=("join-all",))
+    others = replace(request, time_limit=2.0, methods=("join-all",))
     assert len(measured(tmp_path, others)) == 2  # nobody plans, so the limit is nobody's
     with pytest.raises(TeamformerError, match="central had 1 s here, not 2 s"):
         measured(tmp_path, replace(request, time_limit=2.0))
@@ -228,12 +228,12 @@ def test_trials_of_a_policy_whose_code_has_changed_are_run_again(
 ) -> None:
     """Only its own: rows of the policies that are listed stay."""
     monkeypatch.syspath_prepend(tmp_path)
-    suite = replace(SMALL, settings=("3N2T-C2",), policies=("join-all", "my_changing:Mine"))
+    suite = replace(SMALL, settings=("3N2T-C2",), methods=("join-all", "my_changing:Mine"))
     told: list[str] = []
     ran: list[str] = []
 
     def engine(jobs: Sequence[Job], workers: int) -> Batches:
-        ran.extend(f"{job.policy} {len(job.seeds)}" for job in jobs)
+        ran.extend(f"{job.method} {len(job.seeds)}" for job in jobs)
         return run_here(jobs, workers)
 
     for pace, expected in (
@@ -244,20 +244,46 @@ def test_trials_of_a_policy_whose_code_has_changed_are_run_again(
         (tmp_path / "my_changing.py").write_text(OWN.format(pace=pace))
         own_stamp.cache_clear()
         ran.clear()
-        request = Request(suite, trials=2, policies=suite.policies)
+        request = Request(suite, trials=2, methods=suite.methods)
         rows = measured(tmp_path, request, engine, told.append)
         assert sorted(ran) == expected
         assert len(rows) == 4
     assert "my_changing:Mine has changed since; its 2 trials are run again" in told
-    stamps = {row.policy: row.code for row in rows.values()}
+    stamps = {row.method: row.code for row in rows.values()}
     assert stamps["my_changing:Mine"].startswith(f"{stamps['join-all']}+")
 
 
-def test_policies_that_do_not_know_an_allocation_are_left_out(tmp_path: Path) -> None:
-    """The paper's networks would do as a rule does there, and their rows would say otherwise."""
-    told: list[str] = []
-    rules = {"order": "tsp", "allocation": "crews"}
-    suite = replace(SMALL, policies=("join-all", "gnn-c4", "teamformer"), rules=rules)
-    rows = measured(tmp_path, Request(suite, trials=1), say=told.append)
-    assert {row.policy for row in rows.values()} == {"join-all", "teamformer"}
-    assert "gnn-c4: was not made for allocation crews; skipped" in told
+def test_each_method_of_a_suite_plays_by_its_own_coordination(tmp_path: Path) -> None:
+    suite = replace(SMALL, settings=("4N9T-C4",), methods=("heuristic", "crews", "plan"))
+    rows = measured(tmp_path, Request(suite, trials=2))
+    for setting, method, seed in rows:
+        alone = run_trial(world_of(setting, seed), load_method(method), seed).replay.end
+        row = rows[setting, method, seed]
+        assert (row.makespan, row.joins, row.splits) == (alone.makespan, alone.joins, alone.splits)
+
+
+def test_what_a_suite_sets_of_a_method_counts(tmp_path: Path) -> None:
+    suite = replace(
+        SMALL,
+        settings=("4N20T-C4-needs",),
+        methods=("plan@needed", "plan@absent"),
+        method_settings={name: {"foresight": name[5:]} for name in ("plan@needed", "plan@absent")},
+    )
+    rows = measured(tmp_path, Request(suite, trials=3))
+    for foresight in ("needed", "absent"):
+        for seed in range(3):
+            mission = replace(world_of("4N20T-C4-needs", seed), allocation="plan")
+            mission = replace(mission, foresight=foresight)
+            alone = run_trial(mission, FollowPlan(), seed).replay.end
+            assert rows["4N20T-C4-needs", f"plan@{foresight}", seed].makespan == alone.makespan
+
+
+def test_late_tasks_are_inserted_as_the_setting_of_fig_9_says(tmp_path: Path) -> None:
+    """The same worlds twice; inserting after the nearest takes another time than a new tour."""
+    settings = ("4N20+20T-C4-tsp", "4N20+20T-C4-nn")
+    suite = replace(SMALL, settings=settings, methods=("heuristic",))
+    rows = measured(tmp_path, Request(suite, trials=4))
+    tour, nearest = (
+        [rows[setting, "heuristic", seed].makespan for seed in range(4)] for setting in settings
+    )
+    assert tour != nearest

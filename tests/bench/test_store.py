@@ -15,7 +15,7 @@ from teamformer.bench.store import BenchmarkDescription, Store
 from teamformer.errors import TeamformerError
 from teamformer.scenarios.named_settings import world_of
 
-ABOUT = BenchmarkDescription("fig3", 0, {"order": "tsp"})
+ABOUT = BenchmarkDescription("fig3", 0, {"forming_steps": 1})
 
 
 def make_row(policy: str = "join-all", seed: int = 0, makespan: int | None = 20) -> Row:
@@ -24,7 +24,7 @@ def make_row(policy: str = "join-all", seed: int = 0, makespan: int | None = 20)
 
 
 def by_seed(row: Row) -> tuple[str, int]:
-    return row.policy, row.world_seed
+    return row.method, row.world_seed
 
 
 def reopened(folder: Path, say: Callable[[str], None] = print) -> dict[tuple[str, str, int], Row]:
@@ -98,7 +98,7 @@ def test_what_is_no_row(line: str) -> None:
     [
         (replace(ABOUT, suite="fig6"), "suite 'fig3', not 'fig6'"),
         (replace(ABOUT, first_seed=7), "first_seed 0, not 7"),
-        (replace(ABOUT, rules={}), "rules {'order': 'tsp'}, not {}"),
+        (replace(ABOUT, rules={}), "rules {'forming_steps': 1}, not {}"),
     ],
 )
 def test_another_benchmark_s_folder_is_refused(
@@ -140,7 +140,7 @@ def test_the_bars_of_a_world_are_shared_by_its_trials(tmp_path: Path) -> None:
         store.add(reversed(rows))
         store.finish(by_seed)
     told = [
-        (row.policy, row.world_seed, row.best_known, row.lower_bound, row.list_schedule)
+        (row.method, row.world_seed, row.best_known, row.lower_bound, row.list_schedule)
         for row in reopened(tmp_path).values()
     ]
     assert told == [

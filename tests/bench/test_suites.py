@@ -8,6 +8,7 @@ import pytest
 
 from teamformer.bench.suites import cells, load_suite, names_of_suites, player_of
 from teamformer.errors import TeamformerError
+from teamformer.trials.methods import load_method
 
 SHIPPED = [
     "authors",
@@ -18,7 +19,7 @@ SHIPPED = [
     "fig5b",
     "fig6",
     "fig9",
-    "fleet",
+    "methods",
     "missions",
     "paper",
     "scale",
@@ -64,12 +65,14 @@ def test_the_paper_is_its_figures() -> None:
 
 
 def test_the_paper_s_suites_keep_the_paper_s_rules() -> None:
-    for name in set(SHIPPED) - {"fleet", "missions", "uncertain"}:
-        assert load_suite(name).rules == {"order": "tsp", "allocation": "paper"}
-    assert load_suite("fleet").rules == {"order": "schedule", "allocation": "crews"}
+    for name in set(SHIPPED) - {"methods", "missions", "uncertain"}:
+        suite = load_suite(name)
+        assert (suite.rules, suite.method_settings) == ({}, {})
+        for _, method in cells(suite):
+            assert method == "central" or load_method(method).allocation == "paper", method
 
 
-def test_policies_and_settings_can_be_chosen() -> None:
+def test_methods_and_settings_can_be_chosen() -> None:
     suite = load_suite("fig6")
     assert list(cells(suite, ["join-all"], ["100N20T-C100-R20", "100N20T-C100-R50"])) == [
         ("100N20T-C100-R20", "join-all"),
@@ -87,27 +90,19 @@ def test_an_unknown_name_is_told_the_nearest() -> None:
 
 def test_a_suite_of_one_s_own(tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
-    path.write_text("settings: [6N5T-C3, 6N5T-C3-R2]\npolicies: [join-all]\ntrials: 7\n")
+    path.write_text("settings: [6N5T-C3, 6N5T-C3-R2]\nmethods: [join-all]\ntrials: 7\n")
     suite = load_suite(str(path))
     assert suite.name == "mine"
     assert suite.trials == 7
     assert list(cells(suite)) == [("6N5T-C3", "join-all"), ("6N5T-C3-R2", "join-all")]
 
 
-def test_policies_meet_rules_of_their_own() -> None:
-    missions = load_suite("missions")
-    assert missions.rules_for("plan") == {"order": "tsp", "allocation": "plan"}
-    assert missions.rules_for("central") == {"order": "tsp", "allocation": "plan"}
-    assert missions.rules_for("crews") == {"order": "tsp", "allocation": "crews"}
-    assert missions.rules_for("heuristic") == {"order": "tsp", "allocation": "paper"}
-
-
-def test_a_policy_may_play_under_several_rules() -> None:
+def test_a_method_may_play_with_several_settings() -> None:
     uncertain = load_suite("uncertain")
     for foresight in ("needed", "absent", "scouting"):
-        rules = {"order": "tsp", "allocation": "plan", "foresight": foresight}
-        assert uncertain.rules_for(f"plan@{foresight}") == rules
+        assert uncertain.method_settings[f"plan@{foresight}"] == {"foresight": foresight}
         assert player_of(f"plan@{foresight}") == "plan"
+    assert "heuristic" not in uncertain.method_settings
     assert player_of("heuristic") == "heuristic"
 
 
@@ -115,27 +110,31 @@ def test_a_policy_may_play_under_several_rules() -> None:
     ("text", "told"),
     [
         ("settings: [4N4T-C4]\npolices: [a]\n", "mine.yaml:2: the file has no key 'polices'"),
-        ("settings: [4N]\npolicies: [a]\n", "mine.yaml:1: '4N' is no setting"),
-        ("settings: [4N4T-C4-R5]\npolicies: [a]\n", "mine.yaml:1: requirements is 5"),
-        ("settings: [4N4T-C4]\npolicies: [a]\ntrials: 0\n", "mine.yaml:3: trials is 0"),
-        ("settings: [4N4T-C4]\npolicies: [a]\nfigure: pie\n", "mine.yaml:3: figure is 'pie'"),
-        ("settings: [4N4T-C4]\npolicies: [a]\ntime_limit: -1\n", "mine.yaml:3: time_limit is -1"),
-        ("settings: [4N4T-C4]\npolicies: [a]\nrules: {order: abc}\n", "order is 'abc'; write tsp"),
-        ("settings: [4N4T-C4]\npolicies: [a]\nrules: {forming_steps: 2}\n", "up to 1"),
+        ("settings: [4N]\nmethods: [a]\n", "mine.yaml:1: '4N' is no setting"),
+        ("settings: [4N4T-C4-R5]\nmethods: [a]\n", "mine.yaml:1: requirements is 5"),
+        ("settings: [4N4T-C4]\nmethods: [a]\ntrials: 0\n", "mine.yaml:3: trials is 0"),
+        ("settings: [4N4T-C4]\nmethods: [a]\nfigure: pie\n", "mine.yaml:3: figure is 'pie'"),
+        ("settings: [4N4T-C4]\nmethods: [a]\ntime_limit: -1\n", "mine.yaml:3: time_limit is -1"),
+        ("settings: [4N4T-C4]\nmethods: [a]\nrules: {order: tsp}\n", "rules has no key 'order'"),
+        ("settings: [4N4T-C4]\nmethods: [a]\nrules: {forming_steps: 2}\n", "up to 1"),
         (
-            "settings: [4N4T-C4]\npolicies: [a]\npolicy_rules: {a: {order: abc}}\n",
-            "mine.yaml:3: order is 'abc'; write tsp",
+            "settings: [4N4T-C4]\nmethods: [a]\nmethod_settings: {a: {foresight: abc}}\n",
+            "mine.yaml:3: foresight is 'abc'; write needed",
         ),
         (
-            "settings: [4N4T-C4]\npolicies: [a]\npolicy_rules: {b: {order: tsp}}\n",
-            "policy_rules has no key 'b'",
+            "settings: [4N4T-C4]\nmethods: [a]\nmethod_settings: {a: {allocation: plan}}\n",
+            "a of method_settings has no key 'allocation'",
         ),
-        ("settings: [real-late]\npolicies: [a]\n", "'real-late' is no setting"),
-        ("axes: [4N4T-C4]\npolicies: [a]\n", "mine.yaml:1: axes is a list"),
-        ("axes: {speed: [4N4T-C4]}\npolicies: [a]\n", "axes has no key 'speed'"),
+        (
+            "settings: [4N4T-C4]\nmethods: [a]\nmethod_settings: {b: {foresight: needed}}\n",
+            "method_settings has no key 'b'",
+        ),
+        ("settings: [real-late]\nmethods: [a]\n", "'real-late' is no setting"),
+        ("axes: [4N4T-C4]\nmethods: [a]\n", "mine.yaml:1: axes is a list"),
+        ("axes: {speed: [4N4T-C4]}\nmethods: [a]\n", "axes has no key 'speed'"),
         ("parts: [fig3, mine.yaml]\n", "mine.yaml:1: there is no suite 'mine.yaml'"),
         ("parts: [fig3]\nsettings: [4N4T-C4]\n", "either parts or settings"),
-        ("about: nothing\n", "needs settings and policies"),
+        ("about: nothing\n", "needs settings and methods"),
         ("[]\n", "the file is a list"),
     ],
 )

@@ -10,12 +10,13 @@ import pytest
 
 from hand_rows import rows_of
 from teamformer.bench.report.claim_checks import (
+    ANY_FLEET,
     TABLE_1,
     as_quick,
     faster_than,
+    method_for,
     near_optimum,
     no_failure,
-    policy_for,
     saves,
     some_failures,
     trend,
@@ -56,7 +57,7 @@ def test_the_room_won_is_what_is_gained_of_what_the_truth_is_worth() -> None:
         *rows_of(SMALL, "plan@absent", [50, 50, 55, 41]),
         *rows_of(SMALL, "heuristic", [70, 80, 90, 90]),
     ]
-    rooms = {summary.policy: summary.room for summary in summarise(rows)}
+    rooms = {summary.method: summary.room for summary in summarise(rows)}
     assert rooms["plan@absent"].count == 3
     assert rooms["plan@absent"].value == pytest.approx((0 + 10 + 15) / 60)
     deviation = math.sqrt((25**2 + 5**2 + 20**2) / 9 / 2) / 20  # of 0, 10, 15 around 25 / 3
@@ -216,11 +217,11 @@ def test_trends_go_by_the_ends() -> None:
     assert judgement.holds is True
 
 
-def test_the_policy_of_a_family_fits_the_setting() -> None:
-    assert policy_for("gnn", "24N100T-C8") == "gnn-c8-ppo"
-    assert policy_for("gnn", "20N100T-C4") == "gnn-c4-ppo"
-    assert policy_for("teamformer", "100N20T-C100-R20") == "teamformer-c100-ppo"
-    assert policy_for("teamformer", "24N100T-C8") == "teamformer"
+def test_the_method_of_a_family_fits_the_setting() -> None:
+    assert method_for("gnn", "24N100T-C8") == "gnn-c8-ppo"
+    assert method_for("gnn", "20N100T-C4") == "gnn-c4-ppo"
+    assert method_for("teamformer", "100N20T-C100-R20") == "teamformer-c100-ppo"
+    assert method_for(ANY_FLEET, "24N100T-C8") == "teamformer"
 
 
 def test_every_claim_can_be_judged_of_nothing() -> None:

@@ -241,7 +241,7 @@ def news_each_step(**rules: Any) -> Replay:
     """A slow robot walks two cells to its task in eight steps, after each of which one appears."""
     calls = [task("b", 19, appears=steps) for steps in range(1, 8)]
     robots = [robot("a", 0, speed=0.25), robot("b", 19)]
-    return run_trial(make(robots, [task("a", 2), *calls], **rules), JoinAll(), "join-all").replay
+    return run_trial(make(robots, [task("a", 2), *calls], **rules), JoinAll()).replay
 
 
 @pytest.mark.parametrize("allocation", ["paper", "crews", "plan"])

@@ -14,8 +14,8 @@ from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.leading import PATIENCE, warm_up
 from teamformer.fleet.agent.sight import Company, companies, view_of
 from teamformer.fleet.messages import Word
+from teamformer.fleet.methods import policy_of
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.policies import policy_of
 from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.rehearse import play
@@ -123,7 +123,7 @@ def test_where_a_policy_does_nothing_the_plan_does() -> None:
 def test_no_policy_breaks_a_promise_or_blocks_under_faults(name: str) -> None:
     for seed in range(4):
         faults = draw_faults(trio(), 40 + seed, 30.0, Knobs())
-        _, outcome, violations = play(trio(), plan_of(trio()), faults, policy=name)
+        _, outcome, violations = play(trio(), plan_of(trio()), faults, method=name)
         assert violations == []
         assert outcome.status != "blocked"
 
@@ -133,7 +133,7 @@ def test_no_policy_breaks_a_promise_or_blocks_under_faults(name: str) -> None:
 def test_no_policy_breaks_a_promise_or_blocks_under_many_faults(name: str) -> None:
     for seed in range(60):
         faults = draw_faults(trio(), 400 + seed, 30.0, Knobs())
-        _, outcome, violations = play(trio(), plan_of(trio()), faults, policy=OWN + name)
+        _, outcome, violations = play(trio(), plan_of(trio()), faults, method=OWN + name)
         assert (violations, outcome.status == "blocked") == ([], False), seed
 
 
@@ -166,3 +166,9 @@ def test_a_policy_is_warmed_up_by_one_question_about_the_robot_alone_at_a_task()
 def test_who_must_know_everything_is_refused() -> None:
     with pytest.raises(TeamformerError, match="no robot does"):
         policy_of("central", 0)
+
+
+def test_crews_are_no_method_for_agents() -> None:
+    assert policy_of("plan", 0) is None
+    with pytest.raises(TeamformerError, match="agents do not plan by the method 'crews'"):
+        policy_of("crews", 0)

@@ -151,7 +151,7 @@ def test_a_task_that_a_page_adds_is_published_and_told_once_it_is_held(
     assert incident["is_fleet"]
     assert {task.name for task in transport.offered} == {"late"}
     record = read_replay(tmp_path / "replay.json")
-    assert record.policy == "fleet"
+    assert record.method == "fleet"
     assert [step["kind"] for step in told].count("step") >= 1
 
 

@@ -27,16 +27,16 @@ from teamformer.planning.teams.situation import SharedPlan
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
-from teamformer.trials.methods import load_method
+from teamformer.trials.methods import Method, load_method
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-def mission(example: str = "late-tasks", policy: str = "join-fitting") -> Mission:
+def mission(example: str = "late-tasks", method: str = "join-fitting") -> Mission:
     scenario = read_scenario(EXAMPLES / f"{example}.yaml")
-    return Mission(scenario, lambda: load_method(policy), seed=0)
+    return Mission(scenario, lambda: load_method(method), seed=0)
 
 
 def play(run: Mission, incidents: dict[int, Incident]) -> None:
@@ -47,13 +47,13 @@ def play(run: Mission, incidents: dict[int, Incident]) -> None:
         run.step()
 
 
-@pytest.mark.parametrize("policy", ["join-fitting", "heuristic", "teamformer"])
-def test_incidents_leave_a_record_that_run_makes_too(policy: str) -> None:
-    run = mission(policy=policy)
+@pytest.mark.parametrize("method", ["join-fitting", "heuristic", "teamformer", "crews", "plan"])
+def test_incidents_leave_a_record_that_run_makes_too(method: str) -> None:
+    run = mission(method=method)
     play(run, {4: NewTask((0, 0), {"lift": 1}, "extra"), 9: LostRobot(run.scenario.robots[0].name)})
     record = run.record()
     assert judge(record).findings == ()
-    again = run_trial(run.scenario, load_method(policy))
+    again = run_trial(run.scenario, load_method(method))
     assert again.replay.steps == record.steps
     assert again.replay.end == record.end
     assert run.scenario.tasks[-1].appears == 4
@@ -159,8 +159,8 @@ def test_who_plans_with_everything_is_not_surprised() -> None:
     class KnowsEverything(JoinFitting):
         needs_everything = True
 
-    run = Mission(mission().scenario, KnowsEverything, "knows-everything", seed=0)
-    with pytest.raises(TeamformerError, match="run it under another policy"):
+    run = Mission(mission().scenario, lambda: Method("knows", KnowsEverything()), seed=0)
+    with pytest.raises(TeamformerError, match="run it by another method"):
         run.happen(NewTask((0, 0), {"lift": 1}))
 
 
@@ -232,9 +232,8 @@ def test_a_search_that_nobody_waits_for_ends_at_once() -> None:
 
 
 def test_only_a_shared_plan_can_be_another() -> None:
-    run = mission()
-    past = replace(run.past(), scenario=replace(run.scenario, allocation="crews"))
-    with pytest.raises(TeamformerError, match="under allocation 'crews' robots go by no plan"):
+    past = mission(method="crews").past()
+    with pytest.raises(TeamformerError, match="by this method robots go by no plan that could"):
         search_plan(past, 0.1)
 
 

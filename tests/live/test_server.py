@@ -154,10 +154,9 @@ def test_a_plan_is_searched_for_offered_and_taken_over(served: Served) -> None:
 
 
 def test_a_plan_for_robots_that_go_by_none_is_refused(tmp_path: Path) -> None:
-    crews = replace(small_mission(), allocation="crews")
-    with serving(crews, tmp_path) as server, Page(server) as page:
+    with serving(small_mission(), tmp_path) as server, Page(server) as page:
         page.ask(do="replan", seconds=0)
-        assert "under allocation 'crews' robots go by no plan" in page.hear("refused")["text"]
+        assert "by this method robots go by no plan" in page.hear("refused")["text"]
 
 
 def test_an_uncertain_mission_is_forecast_as_a_band(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import permutations
 
@@ -48,12 +49,12 @@ def shared_of(scenario: Scenario) -> Shared:
 
 
 def plan(
-    scenario: Scenario, rounds: int = 5000, in_one_crew: bool = False
+    scenario: Scenario, rounds: int = 5000, crew: Sequence[int] | None = None
 ) -> tuple[list[int], list[int], list[int]]:
-    """Return each robot's crew, each task's, and all tasks in order."""
-    crew = np.full(len(scenario.robots), NOBODY)
+    """Return each robot's crew, which may be given, each task's, and all tasks in order."""
+    crew = np.array(crew or [NOBODY] * len(scenario.robots))
     task_crew = np.full(len(scenario.tasks), NOBODY)
-    sequence = plan_crews(shared_of(scenario), crew, task_crew, in_one_crew, rounds)
+    sequence = plan_crews(shared_of(scenario), crew, task_crew, rounds)
     return crew.tolist(), task_crew.tolist(), sequence.tolist()
 
 
@@ -145,7 +146,7 @@ def test_the_search_finds_the_best_of_all_lists() -> None:
     for _ in range(15):
         world = random_world(rng, robots=3, tasks=5)
         best = min(max(plain_ends(world, [0, 1, 2], list(p))) for p in permutations(range(5)))
-        _, _, sequence = plan(world, in_one_crew=True)
+        _, _, sequence = plan(world, crew=[0, 0, 0])
         assert max(plain_ends(world, [0, 1, 2], sequence)) == best
 
 

@@ -94,7 +94,7 @@ def test_under_crews_the_script_is_join_crew() -> None:
     assert run_trials(worlds, Script()) == run_trials(worlds, JoinCrew())
 
 
-@pytest.mark.parametrize("allocation", ["paper", "nearest", "crews"])
+@pytest.mark.parametrize("allocation", ["paper", "crews"])
 @pytest.mark.parametrize("is_plane", [False, True])
 def test_missions_end(allocation: str, is_plane: bool) -> None:
     rng = np.random.default_rng(11)

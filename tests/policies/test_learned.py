@@ -13,7 +13,7 @@ from random_worlds import random_world
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
-from teamformer.policies.learned.any_fleet import AnyFleetCodec, any_fleet, teamformer_any
+from teamformer.policies.learned.any_fleet import AnyFleetCodec, any_fleet, teamformer
 from teamformer.policies.learned.deadlock_guard import DeadlockGuard
 from teamformer.policies.learned.macro_actions import FOLLOW, MAINTAIN
 from teamformer.policies.learned.onnx_sessions import OnnxNetwork
@@ -92,7 +92,7 @@ def test_onnx_equals_torch_over_a_thousand_views(tmp_path: Path) -> None:
 def test_the_shipped_network_asks_for_nothing_illegal() -> None:
     rng = np.random.default_rng(1)
     env = TeamFormation([random_world(rng) for _ in range(150)])
-    policy = teamformer_any()
+    policy = teamformer()
     for _ in range(60):
         env.step(policy.decide(env.view()))
     assert env.worlds.count["illegal"].sum() == 0
@@ -108,7 +108,7 @@ def test_capabilities_may_be_many() -> None:
         tuple(Robot(f"r{r}", (2, 2), {names[c]: 1 for c in range(r, 1000, 4)}) for r in range(4)),
         (Task("t0", (5, 5), dict.fromkeys(names, 1)),),
     )
-    [tally] = run_trials([world], teamformer_any())
+    [tally] = run_trials([world], teamformer())
     assert tally.status == "completed"
     assert tally.steps < 20
 
@@ -158,7 +158,7 @@ def test_who_does_nothing_ends_with_the_rule_and_not_without() -> None:
 
 
 @pytest.mark.parametrize("allocation", ["paper", "crews"])
-@pytest.mark.parametrize("policy", [learned(prefer_maintain), learned(Whim()), teamformer_any()])
+@pytest.mark.parametrize("policy", [learned(prefer_maintain), learned(Whim()), teamformer()])
 def test_with_the_rule_all_ends_that_the_script_ends(policy: Learned, allocation: str) -> None:
     rng = np.random.default_rng(2)
     drawn = [random_world(rng, with_losses=False) for _ in range(200)]
@@ -183,8 +183,8 @@ def test_untrained_it_is_the_script(allocation: str) -> None:
 def test_trials_do_not_depend_on_who_else_is_in_the_batch() -> None:
     rng = np.random.default_rng(3)
     worlds = [random_world(rng) for _ in range(12)]
-    together = run_trials(worlds, teamformer_any())
-    assert together == [run_trials([world], teamformer_any())[0] for world in worlds]
+    together = run_trials(worlds, teamformer())
+    assert together == [run_trials([world], teamformer())[0] for world in worlds]
 
 
 def test_files_that_are_no_network_are_refused(tmp_path: Path) -> None:

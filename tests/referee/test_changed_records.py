@@ -24,7 +24,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_examples_are_played_legally(path: Path) -> None:
     for policy in (JoinAll(), Heuristic()):
-        assert judge(run_trial(read_scenario(path), policy, "any").replay).findings == ()
+        assert judge(run_trial(read_scenario(path), policy).replay).findings == ()
 
 
 Forge = Callable[[Replay, np.random.Generator], Replay | None]
@@ -96,9 +96,7 @@ def real_records() -> list[Replay]:
     rng = np.random.default_rng(12)
     worlds = [random_world(rng) for _ in range(100)]
     return [
-        run_trial(world, policy, "any").replay
-        for world in worlds
-        for policy in (JoinAll(), Heuristic())
+        run_trial(world, policy).replay for world in worlds for policy in (JoinAll(), Heuristic())
     ]
 
 

@@ -46,7 +46,7 @@ ann and bob start together left, slow cat right below; joint is in the middle.
 
 LEGAL = Replay(
     scenario=CORRIDOR,
-    policy="by hand",
+    method="by hand",
     seed=0,
     orders=((0, (0, 1)), (7, (1, 2))),
     start=((0, (0,), 0, 0), (1, (1,), 0, 0), (2, (2,), 5, 1)),
@@ -214,7 +214,7 @@ def test_real_records_are_legal(policy: Policy) -> None:
     for seed in range(200):
         scenario = random_world(rng, is_plane=seed % 2 == 1)
         scenario = with_fractions(scenario, rng) if seed % 4 > 1 else scenario
-        replay = run_trial(scenario, policy, "any", seed).replay
+        replay = run_trial(scenario, policy, seed).replay
         assert judge(replay).findings == ()
 
 

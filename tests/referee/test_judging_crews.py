@@ -28,7 +28,7 @@ def two_crews() -> Replay:
     T . A . U     A has two robots that can do both tasks: each is a crew and has one of them
     """
     scenario = make([robot("a", 2), robot("a", 2)], [task("a", 0), task("a", 4)])
-    return run_trial(replace(scenario, allocation="crews"), JoinCrew(), "crews").replay
+    return run_trial(replace(scenario, allocation="crews"), JoinCrew()).replay
 
 
 def test_each_of_two_crews_does_the_task_on_its_list() -> None:
@@ -78,7 +78,7 @@ def test_a_forged_record_is_found(forge: Callable[[Replay], Replay], message: st
 
 def test_a_list_must_be_one_that_its_robots_can_do() -> None:
     scenario = make([robot("a", 0), robot("b", 0)], [task("a", 2), task("ab", 4)])
-    replay = run_trial(replace(scenario, allocation="crews"), JoinCrew(), "crews").replay
+    replay = run_trial(replace(scenario, allocation="crews"), JoinCrew()).replay
     [(made, [crew])] = replay.crews
     forged = (Crew((0,), crew.tasks), Crew((1,), ()))
     [finding] = [f for f in judge(replace(replay, crews=((made, forged),))).findings if not f.step]
@@ -92,7 +92,7 @@ def test_legal_records_are_left_alone() -> None:
     for number in range(120):
         world = replace(random_world(rng, is_plane=number % 4 == 0), allocation="crews")
         if number % 3:
-            replay = run_trial(world, JoinCrew() if number % 2 else JoinAll(), "any").replay
+            replay = run_trial(world, JoinCrew() if number % 2 else JoinAll()).replay
         else:
             replay = random_trial(world, rng)
         assert judge(replay).findings == ()

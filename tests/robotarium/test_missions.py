@@ -144,7 +144,7 @@ def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
         "sys.modules.update(dict.fromkeys(('teamformer', 'numba', 'onnxruntime')))\n"
         "np.seterr(over='ignore')\n"
         "from tf_sim_env import TeamFormation; from tf_scenario import SCENARIO\n"
-        "from tf_policies_learned_any_fleet import teamformer_any\n"
+        "from tf_policies_learned_any_fleet import teamformer\n"
         "env, policy, steps = TeamFormation([SCENARIO]), teamformer_any(), []\n"
         "policy.begin(None, np.random.default_rng(0))\n"
         "while env.is_running[0]:\n"

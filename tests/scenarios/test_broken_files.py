@@ -107,8 +107,15 @@ CASES = [
      "in 5 to 4 steps, which ends before it"),
     ("speed: 0.5", "breaks: {rate: 0.1}, lost: 3", 7,
      "is lost at a step and breaks at a rate; keep one"),
-    ("sensing_radius: 1", "foresight: some", 10,
-     "foresight 'some' is unknown; use needed or absent or scouting"),
+    # how a mission is solved, which files said once
+    ("sensing_radius: 1", "order: tsp", 10, "'order' says how to solve the mission, not what it "
+     "is; delete it, and choose a method with --method"),
+    ("sensing_radius: 1", "allocation: crews", 10, "'allocation' says how to solve the mission, "
+     "not what it is; delete it, and choose a method with --method"),
+    ("sensing_radius: 1", "new_tasks: nearest", 10, "'new_tasks' says how to solve the mission, "
+     "not what it is; delete it; suites of bench can set it, under method_settings"),
+    ("sensing_radius: 1", "foresight: absent", 10, "'foresight' says how to solve the mission, "
+     "not what it is; delete it; suites of bench can set it, under method_settings"),
     # unknown, repeated, missing and misplaced keys
     ("name: good", "nmae: good", 2, "no key 'nmae'; did you mean 'name'?"),
     ("speed: 0.5", "colour: red", 7, "robot 2 has no key 'colour'; known are name, at, can"),
@@ -120,7 +127,7 @@ CASES = [
     ("teamformer: 1", "teamformer: 2", 1, "this is format 2, and this teamformer knows up to 1"),
     ("teamformer: 1", "teamformer: 0", 1, "teamformer is 0; write 1 or more"),
     ("teamformer: 1", "teamformer: one", 1, "the text 'one'; write a whole number"),
-    ("sensing_radius: 1", "<<: {order: tsp}", 10, "<< is not followed; write the keys out"),
+    ("sensing_radius: 1", "<<: {step_limit: 9}", 10, "<< is not followed; write the keys out"),
     # names that YAML takes for something else
     ("name: a", "name: no", 6, "YAML reads no as true or false; put it in quotes"),
     ("name: a", "name: Yes", 6, "YAML reads Yes as true or false"),
@@ -235,7 +242,6 @@ CASES = [
     ),
     ("speed: 0.5", "back: 4", 7, "robot 'b' is back but never lost; add lost or drop back"),
     ("sensing_radius: 1", "join_radius: 2", 10, "join_radius 2 is larger than sensing_radius 1"),
-    ("sensing_radius: 1", "order: random", 10, "order 'random' is unknown; use"),
 ]  # fmt: skip
 
 
@@ -278,10 +284,17 @@ def test_a_mistake_causes_no_other_complaints(tmp_path: Path) -> None:
         ("[lift, scan]\nrobots", "[lift, scan, on]\nrobots"),
         ("{grid: [4, 3]}", "{grid: 4}"),
         ("name: good", "[1, {a: b}]: {c: [d]}"),
-        ("sensing_radius: 1", "<<: {order: tsp}"),
+        ("sensing_radius: 1", "<<: {step_limit: 9}"),
         ("sensing_radius: 1", "sensing_radius: -1"),
     ):
         assert len(problems_of(tmp_path, GOOD.replace(old, new))) == 1
+
+
+def test_each_key_of_a_method_is_told_once_and_hides_nothing_else(tmp_path: Path) -> None:
+    how = "order: tsp\nallocation: plan\nforesight: needed\nnew_tasks: nearest\n"
+    found = problems_of(tmp_path, GOOD.replace("speed: 0.5", "sped: 1") + how)
+    assert [told.split(":")[1] for told in found] == ["7", "11", "12", "13", "14"]
+    assert "did you mean 'speed'?" in found[0]
 
 
 def test_a_newer_format_is_the_only_complaint(tmp_path: Path) -> None:

@@ -353,10 +353,7 @@ class PlainWorld:
             return
         for i, task in enumerate(order):
             if self.contributes(team, task) and not self.is_covered(slot, task):
-                if self.s.allocation == "nearest":
-                    detour = self.nearest_alone(slot, order, i)
-                else:
-                    detour = self.detour(slot, order, i)
+                detour = self.detour(slot, order, i)
                 team.task = task if detour is None else detour
                 team.is_detour = detour is not None
                 return
@@ -377,18 +374,6 @@ class PlainWorld:
             doing = [task for task in self.order if robot in self.coalitions[task]]
             mine += [self.scouts[robot]] if robot in self.scouts else doing[:1]
         return min(mine, key=self.order.index, default=None)
-
-    def nearest_alone(self, slot: int, order: list[int], i: int) -> int | None:
-        team = self.teams[slot]
-        near = [task for task in order if self.travel(team.at, task) < NEVER]
-        if not all(self.covers(self.has(team), task) for task in near):
-            return None
-        found = [
-            (self.travel(team.at, order[j]), j)
-            for j in range(i, len(order))
-            if order[j] in near and (j == i or not self.is_covered(slot, order[j]))
-        ]
-        return order[min(found)[1]] if min(found)[1] > i else None
 
     def contributes(self, team: PlainTeam, task: int) -> bool:
         can_reach = self.travel(team.at, task) < NEVER

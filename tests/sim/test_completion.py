@@ -186,7 +186,7 @@ def test_a_world_without_tasks_left_that_can_be_done_names_those_that_cannot() -
     """b is lost; t1 and t2 need it, t0 does not, t3 is done before."""
     robots = [robot("a", 0), robot("b", 0, lost=4)]
     tasks = [task("a", 9), task("ab", 8), task("b", 7, appears=50), task("b", 1)]
-    replay = run_trial(make(robots, tasks), JoinAll(), "join-all").replay
+    replay = run_trial(make(robots, tasks), JoinAll()).replay
     assert replay.end.status == "infeasible"
     assert replay.end.blocked_tasks == ("t1", "t2")
     assert (replay.end.steps, replay.end.makespan, replay.end.tasks_done) == (4, None, 1)

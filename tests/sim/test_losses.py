@@ -85,7 +85,7 @@ def test_the_lowest_robot_takes_its_slot_again() -> None:
     assert places(env) == {0: 2, 1: 4}
 
 
-@pytest.mark.parametrize("allocation", ["paper", "nearest", "crews", "plan"])
+@pytest.mark.parametrize("allocation", ["paper", "crews", "plan"])
 def test_what_waits_for_it_does_not_end_the_trial(allocation: str) -> None:
     """Only b can do the task at 5; it is lost at 3 in step 3, back in 5, and there in step 7."""
     robots = [robot("a", 15), away("b", 0, 3, 5)]

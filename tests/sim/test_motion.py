@@ -120,7 +120,7 @@ def test_a_map_without_obstacles_is_an_open_grid(policy: JoinAll | Heuristic) ->
         width, height = scenario.world.width, scenario.world.height
         drawn = replace(scenario, world=Grid(width, height, (FREE * width,) * height))
         drawn = replace(drawn, step_limit=scenario.step_limit)
-        one, other = (run_trial(s, policy, "twin").replay for s in (scenario, drawn))
+        one, other = (run_trial(s, policy).replay for s in (scenario, drawn))
         assert one.end == other.end
         assert one.orders == other.orders
         assert one.steps == other.steps

@@ -49,7 +49,7 @@ def test_the_record_says_why_plans_are_made_and_the_referee_goes_by_them() -> No
         Task("b", (20, 0), {"lift": 1}),
         Task("c", (1, 0), {"lift": 1}, appears=5),
     ]
-    replay = run_trial(corridor(tasks, ann, bob), FollowPlan(), "plan").replay
+    replay = run_trial(corridor(tasks, ann, bob), FollowPlan()).replay
     assert replay.end.status == "completed"
     assert [(steps, plan.reasons) for steps, plan in replay.plans] == [
         (0, ("start",)),

@@ -232,7 +232,7 @@ def test_a_task_in_the_far_corner_is_done_there(side: float) -> None:
 def test_random_worlds_with_things_on_edges_stay_in_their_arrays(is_plane: bool) -> None:
     """Compiled code checks no index by itself; `make test` runs this where it does."""
     rng = np.random.default_rng(8)
-    for allocation in ("paper", "nearest"):
+    for allocation in ("paper", "crews"):
         worlds = [random_world(rng, is_plane=is_plane) for _ in range(60)]
         env = TeamFormation([replace(world, allocation=allocation) for world in worlds])
         for _ in range(30):

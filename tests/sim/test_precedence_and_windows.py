@@ -18,7 +18,7 @@ from teamformer.policies.central.policy import Central
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll, JoinCrew
+from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.referee import judge
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay.record import Replay
@@ -41,7 +41,7 @@ CORRIDOR = Scenario(
 
 
 def played(scenario: Scenario, policy: Policy | None = None) -> Replay:
-    return run_trial(scenario, policy or FollowPlan(), "plan").replay
+    return run_trial(scenario, policy or FollowPlan()).replay
 
 
 def test_what_comes_after_another_waits_for_it() -> None:
@@ -93,7 +93,6 @@ def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
     [
         (FollowPlan(), "plan", 20),
         (JoinCrew(), "crews", 60),
-        (JoinAll(), "nearest", 60),
         (Heuristic(), "paper", 60),
     ],
     ids=ALLOCATIONS[::-1],
@@ -126,7 +125,7 @@ def test_central_plans_what_comes_after_others() -> None:
         ),
         allocation="plan",
     )
-    replay = run_trial(mission, Central(0.5), "central").replay
+    replay = run_trial(mission, Central(0.5)).replay
     assert judge(replay).is_legal
     assert replay.end.makespan == 2 + 2 + 4 + 1  # the way, the service, the way, joining
 
@@ -136,7 +135,7 @@ def test_central_is_never_slower_than_the_shared_plan() -> None:
     for _ in range(3):
         mission = with_precedence_and_windows(random_world(rng), rng)
         mission = replace(mission, allocation="plan")
-        planned = run_trial(mission, Central(0.5), "central").replay
+        planned = run_trial(mission, Central(0.5)).replay
         assert judge(planned).is_legal
         shared = played(mission).end
         if shared.makespan is not None:

@@ -37,7 +37,7 @@ HALL = Scenario(
 
 RECORD = Replay(
     scenario=HALL,
-    policy="by hand",
+    method="by hand",
     seed=7,
     orders=((0, (0,)), (1, (1, 0))),
     start=((0, (0, 1), 0, 0), (2, (2,), 3, 1)),
@@ -90,7 +90,10 @@ def test_the_file_is_json_for_other_programs(path: Path) -> None:
 
     tree = json.loads(path.read_bytes(), parse_constant=refuse)
     assert tree == replay_to_tree(RECORD)
-    assert tree["teamformer_replay"] == 1
+    assert tree["teamformer_replay"] == 2
+    how = [tree[key] for key in ("method", "allocation", "foresight")]
+    assert how == ["by hand", "paper", "scouting"]
+    assert not {"order", "new_tasks", "allocation", "foresight"} & set(tree["scenario"])
 
 
 def test_a_record_without_steps_is_read(path: Path) -> None:
@@ -99,8 +102,8 @@ def test_a_record_without_steps_is_read(path: Path) -> None:
     assert read_replay(path) == still
 
 
-def test_a_policy_named_by_bytes_that_are_no_text_is_kept(path: Path) -> None:
-    strange = replace(RECORD, policy="mine-\udcff.onnx")  # what Python makes of byte 255
+def test_a_method_named_by_bytes_that_are_no_text_is_kept(path: Path) -> None:
+    strange = replace(RECORD, method="mine-\udcff.onnx")  # what Python makes of byte 255
     write_replay(strange, path)
     assert read_replay(path) == strange
 
@@ -146,14 +149,18 @@ def test_a_folder_is_told_with_the_file_in_it(path: Path) -> None:
         (b"9" * 5000, ": this is no replay: a number has thousands of digits"),
         (b"[]", ": this is not a replay: it has no 'teamformer_replay'"),
         (b'{"teamformer": 1}', ": this is not a replay: it has no 'teamformer_replay'"),
-        (b'{"teamformer_replay": 2}', ": format 2 is newer than 1"),
+        (b'{"teamformer_replay": 3}', ": format 3 is newer than 2"),
+        (
+            b'{"teamformer_replay": 1}',
+            ": format 1 is of an earlier teamformer, which knew no methods",
+        ),
         (b'{"teamformer_replay": 0}', ": the format version is 0, not a number from 1 on"),
         (b'{"teamformer_replay": true}', ": the format version is True, not a number from 1 on"),
         (
-            b'{"teamformer_replay": 1, "seed": 1, "end": {"steps": 1, "steps": 2}}',
+            b'{"teamformer_replay": 2, "seed": 1, "end": {"steps": 1, "steps": 2}}',
             ": the record is damaged: the key 'steps' stands twice in one mapping",
         ),
-        (b'{"teamformer_replay": 1}', ": the record is damaged: the key 'scenario' is missing"),
+        (b'{"teamformer_replay": 2}', ": the record is damaged: the key 'scenario' is missing"),
     ],
 )
 def test_what_is_no_replay_is_told(path: Path, data: bytes, message: str) -> None:
@@ -230,7 +237,15 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
         (damage("orders", 1, 1, to={}), "orders: {} stands where a list belongs"),
         (damage("orders", 1, 0, to=-1), "orders: -1 stands where 0 or more belongs"),
         (damage("start", 0, to="abcd"), "start: 'abcd' stands where a list of 4 belongs"),
-        (damage("policy", to=1), "1 stands where a text belongs"),
+        (damage("method", to=1), "1 stands where a text belongs"),
+        (
+            damage("allocation", to="nearest"),
+            "the allocation is 'nearest', not one of ('paper', 'crews', 'plan')",
+        ),
+        (
+            damage("foresight", to=["absent"]),
+            "the foresight is ['absent'], not one of ('needed', 'absent', 'scouting')",
+        ),
         (damage("seed", to=None), "None stands where a whole number belongs"),
         (damage("end", to=None), "end: None stands where a mapping belongs"),
         (damage("end", "joins", to=None), "end: None stands where a whole number belongs"),

@@ -244,7 +244,7 @@ def test_random_surprised_missions_are_legal_under_every_rule() -> None:
         scenario = with_surprises(scenario, rng)
         scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
         policy = load_method("join-all").policy
-        replay = run_trial(scenario, policy, "join-all", number).replay
+        replay = run_trial(scenario, policy, number).replay
         assert judge(replay).findings == ()
         assert replay.end.status in ("completed", "infeasible")
         done += replay.end.status == "completed"

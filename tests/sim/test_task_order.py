@@ -108,11 +108,11 @@ def test_order_closes_up_when_a_task_is_done() -> None:
 
 def test_only_what_worlds_need_is_called() -> None:
     paper = late_task()
-    crews, schedule = replace(paper, allocation="crews"), replace(paper, order="schedule")
+    crews, plan = replace(paper, allocation="crews"), replace(paper, allocation="plan")
     for scenarios, needed in (
         ([paper, paper], [order_worlds]),
         ([crews], [plan_worlds]),
-        ([schedule], [plan_worlds]),
+        ([plan], [plan_worlds]),
         ([paper, crews], [plan_worlds, order_worlds]),
     ):
         assert orderings_for(TeamFormation(scenarios).worlds, scenarios) == needed
@@ -120,7 +120,7 @@ def test_only_what_worlds_need_is_called() -> None:
 
 def test_a_world_is_ordered_by_its_own_rules_beside_others() -> None:
     paper = late_task()
-    scenarios = [paper, replace(paper, allocation="crews"), replace(paper, order="schedule")]
+    scenarios = [paper, replace(paper, allocation="crews"), replace(paper, allocation="plan")]
     together = TeamFormation(scenarios)
     alone = [TeamFormation([scenario]) for scenario in scenarios]
     for _ in range(3):

@@ -32,6 +32,7 @@ from teamformer.train.training_worlds import (
     selection_worlds,
     training_worlds,
 )
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trials
 
 SHORT = TrainSettings(

@@ -1,21 +1,28 @@
-"""Policies by name, and what is said of names that name none."""
+"""Methods by name, what each is made of, and what is said of names that name none."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from small_worlds import make, robot, task
+from teamformer.commands.policies.listing import COORDINATION
 from teamformer.errors import TeamformerError
+from teamformer.policies.central.policy import Central
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.protocol import Planner
+from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
+from teamformer.policies.scripted.join_fitting import JoinFitting
+from teamformer.policies.scripted.joining import JoinAll, JoinCrew
+from teamformer.scenarios.named_settings import world_of
 from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.sim.env import TeamFormation
-from teamformer.trials.methods import METHODS, load_method
+from teamformer.trials.methods import METHODS, default_for, load_method, with_settings
 
 OWN = """
 from teamformer.sim.env import Decision
@@ -104,14 +111,71 @@ def test_learned_policies_go_without_their_deadlock_guard(own_module: str, tmp_p
     for name in ("join-all-bare", f"{own_module}:Patient-bare"):
         with pytest.raises(TeamformerError, match="has no deadlock guard"):
             load_method(name)
-    with pytest.raises(TeamformerError, match="no policy 'gnn-bare'"):
+    with pytest.raises(TeamformerError, match="no method 'gnn-bare'"):
         load_method("gnn-bare")
 
 
 def test_names_are_listed_once() -> None:
     names = [listing.name for listing in METHODS]
     assert len(set(names)) == len(names)
-    assert all(listing.summary for listing in METHODS)
+    assert names[:3] == ["plan", "crews", "central"]  # the default comes first
+    for listing in METHODS:
+        assert listing.summary
+        assert listing.trained_on
+        assert listing.allocation in COORDINATION
+
+
+def test_each_name_brings_its_coordination_and_its_policy() -> None:
+    made_of = {}
+    for listing in METHODS[:6]:
+        method = load_method(listing.name)
+        assert method.name == listing.name
+        made_of[listing.name] = (method.allocation, type(method.policy))
+    assert made_of == {
+        "plan": ("plan", FollowPlan),
+        "crews": ("crews", JoinCrew),
+        "central": ("plan", Central),
+        "heuristic": ("paper", Heuristic),
+        "join-all": ("paper", JoinAll),
+        "join-fitting": ("paper", JoinFitting),
+    }
+    assert {load_method(listing.name).allocation for listing in METHODS[6:]} == {"paper"}
+    assert {type(load_method(listing.name).policy) for listing in METHODS[6:]} == {Learned}
+
+
+def test_a_method_says_how_a_mission_is_played() -> None:
+    mission = replace(smallest_scenario(), allocation="crews", foresight="absent")
+    assert load_method("plan").apply(mission) == replace(mission, allocation="plan")
+    changed = with_settings(load_method("plan"), {"foresight": "needed", "new_tasks": "nearest"})
+    assert changed.apply(mission) == replace(
+        mission, allocation="plan", foresight="needed", new_tasks="nearest"
+    )
+
+
+def test_settings_of_the_paper_say_how_its_order_takes_new_tasks() -> None:
+    """Both halves of Fig. 9 are of the same worlds; how late tasks are inserted differs."""
+    heuristic = load_method("heuristic")
+    tour, nearest = (heuristic.apply(world_of(f"4N20+20T-C4-{way}", 0)) for way in ("tsp", "nn"))
+    assert (tour.new_tasks, nearest.new_tasks) == ("resolve", "nearest")
+
+
+def test_only_planners_take_a_time_limit_and_threads() -> None:
+    central: Any = load_method("central", time_limit=0.5, workers=2).policy
+    assert (central.time_limit, central.workers) == (0.5, 2)
+    central = load_method("central").policy
+    assert (central.time_limit, central.workers) == (Central().time_limit, Central().workers)
+    assert not hasattr(load_method("plan", time_limit=0.5).policy, "time_limit")
+
+
+@pytest.mark.parametrize(
+    ("robots", "tasks", "name"),
+    [(1, 1, "plan"), (3000, 2000, "plan"), (3001, 2000, "crews"), (1, 4000, "crews")],
+)
+def test_a_mission_too_large_for_a_plan_is_solved_by_crews(
+    robots: int, tasks: int, name: str
+) -> None:
+    mission = make([robot("a", 0)] * robots, [task("a", 1)] * tasks)
+    assert default_for(mission) == name
 
 
 def test_a_class_of_ones_own(own_module: str) -> None:
@@ -149,8 +213,8 @@ def test_what_goes_wrong_when_a_policy_begins_is_told_by_line(own_module: str) -
 @pytest.mark.parametrize(
     ("name", "message", "hint"),
     [
-        ("heuristik", "there is no policy 'heuristik'", "did you mean 'heuristic'?"),
-        ("quantum", "there is no policy 'quantum'", "known are teamformer, heuristic, join-all"),
+        ("heuristik", "there is no method 'heuristik'", "did you mean 'heuristic'?"),
+        ("quantum", "there is no method 'quantum'", "known are plan, crews, central, heuristic"),
         ("no_such_module:Class", "cannot be imported", "the folder that holds the module"),
         ("broken_policies:Class", "no_such_library", "the folder that holds the module"),
         (":Class", "cannot be imported", "write it as module:Class"),

@@ -6,6 +6,7 @@ import itertools
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from types import FrameType
 
 import numpy as np
@@ -14,10 +15,11 @@ import pytest
 from random_worlds import random_decision, random_world
 from small_worlds import two_robots_one_task, two_tasks_two_pairs, walker
 from teamformer.model import Scenario
-from teamformer.policies.scripted.joining import JoinAll
+from teamformer.policies.scripted.joining import JoinAll, JoinCrew
 from teamformer.referee import judge
 from teamformer.sim.env import Decision, Tally
 from teamformer.sim.view import View
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import Trial, run_trial, run_trials
 
 
@@ -51,23 +53,23 @@ class Impatient(JoinAll):
 
 
 def test_a_trial_is_recorded_to_its_end() -> None:
-    replay = run_trial(two_robots_one_task(), JoinAll(), "join-all", 5, lower_bound=3).replay
-    assert (replay.policy, replay.seed, replay.lower_bound) == ("join-all", 5, 3)
+    replay = run_trial(two_robots_one_task(), JoinAll(), 5, lower_bound=3).replay
+    assert (replay.method, replay.seed, replay.lower_bound) == ("JoinAll", 5, 3)
     assert (replay.end.status, replay.end.makespan, replay.end.steps) == ("completed", 4, 4)
     assert (replay.end.tasks_done, replay.end.joins, replay.end.splits) == (1, 1, 0)
     assert len(replay.steps) == 4
 
 
 def test_a_trial_that_hits_its_limit_has_no_makespan() -> None:
-    replay = run_trial(two_robots_one_task(step_limit=3), JoinAll(), "join-all").replay
+    replay = run_trial(two_robots_one_task(step_limit=3), JoinAll()).replay
     assert (replay.end.status, replay.end.makespan, replay.end.steps) == ("step limit", None, 3)
 
 
 def test_only_a_policy_that_needs_everything_is_given_it() -> None:
     scenario = walker(1.0)
     dice, all_knowing = Dice(), AllKnowing()
-    run_trial(scenario, dice, "dice")
-    run_trial(scenario, all_knowing, "all-knowing")
+    run_trial(scenario, dice)
+    run_trial(scenario, all_knowing)
     assert dice.given is None
     assert all_knowing.given == [scenario]
 
@@ -80,7 +82,7 @@ def test_the_seed_decides() -> None:
 
 
 def test_ctrl_c_keeps_what_was_done() -> None:
-    replay = run_trial(two_robots_one_task(), Impatient(), "impatient").replay
+    replay = run_trial(two_robots_one_task(), Impatient()).replay
     assert (replay.end.status, replay.end.steps, replay.end.makespan) == ("interrupted", 2, None)
     assert len(replay.steps) == 2
     assert replay.steps[0].joins == ((0, 1),)
@@ -137,14 +139,26 @@ def test_ctrl_c_at_any_line_leaves_a_legal_record() -> None:
 
 def test_each_step_is_reported() -> None:
     seen: list[Tally] = []
-    run_trial(walker(1.0, goal=3), JoinAll(), "join-all", on_step=seen.append)
+    run_trial(walker(1.0, goal=3), JoinAll(), on_step=seen.append)
     assert [tally.steps for tally in seen] == [1, 2, 3]
     assert [tally.tasks_done for tally in seen] == [0, 0, 1]
 
 
-def test_the_clock_counts_deciding_as_part_of_the_whole() -> None:
-    trial = run_trial(walker(1.0), JoinAll(), "join-all")
-    assert 0 < trial.decision_seconds < trial.total_seconds
+def test_the_clock_tells_planning_deciding_and_simulating_apart() -> None:
+    trial = run_trial(walker(1.0), JoinAll())
+    parts = (trial.planning_seconds, trial.decision_seconds, trial.simulating_seconds)
+    assert min(parts) > 0
+    assert sum(parts) == pytest.approx(trial.total_seconds)
+
+
+def test_a_method_plays_a_mission_by_its_own_coordination_and_a_policy_as_it_stands() -> None:
+    mission = replace(two_robots_one_task(), allocation="crews")
+    by_plan = run_trial(mission, load_method("plan")).replay
+    assert (by_plan.method, by_plan.scenario.allocation) == ("plan", "plan")
+    assert len(by_plan.plans) == 1
+    as_it_stands = run_trial(mission, JoinCrew()).replay
+    assert as_it_stands.scenario == mission
+    assert len(as_it_stands.crews) == 1
 
 
 @pytest.mark.parametrize("threads", [1, 3])

@@ -24,9 +24,9 @@ def test_the_replay_comes_back_unchanged(dock: Tree) -> None:
 
 def test_names_cannot_leave_the_json(dock: Tree) -> None:
     name = "</script><!-- <script> & \u2028 \u2029 😀"
-    tree = {**dock, "policy": name}
+    tree = {**dock, "method": name}
     text = embedded(replay_page(tree))
-    assert json.loads(text)["policy"] == name
+    assert json.loads(text)["method"] == name
     assert not set(text) & set("<>&\u2028\u2029")
 
 
@@ -37,8 +37,8 @@ def test_the_title_is_escaped(dock: Tree) -> None:
 
 
 def test_dollar_signs_stay_as_they_are(dock: Tree) -> None:
-    page = replay_page({**dock, "policy": "$style ${script} $$"})
-    assert json.loads(embedded(page))["policy"] == "$style ${script} $$"
+    page = replay_page({**dock, "method": "$style ${script} $$"})
+    assert json.loads(embedded(page))["method"] == "$style ${script} $$"
 
 
 def test_everybody_in_sight_is_written_as_null(dock: Tree) -> None:

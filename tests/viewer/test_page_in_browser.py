@@ -193,7 +193,7 @@ def test_hostile_names_are_only_text(open_page: Opener) -> None:
     for task in scenario["tasks"]:
         task["needs"] = [evil + "c" if cap == "lift" else cap for cap in task["needs"]]
         task["name"] += evil
-    opened = open_page(toy_replay(scenario, policy=evil), "#step=33")
+    opened = open_page(toy_replay(scenario, method=evil), "#step=33")
     for tab in ["tasks", "teams", "capabilities", "events"]:
         opened.page.click(f"#tab-{tab}")
         opened.details()

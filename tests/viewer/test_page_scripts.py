@@ -160,7 +160,7 @@ def test_what_is_believed_is_told_until_the_truth_shows(scripts: Any, foresight:
     tree = two_robots([*steps, {"done": [[0, 0]]}])
     [task] = tree["scenario"]["tasks"]
     task |= {"may_need": {"lift": 0.4}, "duration": [2, 9]}
-    tree["scenario"] |= {"foresight": foresight}
+    tree["foresight"] = foresight
     tree["truth"] = {"tasks": {"t": {"needs": {"lift": 2}, "duration": 4}}, "robots": {}}
     told = scripts.evaluate(BELIEFS, tree)
     first = "lift" if foresight == "absent" else "2 x lift"

@@ -175,8 +175,9 @@ def test_two_records_run_in_step(open_page: Opener, dock: Tree, tmp_path: Path) 
     [
         ("{", "it is no JSON"),
         ('{"teamformer": 1}', "it is no record of a trial"),
-        ('{"teamformer_replay": 2}', "it has format 2, and this page knows 1"),
-        ('{"teamformer_replay": 1}', "it is damaged"),
+        ('{"teamformer_replay": 3}', "it has format 3, and this page knows 2"),
+        ('{"teamformer_replay": 1}', "this page knows 2; run the mission again"),
+        ('{"teamformer_replay": 2}', "it is damaged"),
     ],
 )
 def test_what_is_no_record_is_refused_and_nothing_is_lost(

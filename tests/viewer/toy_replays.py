@@ -15,7 +15,7 @@ Tree = dict[str, Any]
 Cell = tuple[int, int]
 
 
-def toy_replay(scenario: Tree, policy: str = "toy", steps: int = 400) -> Tree:
+def toy_replay(scenario: Tree, method: str = "toy", steps: int = 400) -> Tree:
     """Run a trial and return its replay tree."""
     trial = ToyTrial(scenario)
     start = [[slot, robots, *trial.place[slot]] for slot, robots in sorted(trial.teams.items())]
@@ -24,9 +24,11 @@ def toy_replay(scenario: Tree, policy: str = "toy", steps: int = 400) -> Tree:
         changes.append(trial.step(len(changes) + 1))
     is_completed = not trial.is_open
     return {
-        "teamformer_replay": 1,
+        "teamformer_replay": 2,
         "scenario": scenario,
-        "policy": policy,
+        "method": method,
+        "allocation": "paper",
+        "foresight": "scouting",
         "seed": 0,
         "orders": [[0, list(range(len(scenario["tasks"])))]],
         "start": start,

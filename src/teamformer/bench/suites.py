@@ -69,7 +69,7 @@ class Suite:
 def player_of(method: str) -> str:
     """Return the method that plays where a suite has it twice, under other rules.
 
-    So `plan@absent` is `follow-plan`; what its rules are stands under `method_rules`.
+    So `plan@absent` is `plan`; what is set of it stands under `method_settings`.
     """
     return method.partition("@")[0]
 

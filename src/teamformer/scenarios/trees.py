@@ -43,8 +43,15 @@ TOP_KEYS = {
     "finding_radius": False,
     "arrivals": False,
 }
-KEYS_OF_METHODS = ("order", "new_tasks", "allocation", "foresight")
-"""What files said before methods did: how a mission is solved, not what it is."""
+BY_METHOD = "delete it, and choose a method with --method"
+BY_SUITE = "delete it; suites of bench can set it, under method_settings"
+KEYS_OF_METHODS = {
+    "order": BY_METHOD,
+    "allocation": BY_METHOD,
+    "new_tasks": BY_SUITE,
+    "foresight": BY_SUITE,
+}
+"""What files said before methods did: how a mission is solved, not what it is; and what to do."""
 
 ROBOT_KEYS = {
     "name": False,
@@ -309,10 +316,10 @@ def _without_methods(reader: Reader) -> Any:
     tree = reader.tree.value
     if not isinstance(tree, dict):
         return tree
-    for key in KEYS_OF_METHODS:
+    for key, remedy in KEYS_OF_METHODS.items():
         if key in tree:
             what = f"'{key}' says how to solve the mission, not what it is"
-            reader.refuse((key,), f"{what}; delete it, and choose a method with --method")
+            reader.refuse((key,), f"{what}; {remedy}")
     return {key: value for key, value in tree.items() if key not in KEYS_OF_METHODS}
 
 

@@ -69,7 +69,7 @@ def train(options: TrainOptions, as_json: bool) -> int:
     if is_first and table.rows == 0:
         say("it has trained for as long already; --minutes counts all of its time")
     if is_first:
-        say(f"the policy is in {folder}; run it with --policy {folder}")
+        say(f"the policy is in {folder}; run it with --method {folder}")
     return 0
 
 

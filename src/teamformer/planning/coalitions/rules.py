@@ -38,13 +38,13 @@ LINKED_PLANNERS: dict[str, LinkedPlanner] = {
 __all__ = ["PLANNERS", "is_compiled", "plan_continuous", "warm_up"]
 
 
-def plan_continuous(mission: ContinuousMission, policy: str, seconds: float) -> MissionPlan | None:
-    """Return the plan that a policy makes; None if there is no coalition for some task."""
+def plan_continuous(mission: ContinuousMission, method: str, seconds: float) -> MissionPlan | None:
+    """Return the plan that a method makes; None if there is no coalition for some task."""
     problem = mission.problem
     if not isinstance(problem, LinkedProblem):
-        solution: Solution | LinkedSolution | None = PLANNERS[policy](problem, seconds)
-    elif policy in LINKED_PLANNERS:
-        solution = LINKED_PLANNERS[policy](problem, seconds)
+        solution: Solution | LinkedSolution | None = PLANNERS[method](problem, seconds)
+    elif method in LINKED_PLANNERS:
+        solution = LINKED_PLANNERS[method](problem, seconds)
         if solution is None:
             raise TeamformerError(
                 f"{mission.scenario.name}: no coalitions were found for tasks that are linked",
@@ -52,7 +52,7 @@ def plan_continuous(mission: ContinuousMission, policy: str, seconds: float) -> 
             )
     else:
         raise TeamformerError(
-            f"--policy {policy} knows no starts that are linked and no cost but the makespan",
+            f"--method {method} knows no starts that are linked and no cost but the makespan",
             f"use {', '.join(LINKED_PLANNERS)}",
         )
     return None if solution is None else mission.tell(solution)

@@ -58,7 +58,7 @@ class Companion {
     if (!this.history) return;
     const { history } = this;
     const { step } = this.player;
-    byId("beside-name").textContent = `${history.scenario.name}, ${history.replay.policy}`;
+    byId("beside-name").textContent = `${history.scenario.name}, ${history.replay.method}`;
     byId("beside-state").textContent = describeProgress(history, step);
     this.map.draw();
   }

@@ -172,7 +172,7 @@ function recordOfDraft(tree) {
   const world = tree.world.plane ? { step: 1, unit: 0.2, arrival_radius: 0.05, ...tree.world } : tree.world;
   return {
     scenario: { ...tree, world, robots, tasks },
-    policy: "",
+    method: "",
     seed: 0,
     orders: [],
     start: starts,

@@ -56,8 +56,9 @@ function readRecord(text) {
   if (record?.teamformer_replay === undefined) {
     throw new Error("it is no record of a trial; drop a replay.json that `teamformer run --out` wrote");
   }
-  if (record.teamformer_replay > KNOWN_FORMAT) {
-    throw new Error(`it has format ${record.teamformer_replay}, and this page knows ${KNOWN_FORMAT}`);
+  if (record.teamformer_replay !== KNOWN_FORMAT) {
+    const remedy = record.teamformer_replay < KNOWN_FORMAT ? "; run the mission again" : "";
+    throw new Error(`it has format ${record.teamformer_replay}, and this page knows ${KNOWN_FORMAT}${remedy}`);
   }
   try {
     frames(record);
@@ -67,7 +68,7 @@ function readRecord(text) {
   return record;
 }
 
-const KNOWN_FORMAT = 1;
+const KNOWN_FORMAT = 2;
 
 // What went wrong, or with "good" what went well.
 function notify(text, kind = "") {
@@ -94,7 +95,7 @@ function savePicture(app) {
   ctx.textBaseline = "middle";
   const { scenario, replay } = app.history;
   const moment = describeAt(scenario.world, app.player.step);
-  ctx.fillText([scenario.name, replay.policy, moment].filter(Boolean).join(", "), 12, 18);
+  ctx.fillText([scenario.name, replay.method, moment].filter(Boolean).join(", "), 12, 18);
   canvas.toBlob((blob) => download(blob, `${fileName(scenario.name)}-${app.player.step}.png`));
 }
 

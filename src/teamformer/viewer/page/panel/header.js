@@ -7,7 +7,7 @@ function showHeader(app) {
   const { scenario, replay } = history;
   byId("name").textContent = scenario.name;
   byId("about").textContent = [
-    ...(replay.policy ? [`Policy ${replay.policy}`, `seed ${replay.seed}`] : ["Draft"]),
+    ...(replay.method ? [`Method ${replay.method}`, `seed ${replay.seed}`] : ["Draft"]),
     plural(scenario.robots.length, "robot"),
     plural(scenario.tasks.length, "task"),
     scenario.capabilities.length === 1

@@ -8,7 +8,7 @@ const NOBODY = -1;
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
 function frames(recorded) {
   const replay = inSquares(recorded);
-  const scenario = readScenario(replay.scenario, replay.truth);
+  const scenario = readScenario(replay.scenario, replay.truth, replay.foresight !== "absent");
   const history = {
     replay,
     scenario,

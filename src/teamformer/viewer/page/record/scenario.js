@@ -1,9 +1,9 @@
 // The scenario of a replay, with capabilities as numbers and counts as [capability, count] pairs.
 
-// `truth` says, by name, what an uncertain mission really was.
-function readScenario(tree, truth) {
+// `truth` says, by name, what an uncertain mission really was; `isHopeful` that plans count on needs
+// that tasks may have.
+function readScenario(tree, truth, isHopeful) {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
-  const isHopeful = tree.foresight !== "absent";
   const listed = [...tree.tasks, ...(truth?.arrivals ?? [])];
   const tasks = listed.map((task) => readTask(task, numbers, truth?.tasks[task.name], isHopeful));
   const numberOf = new Map(tasks.map(({ name }, number) => [name, number]));

@@ -115,7 +115,7 @@ function orderAt(history, step) {
   return tasks.filter((task) => standingOf(history, task, step) !== "done");
 }
 
-// The crews as last planned, each its robots and its list of tasks; none under other allocations.
+// The crews as last planned, each its robots and its list of tasks; none unless the method is crews.
 function crewsAt(history, step) {
   let crews = [];
   for (const [made, planned] of history.replay.crews ?? []) if (made <= step) crews = planned;

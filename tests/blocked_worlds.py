@@ -1,33 +1,31 @@
-"""Random worlds, some in a state that random decisions brought about, that a policy cannot end."""
+"""Random worlds, some in a state that random decisions brought about, that a player cannot end."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 
 from random_worlds import random_decision, random_world
 from teamformer.model import Scenario
-from teamformer.policies.protocol import Policy
 from teamformer.sim.env import TeamFormation
+from teamformer.trials.methods import Player, as_method
+from teamformer.trials.trial import decide
 
 
-def blocked_worlds(
-    policy: Policy, allocation: str, count: int, seed: int, is_plane: bool = False
-) -> list[Scenario]:
+def blocked_worlds(player: Player, count: int, seed: int, is_plane: bool = False) -> list[Scenario]:
     """Return the worlds, of many in which anything may have happened before, that do not end."""
     rng = np.random.default_rng(seed)
-    blocked = []
+    method, blocked = as_method(player), []
     together = min(count, 500)
     for _ in range(count // together):
         worlds = [random_world(rng, is_plane=is_plane) for _ in range(together)]
-        env = TeamFormation([replace(w, allocation=allocation) for w in worlds])
+        env = TeamFormation(worlds, coordinator=method.coordinator)
         for _ in range(int(rng.integers(0, 25))):
             if env.is_running.any():
                 env.step(random_decision(env.view(), rng))
-        policy.begin(None, rng)
+        if method.policy is not None:
+            method.policy.begin(None, rng)
         while env.is_running.any():
-            env.step(policy.decide(env.view()))
+            env.step(decide(env, method, env.view()))
         assert env.worlds.count["illegal"].sum() == 0
         blocked += [s for w, s in enumerate(env.scenarios) if env.tally(w).status == "step limit"]
     return blocked

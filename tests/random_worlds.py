@@ -96,7 +96,6 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     arrivals = Arrivals(0.1, 20, duration=int(rng.integers(3)))
     can_appear = any(count >= 1 for count in near[busiest_part(scenario)].values())
     rules = {
-        "foresight": str(rng.choice(["needed", "absent", "scouting"])),
         "finding_radius": float(rng.choice([0.0, 0.2, 1.0, 1.5, np.inf])),
         "step_limit": 0,
         "arrivals": arrivals if rng.random() < 0.3 and can_appear else None,
@@ -164,7 +163,6 @@ def _draw(
         sensing_radius=sensing,
         join_radius=float(min(sensing, rng.choice([0, 0, 1, 2.5]))),
         forming_steps=int(rng.integers(0, 2)),
-        new_tasks=str(rng.choice(["resolve", "nearest"])),
     )
 
 

@@ -178,7 +178,7 @@ def order_of(env: TeamFormation) -> list[int]:
     return [int(k) for k in env.worlds.order[0, : env.worlds.count["open"][0]]]
 
 
-def far_from_what_may_be_needed(foresight: str) -> Scenario:
+def far_from_what_may_be_needed() -> Scenario:
     """T needs a and may need b, U needs a for 8 steps, V needs b; c has nothing to do.
 
     U . c . T . . . . ab . . . . . . . . . V
@@ -186,4 +186,4 @@ def far_from_what_may_be_needed(foresight: str) -> Scenario:
     """
     tasks = [replace(task("a", 4), may_need={"b": 0.5}), task("a", 0, duration=8), task("b", 19)]
     robots = [robot("a", 9), robot("b", 9), robot("c", 2)]
-    return make(robots, tasks, foresight=foresight, allocation="plan")
+    return make(robots, tasks)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from teamformer.bench.executors import Batches, run_here, run_in_processes
 from teamformer.bench.jobs import Job, list_schedule, run_job
@@ -19,7 +20,6 @@ from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.named_settings import world_of
 from teamformer.trials.methods import load_method

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from fleets import PLANNER, pair, trio
 from teamformer.fleet.agent.planning import first_plan
@@ -15,7 +16,6 @@ from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.planning.teams import shared_plan
 from teamformer.planning.teams.situation import SharedPlan
-from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.scenarios.named_settings import world_of
 from teamformer.trials.trial import run_trials
 

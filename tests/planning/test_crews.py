@@ -15,8 +15,8 @@ from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.crews.evaluation import empty_room, walk_list
 from teamformer.planning.crews.plan import plan_crews
 from teamformer.planning.crews.routes import Shared, bits_of, empty_parties, gather_parties
-from teamformer.rules.distances import travel_matrix
 from teamformer.policies.scripted.joining import JoinAtTask
+from teamformer.rules.distances import travel_matrix
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
 

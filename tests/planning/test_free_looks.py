@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from small_worlds import far_from_what_may_be_needed, make, robot, task
 from teamformer.export.reasons import story_lines
 from teamformer.model import Scenario
 from teamformer.planning.free_looks import Unseen, with_free_looks
-from teamformer.planning.teams.situation import Facts, SharedPlan
 from teamformer.planning.teams.shared_plan import plan_mission
-from teamformer.policies.scripted.follow_plan import FollowPlan
+from teamformer.planning.teams.situation import Facts, SharedPlan
 from teamformer.referee import judge
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.replay.reading import replay_from_tree

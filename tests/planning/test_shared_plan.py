@@ -16,7 +16,6 @@ from random_worlds import random_world
 from teamformer.capabilities import covers, total
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
-from teamformer.planning.teams.situation import Facts, SharedPlan, situation_of
 from teamformer.planning.teams.plan import plan_teams
 from teamformer.planning.teams.shared_plan import (
     Rounds,
@@ -24,6 +23,7 @@ from teamformer.planning.teams.shared_plan import (
     plan_mission,
     rounds_for,
 )
+from teamformer.planning.teams.situation import Facts, SharedPlan, situation_of
 from teamformer.planning.teams.starts import plan_from_crews
 from teamformer.planning.teams.threshold_search import ThresholdSearch
 from teamformer.scenarios.generate import Spec, generate

@@ -12,8 +12,8 @@ from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import Relaxed, relax
 from teamformer.planning.teams.crossings import no_crossings
-from teamformer.planning.teams.situation import situation_in_hindsight
 from teamformer.planning.teams.plan import TeamPlan, plan_teams, routes_of
+from teamformer.planning.teams.situation import situation_in_hindsight
 from teamformer.planning.teams.timing import (
     ENDLESS,
     LATE,

@@ -7,18 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from random_worlds import random_world
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import relax
-from teamformer.planning.teams.situation import situation_in_hindsight
 from teamformer.planning.teams.plan import TeamPlan, routes_of
+from teamformer.planning.teams.situation import situation_in_hindsight
 from teamformer.planning.teams.solve import first_search
 from teamformer.policies.central.plan_from_play import plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.central.policy import Central
-from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation

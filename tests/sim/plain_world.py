@@ -59,7 +59,14 @@ class PlainTeam:
 class PlainWorld:
     """Teams by slot, and one method for each phase."""
 
-    def __init__(self, scenario: Scenario, truth: Scenario | None = None) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        truth: Scenario | None = None,
+        is_coordinated: bool = False,
+        foresight: str = "scouting",
+    ) -> None:
+        self.is_coordinated, self.foresight = is_coordinated, foresight
         scenario = with_arrivals(scenario, truth or scenario)
         self.s, self.truth = scenario, truth or scenario
         self.steps = 0
@@ -85,9 +92,7 @@ class PlainWorld:
             for team in scenario.starting_teams
         }
         self.order: list[int] = []
-        self.crew_of: list[int] = []  # robots; under crews they are given, as the order is
-        self.list_of: list[int] = []  # tasks
-        self.coalitions: dict[int, set[int]] = {}  # by task; under a shared plan they are given
+        self.coalitions: dict[int, set[int]] = {}  # by task; plans are given, as the order is
         self.scouts: dict[int, int] = {}  # by robot; these too
         self.joins = self.splits = self.illegal = 0
         self.luck = {
@@ -119,7 +124,7 @@ class PlainWorld:
                 robots = [r for r in left if self.is_way(self.s.robots[r].at, self.at[task])]
                 have = sum(thousandths(self.s.robots[r].can.get(cap, 0)) for r in robots)
                 more = thousandths(needs.get(cap, 0)) + 1000
-                if self.s.foresight != "absent" and chance > 0 and have >= more:
+                if self.foresight != "absent" and chance > 0 and have >= more:
                     needs[cap] = more / 1000
             self.hopes[task] = needs
 
@@ -136,7 +141,7 @@ class PlainWorld:
         return bool(found)
 
     def find(self) -> bool:
-        """Rule out what teams are near to; say whether it is news where a task is."""
+        """Rule out what teams are near to; say whether a task is elsewhere than believed."""
         radius, any_news = max(self.s.finding_radius, self.here), False
         for task in sorted(self.maybe.keys() & set(self.open)):
             left = [
@@ -149,13 +154,13 @@ class PlainWorld:
             if true not in left:
                 del self.maybe[task]
                 self.found[task] = self.steps + 1
-                any_news |= believed != true or task in self.scouts.values()
+                any_news |= believed != true
                 self.believe(task, true)
                 continue
             seeker = min(
                 self.teams.items(), key=lambda s: (self.micrometres(s[1].at, believed), s[0])
             )[1]
-            if self.s.foresight == "scouting" and len(left) <= 100:
+            if self.foresight == "scouting" and len(left) <= 100:
                 if left != before:
                     self.believe(task, self.soonest(seeker.at, left, task))
             elif believed not in left:
@@ -292,13 +297,10 @@ class PlainWorld:
         return min(found)[3] if found else None
 
     def are_mates(self, team: PlainTeam, other: PlainTeam) -> bool:
-        if self.s.allocation == "plan":
-            tasks = [self.task_by_plan(part) for part in (team, other)]
-            return tasks[0] is not None and tasks[0] == tasks[1]
-        if self.s.allocation != "crews":
+        if not self.is_coordinated:
             return True
-        crews = [{self.crew_of[robot] for robot in part.robots} for part in (team, other)]
-        return bool(crews[0] & crews[1])
+        tasks = [self.task_by_plan(part) for part in (team, other)]
+        return tasks[0] is not None and tasks[0] == tasks[1]
 
     def split(self, slot: int, stay: list[int]) -> None:
         team = self.teams.pop(slot)
@@ -345,11 +347,9 @@ class PlainWorld:
     def allocate(self, slot: int, order: list[int]) -> None:
         self.order = order
         team = self.teams[slot]
-        if self.s.allocation == "crews" and not team.serving:
-            team.task, team.is_detour = self.task_by_lists(team), False
-        if self.s.allocation == "plan" and not team.serving:
+        if self.is_coordinated and not team.serving:
             team.task, team.is_detour = self.task_by_plan(team), False
-        if self.s.allocation in ("crews", "plan") or team.task is not None or team.serving:
+        if self.is_coordinated or team.task is not None or team.serving:
             return
         for i, task in enumerate(order):
             if self.contributes(team, task) and not self.is_covered(slot, task):
@@ -357,15 +357,6 @@ class PlainWorld:
                 team.task = task if detour is None else detour
                 team.is_detour = detour is not None
                 return
-
-    def task_by_lists(self, team: PlainTeam) -> int | None:
-        """Return the first task in the order that is on a robot's crew's list and needs it."""
-        for task in self.order:
-            for robot in team.robots:
-                alone = PlainTeam([robot], team.at)
-                if self.crew_of[robot] == self.list_of[task] and self.contributes(alone, task):
-                    return task
-        return None
 
     def task_by_plan(self, team: PlainTeam) -> int | None:
         """Return the earliest of what its robots scout or, else, have to do first."""

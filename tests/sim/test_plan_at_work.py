@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from coordinations import play_by_plan
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.teams.shared_plan import plan_mission
-from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.referee.judge import judge
 from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.allocation.plan_updates import facts_of
 from teamformer.sim.env import TeamFormation
 from teamformer.trials.trial import run_trial
 
@@ -21,18 +21,16 @@ CAPS = ("lift", "weld")
 
 
 def corridor(tasks: list[Task], *robots: Robot) -> Scenario:
-    return Scenario("corridor", Grid(30, 1), CAPS, robots, tuple(tasks), allocation="plan")
+    return Scenario("corridor", Grid(30, 1), CAPS, robots, tuple(tasks))
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_what_is_planned_is_what_happens(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scenario = generate(Spec(robots=6, tasks=8, capabilities=4), rng)
-    env = TeamFormation([replace(scenario, allocation="plan")])
-    planned = plan_mission(scenario, facts_of(env.worlds, 0, scenario))
-    policy = FollowPlan()
-    while env.is_running[0]:
-        env.step(policy.decide(env.view()))
+    env = TeamFormation([scenario], coordinator=SharedPlan())
+    planned = plan_mission(env.known())
+    play_by_plan(env)
     assert env.tally().status == "completed"
     assert env.tally().steps == planned.makespan
     done = env.worlds.tasks["done_at"][0]
@@ -49,7 +47,7 @@ def test_the_record_says_why_plans_are_made_and_the_referee_goes_by_them() -> No
         Task("b", (20, 0), {"lift": 1}),
         Task("c", (1, 0), {"lift": 1}, appears=5),
     ]
-    replay = run_trial(corridor(tasks, ann, bob), FollowPlan()).replay
+    replay = run_trial(corridor(tasks, ann, bob), SharedPlan()).replay
     assert replay.end.status == "completed"
     assert [(steps, plan.reasons) for steps, plan in replay.plans] == [
         (0, ("start",)),
@@ -67,10 +65,8 @@ def test_whoever_is_not_needed_stays_behind() -> None:
     ann = Robot("ann", (0, 0), {"lift": 1}, speed=0.5)
     bob = Robot("bob", (0, 0), {"weld": 1})
     tasks = [Task("both", (0, 0), {"lift": 1, "weld": 1}), Task("far", (20, 0), {"weld": 1})]
-    env = TeamFormation([corridor(tasks, ann, bob)])
-    policy = FollowPlan()
-    while env.is_running[0]:
-        env.step(policy.decide(env.view()))
+    env = TeamFormation([corridor(tasks, ann, bob)], coordinator=SharedPlan())
+    play_by_plan(env)
     assert env.tally().steps == 1 + 1 + 20  # a join, a split, and the way at bob's own pace
     assert env.worlds.teams["x"][0].tolist() == [0.0, 20.0]
 
@@ -82,28 +78,23 @@ def test_like_robots_take_each_others_part() -> None:
         Task("both", (10, 0), {"lift": 2}),
         *(Task(f"t{x}", (x, 0), {"lift": 1}) for x in (0, 20)),
     ]
-    env = TeamFormation([corridor(tasks, *robots)])
-    policy = FollowPlan()
-    while env.is_running[0]:
-        env.step(policy.decide(env.view()))
+    env = TeamFormation([corridor(tasks, *robots)], coordinator=SharedPlan())
+    play_by_plan(env)
     assert env.tally().steps == 1 + 1 + 10
     assert env.tally().illegal_decisions == 0
 
 
 def test_forks_and_resets_keep_the_plan() -> None:
     rng = np.random.default_rng(3)
-    scenarios = [
-        replace(generate(Spec(robots=6, tasks=6, late_tasks=2), rng), allocation="plan")
-        for _ in range(4)
-    ]
-    env, policy = TeamFormation(scenarios, threads=2), FollowPlan()
+    scenarios = [generate(Spec(robots=6, tasks=6, late_tasks=2), rng) for _ in range(4)]
+    env = TeamFormation(scenarios, threads=2, coordinator=SharedPlan())
     for _ in range(5):
-        env.step(policy.decide(env.view()))
+        env.step(env.planned_decision(env.view()))
     twin = env.fork()
 
     def play(which: TeamFormation) -> list[object]:
         while which.is_running.any():
-            which.step(policy.decide(which.view()))
+            which.step(which.planned_decision(which.view()))
         return [which.tally(w) for w in range(4)]
 
     ended = play(env)
@@ -116,18 +107,13 @@ def test_forks_and_resets_keep_the_plan() -> None:
 def test_plans_are_the_same_with_one_thread_and_two() -> None:
     rng = np.random.default_rng(11)
     spec = Spec(robots=6, tasks=7, late_tasks=3, capabilities=3, late_between=(2, 6))
-    scenarios = [replace(generate(spec, rng), allocation="plan") for _ in range(6)]
-    policy, played = FollowPlan(), []
+    scenarios = [generate(spec, rng) for _ in range(6)]
+    played = []
     for threads in (1, 2):
-        with TeamFormation(scenarios, threads=threads) as env:
+        with TeamFormation(scenarios, threads=threads, coordinator=SharedPlan()) as env:
             plans = []
             while env.is_running.any():
-                env.step(policy.decide(env.view()))
+                env.step(env.planned_decision(env.view()))
                 plans.append((env.worlds.coalition.copy(), env.worlds.order.copy()))
             played.append((plans, [env.tally(w) for w in range(len(scenarios))]))
-    (one, ended), (two, ended_too) = played
-    assert ended == ended_too
-    assert all(
-        (np.array_equal(a, c) and np.array_equal(b, d))
-        for (a, b), (c, d) in zip(one, two, strict=True)
-    )
+    assert played[0] == played[1]

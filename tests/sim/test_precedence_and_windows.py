@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_precedence_and_windows
@@ -16,7 +17,6 @@ from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.central.policy import Central
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.referee import judge

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from blocked_worlds import blocked_worlds
+from coordinations import RandomPlans
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_fractions
-from teamformer.mission.rules import ALLOCATIONS
-from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted.follow_plan import FollowPlan
+from teamformer.coordinators.crews import Crews
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.policies.scripted.joining import JoinAll, JoinCrew
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
+from teamformer.trials.methods import Player
 
 
 def compare(env: TeamFormation, twin: PlainWorld) -> None:
@@ -45,9 +44,11 @@ def shared_order(env: TeamFormation) -> list[int]:
 
 
 def coalitions_of(env: TeamFormation, order: list[int]) -> dict[int, set[int]]:
-    """Return who does each open task by the shared plan; nothing under other allocations."""
-    by_task = env.worlds.coalition[0]
-    return {k: set(np.flatnonzero(by_task[k]).tolist()) for k in order if len(by_task)}
+    """Return who does each open task by the plan of a coordinator, if there is one."""
+    if not env.is_coordinated[0]:
+        return {}
+    plan = env.plan()
+    return {task: set(who) for task, who in zip(plan.order, plan.coalitions, strict=True)}
 
 
 def in_thousandths(env: TeamFormation, counts: np.ndarray) -> list[int]:
@@ -64,12 +65,9 @@ def wanted_by_slot(env: TeamFormation, view: View, decision: Decision) -> dict[i
 
 def step_both(env: TeamFormation, twin: PlainWorld, view: View, decision: Decision) -> None:
     """Make a step in the compiled world and in its twin, which is told the plans; compare them."""
-    twin.crew_of = env.worlds.robots["crew"][0].tolist()
-    twin.list_of = env.worlds.tasks["crew"][0].tolist()
     twin.order = shared_order(env)
     twin.coalitions = coalitions_of(env, twin.order)
-    scouted = env.worlds.robots["scouts"][0].tolist()
-    twin.scouts = {robot: task for robot, task in enumerate(scouted) if task != NOBODY}
+    twin.scouts = dict(env.plan().scouts) if twin.is_coordinated else {}
     twin.step(wanted_by_slot(env, view, decision), twin.order)
     env.step(decision)
     compare(env, twin)
@@ -78,13 +76,16 @@ def step_both(env: TeamFormation, twin: PlainWorld, view: View, decision: Decisi
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
 @pytest.mark.parametrize("part", range(4))
 def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
+    """Under the paper's order, under the shared plan, and under plans that may be any."""
     rng = np.random.default_rng(part)
-    for _ in range(100):
-        allocation = str(rng.choice(ALLOCATIONS))
+    for number in range(60):
+        chosen = rng.choice(["paper", "random", "random", "plan"])
+        coordinator = {"paper": None, "random": RandomPlans(number), "plan": SharedPlan()}[chosen]
         scenario = random_world(rng, is_plane=is_plane)
         scenario = with_fractions(scenario, rng) if part == 3 else scenario
-        scenario = replace(scenario, allocation=allocation)
-        env, twin = TeamFormation([scenario]), PlainWorld(scenario)
+        new_tasks = str(rng.choice(["resolve", "nearest"]))
+        env = TeamFormation([scenario], coordinator=coordinator, new_tasks=new_tasks)
+        twin = PlainWorld(scenario, is_coordinated=coordinator is not None)
         twin.order = shared_order(env)
         twin.coalitions = coalitions_of(env, twin.order)
         compare(env, twin)
@@ -93,6 +94,8 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
             if rng.random() < 0.05:  # nonsense now and then: it must count as maintain
                 nonsense = rng.integers(0, 4, size=view.counts.shape)
                 decision = Decision(nonsense)
+            elif coordinator is not None and rng.random() < 0.6:
+                decision = env.planned_decision(view)
             else:
                 decision = random_decision(view, rng)
             step_both(env, twin, view, decision)
@@ -133,35 +136,31 @@ def test_worlds_keep_their_promises_under_random_decisions() -> None:
     assert env.worlds.count["illegal"].sum() == 0
 
 
-POLICIES = pytest.mark.parametrize(
-    "policy",
-    [Heuristic(), JoinAll(), JoinFitting(), JoinCrew(), FollowPlan()],
+PLAYERS = pytest.mark.parametrize(
+    "player",
+    [Heuristic(), JoinAll(), JoinFitting(), Crews(), SharedPlan()],
     ids=["heuristic", "join-all", "join-fitting", "crews", "plan"],
 )
-RULES = pytest.mark.parametrize("allocation", ALLOCATIONS)
 
 
-@POLICIES
-@RULES
-def test_nothing_blocks_whatever_happened_before(policy: Policy, allocation: str) -> None:
+@PLAYERS
+def test_nothing_blocks_whatever_happened_before(player: Player) -> None:
     """Many worlds, some in a state that random decisions have brought about."""
-    count = 30 if allocation == "plan" else 150  # a plan takes a while
-    assert blocked_worlds(policy, allocation, count, seed=11) == []
+    count = 30 if isinstance(player, SharedPlan) else 150  # a plan takes a while
+    assert blocked_worlds(player, count, seed=11) == []
 
 
-@POLICIES
-@RULES
-def test_nothing_blocks_on_planes(policy: Policy, allocation: str) -> None:
-    count = 10 if allocation == "plan" else 50
-    assert blocked_worlds(policy, allocation, count, seed=13, is_plane=True) == []
+@PLAYERS
+def test_nothing_blocks_on_planes(player: Player) -> None:
+    count = 10 if isinstance(player, SharedPlan) else 50
+    assert blocked_worlds(player, count, seed=13, is_plane=True) == []
 
 
 @pytest.mark.slow
-@POLICIES
-@RULES
-def test_nothing_blocks_in_ten_thousand_worlds(policy: Policy, allocation: str) -> None:
-    assert blocked_worlds(policy, allocation, count=10_000, seed=12) == []
-    assert blocked_worlds(policy, allocation, count=5000, seed=14, is_plane=True) == []
+@PLAYERS
+def test_nothing_blocks_in_ten_thousand_worlds(player: Player) -> None:
+    assert blocked_worlds(player, count=10_000, seed=12) == []
+    assert blocked_worlds(player, count=5000, seed=14, is_plane=True) == []
 
 
 def test_threads_and_batches_change_nothing() -> None:

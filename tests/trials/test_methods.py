@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from small_worlds import make, robot, task
 from teamformer.commands.policies.listing import COORDINATION
@@ -15,7 +16,6 @@ from teamformer.errors import TeamformerError
 from teamformer.policies.central.policy import Central
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.protocol import Planner
-from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.policies.scripted.joining import JoinAll, JoinCrew

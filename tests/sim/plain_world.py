@@ -80,7 +80,7 @@ class PlainWorld:
         }
         self.found: dict[int, int] = {}  # task -> step
         self.due: dict[int, int] = {}  # of services, how many steps they are expected to take
-        self.overdue = 0
+        self.overdue = self.lost = 0
         self.done: dict[int, int] = {}
         self.known: set[int] = set()
         self.open = self.release()
@@ -481,6 +481,7 @@ class PlainWorld:
             self.lost_at[robot] = team.at
             if team.robots:
                 self.teams[team.robots[0]] = team
+        self.lost += len(lost)
         return bool(lost)
 
     def come_back(self) -> bool:

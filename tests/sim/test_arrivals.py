@@ -84,10 +84,10 @@ def test_files_keep_arrivals() -> None:
         assert not truth.has_surprises
 
 
-@pytest.mark.parametrize("allocation", ["paper", "plan"])
-def test_missions_with_arrivals_end_and_are_legal(allocation: str, tmp_path: Path) -> None:
-    scenario = replace(world_of("4N20T-C4-calls", 0), allocation=allocation)
-    replay = run_trial(scenario, load_method("join-fitting"), 4).replay
+@pytest.mark.parametrize("method", ["join-fitting", "plan"])
+def test_missions_with_arrivals_end_and_are_legal(method: str, tmp_path: Path) -> None:
+    scenario = world_of("4N20T-C4-calls", 0)
+    replay = run_trial(scenario, load_method(method), 4).replay
     assert replay.end.status == "completed"
     assert replay.end.tasks_done == len(replay.mission.tasks) > 22
     assert judge(replay).findings == ()

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from coordinations import COORDINATIONS, method_of
 from random_worlds import random_world, with_surprises
 from small_worlds import done_at, make, play, robot, task
 from teamformer.export.events import events
 from teamformer.grid import Grid, Place
 from teamformer.mission.places import possible_places
-from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Scenario
 from teamformer.referee import judge
 from teamformer.rules.constants import NOBODY
@@ -23,27 +23,26 @@ from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import Replay, TaskAt
 from teamformer.sim.replay.writing import write_replay
-from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
 from test_surprises import is_alike, play_views, with_step, with_true_task
 
 
-def really_at(scenario: Scenario, place: Place) -> TeamFormation:
+def really_at(scenario: Scenario, place: Place, foresight: str = "needed") -> TeamFormation:
     """Return a world whose first task is really in a place."""
     truth = draw_truth(scenario, 0)
     tasks = (replace(truth.tasks[0], at=place), *truth.tasks[1:])
-    return TeamFormation([scenario], truths=[replace(truth, tasks=tasks)])
+    return TeamFormation([scenario], truths=[replace(truth, tasks=tasks)], foresight=foresight)
 
 
-def corridor(foresight: str = "needed", **rules: Any) -> Scenario:
+def corridor(**rules: Any) -> Scenario:
     """One robot, and a task at 2 to 8.
 
     a . ? ? ? T ? ? ?
     0         5     8
     """
     hidden = replace(task("a", 5), within=3)
-    return make([robot("a", 0)], [hidden], foresight=foresight, **rules)
+    return make([robot("a", 0)], [hidden], **rules)
 
 
 def believed(env: TeamFormation) -> tuple[float, float]:
@@ -62,12 +61,11 @@ def test_who_finds_nothing_looks_in_the_nearest_place_left() -> None:
     assert seen == [(5, 3), (5, 3), (5, 3), (5, 3), (6, 3), (7, 3), (8, 3), (8, 0)]
     assert done_at(env) == [8]
     assert env.worlds.tasks["found_at"][0].tolist() == [7]
-    assert env.worlds.count["found"][0] == 0  # where it was believed to be by then
 
 
 def test_who_scouts_thinks_again_whenever_a_place_is_ruled_out() -> None:
     """All ways lead past all places, so the nearest one left is as good as any."""
-    env = really_at(corridor("scouting"), (8, 0))
+    env = really_at(corridor(), (8, 0), "scouting")
     seen = []
     for _ in range(8):
         seen.append(believed(env)[0])
@@ -84,14 +82,12 @@ def test_who_scouts_looks_where_the_task_is_reached_soonest_on_average(
 
     Both are what forty lines of plain Python say that the rules take.
     """
-    scenario = make(
-        [robot("a", 0, 6)], [replace(task("a", 8, 6), within=3)], Grid(13, 13), foresight=foresight
-    )
+    scenario = make([robot("a", 0, 6)], [replace(task("a", 8, 6), within=3)], Grid(13, 13))
     places = possible_places(scenario.world, (8, 6), 3)
     assert len(places) == 29
     taken = 0
     for place in places:
-        env = really_at(scenario, place)
+        env = really_at(scenario, place, foresight)
         while env.is_running[0]:
             play(env)
         taken += done_at(env)[0]
@@ -155,14 +151,13 @@ def test_what_appears_later_is_not_looked_for_before() -> None:
     assert env.worlds.tasks["found_at"][0, 0] == 4
 
 
-def recorded(allocation: str = "plan", seed: int = 1) -> Replay:
-    scenario = replace(world_of("4N20T-C4-places", seed), allocation=allocation)
-    return run_trial(scenario, load_method("join-fitting"), seed).replay
+def recorded(coordination: str = "plan", seed: int = 1) -> Replay:
+    return run_trial(world_of("4N20T-C4-places", seed), method_of(coordination), seed).replay
 
 
-@pytest.mark.parametrize("allocation", ALLOCATIONS)
-def test_missions_with_hidden_places_end_and_are_legal(allocation: str, tmp_path: Path) -> None:
-    replay = recorded(allocation)
+@pytest.mark.parametrize("coordination", COORDINATIONS)
+def test_missions_with_hidden_places_end_and_are_legal(coordination: str, tmp_path: Path) -> None:
+    replay = recorded(coordination)
     assert replay.end.status == "completed"
     assert judge(replay).findings == ()
     assert sum(len(step.found) for step in replay.steps) == 20
@@ -174,20 +169,18 @@ def test_missions_with_hidden_places_end_and_are_legal(allocation: str, tmp_path
     assert found[0].text(replay.mission).endswith(f"found at [{x}, {y}]")
 
 
-@pytest.mark.parametrize("allocation", ALLOCATIONS)
-def test_nobody_knows_where_a_task_is_before_it_is_found(allocation: str) -> None:
-    scenario = replace(world_of("4N20T-C4-places", 0), allocation=allocation)
+@pytest.mark.parametrize("coordination", COORDINATIONS)
+def test_nobody_knows_where_a_task_is_before_it_is_found(coordination: str) -> None:
+    scenario, method = world_of("4N20T-C4-places", 0), method_of(coordination)
     truth = draw_truth(scenario, 5)
-    env, now = play_views(scenario, truth, "join-fitting", 400)
+    env, now = play_views(scenario, truth, method, 400)
     first = env.worlds.tasks["found_at"][0]
     shows = 0
     for number in range(4):
         other = draw_truth(scenario, 6).tasks[number].at
         tasks = list(truth.tasks)
         tasks[number] = replace(tasks[number], at=other)
-        changed, then = play_views(
-            scenario, replace(truth, tasks=tuple(tasks)), "join-fitting", 400
-        )
+        changed, then = play_views(scenario, replace(truth, tasks=tuple(tasks)), method, 400)
         step = min(int(first[number]), int(changed.worlds.tasks["found_at"][0, number]))
         assert all(is_alike(now[i], then[i]) for i in range(step))
         shows += step < min(len(now), len(then)) and not is_alike(now[step], then[step])
@@ -225,8 +218,8 @@ def test_hundreds_of_random_missions_end_and_are_legal(part: int) -> None:
     done = 0
     for number in range(150):
         scenario = with_surprises(random_world(rng, is_plane=number % 3 == 0), rng)
-        scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
-        replay = run_trial(scenario, load_method("join-all"), number).replay
+        method = method_of(str(rng.choice(COORDINATIONS)))
+        replay = run_trial(scenario, method, number).replay
         assert judge(replay).findings == ()
         assert replay.end.status in ("completed", "infeasible")
         done += replay.end.status == "completed"

@@ -41,19 +41,19 @@ def test_it_is_back_alone_where_it_was_lost() -> None:
     assert done_at(env) == [13]
 
 
-@pytest.mark.parametrize("allocation", ["paper", "crews", "plan"])
-def test_it_may_be_lost_again_and_again(allocation: str) -> None:
+@pytest.mark.parametrize("method", ["join-fitting", "crews", "plan"])
+def test_it_may_be_lost_again_and_again(method: str) -> None:
     """a walks to 9: two steps, away for three, four steps, away for two, the last three steps.
 
     Others in the batch are lost once, or never.
     """
     often = replace(robot("a", 0), absences=(Absence(3, 6), Absence(10, 12), Absence(40)))
     worlds = [
-        make([often], [task("a", 9)], allocation=allocation),
-        make([away("a", 0, 3, 6)], [task("a", 9)], allocation=allocation),
-        make([robot("a", 0)], [task("a", 9)], allocation=allocation),
+        make([often], [task("a", 9)]),
+        make([away("a", 0, 3, 6)], [task("a", 9)]),
+        make([robot("a", 0)], [task("a", 9)]),
     ]
-    trials = [trial_of(world, "join-fitting") for world in worlds]
+    trials = [trial_of(world, method) for world in worlds]
     assert [trial.replay.end.makespan for trial in trials] == [14, 12, 9]
     lost = [n for n, step in enumerate(trials[0].replay.steps, start=1) if step.lost]
     back = [n for n, step in enumerate(trials[0].replay.steps, start=1) if step.back]
@@ -85,12 +85,12 @@ def test_the_lowest_robot_takes_its_slot_again() -> None:
     assert places(env) == {0: 2, 1: 4}
 
 
-@pytest.mark.parametrize("allocation", ["paper", "crews", "plan"])
-def test_what_waits_for_it_does_not_end_the_trial(allocation: str) -> None:
+@pytest.mark.parametrize("method", ["join-fitting", "crews", "plan"])
+def test_what_waits_for_it_does_not_end_the_trial(method: str) -> None:
     """Only b can do the task at 5; it is lost at 3 in step 3, back in 5, and there in step 7."""
     robots = [robot("a", 15), away("b", 0, 3, 5)]
-    world = make(robots, [task("b", 5), task("a", 19)], allocation=allocation)
-    trial = trial_of(world, "join-fitting")
+    world = make(robots, [task("b", 5), task("a", 19)])
+    trial = trial_of(world, method)
     assert judge(trial.replay).findings == ()
     assert trial.replay.end.status == "completed"
     assert trial.replay.end.makespan == 7
@@ -108,7 +108,7 @@ def test_without_anybody_left_time_goes_on_until_somebody_is_back() -> None:
 
 def test_the_shared_plan_is_made_anew_when_a_robot_is_back() -> None:
     robots = [robot("a", 0), away("a", 0, 2, 4)]
-    world = make(robots, [task("a", 9), task("a", 1)], allocation="plan")
+    world = make(robots, [task("a", 9), task("a", 1)])
     plans = dict(trial_of(world, "plan").replay.plans)
     assert {steps: plan.reasons for steps, plan in plans.items()} == {
         0: ("start",),
@@ -118,16 +118,16 @@ def test_the_shared_plan_is_made_anew_when_a_robot_is_back() -> None:
 
 
 @pytest.mark.parametrize("is_plane", [False, True])
-@pytest.mark.parametrize("allocation", ["paper", "crews", "plan"])
-def test_nothing_blocks_whoever_comes_back(allocation: str, is_plane: bool) -> None:
+@pytest.mark.parametrize("method", ["join-fitting", "crews", "plan"])
+def test_nothing_blocks_whoever_comes_back(method: str, is_plane: bool) -> None:
     rng, worlds = np.random.default_rng(11), []
     while len(worlds) < 12:
         world = random_world(rng, is_plane=is_plane)
         if any(away.back is not None for robot in world.robots for away in robot.absences):
-            worlds.append(replace(world, allocation=allocation))
+            worlds.append(world)
     ends = []
     for world in worlds:
-        trial = trial_of(world, "join-fitting")
+        trial = trial_of(world, method)
         assert judge(trial.replay).findings == ()
         ends.append(trial.replay.end.status)
     assert set(ends) <= {"completed", "infeasible"}

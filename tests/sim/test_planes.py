@@ -5,11 +5,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from coordinations import coordinator
 from random_worlds import random_decision, random_world
 from teamformer.grid import Place
 from teamformer.model import Robot, Scenario, Task
@@ -232,9 +232,9 @@ def test_a_task_in_the_far_corner_is_done_there(side: float) -> None:
 def test_random_worlds_with_things_on_edges_stay_in_their_arrays(is_plane: bool) -> None:
     """Compiled code checks no index by itself; `make test` runs this where it does."""
     rng = np.random.default_rng(8)
-    for allocation in ("paper", "crews"):
+    for coordination in ("paper", "crews"):
         worlds = [random_world(rng, is_plane=is_plane) for _ in range(60)]
-        env = TeamFormation([replace(world, allocation=allocation) for world in worlds])
+        env = TeamFormation(worlds, coordinator=coordinator(coordination))
         for _ in range(30):
             view = env.view()
             for teams, world in zip(env.worlds.teams, worlds, strict=True):

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
+from coordinations import RandomPlans
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_precedence_and_windows
+from teamformer.coordinators.crews import Crews
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.export.events import events
 from teamformer.grid import Grid
-from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.central.policy import Central
-from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinCrew
 from teamformer.referee import judge
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import lateness, opening_steps
+from teamformer.trials.methods import Player
 from teamformer.trials.trial import run_trial
 from test_step import coalitions_of, compare, shared_order, wanted_by_slot
 
@@ -36,12 +35,11 @@ CORRIDOR = Scenario(
         Task("far", (8, 0), {"a": 1}, duration=1),
         Task("timed", (2, 0), {"a": 1}, between=(17.5, 18)),
     ),
-    allocation="plan",
 )
 
 
-def played(scenario: Scenario, policy: Policy | None = None) -> Replay:
-    return run_trial(scenario, policy or FollowPlan()).replay
+def played(scenario: Scenario, player: Player | None = None) -> Replay:
+    return run_trial(scenario, player or SharedPlan()).replay
 
 
 def test_what_comes_after_another_waits_for_it() -> None:
@@ -71,13 +69,12 @@ def test_the_referee_finds_what_was_done_too_early() -> None:
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
 def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
     rng = np.random.default_rng(5)
-    for _ in range(40):
+    for number in range(40):
         scenario = with_precedence_and_windows(random_world(rng, is_plane=is_plane), rng)
-        scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
-        env, twin = TeamFormation([scenario]), PlainWorld(scenario)
+        coordinator = RandomPlans(number) if number % 3 else None
+        env = TeamFormation([scenario], coordinator=coordinator)
+        twin = PlainWorld(scenario, is_coordinated=coordinator is not None)
         while env.is_running[0] and env.tally().steps < 60:
-            twin.crew_of = env.worlds.robots["crew"][0].tolist()
-            twin.list_of = env.worlds.tasks["crew"][0].tolist()
             twin.order = shared_order(env)
             twin.coalitions = coalitions_of(env, twin.order)
             assert sorted(twin.order) == sorted(twin.open)
@@ -89,22 +86,16 @@ def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("policy", "allocation", "worlds"),
-    [
-        (FollowPlan(), "plan", 20),
-        (JoinCrew(), "crews", 60),
-        (Heuristic(), "paper", 60),
-    ],
-    ids=ALLOCATIONS[::-1],
+    ("player", "worlds"),
+    [(SharedPlan(), 20), (Crews(), 60), (Heuristic(), 60)],
+    ids=["plan", "crews", "heuristic"],
 )
-def test_every_mission_ends_and_its_record_is_legal(
-    policy: Any, allocation: str, worlds: int
-) -> None:
+def test_every_mission_ends_and_its_record_is_legal(player: Player, worlds: int) -> None:
     rng = np.random.default_rng(3)
     for number in range(worlds):
         scenario = random_world(rng, is_plane=number % 3 == 0)
-        scenario = replace(with_precedence_and_windows(scenario, rng), allocation=allocation)
-        replay = played(scenario, policy)
+        scenario = with_precedence_and_windows(scenario, rng)
+        replay = played(scenario, player)
         assert replay.end.status in ("completed", "infeasible")
         verdict = judge(replay)
         assert verdict.findings == ()
@@ -123,7 +114,6 @@ def test_central_plans_what_comes_after_others() -> None:
             Task("first", (2, 0), {"a": 1}, duration=2),
             Task("other", (7, 0), {"b": 1}),
         ),
-        allocation="plan",
     )
     replay = run_trial(mission, Central(0.5)).replay
     assert judge(replay).is_legal
@@ -134,7 +124,6 @@ def test_central_is_never_slower_than_the_shared_plan() -> None:
     rng = np.random.default_rng(8)
     for _ in range(3):
         mission = with_precedence_and_windows(random_world(rng), rng)
-        mission = replace(mission, allocation="plan")
         planned = run_trial(mission, Central(0.5)).replay
         assert judge(planned).is_legal
         shared = played(mission).end

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from small_worlds import done_at, late_task, make, order_of, play, robot, task
+from teamformer.coordinators.crews import Crews
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.grid import Grid
-from teamformer.sim.allocation.task_order import order_worlds, orderings_for, plan_worlds
 from teamformer.sim.env import TeamFormation
 
 
@@ -71,7 +70,7 @@ def test_a_new_task_is_toured_or_comes_after_its_nearest(rule: str, expected: li
     """a at 0; T, U, V at 5, 10, 15; a new one at 4 is nearest to T, and before it on the tour."""
     places = [(5, 0), (10, 0), (15, 0), (4, 1)]
     tasks = [task("b", x, appears=appears) for x, appears in places]
-    env = TeamFormation([make([robot("a", 0), robot("b", 0, speed=0.1)], tasks, new_tasks=rule)])
+    env = TeamFormation([make([robot("a", 0), robot("b", 0, speed=0.1)], tasks)], new_tasks=rule)
     assert order_of(env) == [0, 1, 2]
     play(env)
     assert order_of(env) == expected
@@ -82,7 +81,7 @@ def test_new_tasks_are_inserted_one_after_the_other() -> None:
     """The second new one, at 6, is as near to T at 7 as to the first new one, at 5."""
     tasks = [task("b", 7), task("b", 15), task("b", 5, appears=1), task("b", 6, appears=1)]
     robots = [robot("b", 0, speed=0.1)]
-    env = TeamFormation([make(robots, tasks, new_tasks="nearest")])
+    env = TeamFormation([make(robots, tasks)], new_tasks="nearest")
     play(env)
     assert order_of(env) == [0, 3, 2, 1]  # 5 after 7; then 6 after 7, the first of equals
 
@@ -90,7 +89,7 @@ def test_new_tasks_are_inserted_one_after_the_other() -> None:
 def test_nearest_needs_an_order_to_insert_into() -> None:
     """Nothing is open when two tasks appear, so they are toured."""
     tasks = [task("a", 1), task("a", 0, appears=3), task("a", 5, appears=3)]
-    env = TeamFormation([make([robot("a", 0)], tasks, new_tasks="nearest")])
+    env = TeamFormation([make([robot("a", 0)], tasks)], new_tasks="nearest")
     play(env, 3)
     assert order_of(env) == [1, 2]  # from 1: 1 + 5 < 4 + 5
 
@@ -106,23 +105,13 @@ def test_order_closes_up_when_a_task_is_done() -> None:
     assert np.array_equal(env.worlds.demand[0], [0, 1, 0])
 
 
-def test_only_what_worlds_need_is_called() -> None:
-    paper = late_task()
-    crews, plan = replace(paper, allocation="crews"), replace(paper, allocation="plan")
-    for scenarios, needed in (
-        ([paper, paper], [order_worlds]),
-        ([crews], [plan_worlds]),
-        ([plan], [plan_worlds]),
-        ([paper, crews], [plan_worlds, order_worlds]),
-    ):
-        assert orderings_for(TeamFormation(scenarios).worlds, scenarios) == needed
-
-
 def test_a_world_is_ordered_by_its_own_rules_beside_others() -> None:
-    paper = late_task()
-    scenarios = [paper, replace(paper, allocation="crews"), replace(paper, allocation="plan")]
-    together = TeamFormation(scenarios)
-    alone = [TeamFormation([scenario]) for scenario in scenarios]
+    scenarios, coordinators = [late_task()] * 3, [None, Crews(), SharedPlan()]
+    together = TeamFormation(scenarios, coordinator=coordinators)
+    alone = [
+        TeamFormation([scenario], coordinator=coordinator)
+        for scenario, coordinator in zip(scenarios, coordinators, strict=True)
+    ]
     for _ in range(3):
         for number, env in enumerate(alone):
             for field in ("order", "tasks", "robots", "count"):
@@ -130,4 +119,4 @@ def test_a_world_is_ordered_by_its_own_rules_beside_others() -> None:
                 assert (theirs == getattr(env.worlds, field)[0]).all(), field
             play(env, 1)
         play(together, 1)
-    assert (together.worlds.count["plans"] == [2, 2, 2]).all()  # at the start, and for the late one
+    assert (together.worlds.count["orders"] == [2, 2, 2]).all()  # at the start, for the late one

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from small_worlds import make, robot, task
+from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.export.reasons import explain
 from teamformer.grid import Grid
@@ -23,7 +24,6 @@ from teamformer.live.incidents import (
 )
 from teamformer.live.mission import Mission
 from teamformer.model import Absence, Breakdown, Delays
-from teamformer.planning.teams.situation import SharedPlan
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
@@ -159,7 +159,7 @@ def test_who_plans_with_everything_is_not_surprised() -> None:
     class KnowsEverything(JoinFitting):
         needs_everything = True
 
-    run = Mission(mission().scenario, lambda: Method("knows", KnowsEverything()), seed=0)
+    run = Mission(mission().scenario, lambda: Method("knows", policy=KnowsEverything()), seed=0)
     with pytest.raises(TeamformerError, match="run it by another method"):
         run.happen(NewTask((0, 0), {"lift": 1}))
 
@@ -168,13 +168,13 @@ def planned(policy: str = "plan") -> Mission:
     """Return a mission of two lifters and five tasks whose robots go by a shared plan."""
     robots = [robot("a", 0), robot("a", 9)]
     tasks = [task("a", x, duration=2) for x in (1, 3, 5, 7, 8)]
-    scenario = make(robots, tasks, allocation="plan")
+    scenario = make(robots, tasks)
     return Mission(scenario, lambda: load_method(policy), seed=0)
 
 
-def swapped(run: Mission) -> SharedPlan:
+def swapped(run: Mission) -> Plan:
     """Return the plan that holds with its robots exchanged."""
-    _, _, old = run.past().env.plan_now()
+    old = run.past().env.plan()
     return replace(old, coalitions=tuple(tuple(1 - r for r in robots) for robots in old.coalitions))
 
 
@@ -232,7 +232,7 @@ def test_a_search_that_nobody_waits_for_ends_at_once() -> None:
 
 
 def test_only_a_shared_plan_can_be_another() -> None:
-    past = mission(method="crews").past()
+    past = mission(method="join-all").past()
     with pytest.raises(TeamformerError, match="by this method robots go by no plan that could"):
         search_plan(past, 0.1)
 
@@ -241,7 +241,7 @@ def uncertain() -> Mission:
     """Return a mission of one robot with four tasks in its place, of one to nine steps each."""
     tasks = [replace(task("a", 0), name=f"t{n}", lasts=(1, 9)) for n in range(2)]
     tasks += [task("a", 1)]
-    scenario = make([robot("a", 0)], tasks, allocation="plan")
+    scenario = make([robot("a", 0)], tasks)
     return Mission(scenario, lambda: load_method("plan"), seed=4)
 
 
@@ -278,7 +278,7 @@ def test_futures_agree_with_what_has_been_seen() -> None:
 def test_in_futures_a_task_is_where_nobody_has_looked_yet() -> None:
     """It is within 4 of 10 in a corridor; the robot comes from 0 and sees a cell ahead."""
     hidden = replace(task("a", 10), within=4)
-    scenario = make([robot("a", 0)], [hidden], allocation="plan")
+    scenario = make([robot("a", 0)], [hidden])
     run = Mission(scenario, lambda: load_method("plan"), seed=1)
     (real,) = draw_truth(scenario, 1).tasks
     before: set[float] = set(range(6, 15))
@@ -314,7 +314,7 @@ def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
 
 def test_nobody_foresees_when_a_robot_stands_still() -> None:
     slow = replace(robot("a", 0), delays=Delays(0.5))
-    scenario = make([slow], [task("a", 15)], allocation="plan")
+    scenario = make([slow], [task("a", 15)])
     run = Mission(scenario, lambda: load_method("plan"), seed=3)
     for _ in range(3):
         run.step()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
@@ -13,12 +11,10 @@ from teamformer.grid import Grid
 from teamformer.jit import entry
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.crews.evaluation import empty_room, walk_list
-from teamformer.planning.crews.plan import plan_crews
+from teamformer.planning.crews.plan import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of, empty_parties, gather_parties
-from teamformer.policies.scripted.joining import JoinAtTask
 from teamformer.rules.distances import travel_matrix
 from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import TeamFormation
 
 NOBODY = -1
 
@@ -27,8 +23,8 @@ def table(counts: list[dict[str, int]], caps: tuple[str, ...]) -> np.ndarray:
     return np.array([[count.get(cap, 0) for cap in caps] for count in counts], dtype=np.int64)
 
 
-def shared_of(scenario: Scenario) -> Shared:
-    """Return what is known at the start, each robot alone."""
+def shared_of(scenario: Scenario, is_one_team: bool = False) -> Shared:
+    """Return what is known at the start, each robot alone, or all together."""
     robots, tasks, world = scenario.robots, scenario.tasks, scenario.world
     places = [task.at for task in tasks] + [robot.at for robot in robots]
     needs = table([dict(task.needs) for task in tasks], scenario.capabilities)
@@ -44,17 +40,17 @@ def shared_of(scenario: Scenario) -> Shared:
         task_region=np.array([world.region(task.at) for task in tasks]),
         place=np.arange(len(robots)) + len(tasks),
         ready=np.zeros(len(robots), dtype=np.int64),
-        company=np.arange(len(robots)),
+        company=np.zeros(len(robots), np.int64) if is_one_team else np.arange(len(robots)),
     )
 
 
 def plan(
-    scenario: Scenario, rounds: int = 5000, crew: Sequence[int] | None = None
+    scenario: Scenario, rounds: int = 5000, is_one_team: bool = False
 ) -> tuple[list[int], list[int], list[int]]:
-    """Return each robot's crew, which may be given, each task's, and all tasks in order."""
-    crew = np.array(crew or [NOBODY] * len(scenario.robots))
+    """Return each robot's crew, each task's, and all tasks in order."""
+    crew = np.full(len(scenario.robots), NOBODY)
     task_crew = np.full(len(scenario.tasks), NOBODY)
-    sequence = plan_crews(shared_of(scenario), crew, task_crew, rounds)
+    sequence = deal_crews(shared_of(scenario, is_one_team), crew, task_crew, rounds)
     return crew.tolist(), task_crew.tolist(), sequence.tolist()
 
 
@@ -146,7 +142,7 @@ def test_the_search_finds_the_best_of_all_lists() -> None:
     for _ in range(15):
         world = random_world(rng, robots=3, tasks=5)
         best = min(max(plain_ends(world, [0, 1, 2], list(p))) for p in permutations(range(5)))
-        _, _, sequence = plan(world, crew=[0, 0, 0])
+        _, _, sequence = plan(world, is_one_team=True)
         assert max(plain_ends(world, [0, 1, 2], sequence)) == best
 
 
@@ -175,22 +171,6 @@ def test_crews_lie_in_one_part_of_the_map() -> None:
     crew, task_crew, _ = plan(world)
     assert crew[0] == crew[1] != crew[2] == crew[3]
     assert task_crew == [crew[2], crew[0]]
-
-
-def test_crews_merge_where_none_can_do_a_task() -> None:
-    """The crews were a b and a; b of the first is lost, and c b, who were one, take a in."""
-    robots = [Robot(f"r{i}", (0, 0), {cap: 1}) for i, cap in enumerate("abc")]
-    world = Scenario(
-        "w",
-        Grid(9, 1),
-        ("a", "b", "c"),
-        tuple(robots),
-        (Task("t", (3, 0), {"a": 1, "b": 1}), Task("u", (5, 0), {"c": 1})),
-    )
-    crew, task_crew = np.array([0, 1, 1]), np.array([0, 1])
-    plan_crews(shared_of(world), crew, task_crew, False, 100)
-    assert crew[0] == crew[1] == crew[2]
-    assert task_crew.tolist() == [crew[0], crew[0]]
 
 
 @pytest.mark.parametrize(("robots", "tasks", "caps"), [(8, 30, 4), (20, 60, 4), (6, 40, 6)])
@@ -224,36 +204,3 @@ def test_more_changes_help() -> None:
             lasts[-1] += max(ends_of(world, crew, c, tasks)[-1] for c, tasks in enumerate(lists))
     assert lasts[0] > 1.2 * lasts[2]
     assert lasts[1] > lasts[2]
-
-
-SETTINGS = {
-    "4N20T-C4": Spec(4, 20, 4),
-    "20N60T-C4": Spec(20, 60, 4, world=Grid(20, 20)),
-    "40N20T-C40": Spec(40, 20, 40, 6, world=Grid(20, 20)),
-}
-
-
-@pytest.mark.parametrize("name", SETTINGS)
-def test_what_is_planned_is_what_happens(name: str) -> None:
-    """Until a crew has nothing left; but who passes over a task does it sooner."""
-    rng = np.random.default_rng(6)
-    exact = late = done = 0
-    for _ in range(8):
-        world = replace(generate(SETTINGS[name], rng), allocation="crews")
-        env, policy = TeamFormation([world]), JoinAtTask()
-        worlds = env.worlds
-        crew, list_of = (part["crew"][0].tolist() for part in (worlds.robots, worlds.tasks))
-        order = worlds.order[0].tolist()
-        planned = {}
-        for number in range(max(crew) + 1):
-            tasks = [k for k in order if list_of[k] == number]
-            planned.update(zip(tasks, ends_of(world, crew, number, tasks), strict=True))
-        while env.is_running[0] and worlds.count["plans"][0] == 1:
-            env.step(policy.decide(env.view()))
-        for task, step in enumerate(worlds.tasks["done_at"][0].tolist()):
-            exact += step == planned[task]
-            late += step > planned[task]
-            done += step != NOBODY
-    assert done > 8 * len(order) // 2
-    assert late == 0
-    assert exact > 0.9 * done

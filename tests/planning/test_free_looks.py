@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import replace
 
 import pytest
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
+from coordinations import method_of
 from small_worlds import far_from_what_may_be_needed, make, robot, task
+from teamformer.coordination import Known, Plan
 from teamformer.export.reasons import story_lines
 from teamformer.model import Scenario
-from teamformer.planning.free_looks import Unseen, with_free_looks
+from teamformer.planning.free_looks import with_free_looks
 from teamformer.planning.teams.shared_plan import plan_mission
-from teamformer.planning.teams.situation import Facts, SharedPlan
 from teamformer.referee import judge
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.replay.reading import replay_from_tree
@@ -22,18 +23,27 @@ from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth, expected_mission
 
 
-def begin(scenario: Scenario) -> Facts:
+def begin(
+    scenario: Scenario, unseen_needs: Set[int] = frozenset(), unseen_places: Set[int] = frozenset()
+) -> Known:
     """Return what everybody knows of a mission at its start."""
-    places = tuple(robot.at for robot in scenario.robots)
-    free_at = (0,) * len(places)
-    return Facts(0, tuple(range(len(scenario.tasks))), places, scenario.starting_teams, free_at)
+    return Known(
+        mission=expected_mission(scenario),
+        step=0,
+        open_tasks=tuple(range(len(scenario.tasks))),
+        places=tuple(robot.at for robot in scenario.robots),
+        teams=scenario.starting_teams,
+        free_at=(0,) * len(scenario.robots),
+        unseen_needs=frozenset(unseen_needs),
+        unseen_places=frozenset(unseen_places),
+    )
 
 
-def play_where(scenario: Scenario, needs: str) -> Replay:
+def play_where(scenario: Scenario, needs: str, foresight: str = "scouting") -> Replay:
     """Play a mission whose first task turns out to need each letter of `needs`."""
     for seed in range(100):
         if draw_truth(scenario, seed).tasks[0].needs.keys() == set(needs):
-            return run_trial(scenario, FollowPlan(), seed).replay
+            return run_trial(scenario, method_of("plan", foresight), seed).replay
     raise AssertionError("no seed below 100 draws that")
 
 
@@ -52,7 +62,7 @@ def play_where(scenario: Scenario, needs: str) -> Replay:
 )
 def test_a_scout_pays(foresight: str, needs: str, makespan: int) -> None:
     """b goes to T first: from V it would be there after 25 steps only. But c is near and idle."""
-    replay = play_where(far_from_what_may_be_needed(foresight), needs)
+    replay = play_where(far_from_what_may_be_needed(), needs, foresight)
     assert replay.end.makespan == makespan
     assert judge(replay).findings == ()
     assert [(made, (2, 0) in scouts) for made, scouts in replay.scouts[:1]] == (
@@ -61,13 +71,13 @@ def test_a_scout_pays(foresight: str, needs: str, makespan: int) -> None:
 
 
 def test_it_is_said_why_a_scout_goes() -> None:
-    replay = play_where(far_from_what_may_be_needed("scouting"), "a")
+    replay = play_where(far_from_what_may_be_needed(), "a")
     first = next(story_lines(replay, 2))
     assert first == ("1-2", "walks to t0", "the plan has r2 look first what is to be known of it")
 
 
 def test_the_referee_says_who_scouts_in_vain() -> None:
-    replay = play_where(far_from_what_may_be_needed("scouting"), "a")
+    replay = play_where(far_from_what_may_be_needed(), "a")
     later = next(made for made, _ in replay.plans if made > 0)
     for scouts, complaint in (
         ([[0, [[2, 0], [2, 0]]]], "scout twice"),
@@ -87,10 +97,9 @@ def looks(start: int, hides_place: bool = False) -> tuple[tuple[int, int], ...]:
     """
     tasks = [task("a", 4), task("ab", 10), task("b", 18)]
     scenario = make([robot("a", 0), robot("b", 18)], tasks)
-    plan = SharedPlan((2, 1, 0), ((1,), (0, 1), (0,)), (0, start, 40), "")
-    unseen = frozenset({0})
-    hidden = Unseen(frozenset(), unseen) if hides_place else Unseen(unseen, frozenset())
-    return with_free_looks(scenario, begin(scenario), plan, hidden).scouts
+    plan = Plan((2, 1, 0), ((1,), (0, 1), (0,)), (0, start, 40))
+    known = begin(scenario, set() if hides_place else {0}, {0} if hides_place else set())
+    return with_free_looks(known, plan).scouts
 
 
 @pytest.mark.parametrize(
@@ -114,16 +123,15 @@ def test_nobody_looks_where_others_begin_before() -> None:
     tasks = [replace(task("a", 4), may_need={"b": 0.5})]
     scenario = make([robot("a", 9), robot("b", 10), robot("c", 0)], tasks)
     for end, scouts in ((7, ((2, 0),)), (6, ())):
-        plan = SharedPlan((0,), ((0, 1),), (end,), "")
-        seen = with_free_looks(scenario, begin(scenario), plan, Unseen(frozenset({0}), frozenset()))
+        plan = Plan((0,), ((0, 1),), (end,))
+        seen = with_free_looks(begin(scenario, {0}), plan)
         assert seen.scouts == scouts
 
 
 def test_where_all_is_known_it_is_the_shared_plan() -> None:
-    scenario = replace(world_of("4N20T-C4", 0), allocation="plan")
-    facts = begin(scenario)
-    plan = plan_mission(scenario, facts)
-    assert with_free_looks(scenario, facts, plan, Unseen(frozenset(), frozenset())) is plan
+    known = begin(world_of("4N20T-C4", 0))
+    plan = plan_mission(known)
+    assert with_free_looks(known, plan) is plan
 
 
 def test_a_team_scouts_together() -> None:
@@ -131,16 +139,15 @@ def test_a_team_scouts_together() -> None:
     tasks = [replace(task("a", 4), may_need={"b": 0.5})]
     robots = [robot("a", 9), robot("b", 10), robot("c", 0), robot("c", 0)]
     scenario = make(robots, tasks, teams=((0,), (1,), (2, 3)))
-    plan = SharedPlan((0,), ((0, 1),), (7,), "")
-    seen = with_free_looks(scenario, begin(scenario), plan, Unseen(frozenset({0}), frozenset()))
+    plan = Plan((0,), ((0, 1),), (7,))
+    seen = with_free_looks(begin(scenario, {0}), plan)
     assert seen.scouts == ((2, 0), (3, 0))
 
 
 def test_a_task_is_looked_at_by_one_robot_and_a_robot_looks_at_one_task() -> None:
-    scenario = replace(world_of("12N12T-C8-needs", 0), allocation="plan")
+    scenario = world_of("12N12T-C8-needs", 0)
     hidden = frozenset(number for number, one in enumerate(scenario.tasks) if one.may_need)
-    facts, believed = begin(scenario), expected_mission(scenario)
-    plan = plan_mission(believed, facts)
-    scouts = with_free_looks(believed, facts, plan, Unseen(hidden, frozenset())).scouts
+    known = begin(scenario, hidden)
+    scouts = with_free_looks(known, plan_mission(known)).scouts
     assert len(scouts) == len(dict(scouts)) == len({scouted for _, scouted in scouts}) > 1
     assert {scouted for _, scouted in scouts} <= hidden

@@ -14,6 +14,7 @@ import pytest
 
 from random_worlds import random_world
 from teamformer.capabilities import covers, total
+from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.teams.plan import plan_teams
@@ -23,15 +24,16 @@ from teamformer.planning.teams.shared_plan import (
     plan_mission,
     rounds_for,
 )
-from teamformer.planning.teams.situation import Facts, SharedPlan, situation_of
+from teamformer.planning.teams.situation import situation_of
 from teamformer.planning.teams.starts import plan_from_crews
 from teamformer.planning.teams.threshold_search import ThresholdSearch
 from teamformer.scenarios.generate import Spec, generate
 
 
-def start_of(scenario: Scenario) -> Facts:
+def start_of(scenario: Scenario) -> Known:
     """Return what everybody knows before the first step."""
-    return Facts(
+    return Known(
+        mission=scenario,
         step=0,
         open_tasks=tuple(k for k, task in enumerate(scenario.tasks) if task.appears == 0),
         places=tuple(robot.at for robot in scenario.robots),
@@ -56,7 +58,7 @@ def settled(
     scenario: Scenario, order: list[int], crews: list[list[int]]
 ) -> tuple[list[int], list[list[int]]]:
     """Return the step in which each task of a plan is done, and by whom once it is settled."""
-    situation = situation_of(scenario, start_of(scenario))
+    situation = situation_of(start_of(scenario))
     search = ThresholdSearch(
         situation.problem, situation.crossings, situation.company, scenario.forming_steps
     )
@@ -99,8 +101,8 @@ def test_nobody_waits_for_robots_that_a_task_can_do_without() -> None:
 
 def test_robots_are_free_when_their_service_ends() -> None:
     scenario = corridor([0, 9], [task(3, 1)])
-    facts = replace(start_of(scenario), step=10, free_at=(14, 10))
-    assert plan_mission(scenario, facts) == SharedPlan((0,), ((1,),), (16,), "crews")
+    known = replace(start_of(scenario), step=10, free_at=(14, 10))
+    assert plan_mission(known) == Plan((0,), ((1,),), (16,), made_from="crews")
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -108,9 +110,9 @@ def test_every_coalition_can_do_its_task(seed: int) -> None:
     rng = np.random.default_rng(seed)
     for number in range(30):
         scenario = random_world(rng, is_plane=number % 3 == 0)
-        facts = start_of(scenario)
-        plan = plan_mission(scenario, facts)
-        assert sorted(plan.order) == sorted(facts.open_tasks)
+        known = start_of(scenario)
+        plan = plan_mission(known)
+        assert sorted(plan.order) == sorted(known.open_tasks)
         for doing, coalition in zip(plan.order, plan.coalitions, strict=True):
             assert covers(
                 total(scenario.robots[r].can for r in coalition), scenario.tasks[doing].needs
@@ -122,21 +124,21 @@ def test_a_plan_is_no_worse_than_what_crews_do() -> None:
     rng = np.random.default_rng(7)
     for _ in range(6):
         scenario = generate(Spec(robots=8, tasks=12, capabilities=3), rng)
-        situation = situation_of(scenario, start_of(scenario))
+        situation = situation_of(start_of(scenario))
         rounds = rounds_for(situation.problem, is_again=False)
         crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
         search = ThresholdSearch(
             situation.problem, situation.crossings, situation.company, scenario.forming_steps
         )
         search.begin(crews)
-        assert plan_mission(scenario, start_of(scenario)).makespan <= search.makespan
+        assert plan_mission(start_of(scenario)).makespan <= search.makespan
 
 
 def test_rounds_become_fewer_as_missions_grow() -> None:
     def rounds(robots: int, tasks: int, capabilities: int) -> Rounds:
         rng = np.random.default_rng(0)
         scenario = generate(Spec(robots, tasks, capabilities, world=Grid(40, 40)), rng)
-        return rounds_for(situation_of(scenario, start_of(scenario)).problem, is_again=False)
+        return rounds_for(situation_of(start_of(scenario)).problem, is_again=False)
 
     assert (rounds(16, 60, 6).crews, rounds(16, 60, 6).team) == (90_000, 60_000)
     assert rounds(20, 100, 4).team == 100_000
@@ -150,8 +152,8 @@ def test_robots_that_are_best_apart_are_planned_from_coalitions() -> None:
     tasks = tuple(Task(f"t{n}", at, {"a": 1}) for n, at in enumerate(far))
     both = Task("both", (20, 20), {"a": 4})
     scenario = Scenario("star", Grid(41, 41), ("a",), robots, (*tasks, both))
-    plan = plan_mission(scenario, start_of(scenario))
-    assert plan.start == "coalitions"
+    plan = plan_mission(start_of(scenario))
+    assert plan.made_from == "coalitions"
     assert sorted(len(crew) for crew in plan.coalitions) == [1, 1, 1, 1, 4]
 
 
@@ -167,10 +169,10 @@ def test_a_plan_made_again_is_never_worse_by_its_own_count() -> None:
     rng = np.random.default_rng(1)
     for _ in range(20):
         scenario = random_world(rng, with_losses=False, with_arrivals=False)
-        facts = start_of(scenario)
-        old = plan_mission(scenario, facts)
-        assert plan_mission(scenario, facts, old).makespan <= old.makespan
-        assert plan_mission(scenario, facts, old, is_brief=True).makespan <= old.makespan
+        known = start_of(scenario)
+        old = plan_mission(known)
+        assert plan_mission(known, old).makespan <= old.makespan
+        assert plan_mission(known, old, is_brief=True).makespan <= old.makespan
 
 
 HASHED = """
@@ -184,7 +186,7 @@ def hash_of(seed: int, worlds: int) -> str:
     rng, stamp = np.random.default_rng(seed), sha256()
     for number in range(worlds):
         scenario = random_world(rng, is_plane=number % 3 == 0)
-        stamp.update(repr(plan_mission(scenario, start_of(scenario))).encode())
+        stamp.update(repr(plan_mission(start_of(scenario))).encode())
     return stamp.hexdigest()
 
 

@@ -46,11 +46,10 @@ def improve_lists(
     is_able: Array,
     room: Room,
     rounds: int,
-    may_trade: bool,
 ) -> None:
     """Try so many changes and leave the best lists found.
 
-    If `may_trade`, robots that can do the same change crews too, which is written to `crew`.
+    Robots that can do the same change crews too, which is written to `crew`.
     """
     for number in range(len(lists.length)):
         tasks, length = lists.tasks[number], lists.length[number]
@@ -65,7 +64,7 @@ def improve_lists(
     best, best_cost = (lists.tasks.copy(), lists.length.copy(), crew.copy()), cost
     for turn in range(rounds):
         limit = cost + _draw_threshold(cost, len(lists.crew), rounds - turn, rounds, room.random)
-        if may_trade and draw_below(room.random, TRADES) == 0:
+        if draw_below(room.random, TRADES) == 0:
             cost = _try_trade(shared, lists, parties, crew, room, reference, cost, limit)
         else:
             cost = _try_change(shared, lists, parties, is_able, near, room, reference, cost, limit)

@@ -22,7 +22,6 @@ from teamformer.planning.crews.routes import (
     empty_lists,
     empty_parties,
     gather_parties,
-    insert_task,
 )
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
@@ -35,34 +34,18 @@ if TYPE_CHECKING:
 
 
 @entry
-def plan_crews(shared: Shared, crew: Array, task_crew: Array, rounds: int) -> Array:
+def deal_crews(shared: Shared, crew: Array, task_crew: Array, rounds: int) -> Array:
     """Write the crew of each robot and task; return the tasks in the order they will be done in.
 
-    `crew` (robots,) holds the crews so far, NOBODY for all at the start; `task_crew` (tasks,) whose
-    list a task is on, NOBODY for those on none; tasks come in the order they had so far. `rounds`
-    is how many changes are tried.
+    `crew` (robots,) and `task_crew` (tasks,) are written; `rounds` is how many changes are tried.
     """
-    if count_crews(crew) == 0:
-        return deal_crews(shared, crew, task_crew, rounds)
-    is_able = merge_where_needed(shared, crew)  # (crews, tasks)
-    parties = _gather_all(shared, crew)
-    lists = empty_lists(len(is_able), len(task_crew))
-    room = empty_room(shared, parties)
-    _keep_lists(shared, lists, parties, is_able, task_crew, room)
-    improve_lists(shared, lists, parties, crew, is_able, room, rounds, False)
-    return _merge_lists(shared, lists, parties, task_crew, room)
-
-
-@entry
-def deal_crews(shared: Shared, crew: Array, task_crew: Array, rounds: int) -> Array:
-    """Plan crews for the first time, as `plan_crews` does; its own entry, which compiles sooner."""
     deal_robots(shared, crew)
     is_able = merge_where_needed(shared, crew)  # (crews, tasks)
     parties = _gather_all(shared, crew)
     lists = empty_lists(len(is_able), len(task_crew))
     room = empty_room(shared, parties)
     _cut_tour(shared, lists, is_able)
-    improve_lists(shared, lists, parties, crew, is_able, room, rounds, True)
+    improve_lists(shared, lists, parties, crew, is_able, room, rounds)
     return _merge_lists(shared, lists, parties, task_crew, room)
 
 
@@ -126,44 +109,3 @@ def _cut_tour(shared: Shared, lists: CrewRoutes, is_able: Array) -> None:
                 ):
                     chosen = number
         append_task(lists, chosen, task)
-
-
-@allocating_kernel
-def _keep_lists(
-    shared: Shared,
-    lists: CrewRoutes,
-    parties: Parties,
-    is_able: Array,
-    task_crew: Array,
-    room: Room,
-) -> None:
-    """Take over what is on lists of crews that can do it; insert the rest where it costs least."""
-    for task in range(len(task_crew)):
-        number = task_crew[task]
-        if NOBODY < number < len(is_able) and is_able[number, task]:
-            append_task(lists, number, task)
-    for task in range(len(task_crew)):
-        if lists.crew[task] == NOBODY:
-            _insert_where_best(shared, lists, parties, is_able, task, room)
-
-
-@allocating_kernel
-def _insert_where_best(
-    shared: Shared, lists: CrewRoutes, parties: Parties, is_able: Array, task: int, room: Room
-) -> None:
-    """Put a task where its crew is done earliest, of equals where it becomes least later."""
-    best_finish, best_number, best_position = np.int64(2**62), NOBODY, 0
-    for number in range(len(is_able)):
-        if not is_able[number, task]:
-            continue
-        length = lists.length[number]
-        for position in range(length + 1):
-            for place in range(position):
-                room.first[place] = lists.tasks[number, place]
-            room.first[position] = task
-            for place in range(position, length):
-                room.first[place + 1] = lists.tasks[number, place]
-            finish = walk_list(shared, parties, number, room.first, length + 1, room)
-            if finish < best_finish:
-                best_finish, best_number, best_position = finish, number, position
-    insert_task(lists, best_number, best_position, task)

@@ -97,16 +97,6 @@ def append_task(lists: CrewRoutes, number: int, task: int) -> None:
 
 
 @kernel
-def insert_task(lists: CrewRoutes, number: int, position: int, task: int) -> None:
-    """Put a task into a crew's list, before what is at a position."""
-    append_task(lists, number, task)
-    for place in range(lists.length[number] - 1, position, -1):
-        moved = lists.tasks[number, place - 1]
-        lists.tasks[number, place], lists.position[moved] = moved, place
-    lists.tasks[number, position], lists.position[task] = task, position
-
-
-@kernel
 def replace_list(lists: CrewRoutes, number: int, tasks: Array, length: int) -> None:
     """Give a crew another list."""
     lists.length[number] = length

@@ -1,0 +1,133 @@
+"""Coordinators: what crews do, what is asked when, and what is refused of plans."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+
+from coordinations import play_by_plan
+from small_worlds import done_at, make, robot, task
+from teamformer.coordination import NEWS, Known, Plan
+from teamformer.coordinators.crews import Crews
+from teamformer.coordinators.on_command import OnCommand
+from teamformer.coordinators.replayed import Replayed
+from teamformer.coordinators.shared_plan import SharedPlan
+from teamformer.errors import TeamformerError
+from teamformer.model import Absence, Scenario
+from teamformer.policies.scripted.joining import JoinAll
+from teamformer.scenarios.generate import Spec, generate
+from teamformer.sim.env import Decision, TeamFormation
+from teamformer.trials.trial import run_trial, run_trials
+
+
+@dataclass
+class Told:
+    """A shared plan that remembers what it was told."""
+
+    heeds: tuple[str, ...] = NEWS
+    known: list[Known] = field(default_factory=list)
+    old: list[Plan | None] = field(default_factory=list)
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        self.known.append(known)
+        self.old.append(plan)
+        return SharedPlan().update(known, plan)
+
+
+def two_sides() -> Scenario:
+    """
+    T . . A . . . U     A has two robots that can do both, r1 is lost in step 2; V appears after 1
+    """
+    robots = [robot("a", 3), replace(robot("a", 3), absences=(Absence(2),))]
+    return make(robots, [task("a", 0), task("a", 7), task("a", 9, appears=1)])
+
+
+def test_a_coordinator_is_told_what_happened_and_what_everybody_knows() -> None:
+    told = Told()
+    replay = run_trial(two_sides(), told).replay
+    assert [(known.step, known.news) for known in told.known[:3]] == [
+        (0, ("start",)),
+        (1, ("task appeared",)),
+        (2, ("robot lost",)),
+    ]
+    assert told.old[0] is None
+    assert told.known[0].open_tasks == (0, 1)
+    assert told.known[1].open_tasks == (0, 1, 2)
+    assert told.known[2].robots == (0,)
+    assert told.known[2].teams == ((0,),)
+    done = [known.step for known in told.known if "task done" in known.news]
+    ended = [n for n, step in enumerate(replay.steps, 1) if step.done]
+    assert done == ended[:-1]  # after the last there is nothing to plan
+
+
+def test_a_coordinator_hears_only_of_what_it_heeds() -> None:
+    told = Told(heeds=("task appeared",))
+    run_trial(two_sides(), told)
+    assert [known.step for known in told.known] == [0, 1]
+
+
+def test_crews_go_on_when_a_robot_is_lost() -> None:
+    """One of two is lost on its way; the other does both tasks: 3 to T, 7 to U, 2 to V."""
+    env = TeamFormation([two_sides()], coordinator=Crews())
+    play_by_plan(env)
+    assert env.tally().status == "completed"
+    assert env.tally().steps <= 14
+    assert done_at(env).count(None) == 0
+
+
+def test_crews_do_large_missions_far_sooner_than_one_order_for_all() -> None:
+    rng = np.random.default_rng(3)
+    worlds = [generate(Spec(20, 60, 4), rng) for _ in range(6)]
+    by_crews = sum(tally.steps for tally in run_trials(worlds, Crews()))
+    by_order = sum(tally.steps for tally in run_trials(worlds, JoinAll()))
+    assert by_crews < 0.6 * by_order
+
+
+def test_on_command_teams_stay_where_no_task_is_named() -> None:
+    env = TeamFormation([make([robot("a", 0)], [task("a", 3)])], coordinator=OnCommand())
+    env.step(env.planned_decision(env.view()))
+    assert env.worlds.teams["x"][0, 0] == 0
+    env.step(Decision(env.view().counts, np.array([0])))
+    assert env.worlds.teams["x"][0, 0] == 1
+
+
+def test_replayed_plans_are_not_made_again_and_new_ones_only_where_something_else_happens() -> None:
+    mission = two_sides()
+    env = TeamFormation([mission], coordinator=SharedPlan())
+    play_by_plan(env)
+    told = Told()
+    again = TeamFormation([mission], coordinator=Replayed(env.plans(), told))
+    play_by_plan(again)
+    assert again.tally() == env.tally()
+    assert [known.step for known in told.known if known.news != ("task done",)] == []
+    more = replace(
+        mission, tasks=(*mission.tasks, replace(mission.tasks[0], name="new", appears=3))
+    )
+    told = Told(heeds=NEWS[:-1])
+    other = TeamFormation([more], coordinator=Replayed(env.plans(), told))
+    play_by_plan(other)
+    assert [known.step for known in told.known] == [3]
+    assert other.tally().status == "completed"
+
+
+@pytest.mark.parametrize(
+    ("plan", "complaint"),
+    [
+        (Plan((0, 0), ((0,), (0,))), "has a task twice"),
+        (Plan((0,), ()), "has 1 tasks and 0 coalitions"),
+        (Plan((7,), ((0,),)), "has a task 7, which is none"),
+        (Plan((0,), ((1,),)), "gives task 't0' to robots that cannot do it together"),
+        (Plan((0,), ((5,),)), "to one that is not there"),
+        (Plan(scouts=((5, 0),)), "has a scout that is not there"),
+    ],
+)
+def test_plans_that_robots_cannot_go_by_are_refused(plan: Plan, complaint: str) -> None:
+    class Fixed:
+        def update(self, known: Known, old: Plan | None) -> Plan:
+            return plan
+
+    scenario = make([robot("a", 0), robot("b", 0)], [task("a", 2), task("b", 4)])
+    with pytest.raises(TeamformerError, match=complaint):
+        TeamFormation([scenario], coordinator=Fixed())

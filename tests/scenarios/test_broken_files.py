@@ -120,6 +120,10 @@ CASES = [
      "in 5 to 4 steps, which ends before it"),
     ("speed: 0.5", "breaks: {rate: 0.1}, lost: 3", 7,
      "is lost at a step and breaks at a rate; keep one"),
+    ("speed: 0.5", "lost: 1000000001", 7,
+     "lost of robot 2 is 1000000001; write a number up to 1,000,000,000"),
+    ("speed: 0.5", "lost: 9, back: 2000000001", 7,
+     "back of robot 2 is 2000000001; write a number up to 2,000,000,000"),
     ("sensing_radius: 1", "foresight: some", 10,
      "foresight 'some' is unknown; use needed or absent or scouting"),
     # unknown, repeated, missing and misplaced keys

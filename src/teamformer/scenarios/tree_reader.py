@@ -63,7 +63,8 @@ class Reader:
         if not value.strip() or not value.isprintable():
             self.refuse(where, f"{name_of(where)} is empty or cannot be printed; write a name")
         elif len(value) > longest:
-            self.refuse(where, f"{name_of(where)} is {describe(value)}; use {longest} letters")
+            most = f"use {longest} letters at most"
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; {most}")
         else:
             return value
         return "?"
@@ -74,8 +75,13 @@ class Reader:
             self.refuse(where, f"{name_of(where)} is {kind_of(value)}; write a name")
             return "?"
         word = value.text if isinstance(value, Misread) else describe(value)
-        self.tree.refuse(where, misread(word, kind_of(value)))
+        self.tree.refuse(where, misread(word, kind_of(value), self.tree.language))
         return word
+
+    def word(self, value: Any) -> str:
+        """Return what stands where one of a few words belongs; the model says which they are."""
+        text = value.text if isinstance(value, Misread) else value
+        return shorten(text) if isinstance(text, str) else describe(text)
 
     def names(self, where: Where, value: Any, longest: int = LONGEST_TEXT) -> list[str]:
         """Return a list of texts."""
@@ -112,13 +118,17 @@ class Reader:
 
     def place(self, where: Where, value: Any, is_point: bool = False) -> Place:
         """Return a cell or, in a plane, a point: `[x, y]`."""
-        if not isinstance(value, list) or len(value) != 2:
-            what = "point" if is_point else "cell"
-            self.refuse(where, f"{name_of(where)} is {describe(value)}; write a {what} as [x, y]")
-            return (0, 0)
+        pair = self.pair(where, value, f"write a {'point' if is_point else 'cell'} as [x, y]")
         read = self.number if is_point else self.whole
-        x, y = (read((*where, axis), part) for axis, part in enumerate(value))
+        x, y = (read((*where, axis), part) for axis, part in enumerate(pair or [0, 0]))
         return (x, y)
+
+    def pair(self, where: Where, value: Any, remedy: str) -> list[Any] | None:
+        """Return a list of two; None after refusing anything else."""
+        if isinstance(value, list) and len(value) == 2:
+            return value
+        self.refuse(where, f"{name_of(where)} {misshapen(value, 2)}; {remedy}")
+        return None
 
     def count(self, where: Where, value: Any) -> float:
         """Return how much of a capability there is, a fraction or not."""
@@ -164,6 +174,16 @@ def name_of(where: Where) -> str:
     if around in (["robots"], ["tasks"], ["teams"]):
         return f"{str(around[0])[:-1]} {last + 1}"
     return f"entry {last + 1} of {name_of(tuple(around))}"
+
+
+def misshapen(value: Any, wanted: int) -> str:
+    """Say of what is no list of so many numbers what is wrong with it."""
+    if not isinstance(value, list):
+        return f"is {describe(value)}"
+    if len(value) > wanted:
+        return f"has {len(value)} numbers instead of {wanted}"
+    lacks = wanted - len(value)
+    return "lacks one number" if lacks == 1 else f"lacks {lacks} numbers"
 
 
 def _is_number(value: Any) -> bool:

@@ -16,6 +16,9 @@ import numpy.typing as npt
 Array = npt.NDArray[Any]
 
 NEVER = 2**30
+LATEST = NEVER - 1
+"""The latest step that arrays know; it is later than any step limit."""
+
 RUNNING, COMPLETED, STEP_LIMIT, INFEASIBLE = 0, 1, 2, 3
 STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.table import Table
@@ -41,16 +41,17 @@ def compare(
     mission = read_mission(path, step_limit)
     methods = [load_method(name, time_limit) for name in names]
     announce_compiling(methods)
-    trials = _share_bound(_run_all(mission, methods, seeds))
-    best = best_known(trials)
+    trials = _run_all(mission, methods, seeds)
+    bars = _find_bars(trials, mission.has_surprises)
+    trials = [_knowing(trial, bars[trial.replay.seed].bound) for trial in trials]
     if as_json:
         for trial in trials:
-            print_json(result_row(trial, best))
+            print_json(result_row(trial, bars[trial.replay.seed].best))
     else:
         out.print(Text(mission.name, style="bold"))
-        wide.print(_table(trials, best))
-        bound = trials[0].replay.lower_bound
-        out.print(f"best known {best or '-'}, lower bound {bound or '-'}")
+        wide.print(_table(trials, bars))
+        for line in _bar_lines(bars, mission.has_surprises):
+            out.print(line)
         for trial in trials:
             if trial.plan is not None:
                 out.print(plan_line(trial.plan))
@@ -72,14 +73,44 @@ def _run_all(mission: Scenario, methods: Sequence[Method], seeds: int) -> list[T
     return trials
 
 
-def _share_bound(trials: Sequence[Trial]) -> list[Trial]:
-    """Have all trials know the highest bound that any of them does."""
-    bounds = [trial.replay.lower_bound for trial in trials]
-    best = max((bound for bound in bounds if bound is not None), default=None)
-    return [replace(trial, replay=replace(trial.replay, lower_bound=best)) for trial in trials]
+@dataclass(frozen=True)
+class Bars:
+    """What trials of one mission are measured by: the fastest of them and the highest bound."""
+
+    best: int | None
+    bound: int | None
 
 
-def _table(trials: Sequence[Trial], best: int | None) -> Table:
+def _find_bars(trials: Sequence[Trial], is_uncertain: bool) -> dict[int, Bars]:
+    """Return the bars of each seed, which are the same for all where nothing is uncertain.
+
+    Else each seed is a mission of its own.
+    """
+    bars = {}
+    for seed in dict.fromkeys(trial.replay.seed for trial in trials):
+        alike = [trial for trial in trials if trial.replay.seed == seed or not is_uncertain]
+        bounds = (trial.replay.lower_bound for trial in alike)
+        bound = max((bound for bound in bounds if bound is not None), default=None)
+        bars[seed] = Bars(best_known(alike), bound)
+    return bars
+
+
+def _knowing(trial: Trial, bound: int | None) -> Trial:
+    return replace(trial, replay=replace(trial.replay, lower_bound=bound))
+
+
+def _bar_lines(bars: Mapping[int, Bars], is_uncertain: bool) -> list[str]:
+    """Return the bars as they are shown: those of each seed where they differ."""
+    said = {
+        seed: f"best known {bar.best or '-'}, lower bound {bar.bound or '-'}"
+        for seed, bar in bars.items()
+    }
+    if is_uncertain and len(said) > 1:
+        return [f"seed {seed}: {line}" for seed, line in said.items()]
+    return list(said.values())[:1]
+
+
+def _table(trials: Sequence[Trial], bars: Mapping[int, Bars]) -> Table:
     """Return a row for each trial."""
     table = Table(box=None, header_style="dim")
     columns = (
@@ -99,8 +130,8 @@ def _table(trials: Sequence[Trial], best: int | None) -> Table:
     for trial in trials:
         replay, end = trial.replay, trial.replay.end
         makespan = end.status if end.makespan is None else str(end.makespan)
-        bars = (best, replay.lower_bound)
-        over = [percent_over(end.makespan, bar) for bar in bars]
+        own_bars = (bars[replay.seed].best, replay.lower_bound)
+        over = [percent_over(end.makespan, bar) for bar in own_bars]
         table.add_row(
             Text(replay.method),
             str(replay.seed),

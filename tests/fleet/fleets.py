@@ -8,9 +8,9 @@ from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.bodies.body import Report
 from teamformer.fleet.messages import Message, Notice, Post
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.planner import SharedPlanner
+from teamformer.fleet.planner import CoordinatedPlanner
 
-PLANNER = SharedPlanner()
+PLANNER = CoordinatedPlanner()
 
 
 def pair() -> Mission:

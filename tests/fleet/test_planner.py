@@ -11,7 +11,7 @@ from fleets import PLANNER, pair, trio
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.planner import SharedPlanner, Situation
+from teamformer.fleet.planner import CoordinatedPlanner, Situation
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.planning.teams import shared_plan
@@ -31,7 +31,7 @@ def test_operators_tasks_are_planned_with_those_of_the_mission() -> None:
     mission = trio()
     more = (added(7, 1.0, (1, 0, 0)), added(3, 15.0, (0, 1, 0)))
     situation = Situation({0: (0.0, 0.0), 1: (14.0, 0.0)}, (mission.tasks[4], *more))
-    stops = SharedPlanner().plan(mission, situation)
+    stops = CoordinatedPlanner().plan(mission, situation)
     assert dict(stops) == {4: (0, 1), FIRST_ADDED + 7: (0,), FIRST_ADDED + 3: (1,)}
     assert [key for key, _ in stops][-1] == 4
 
@@ -64,7 +64,7 @@ def test_stops_come_in_the_order_in_which_they_are_planned_to_be_done(
     monkeypatch.setattr(shared_plan, "plan_mission", lambda *_, **__: planned)
     mission = trio()
     places = dict(enumerate(robot.at for robot in mission.scenario.robots))
-    stops = SharedPlanner().plan(mission, Situation(places, mission.tasks))
+    stops = CoordinatedPlanner().plan(mission, Situation(places, mission.tasks))
     assert list(stops) == [(0, (0, 1)), (1, (0, 1)), (3, (2,))]
 
 

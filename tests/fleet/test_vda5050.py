@@ -24,7 +24,7 @@ from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.vda5050 import Vda5050Body
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.planner import SharedPlanner
+from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.fleet import free_ports
 from teamformer.model import Robot, Scenario, Task
@@ -108,7 +108,7 @@ def test_two_vehicles_do_a_mission(tmp_path: Path) -> None:
         pytest.skip("needs mosquitto, node and vda-5050-lib")
     mission = two_vehicles()
     write_scenario(mission.scenario, tmp_path / "yard.yaml")
-    first_plan(mission, SharedPlanner())  # so that no agent has to compile what plans
+    first_plan(mission, CoordinatedPlanner())  # so that no agent has to compile what plans
     broker, *ports = free_ports(3)
     with ExitStack() as stack:
         stack.enter_context(running("mosquitto", "-p", str(broker)))

@@ -5,14 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
-from coordinations import coordinator
+from coordinations import coordinator, play_by_plan
 from random_worlds import random_decision, random_world
+from teamformer.coordinators.on_command import OnCommand
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.grid import Place
 from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
@@ -201,13 +201,12 @@ def two_sides_of_a_wide_place() -> Scenario:
     """
     wide = Plane(10.0, 10.0, arrival_radius=1.0)
     task = ((5.0, 5.0), {"a": 1, "b": 1})
-    return replace(field([(2.0, 5.0), (8.0, 5.0)], [task], wide, speed=0.4), allocation="plan")
+    return field([(2.0, 5.0), (8.0, 5.0)], [task], wide, speed=0.4)
 
 
 def test_the_shared_plan_has_nobody_join_who_is_out_of_reach() -> None:
-    env, policy = TeamFormation([two_sides_of_a_wide_place()]), FollowPlan()
-    while env.is_running[0]:
-        env.step(policy.decide(env.view()))
+    env = TeamFormation([two_sides_of_a_wide_place()], coordinator=SharedPlan())
+    play_by_plan(env)
     tally = env.tally()
     assert (tally.status, tally.steps, tally.joins) == ("completed", 8, 1)  # near after seven
     assert tally.illegal_decisions == 0
@@ -215,7 +214,8 @@ def test_the_shared_plan_has_nobody_join_who_is_out_of_reach() -> None:
 
 def test_a_plan_that_is_played_has_nobody_join_who_is_out_of_reach() -> None:
     scenario = two_sides_of_a_wide_place()
-    env, player = TeamFormation([scenario]), PlanPlayer(scenario, [[0], [0]])
+    env = TeamFormation([scenario], coordinator=OnCommand())
+    player = PlanPlayer(scenario, [[0], [0]])
     while env.is_running[0]:
         env.view()
         env.step(player.decide_in(env))

@@ -124,6 +124,7 @@ class Recorder:
             truth=truth_until(self._scenario, self._truth, made + 1) if is_uncertain else None,
             scouts=tuple(row for row in self._scouts if row[0] <= made),
             foresight=self._foresight,
+            heeds=self._env.heeds(),
         )
 
     def _snapshot(self) -> _Snapshot:

@@ -54,7 +54,7 @@ STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
 REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
-OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight")
+OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight", "heeds")
 NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in OPTIONAL_KEYS)
 
 
@@ -181,6 +181,7 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         truth=truth,
         scouts=scouts,
         foresight=_foresight(tree),
+        heeds=_heeds(tree),
     )
 
 
@@ -189,6 +190,15 @@ def _foresight(tree: Mapping[str, Any]) -> str:
     if found not in FORESIGHTS:
         raise DamageError(f"the foresight is {short(found)}, not one of {FORESIGHTS}")
     return str(found)
+
+
+def _heeds(tree: Mapping[str, Any]) -> tuple[str, ...]:
+    with inside("heeds"):
+        found = tuple(text_of(word) for word in list_of(tree.get("heeds", list(Replay.heeds))))
+    for word in found:
+        if word not in NEWS:
+            raise DamageError(f"{short(word)} is no news that a coordinator may heed")
+    return found
 
 
 def _plan(row: Any, robots: int) -> SharedPlanMade:

@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from teamformer.coordination import UNFORESEEN
 from teamformer.model import Scenario
 
 VERSION = 2
+FLEET = "fleet"
+"""The method in records of fleets, whose robots decide for themselves and keep no steps."""
 HEARD = ("beat", "facts", "plan")
 """What the agents of a rehearsed fleet say to one another."""
 STATUSES = ("completed", "step limit", "infeasible", "interrupted")
@@ -94,6 +97,7 @@ class Replay:
     scouts: tuple[tuple[int, tuple[tuple[int, int], ...]], ...] = ()
     """Steps made, and robots by the plan made then that look first what a task needs."""
     foresight: str = "scouting"  # how needs were treated that nobody knew
+    heeds: tuple[str, ...] = UNFORESEEN  # the news after which a coordinator is asked
 
     @property
     def is_coordinated(self) -> bool:

@@ -1,0 +1,1 @@
+"""What teams are due to do by plans, what they pursue, when plans are made and why."""

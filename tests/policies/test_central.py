@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from random_worlds import random_world
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import relax
@@ -51,7 +51,7 @@ def test_two_robots_part_because_they_are_faster_apart() -> None:
     assert (plan.solution.value, plan.solution.status) == (6, "optimal")
     assert tally.steps == plan.makespan == 7
     assert (tally.joins, tally.splits, tally.illegal_decisions) == (1, 1, 0)
-    assert plan.played_by == "search"
+    assert plan.played_by == "teamformer"  # the default parts them too, and is played first
 
 
 def test_like_robots_exchange_their_routes() -> None:
@@ -88,9 +88,8 @@ def test_never_slower_than_joining_all_and_never_faster_than_its_bound(seed: int
 def test_never_slower_than_the_shared_plan() -> None:
     rng = np.random.default_rng(3)
     scenarios = [generate(Spec(robots=6, tasks=8, requirements=2), rng) for _ in range(3)]
-    planned = [replace(scenario, allocation="plan") for scenario in scenarios]
     tallies = run_trials(planned, Central(time_limit=0.0))
-    shared = run_trials(planned, FollowPlan())
+    shared = run_trials(scenarios, SharedPlan())
     for tally, other in zip(tallies, shared, strict=True):
         assert tally.status == "completed"
         assert tally.steps <= other.steps
@@ -134,7 +133,7 @@ def test_the_time_limit_is_kept() -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_plan_takes_no_longer_than_the_search_promised(seed: int) -> None:
-    """It may be done sooner: who has nothing left to do goes where the allocation sends it."""
+    """It may be done sooner: who has nothing left to do goes where its next task is."""
     scenario = generate(Spec(6, 8, 3), np.random.default_rng(seed))
     search = first_search(situation_in_hindsight(scenario), seed)
     assert search is not None

@@ -31,10 +31,13 @@ MakeMethod = Callable[[], Method]
 class Mission:
     """One mission that runs by one method; `incidents` are what happened so far, with steps.
 
-    `make_method` makes the method anew: forecasts play with one of their own.
+    `make_method` makes the method anew: forecasts play with one of their own. Under a method that
+    knows everything the mission is what an uncertain one really is.
     """
 
     def __init__(self, scenario: Scenario, make_method: MakeMethod, seed: int) -> None:
+        if make_method().needs_everything:
+            scenario = draw_truth(scenario, seed)
         self.scenario, self.seed = scenario, seed
         self.incidents: list[tuple[int, Happening]] = []
         self._make_method = make_method

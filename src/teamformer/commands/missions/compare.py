@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from rich.table import Table
 from rich.text import Text
@@ -24,6 +25,37 @@ from teamformer.model import Scenario
 from teamformer.trials.methods import Method, load_method
 from teamformer.trials.trial import Trial
 
+COLUMNS = (
+    "method",
+    "seed",
+    "makespan",
+    "to best",
+    "to bound",
+    "tasks",
+    "joins",
+    "splits",
+    "planning",
+    "deciding",
+)
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A trial that came to nothing: of which mission, by which method, and what went wrong."""
+
+    mission: Scenario
+    method: str
+    seed: int
+    error: TeamformerError
+
+
+@dataclass(frozen=True)
+class Bars:
+    """What trials of one mission are measured by: the fastest of them and the highest bound."""
+
+    best: int | None
+    bound: int | None
+
 
 def compare(
     path: Path,
@@ -33,7 +65,10 @@ def compare(
     time_limit: float,
     as_json: bool,
 ) -> int:
-    """Run every method with every seed and show them together; return the exit status."""
+    """Run every method with every seed and show them together; return the exit status.
+
+    A trial that fails is a row that says why. Where all do, the first error is raised.
+    """
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         hint = "name it once; --seeds runs it more often"
@@ -41,44 +76,62 @@ def compare(
     mission = read_mission(path, step_limit)
     methods = [load_method(name, time_limit) for name in names]
     announce_compiling(methods)
-    trials = _run_all(mission, methods, seeds)
+    ran = _run_all(mission, methods, seeds)
+    trials = [trial for trial in ran if isinstance(trial, Trial)]
+    failures = [trial for trial in ran if isinstance(trial, Failure)]
+    if not trials:
+        raise failures[0].error
     bars = _find_bars(trials, mission.has_surprises)
-    trials = [_knowing(trial, bars[trial.replay.seed].bound) for trial in trials]
+    ran = [_knowing(trial, bars) if isinstance(trial, Trial) else trial for trial in ran]
     if as_json:
-        for trial in trials:
-            print_json(result_row(trial, bars[trial.replay.seed].best))
+        for trial in ran:
+            print_json(_row(trial, bars))
     else:
         out.print(Text(mission.name, style="bold"))
-        wide.print(_table(trials, bars))
+        wide.print(_table(ran, bars))
         for line in _bar_lines(bars, mission.has_surprises):
             out.print(line)
         for trial in trials:
             if trial.plan is not None:
                 out.print(plan_line(trial.plan))
+        for failure in failures:
+            why = f"{failure.method}, seed {failure.seed}: {_reason(failure.error)}"
+            out.print(Text(why, style="red"))
     is_complete = len(trials) == len(methods) * seeds
     return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
 
 
-def _run_all(mission: Scenario, methods: Sequence[Method], seeds: int) -> list[Trial]:
+def _run_all(mission: Scenario, methods: Sequence[Method], seeds: int) -> list[Trial | Failure]:
     """Run every method with every seed; Ctrl-C ends it with what was done so far."""
-    trials: list[Trial] = []
+    ran: list[Trial | Failure] = []
     for method in methods:
         for seed in range(seeds):
             say(f"{method.name}, seed {seed} ...")
-            trials.append(watch_trial(mission, method, seed))
-            if trials[-1].is_interrupted:
-                done = sum(trial.replay.end.status != "interrupted" for trial in trials)
+            trial = _try(mission, method, seed)
+            ran.append(trial)
+            if isinstance(trial, Trial) and trial.is_interrupted:
+                done = sum(not _is_interrupted(trial) for trial in ran)
                 say(f"interrupted: {done} of {len(methods) * seeds} trials ran to their end")
-                return trials
-    return trials
+                return ran
+    return ran
 
 
-@dataclass(frozen=True)
-class Bars:
-    """What trials of one mission are measured by: the fastest of them and the highest bound."""
+def _try(mission: Scenario, method: Method, seed: int) -> Trial | Failure:
+    """Run a trial; what goes wrong in it is not to cost what the others have done."""
+    try:
+        return watch_trial(mission, method, seed)
+    except TeamformerError as error:
+        return Failure(mission, method.name, seed, error)
 
-    best: int | None
-    bound: int | None
+
+def _is_interrupted(trial: Trial | Failure) -> bool:
+    return isinstance(trial, Trial) and trial.replay.end.status == "interrupted"
+
+
+def _reason(error: TeamformerError) -> str:
+    """Return an error with its hint, in one line."""
+    lines = [*str(error).splitlines(), *([error.hint] if error.hint else [])]
+    return "; ".join(lines)
 
 
 def _find_bars(trials: Sequence[Trial], is_uncertain: bool) -> dict[int, Bars]:
@@ -95,7 +148,9 @@ def _find_bars(trials: Sequence[Trial], is_uncertain: bool) -> dict[int, Bars]:
     return bars
 
 
-def _knowing(trial: Trial, bound: int | None) -> Trial:
+def _knowing(trial: Trial, bars: Mapping[int, Bars]) -> Trial:
+    """Return a trial that knows the bound of its seed."""
+    bound = bars[trial.replay.seed].bound
     return replace(trial, replay=replace(trial.replay, lower_bound=bound))
 
 
@@ -110,37 +165,47 @@ def _bar_lines(bars: Mapping[int, Bars], is_uncertain: bool) -> list[str]:
     return list(said.values())[:1]
 
 
-def _table(trials: Sequence[Trial], bars: Mapping[int, Bars]) -> Table:
+def _row(trial: Trial | Failure, bars: Mapping[int, Bars]) -> dict[str, Any]:
+    """Return what `--json` prints of a trial; of one that came to nothing, why."""
+    if isinstance(trial, Trial):
+        return result_row(trial, bars[trial.replay.seed].best)
+    return {
+        "scenario": trial.mission.name,
+        "method": trial.method,
+        "seed": trial.seed,
+        "completed": False,
+        "status": "failed",
+        "makespan": None,
+        "error": str(trial.error),
+        "hint": trial.error.hint,
+    }
+
+
+def _table(ran: Sequence[Trial | Failure], bars: Mapping[int, Bars]) -> Table:
     """Return a row for each trial."""
     table = Table(box=None, header_style="dim")
-    columns = (
-        "method",
-        "seed",
-        "makespan",
-        "to best",
-        "to bound",
-        "tasks",
-        "joins",
-        "splits",
-        "planning",
-        "deciding",
-    )
-    for column in columns:
+    for column in COLUMNS:
         table.add_column(column, justify="left" if column == "method" else "right")
-    for trial in trials:
-        replay, end = trial.replay, trial.replay.end
-        makespan = end.status if end.makespan is None else str(end.makespan)
-        own_bars = (bars[replay.seed].best, replay.lower_bound)
-        over = [percent_over(end.makespan, bar) for bar in own_bars]
-        table.add_row(
-            Text(replay.method),
-            str(replay.seed),
-            makespan,
-            *("" if gap is None else f"{gap:+.0f}%" for gap in over),
-            f"{end.tasks_done}/{len(replay.scenario.tasks)}",
-            str(end.joins),
-            str(end.splits),
-            f"{trial.planning_seconds:.2f} s",
-            f"{trial.decision_seconds:.2f} s",
-        )
+    for trial in ran:
+        if isinstance(trial, Failure):
+            table.add_row(Text(trial.method), str(trial.seed), "failed")
+        else:
+            table.add_row(*_cells(trial, bars[trial.replay.seed].best))
     return table
+
+
+def _cells(trial: Trial, best: int | None) -> list[Text | str]:
+    replay, end = trial.replay, trial.replay.end
+    makespan = end.status if end.makespan is None else str(end.makespan)
+    over = [percent_over(end.makespan, bar) for bar in (best, replay.lower_bound)]
+    return [
+        Text(replay.method),
+        str(replay.seed),
+        makespan,
+        *("" if gap is None else f"{gap:+.0f}%" for gap in over),
+        f"{end.tasks_done}/{len(replay.scenario.tasks)}",
+        str(end.joins),
+        str(end.splits),
+        f"{trial.planning_seconds:.2f} s",
+        f"{trial.decision_seconds:.2f} s",
+    ]

@@ -32,6 +32,13 @@ SIMPLE_RULES: tuple[tuple[str, Policy], ...] = (("join-all", JoinAll()), ("heuri
 SIMPLE = 0.15
 """Share of the time that the play of a simple rule may take."""
 
+BELIEVED_SECONDS = 5.0
+"""What the play of the default by beliefs may take, however little time is left.
+
+That is far more than it takes in small missions, where so much is uncertain that every step makes
+another plan.
+"""
+
 MARGIN = 0.1
 """Seconds kept back at the end, besides what the last plays take."""
 
@@ -43,9 +50,9 @@ class CentralPlan:
     `solution` is the relaxed schedule, in which joining is free; no policy is faster than `bound`.
     `makespan` is what the plan takes under the step rules, None if it does not end. `played_by`
     says where the plan comes from: `search` (with forming counted), `schedule` (the relaxed one),
-    `plan` (the shared one), `default` (the same by robots that are told nothing), or a simple rule.
-    `curve` holds each improvement as (seconds, makespan). `is_first` says that there was no time to
-    improve the first plan. The script is played in `mission`, by `coordinator` if there is one.
+    `plan` (the shared one, or `crews`) or a simple rule. `curve` holds each improvement as
+    (seconds, makespan). `is_first` says that there was no time to improve the first plan. The
+    script is played in `mission`, by `coordinator` if there is one.
     """
 
     solution: Solution
@@ -85,13 +92,29 @@ class Plays:
     def add_simple_rules(self) -> None:
         """Play the rules that the plan must not be slower than."""
         for name, rule in SIMPLE_RULES:
-            self.add(name, rule, most_seconds=SIMPLE * max(1.0, self.limit))
+            until = self.seconds + SIMPLE * max(1.0, self.limit)
+            self.add(name, rule, until=min(until, self._end))
+
+    def add_as_believed(self, name: str, default: Coordinator, believed: Scenario) -> None:
+        """Play the default as by robots that know only what they believe of the scenario.
+
+        That may be better than what the default does when it knows all.
+        """
+        longest = self._longest  # this is never played last
+        until = max(self.limit, self.seconds + BELIEVED_SECONDS)
+        self.add(name, default, until=until, mission=believed)
+        self._longest = longest
+
+    @property
+    def _end(self) -> float:
+        """Return the second at which time is up; without a limit there is none."""
+        return self.limit or math.inf
 
     def add(
         self,
         name: str,
         player: Player,
-        most_seconds: float = math.inf,
+        until: float | None = None,
         log: CoalitionLog | None = None,
         mission: Scenario | None = None,
     ) -> None:
@@ -100,13 +123,13 @@ class Plays:
         What is done is noted in `log`. With a `mission` it is played by robots that know no more
         than that: it is the scenario with what is uncertain left open.
 
-        Once there is a play to show, others end early: when they are no faster, when time is up,
-        or after `most_seconds`.
+        Once there is a play to show, others end early: when they are no faster, or at the second
+        `until`, when time is up if left out.
         """
         mission = mission or self._scenario
         env = stage_for(player, mission, self._scenario)
         begun = self.seconds
-        end = begun + most_seconds if self.limit == 0 else min(begun + most_seconds, self.limit)
+        end = self._end if until is None else until
         most = NEVER if self.makespan is None else self.makespan
         script: Script = []
         while env.is_running[0] and len(script) < most:

@@ -23,7 +23,7 @@ from teamformer.sim.env import Tally, TeamFormation
 class Exam:
     """Held-out worlds, in settings, and the mean steps of the scripted policies on each.
 
-    The bar is join-crew where tasks are shared out among crews, else join-all.
+    The bar is `JoinCrew` where tasks are shared out among crews, else `JoinAll`.
     """
 
     settings: tuple[TeamFormation, ...]  # at their start; trials are played in forks of them

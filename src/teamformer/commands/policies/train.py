@@ -178,7 +178,7 @@ def _bars(score: Score) -> str:
     """Return what scripted policies take on the held-out worlds."""
     bar = ", ".join(f"{steps:.1f}" for steps in score.bar)
     heuristic = ", ".join(f"{steps:.1f}" for steps in score.heuristic)
-    return f"held out: join-all (under crews join-crew) takes {bar}; heuristic {heuristic}"
+    return f"held out: join-all (with crews, crews) takes {bar}; heuristic {heuristic}"
 
 
 def _row(report: Report) -> str:

@@ -21,9 +21,9 @@ Brain = Callable[[tuple[Array, ...]], Array]
 class Learned:
     """Reads views with a codec and does what a brain says.
 
-    The brain is asked where the codec finds a choice. Elsewhere a team does as join-crew does
+    The brain is asked where the codec finds a choice. Elsewhere a team does as `JoinCrew` does
     where tasks are shared out among crews, else as join-all. Where there is a shared plan it does
-    as follow-plan everywhere: the networks were not trained on plans. So does one that the
+    as `FollowPlan` everywhere: the networks were not trained on plans. So does one that the
     deadlock guard finds overdue, until a task is done; `overdue` counts such decisions.
     """
 

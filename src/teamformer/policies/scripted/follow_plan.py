@@ -13,7 +13,7 @@ from teamformer.sim.view import View
 
 
 class FollowPlan:
-    """Form as the shared plan wants; where there is none, do as `join-crew` or `join-all`."""
+    """Form as the shared plan wants; where there is none, do as `JoinCrew` or `JoinAll`."""
 
     needs_everything = False
 

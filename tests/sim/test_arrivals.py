@@ -87,7 +87,7 @@ def test_files_keep_arrivals() -> None:
 @pytest.mark.parametrize("allocation", ["paper", "plan"])
 def test_missions_with_arrivals_end_and_are_legal(allocation: str, tmp_path: Path) -> None:
     scenario = replace(world_of("4N20T-C4-calls", 0), allocation=allocation)
-    replay = run_trial(scenario, load_method("join-fitting"), 4).replay
+    replay = run_trial(scenario, load_method("join-fitting").policy, 4).replay
     assert replay.end.status == "completed"
     assert replay.end.tasks_done == len(replay.mission.tasks) > 22
     assert judge(replay).findings == ()
@@ -109,7 +109,7 @@ def test_nobody_knows_what_will_appear() -> None:
 
 def test_the_referee_refuses_what_cannot_appear() -> None:
     scenario = corridor(0.5, 9, most_needs=1, duration=2)
-    replay = run_trial(scenario, load_method("join-all"), 1).replay
+    replay = run_trial(scenario, load_method("join-all").policy, 1).replay
     assert judge(replay).findings == ()
     assert len(replay.mission.tasks) > 2
     changes = [{"appears": 10}, {"duration": 3}, {"needs": {"a": 1, "b": 1}}, {"needs": {"a": 2}}]

@@ -89,7 +89,7 @@ def test_files_keep_delays() -> None:
 @pytest.mark.parametrize("allocation", ["paper", "plan"])
 def test_delayed_missions_end_and_are_legal(allocation: str, tmp_path: Path) -> None:
     scenario = replace(world_of("4N20T-C4-delays", 0), allocation=allocation)
-    replay = run_trial(scenario, load_method("join-fitting"), 4).replay
+    replay = run_trial(scenario, load_method("join-fitting").policy, 4).replay
     assert replay.end.status == "completed"
     assert judge(replay).findings == ()
     write_replay(replay, tmp_path / "replay.json")
@@ -111,7 +111,7 @@ def test_nobody_knows_when_robots_stand_still() -> None:
 
 def test_the_referee_sees_who_walks_while_it_stands_still() -> None:
     scenario = delayed(0.3, None)
-    replay = run_trial(scenario, load_method("join-all"), 4).replay
+    replay = run_trial(scenario, load_method("join-all").policy, 4).replay
     assert judge(replay).findings == ()
     still = next(i for i, step in enumerate(replay.steps) if not step.teams)
     at = max(team.x for step in replay.steps[:still] for team in step.teams)

@@ -157,7 +157,7 @@ def test_what_appears_later_is_not_looked_for_before() -> None:
 
 def recorded(allocation: str = "plan", seed: int = 1) -> Replay:
     scenario = replace(world_of("4N20T-C4-places", seed), allocation=allocation)
-    return run_trial(scenario, load_method("join-fitting"), seed).replay
+    return run_trial(scenario, load_method("join-fitting").policy, seed).replay
 
 
 @pytest.mark.parametrize("allocation", ALLOCATIONS)
@@ -226,7 +226,7 @@ def test_hundreds_of_random_missions_end_and_are_legal(part: int) -> None:
     for number in range(150):
         scenario = with_surprises(random_world(rng, is_plane=number % 3 == 0), rng)
         scenario = replace(scenario, allocation=str(rng.choice(ALLOCATIONS)))
-        replay = run_trial(scenario, load_method("join-all"), number).replay
+        replay = run_trial(scenario, load_method("join-all").policy, number).replay
         assert judge(replay).findings == ()
         assert replay.end.status in ("completed", "infeasible")
         done += replay.end.status == "completed"

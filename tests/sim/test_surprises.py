@@ -225,7 +225,7 @@ def test_surprised_missions_end_and_are_legal(
     for seed in range(2):
         scenario = world_of("4N20T-C4-mixed", seed)
         scenario = replace(scenario, allocation=allocation, foresight=foresight)
-        replay = run_trial(scenario, load_method("join-fitting"), seed).replay
+        replay = run_trial(scenario, load_method("join-fitting").policy, seed).replay
         assert replay.end.status == "completed"
         assert judge(replay).findings == ()
         truth = draw_truth(scenario, seed)

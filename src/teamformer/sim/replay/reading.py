@@ -54,7 +54,7 @@ STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
 HOW_KEYS = ("allocation", "foresight")
-REPLAY_KEYS = ("teamformer_replay", *HOW_KEYS, *(field.name for field in fields(Replay)))
+REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)), *HOW_KEYS)
 OPTIONAL_KEYS = ("crews", "plans", "scouts", "truth")
 NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in OPTIONAL_KEYS)
 

@@ -56,10 +56,14 @@ def small_mission() -> Scenario:
 
 @contextmanager
 def serving(
-    scenario: Scenario, folder: Path, speed: float = 20.0, token: str | None = None
+    scenario: Scenario,
+    folder: Path,
+    speed: float = 20.0,
+    token: str | None = None,
+    method: str = "join-fitting",
 ) -> Iterator[Served]:
-    """Serve a mission that runs by the method `join-fitting` while the block runs."""
-    mission = Mission(scenario, lambda: load_method("join-fitting"), 0)
+    """Serve a mission that runs by a method while the block runs."""
+    mission = Mission(scenario, lambda: load_method(method), 0)
     with _served(Session(mission, folder, speed), token) as served:
         yield served
 

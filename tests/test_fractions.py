@@ -87,7 +87,9 @@ PLAYED = [
 @pytest.mark.parametrize(("allocation", "policy"), PLAYED)
 def test_scaled_counts_are_played_alike(allocation: str, policy: str) -> None:
     whole, parts = pair_of_worlds(allocation)
-    one, other = (run_trial(scenario, load_method(policy)).replay for scenario in (whole, parts))
+    one, other = (
+        run_trial(scenario, load_method(policy).policy).replay for scenario in (whole, parts)
+    )
     assert one.end.status == "completed"
     assert (one.steps, one.orders, one.plans, one.end) == (
         *(other.steps, other.orders, other.plans, other.end),

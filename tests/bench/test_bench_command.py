@@ -63,7 +63,7 @@ def test_json_is_a_line_for_each_trial(tmp_path: Path, capsys: pytest.CaptureFix
         (policy, seed) for policy in ("heuristic", "join-all") for seed in range(4)
     ]
     asked = (
-        "scenario policy seed completed makespan steps tasks_done tasks robots capabilities joins "
+        "scenario method seed completed makespan steps tasks_done tasks robots capabilities joins "
         "splits illegal_decisions decision_seconds total_seconds best_known lower_bound suite "
         "setting world_seed"
     )
@@ -223,7 +223,7 @@ def test_the_worlds_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         (("fig3", "--settings", "4N20T-C4"), "suite 'fig3' has no setting '4N20T-C4'"),
         (("fig3", "--without", "centrall"), "there is no 'centrall' to be left out"),
         (("fig3", "--engine", "slurm"), "there is no engine 'slurm'"),
-        (("fig3", "--methods", "gnn-c4", "--without", "gnn-c4"), "no policy of those asked for"),
+        (("fig3", "--methods", "gnn-c4", "--without", "gnn-c4"), "no method of those asked for"),
         (("authors",), "add --worlds FILE"),
         (("none.yaml",), "there is no such file"),
         (("fig3", "--out", "/proc/none"), "cannot be written"),

@@ -35,12 +35,12 @@ def folder(tmp_path: Path) -> Path:
 
 
 def result(
-    instance: str, policy: str, makespan: float, best: float | None, **more: object
+    instance: str, method: str, makespan: float, best: float | None, **more: object
 ) -> Result:
     row = {
         "collection": "ral",
         "instance": f"ral/{instance}",
-        "policy": policy,
+        "method": method,
         "makespan": makespan,
         "bound": 0.0,
         "proven": False,

@@ -162,7 +162,7 @@ def test_the_folder_says_what_it_is(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "bench.json").read_text()) == {
         "suite": "fig3",
         "first_seed": 0,
-        "rules": {"order": "tsp"},
+        "rules": {"forming_steps": 1},
         "worlds": "",
-        "format": 1,
+        "format": 2,
     }

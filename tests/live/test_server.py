@@ -123,8 +123,12 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
     assert [task.name for task in record.scenario.tasks] == ["a", "b", "c", "extra"]
 
 
-def test_a_plan_is_searched_for_offered_and_taken_over(served: Served) -> None:
-    with Page(served) as page, Page(served) as other:
+def test_a_plan_is_searched_for_offered_and_taken_over(tmp_path: Path) -> None:
+    with (
+        serving(small_mission(), tmp_path, method="plan") as server,
+        Page(server) as page,
+        Page(server) as other,
+    ):
         page.hear("mission")
         for _ in range(2):
             page.ask(do="step")
@@ -163,7 +167,7 @@ def test_an_uncertain_mission_is_forecast_as_a_band(tmp_path: Path) -> None:
     mission = small_mission()
     tasks = tuple(replace(task, lasts=(1, 9)) for task in mission.tasks)
     unsure = replace(mission, tasks=tasks, step_limit=0)
-    with serving(unsure, tmp_path) as server, Page(server) as page:
+    with serving(unsure, tmp_path, method="plan") as server, Page(server) as page:
         told = page.hear("forecast")
         assert told["futures"] == told["done"] == 40
         low, high = told["band"]

@@ -88,7 +88,7 @@ def test_never_slower_than_joining_all_and_never_faster_than_its_bound(seed: int
 def test_never_slower_than_the_shared_plan() -> None:
     rng = np.random.default_rng(3)
     scenarios = [generate(Spec(robots=6, tasks=8, requirements=2), rng) for _ in range(3)]
-    tallies = run_trials(planned, Central(time_limit=0.0))
+    tallies = run_trials(scenarios, Central(time_limit=0.0))
     shared = run_trials(scenarios, SharedPlan())
     for tally, other in zip(tallies, shared, strict=True):
         assert tally.status == "completed"

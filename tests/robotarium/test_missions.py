@@ -39,14 +39,13 @@ def four() -> Scenario:
 
 def fly(
     scenario: Scenario,
-    policy: str,
+    method: str,
     simulator: Simulator = "plant",
     weather: Weather | None = None,
     watch: list[Moment] | None = None,
 ) -> Experiment:
-    player = load_method(policy).policy
     keep = None if watch is None else watch.append
-    return run_experiment(scenario, player, policy, 0, simulator, weather, keep)
+    return run_experiment(scenario, load_method(method), 0, simulator, weather, keep)
 
 
 def test_four_form_one_team_split_and_finish() -> None:
@@ -94,7 +93,7 @@ def test_the_time_limit() -> None:
 def test_two_who_meet_where_only_one_can_pass_do_not_wait_for_each_other() -> None:
     """Between two rings: one is needed beyond them, the other wants out of the way."""
     scenario = random_mission(20, 5, 10, np.random.default_rng(37))
-    done = run_experiment(scenario, load_method("teamformer").policy, "teamformer", 37)
+    done = run_experiment(scenario, load_method("teamformer"), 37)
     assert done.is_good
     assert done.outcome.ticks < 3000  # it takes 2190; before they gave up, 19,050
 
@@ -111,8 +110,7 @@ def test_pictures_of_every_phase(tmp_path: Path) -> None:
     from PIL import Image
 
     film = Film()
-    player = load_method("join-all").policy
-    done = run_experiment(four(), player, "join-all", watch=film.watch)
+    done = run_experiment(four(), load_method("join-all"), watch=film.watch)
     files = film.write(done.scenario, tmp_path)
     assert [file.suffix for file in files] == [".png"] * (len(files) - 1) + [".gif"]
     # Alone, two teams, one team, and after each of three tasks.
@@ -121,12 +119,12 @@ def test_pictures_of_every_phase(tmp_path: Path) -> None:
         assert gif.n_frames == done.outcome.ticks // 15 + 1
 
 
-@pytest.mark.parametrize("policy", ["heuristic", "teamformer"])
-def test_the_folder_to_upload(policy: str, tmp_path: Path) -> None:
-    files = deploy(four(), policy, 0, tmp_path)
+@pytest.mark.parametrize("method", ["heuristic", "teamformer", "crews"])
+def test_the_folder_to_upload(method: str, tmp_path: Path) -> None:
+    files = deploy(four(), method, 0, tmp_path)
     assert files[0].name == "main.py"
     assert all(file.parent == tmp_path and file.suffix in (".py", ".npy") for file in files)
-    assert (tmp_path / "weights.npy").exists() == (policy == "teamformer")
+    assert (tmp_path / "weights.npy").exists() == (method == "teamformer")
     for file in files:
         if file.suffix == ".py":
             text = file.read_text()
@@ -145,7 +143,7 @@ def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
         "np.seterr(over='ignore')\n"
         "from tf_sim_env import TeamFormation; from tf_scenario import SCENARIO\n"
         "from tf_policies_learned_any_fleet import teamformer\n"
-        "env, policy, steps = TeamFormation([SCENARIO]), teamformer_any(), []\n"
+        "env, policy, steps = TeamFormation([SCENARIO]), teamformer(), []\n"
         "policy.begin(None, np.random.default_rng(0))\n"
         "while env.is_running[0]:\n"
         "    env.step(policy.decide(env.view()))\n"

@@ -88,6 +88,19 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     assert page.inner_text("#figures").split("\n")[1] == "4 of 4"
 
 
+@pytest.mark.parametrize("method", ["plan", "crews"])
+def test_the_page_says_the_method_and_only_a_plan_can_be_made_anew(
+    method: str, browser: Any, tmp_path: Path
+) -> None:
+    with serving(small_mission(), tmp_path, method=method) as server:
+        page = browser.new_page()
+        page.goto(f"http://{server.address}/")
+        page.wait_for_selector("#mission h2")
+        assert page.inner_text("#about").startswith(f"Method {method}, seed 0, 3 robots, 3 tasks")
+        assert page.locator("text=Plan anew, 10 s").is_visible() == (method == "plan")
+        page.close()
+
+
 def test_one_looks_back_while_the_mission_goes_on(opened: Opened) -> None:
     step_to(opened, 5)
     opened.page.keyboard.press("Home")

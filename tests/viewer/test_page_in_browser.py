@@ -80,6 +80,11 @@ def test_a_click_on_a_team_says_what_it_waits_for(open_page: Opener, dock: Tree)
     assert "r3 joins r2" in text  # its history
 
 
+def test_the_header_says_the_method(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock)
+    assert opened.page.inner_text("#about").startswith("Method toy, seed 0, ")
+
+
 def test_a_click_on_a_task_says_who_comes(open_page: Opener, dock: Tree) -> None:
     opened = open_page(dock, "#step=10")
     opened.click_map(opened.page.evaluate("window.teamformer.taskBox(2)"))

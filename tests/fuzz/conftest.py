@@ -6,30 +6,27 @@ from pathlib import Path
 
 import hypothesis.internal.conjecture.providers as providers
 import pytest
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, Phase, settings
 from hypothesis.database import DirectoryBasedExampleDatabase
 
 import watching
 
 DATABASE = Path(__file__).parents[2] / "out" / "fuzz" / "examples"
 
-SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.large_base_example]
-settings.register_profile(
-    "everyday", derandomize=True, database=None, deadline=None, suppress_health_check=SLOW
-)
-settings.register_profile(
-    "fuzz",
-    database=DirectoryBasedExampleDatabase(DATABASE),
+COMMON = settings(
     deadline=None,
-    suppress_health_check=SLOW,
-    print_blob=True,
+    phases=[Phase.explicit, Phase.reuse, Phase.generate, Phase.shrink],  # explaining is slow
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
+settings.register_profile("everyday", COMMON, derandomize=True, database=None)
+settings.register_profile("fuzz", COMMON, database=DirectoryBasedExampleDatabase(DATABASE))
 settings.load_profile("everyday")
 
 # Hypothesis tries numbers and words out of our modules, too: out of those that happen to be
 # imported by then. So the everyday examples would depend on which tests ran before.
+NOTHING = providers.Constants()
 assert hasattr(providers, "_get_local_constants")
-providers._get_local_constants = lambda nothing=providers.Constants(): nothing
+providers._get_local_constants = lambda: NOTHING
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -22,6 +22,11 @@ def now_and_then(draw: st.DrawFn, one_in: int = 4) -> bool:
     return draw(NUMBERS) % one_in == one_in - 1
 
 
+def are_more(draw: st.DrawFn, before: Sequence[object], most: int) -> bool:
+    """Say whether a list goes on: it has one entry or more, in the simplest case one."""
+    return not before or (len(before) < most and draw(NUMBERS) % 4 != 0)
+
+
 def some(draw: st.DrawFn, items: Sequence[Item], most: int) -> list[Item]:
     """Return one or more different items, in their order."""
     count, first = 1 + draw(NUMBERS) % min(most, len(items)), draw(NUMBERS)

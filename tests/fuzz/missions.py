@@ -8,7 +8,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from drawing import now_and_then, pick, some
+from drawing import are_more, now_and_then, pick, some
 from methods import FILE_KEYS
 from words import draw_names
 from worlds import Drawn, Place, draw_world
@@ -20,7 +20,8 @@ MOST_ROBOTS, MOST_TASKS, MOST_CAPABILITIES = 5, 5, 4
 
 SPEEDS = (1, 0.5, 0.3, 1.7, 2, 0.8)
 CHANCES = (0.4, 0, 1, 0.1, 0.9)
-RADII = (0, 1, 2.5, 0.3, float("inf"))
+RADII = (0, 1, 2.5, 0.3, ".inf")
+RADII_BY_SIZE = (0, 0.3, 1, 2.5, ".inf")
 GRAINS = (1000, 1000, 1000, 500, 333, 20_250, 1)
 """What robots bring whole multiples of, in thousandths."""
 
@@ -86,7 +87,8 @@ def missions(draw: st.DrawFn, is_sure: bool = False, is_plain: bool = False) -> 
         if now_and_then(draw, 3):
             tree[key] = pick(draw, values)
     if now_and_then(draw, 3):
-        tree["join_radius"] = min(tree.get("sensing_radius", 1), pick(draw, RADII))
+        radii = (tree.get("sensing_radius", 1), pick(draw, RADII))
+        tree["join_radius"] = min(radii, key=RADII_BY_SIZE.index)
     if not is_sure and now_and_then(draw) and _can_more_appear(tree, world):
         tree["arrivals"] = {"rate": pick(draw, (0.1, 0, 1)), "until": pick(draw, (8, 0, 1, 5))}
         if now_and_then(draw, 2):
@@ -125,16 +127,24 @@ def continuous_missions(
 def _draw_fleet(draw: st.DrawFn, world: Drawn, caps: Sequence[str], most: int) -> Fleet:
     fleet = Fleet({cap: pick(draw, GRAINS) if now_and_then(draw) else 1000 for cap in caps})
     homes = [pick(draw, world.places), pick(draw, world.places)]
-    for _ in range(1 + pick(draw, range(most))):
-        at = pick(draw, homes if now_and_then(draw, 2) else (homes[0], pick(draw, world.places)))
-        can = {cap: (1 + now_and_then(draw)) * fleet.grain[cap] for cap in some(draw, caps, 3)}
-        fleet.robots.append({"at": at, "can": _written(draw, can)})
-        if now_and_then(draw, 3):
-            fleet.robots[-1]["speed"] = pick(draw, SPEEDS)
-        have = fleet.brought.setdefault(world.part(at), {})
-        for cap, count in can.items():
-            have[cap] = have.get(cap, 0) + count
+    while are_more(draw, fleet.robots, most):
+        fleet.robots.append(draw(_robots(world, caps, homes, fleet)))
     return fleet
+
+
+@st.composite
+def _robots(
+    draw: st.DrawFn, world: Drawn, caps: Sequence[str], homes: Sequence[Place], fleet: Fleet
+) -> Tree:
+    at = pick(draw, homes if now_and_then(draw, 2) else (homes[0], pick(draw, world.places)))
+    can = {cap: (1 + now_and_then(draw)) * fleet.grain[cap] for cap in some(draw, caps, 3)}
+    robot = {"at": at, "can": _written(draw, can)}
+    if now_and_then(draw, 3):
+        robot["speed"] = pick(draw, SPEEDS)
+    have = fleet.brought.setdefault(world.part(at), {})
+    for cap, count in can.items():
+        have[cap] = have.get(cap, 0) + count
+    return robot
 
 
 def _write_losses(draw: st.DrawFn, robot: Tree) -> None:
@@ -161,17 +171,22 @@ def _write_surprises_of_robot(draw: st.DrawFn, robot: Tree) -> None:
 
 def _draw_tasks(draw: st.DrawFn, world: Drawn, fleet: Fleet, most: int) -> list[Tree]:
     places = [place for place in world.places if world.part(place) in fleet.brought]
-    tasks = []
-    for _ in range(1 + pick(draw, range(most))):
-        at = pick(draw, places)
-        have, needs = fleet.brought[world.part(at)], {}
-        for cap in some(draw, sorted(have), 3):
-            grain = fleet.grain[cap]
-            needs[cap] = grain * (1 + pick(draw, range(min(have[cap] // grain, 3))))
-            if grain != 1000 and now_and_then(draw):
-                needs[cap] -= pick(draw, range(grain))
-        tasks.append({"at": at, "needs": _written(draw, needs)})
+    tasks: list[Tree] = []
+    while are_more(draw, tasks, most):
+        tasks.append(draw(_plain_tasks(world, fleet, places)))
     return tasks
+
+
+@st.composite
+def _plain_tasks(draw: st.DrawFn, world: Drawn, fleet: Fleet, places: Sequence[Place]) -> Tree:
+    at = pick(draw, places)
+    have, needs = fleet.brought[world.part(at)], {}
+    for cap in some(draw, sorted(have), 3):
+        grain = fleet.grain[cap]
+        needs[cap] = grain * (1 + pick(draw, range(min(have[cap] // grain, 3))))
+        if grain != 1000 and now_and_then(draw):
+            needs[cap] -= pick(draw, range(grain))
+    return {"at": at, "needs": _written(draw, needs)}
 
 
 def _write_surprises_of_task(draw: st.DrawFn, world: Drawn, fleet: Fleet, task: Tree) -> None:

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
-import pytest
-
-from methods import METHODS, as_played, play, policy_of
+from methods import METHODS, play
 from missions import SEEDS, missions
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge
 from teamformer.scenarios.files import scenario_from_tree
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.writing import write_replay
-from teamformer.trials.trial import run_trials
 from teamformer.truth import draw_truth
 from watching import fuzzed
 

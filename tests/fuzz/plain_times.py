@@ -138,7 +138,7 @@ def _is_able(scenario: Scenario, crew: Sequence[int], needs: object) -> bool:
 
 
 def _are_apart(scenario: Scenario, crews: Sequence[Sequence[int]]) -> bool:
-    """Say whether tasks whose starts are linked, directly or by others, are done by different robots."""
+    """Say whether tasks whose starts are linked, directly or not, are done by different robots."""
     number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
     group = list(range(len(crews)))
     for _ in crews:

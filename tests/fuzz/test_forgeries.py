@@ -1,0 +1,57 @@
+"""Forged records are found; whatever stands in a record, judging it ends without a traceback."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import strategies as st
+
+from forgeries import FORGERIES, edited_records, forgeries
+from methods import METHODS, play
+from missions import SEEDS, missions
+from teamformer.errors import TeamformerError
+from teamformer.referee import judge
+from teamformer.scenarios.files import scenario_from_tree
+from teamformer.sim.replay.reading import replay_from_tree
+from teamformer.sim.replay.writing import replay_to_tree
+from watching import fuzzed
+
+RUN = "run FILE --policy {method} --seed {seed} --out O; then forge O/replay.json as below"
+
+
+def record_of(mission: Any, method: str, seed: int) -> Any:
+    return replay_to_tree(play(scenario_from_tree(mission), method, seed).replay)
+
+
+def findings_in(record: Any) -> list[str]:
+    """Return what `check` tells of a record, be it that it cannot be read."""
+    try:
+        return [finding.message for finding in judge(replay_from_tree(record, "record")).findings]
+    except TeamformerError as error:
+        return str(error).splitlines()
+
+
+@fuzzed(
+    60,
+    RUN,
+    mission=missions(),
+    method=METHODS,
+    seed=SEEDS,
+    forgery=st.sampled_from(sorted(FORGERIES)),
+    data=st.data(),
+)
+def test_a_forgery_is_found(
+    mission: Any, method: str, seed: int, forgery: str, data: st.DataObject
+) -> None:
+    record = record_of(mission, method, seed)
+    forged = data.draw(forgeries(forgery, record))
+    if forged is not None and forged != record:
+        assert findings_in(forged), f"{forgery} is not found"
+
+
+@fuzzed(60, RUN, mission=missions(), method=METHODS, seed=SEEDS, data=st.data())
+def test_any_record_is_judged_or_refused(
+    mission: Any, method: str, seed: int, data: st.DataObject
+) -> None:
+    findings = findings_in(data.draw(edited_records(record_of(mission, method, seed))))
+    assert all(line.isprintable() for line in findings), findings

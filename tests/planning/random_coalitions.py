@@ -23,6 +23,8 @@ def random_problem(
     needs[np.arange(tasks), rng.integers(caps, size=tasks)] = 1
     starts = 1 if is_plain else 2
     points = rng.integers(0, 100, size=(tasks + starts, 2))
+    if not is_plain:
+        points[-1] = points[0]  # who starts there is where the first task is
     straight = np.rint(np.linalg.norm(points[:, None] - points[None, :tasks], axis=2)).astype(int)
     origin = tasks + rng.integers(starts, size=robots)
     home = np.rint(np.linalg.norm(points[origin][:, None] - points[None], axis=2)).astype(int)
@@ -39,6 +41,7 @@ def random_problem(
         due=None if is_plain else rng.integers(100, 300, size=tasks),
         precedence=() if is_plain else pairs,
         forming=0 if is_plain else 7,
+        site=np.unique(points, axis=0, return_inverse=True)[1].ravel(),
     )
 
 
@@ -53,7 +56,7 @@ def plain_times(
     for task in plan.order.tolist():
         coalition = plan.coalition[task, : plan.size[task]].tolist()
         there = max(free[r] + int(problem.ways[problem.pace[r], place[r], task]) for r in coalition)
-        if len({place[r] for r in coalition}) > 1:
+        if len({int(problem.site[place[r]]) for r in coalition}) > 1:
             there += int(problem.forming[0])
         ends = [start[o] + int(problem.duration[o]) for o in problem.before[task] if o != NOBODY]
         start[task] = max([there, int(problem.release[task]), *ends])

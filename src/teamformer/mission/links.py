@@ -18,7 +18,7 @@ by how much tasks are late, added up, and by how much the latest one is."""
 
 LARGEST_WEIGHT = 1e6
 SMALLEST_WEIGHT = 1e-3
-"""Of the weights of a cost; planning counts them in whole numbers."""
+"""Of the weights of a cost: they are told apart however far apart they are."""
 
 
 def is_linked(scenario: Scenario) -> bool:

@@ -61,7 +61,9 @@ def plain_cost(problem: LinkedProblem, plan: CoalitionPlan) -> tuple[int, dict[i
             ways = [int(base.ways[base.pace[r], place[r], task]) for r in crew]
             there = max(free[r] + way for r, way in zip(crew, ways, strict=True))
             travel += sum(ways)
-            there += int(base.forming[0]) if len({place[r] for r in crew}) > 1 else 0
+            there += (
+                int(base.forming[0]) if len({int(base.site[place[r]]) for r in crew}) > 1 else 0
+            )
             before = [b for b in base.before[task].tolist() if b >= 0]
             ends = [start[b] + int(base.duration[b]) for b in before]
             ready[task] = max([there, int(base.release[task]), *ends])

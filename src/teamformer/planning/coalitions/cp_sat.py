@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem, Ticks
 from teamformer.planning.coalitions.search.schedule import CoalitionPlan, empty_plan
 from teamformer.planning.relaxation.cp_sat import make_solver
 
@@ -132,13 +132,25 @@ class _Circuits:
                 self.model.add_hint(does[task], robot in coalition[: plan.size[task]])
 
     def plan_of(self, solver: cp_model.CpSolver) -> CoalitionPlan:
-        """Return what the solver found as a plan; tasks in the order in which they start."""
+        """Return what the solver found as a plan; tasks in the order in which they start.
+
+        Those that take no time may do so at one moment: then what comes before others is first.
+        """
         plan = empty_plan(self.problem)
         starts = np.array([solver.value(start) for start in self.start])
         ends = starts + self.problem.duration
-        plan.order[:] = np.lexsort((ends, starts))
+        plan.order[:] = np.lexsort((_depths(self.problem), ends, starts))
         for task in range(len(starts)):
             coalition = [r for r, does in enumerate(self.does) if solver.value(does[task])]
             plan.size[task] = len(coalition)
             plan.coalition[task, : len(coalition)] = coalition
         return plan
+
+
+def _depths(problem: CoalitionProblem) -> Ticks:
+    """Return how many tasks stand in the longest chain of those before each, as (tasks,)."""
+    depth = np.zeros(len(problem.needs), np.int64)
+    for _ in depth:
+        for task, before in enumerate(problem.before):
+            depth[task] = max((depth[other] + 1 for other in before if other != NOBODY), default=0)
+    return depth

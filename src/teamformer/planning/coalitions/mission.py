@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,9 +38,6 @@ Times = npt.NDArray[np.float64]
 MOST_TICKS = 2 * 10**9
 """About how many ticks everything takes at most, one task after the other."""
 
-FINEST = 1000
-"""The largest weight of a cost, in whole numbers."""
-
 NO_WAY = 1000
 """Where no way is, it takes this many times longer than everything."""
 
@@ -73,17 +71,17 @@ class ContinuousMission:
             curve=tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve),
         )
 
-    def _weighed(self, curve: tuple[tuple[float, int], ...]) -> tuple[tuple[float, float], ...]:
+    def _weighed(self, curve: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         """Return the curve of a linked problem in units; without a cost it is none of times."""
-        assert isinstance(self.problem, LinkedProblem)
         if self.scenario.cost is None:
             return ()
-        weight = float(self.problem.weight.sum()) * self.scale
-        return tuple((seconds, cost / weight) for seconds, cost in curve)
+        return tuple((seconds, cost / self.scale) for seconds, cost in curve)
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules."""
-        clock = Clock(self.scenario, self.ways, self.pace, self.origin)
+        problem = self.problem
+        base = problem.base if isinstance(problem, LinkedProblem) else problem
+        clock = Clock(self.scenario, self.ways, self.pace, self.origin, base.site)
         return time_mission(self.scenario, clock, self.home, plan)
 
 
@@ -113,6 +111,7 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
             (number_of[name], number) for number, task in enumerate(tasks) for name in task.after
         ],
         forming=round(scenario.forming * scale),
+        site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
     )
     linked = _link(scenario, problem, scale) if is_linked(scenario) else problem
     return ContinuousMission(scenario, ways, home, origin, pace, scale, linked)
@@ -137,18 +136,22 @@ def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> Linked
             "tardiness": TARDINESS,
             "max_tardiness": MAX_TARDINESS,
         }
-        largest = max(scenario.cost.values())
+        total = sum(scenario.cost.values())
         for name, value in scenario.cost.items():
-            weight[parts[name]] = round(FINEST * value / largest)
+            weight[parts[name]] = value / total
     return link_problem(problem, links, weight)
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
-    """Refuse a plan that goes where no way leads: robots that are apart have to meet."""
-    if plan.makespan * mission.scale > NO_WAY * MOST_TICKS / 20:
+    """Refuse a plan in which somebody goes where no way leads.
+
+    That each task has robots who can get there was seen to before; but tasks that are linked may
+    need the same ones.
+    """
+    if math.isinf(plan.makespan):
         raise TeamformerError(
-            f"{mission.scenario.name}: some task needs robots that no way leads together",
-            "open the map, or move robots or tasks",
+            f"{mission.scenario.name}: no plan was found in which all can get to their tasks",
+            "open the map, move robots or tasks, or drop a link between tasks",
         )
 
 

@@ -30,6 +30,7 @@ class CoalitionProblem(NamedTuple):
 
     ways: Ticks  # (paces, places, tasks) ticks from a place to a task
     home: Ticks  # (kinds, places) ticks from a place home; 0 where robots may stay
+    site: Whole  # (places,) the same number for places that lie at the same position
     pace: Whole  # (robots,) row of `ways`
     kind: Whole  # (robots,) row of `home`; robots of a kind differ in nothing but their start
     like: Whole  # (kinds, robots) the robots of each kind, then NOBODY
@@ -42,7 +43,7 @@ class CoalitionProblem(NamedTuple):
     due: Ticks  # (tasks,) tasks that end later are late; NEVER
     before: Whole  # (tasks, most) the tasks that must have ended before each, then NOBODY
     after: Whole  # (tasks, most) the tasks that each must have ended before, then NOBODY
-    forming: Ticks  # (1,) what a coalition takes whose robots do not all come from one place
+    forming: Ticks  # (1,) what a coalition takes whose robots do not all come from one site
 
 
 def pose_problem(
@@ -57,10 +58,12 @@ def pose_problem(
     due: npt.ArrayLike | None = None,
     precedence: Sequence[tuple[int, int]] = (),
     forming: int = 0,
+    site: npt.ArrayLike | None = None,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
-    `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle.
+    `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
+    `site` no two places lie at the same position.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
@@ -71,6 +74,9 @@ def pose_problem(
     return CoalitionProblem(
         ways=np.ascontiguousarray(ways),
         home=np.ascontiguousarray(home[np.sort(first)]),
+        site=np.arange(ways.shape[1], dtype=np.int32)
+        if site is None
+        else np.asarray(site, np.int32),
         pace=pace,
         kind=kind.astype(np.int32),
         like=_listed([np.flatnonzero(kind == which) for which in range(len(first))]),

@@ -12,7 +12,7 @@ from teamformer.planning.coalitions.bounds.makespan import improving_bounds
 from teamformer.planning.coalitions.linked.problem import LinkedProblem, link_problem
 from teamformer.planning.coalitions.linked.search import LinkedSearch, anneal_linked
 from teamformer.planning.coalitions.linked.solve import LinkedSolution, plan_linked, solve_linked
-from teamformer.planning.coalitions.mission import ContinuousMission
+from teamformer.planning.coalitions.mission import ContinuousMission, refuse_no_way
 from teamformer.planning.coalitions.problem import CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.reactive import react
 from teamformer.planning.coalitions.routes import MissionPlan
@@ -55,7 +55,11 @@ def plan_continuous(mission: ContinuousMission, policy: str, seconds: float) -> 
             f"--policy {policy} knows no starts that are linked and no cost but the makespan",
             f"use {', '.join(LINKED_PLANNERS)}",
         )
-    return None if solution is None else mission.tell(solution)
+    if solution is None:
+        return None
+    plan = mission.tell(solution)
+    refuse_no_way(mission, plan)
+    return plan
 
 
 def is_compiled(is_linked: bool = False) -> bool:

@@ -18,7 +18,10 @@ Times = npt.NDArray[np.float64]
 
 
 class Clock:
-    """Robots on their ways from task to task; `ways` is (paces, places, tasks)."""
+    """Robots on their ways from task to task.
+
+    `ways` is (paces, places, tasks); `site` (places,) is the same for places at one position.
+    """
 
     def __init__(
         self,
@@ -26,8 +29,9 @@ class Clock:
         ways: Times,
         pace: npt.NDArray[np.int64],
         origin: npt.NDArray[np.int64],
+        site: npt.NDArray[np.int32],
     ) -> None:
-        self._scenario, self._ways, self._pace = scenario, ways, pace
+        self._scenario, self._ways, self._pace, self._site = scenario, ways, pace, site
         self._number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
         self.at, self.free = origin.copy(), np.zeros(len(origin))
         self.start: dict[int, float] = {}
@@ -52,7 +56,7 @@ class Clock:
         ways = self._ways[self._pace[coalition], at, task]
         arrive: Times = self.free[coalition] + ways
         start = max(release_of(self._scenario, task), *arrive.tolist())
-        if len(set(at.tolist())) > 1:
+        if len(set(self._site[at].tolist())) > 1:
             start = max(start, float(arrive.max()) + self._scenario.forming)
         ends = (self.end[self._number_of[name]] for name in wanted.after)
         self.start[task] = max([start, *ends])

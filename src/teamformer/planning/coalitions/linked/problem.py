@@ -14,6 +14,8 @@ import numpy.typing as npt
 
 from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
 
+Floats = npt.NDArray[np.float64]
+
 FREE = -NEVER
 """A gap that says nothing."""
 
@@ -40,7 +42,7 @@ class LinkedProblem(NamedTuple):
     group: Whole  # (tasks,) the group of each
     members: Whole  # (groups, most) the tasks of each group, then NOBODY
     gap: Ticks  # (tasks, tasks) [i, j]: j starts no sooner than so many ticks after i, or FREE
-    weight: Ticks  # (PARTS,)
+    weight: Floats  # (PARTS,)
 
 
 def link_problem(
@@ -60,4 +62,4 @@ def link_problem(
     group = np.zeros(tasks, np.int32)
     for number, found in enumerate(groups):
         members[number, : len(found)], group[found] = found, number
-    return LinkedProblem(base, group, members, gap, np.asarray(weight, np.int64))
+    return LinkedProblem(base, group, members, gap, np.asarray(weight, np.float64))

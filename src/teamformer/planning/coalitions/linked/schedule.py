@@ -19,6 +19,7 @@ from teamformer.planning.coalitions.linked.problem import (
     PARTS,
     TARDINESS,
     TRAVEL,
+    Floats,
     LinkedProblem,
 )
 from teamformer.planning.coalitions.problem import NOBODY, Ticks, Whole
@@ -37,7 +38,7 @@ class LinkedSchedule(NamedTuple):
     end: Ticks  # (places,) 0 for the places where robots start
     way: Ticks  # (tasks,) what all robots of its coalition together take to get there
     part: Ticks  # (PARTS,) what the plan is judged by
-    cost: Ticks  # (1,)
+    cost: Floats  # (1,)
 
 
 def empty_linked_schedule(problem: LinkedProblem) -> LinkedSchedule:
@@ -56,7 +57,7 @@ def empty_linked_schedule(problem: LinkedProblem) -> LinkedSchedule:
         end=np.zeros(problem.base.ways.shape[1], np.int64),
         way=np.zeros(tasks, np.int64),
         part=np.zeros(PARTS, np.int64),
-        cost=np.zeros(1, np.int64),
+        cost=np.zeros(1),
     )
 
 
@@ -94,7 +95,8 @@ def time_group(problem: LinkedProblem, schedule: LinkedSchedule, position: int) 
             place = last[position, robot]
             takes = base.ways[base.pace[robot], place, task]
             there, way = max(there, end[place] + takes), way + takes
-            comes_apart |= place != last[position, schedule.coalition[task, 0]]
+            first = last[position, schedule.coalition[task, 0]]
+            comes_apart |= base.site[place] != base.site[first]
             last[position + 1, robot] = task
         schedule.start[task] = max(start, there + base.forming[0] * comes_apart)
         schedule.way[task] = way
@@ -145,7 +147,7 @@ def _sum_up(problem: LinkedProblem, schedule: LinkedSchedule) -> None:
         part[TRAVEL] += schedule.way[task]
         part[TARDINESS] += late
         part[MAX_TARDINESS] = max(part[MAX_TARDINESS], late)
-    schedule.cost[0] = 0
+    schedule.cost[0] = 0.0
     for number in range(len(part)):
         schedule.cost[0] += problem.weight[number] * part[number]
 

@@ -1,4 +1,8 @@
-"""The search for plans of linked tasks: annealing, in whole numbers as for all other plans."""
+"""The search for plans of linked tasks: annealing.
+
+Times are whole numbers. What they cost is a sum in floating point, always in the same order, so
+that a plan is the same on every machine all the same.
+"""
 
 from __future__ import annotations
 
@@ -55,19 +59,20 @@ class LinkedSearch:
         self.begin_at_best()
 
     @property
-    def leg(self) -> int:
+    def leg(self) -> float:
         """Return what a robot's visit to a task costs on average."""
-        return max(1, int(self._now.cost[0]) // int(self._now.size.sum()))
+        return float(self._now.cost[0]) / int(self._now.size.sum())
 
-    def anneal(self, hot: int, cold: int, begin: int, end: int, rounds: int) -> None:
+    def anneal(self, hot: float, cold: float, begin: int, end: int, rounds: int) -> None:
         """Make the rounds from `begin` to `end` of so many, from `hot` to `cold`."""
         parts = (self._now, self._next, self._best, self._desk)
-        anneal_linked(self.problem, *parts, SLACKS, hot, cold, begin, end, rounds)
+        warmth = (float(hot), float(cold))  # of one type: it is compiled for each
+        anneal_linked(self.problem, *parts, SLACKS, *warmth, begin, end, rounds)
 
     @property
-    def cost(self) -> int:
+    def cost(self) -> float:
         """Return what the best plan costs."""
-        return int(self._best.cost[0])
+        return float(self._best.cost[0])
 
     @property
     def best(self) -> LinkedSchedule:
@@ -91,8 +96,8 @@ def anneal_linked(
     best: LinkedSchedule,
     desk: Desk,
     slacks: Array,
-    hot: int,
-    cold: int,
+    hot: float,
+    cold: float,
     begin: int,
     end: int,
     rounds: int,
@@ -104,10 +109,10 @@ def anneal_linked(
     """
     is_new = now.cost[0] == UNTIMED
     for turn in range(begin - is_new, end):
-        first, slack = 0, 0
+        first, slack = 0, 0.0
         if not is_new:
-            temperature = hot + (cold - hot) * turn // rounds
-            slack = temperature * slacks[draw_below(desk.random, len(slacks))] // STEPS
+            temperature = hot + (cold - hot) * turn / rounds
+            slack = temperature * slacks[draw_below(desk.random, len(slacks))] / STEPS
             first = change(problem, then, desk)
         if first != NO_CHANGE:
             time_linked(problem, then, first)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from teamformer.planning.coalitions.linked.problem import LinkedProblem
 from teamformer.planning.coalitions.linked.schedule import LinkedSchedule, plan_of
@@ -30,6 +31,9 @@ HOT, REHEATED, COLD = 2, 6, 200
 ROUNDS_AT_ONCE = 1000
 """Between two looks at the clock; some hundredths of a second."""
 
+SHARED_SECONDS = 5.0
+"""What the shared plan may take at the least where the best one in a given time is searched for."""
+
 Stop = Callable[[], bool]
 
 
@@ -38,8 +42,8 @@ class LinkedSolution:
     """A plan and what it costs, as the problem weighs; `curve` holds (seconds, cost)."""
 
     plan: CoalitionPlan
-    cost: int
-    curve: tuple[tuple[float, int], ...] = ()
+    cost: float
+    curve: tuple[tuple[float, float], ...] = ()
 
 
 def plan_linked(problem: LinkedProblem, seed: int = 0) -> LinkedSolution | None:
@@ -47,69 +51,91 @@ def plan_linked(problem: LinkedProblem, seed: int = 0) -> LinkedSolution | None:
 
     None if no coalitions were found: linked tasks are done by different robots.
     """
-    search, found = LinkedSearch(problem, seed), []
-    for _ in range(SHARED_STARTS):
-        if not _anneal_and_reheat(search, SHARED_ROUNDS, lambda: False):
-            return None
-        found.append(search.best)
-    best = min(found, key=lambda schedule: int(schedule.cost[0]))
-    return LinkedSolution(plan_of(problem, best), int(best.cost[0]))
+    best = _Best(time.perf_counter())
+    _share(LinkedSearch(problem, seed), best, math.inf)
+    found = best.solution(problem)
+    return found and replace(found, curve=())
 
 
 def solve_linked(
     problem: LinkedProblem, time_limit: float, seed: int = 0, workers: int = 2
 ) -> LinkedSolution | None:
-    """Return the best plan found in so many seconds; None if no coalitions were found."""
-    best = _Best(time.perf_counter(), time_limit)
-    searches = [LinkedSearch(problem, seed + worker) for worker in range(workers)]
+    """Return the best plan found in so many seconds; None if no coalitions were found.
+
+    The first thread begins with the shared plan, so that none is worse: where there is next to no
+    time, that has a second.
+    """
+    best, first = _Best(time.perf_counter()), LinkedSearch(problem, seed)
+
+    def share_and_search() -> None:
+        _share(first, best, max(SHARED_SECONDS, time_limit))
+        _search(first, best, time_limit)
+
+    others = [LinkedSearch(problem, seed + worker) for worker in range(1, workers)]
     with ThreadPoolExecutor(workers) as pool:
-        running = [pool.submit(_search, search, best) for search in searches]
+        running = [pool.submit(share_and_search)]
+        running += [pool.submit(_search, other, best, time_limit) for other in others]
         try:
             for job in running:
                 job.result()
         finally:
             best.stop()
-    if best.schedule is None:
-        return None
-    return LinkedSolution(
-        plan_of(problem, best.schedule), int(best.schedule.cost[0]), tuple(best.curve)
-    )
+    return best.solution(problem)
 
 
 class _Best:
     """The best plan that any thread has found so far, and when each better one was found."""
 
-    def __init__(self, begun: float, time_limit: float) -> None:
+    def __init__(self, begun: float) -> None:
         self.schedule: LinkedSchedule | None = None
-        self.curve: list[tuple[float, int]] = []
-        self._begun, self._deadline = begun, begun + time_limit
+        self._curve: list[tuple[float, float]] = []
+        self._begun = begun
         self._lock = threading.Lock()
         self._is_stopped = False
 
     def offer(self, search: LinkedSearch) -> None:
         """Take what a search has found if it is better."""
         with self._lock:
-            if not self.curve or search.cost < self.curve[-1][1]:
+            if not self._curve or search.cost < self._curve[-1][1]:
                 self.schedule = search.best
-                self.curve.append((time.perf_counter() - self._begun, search.cost))
+                self._curve.append((time.perf_counter() - self._begun, search.cost))
 
     def stop(self) -> None:
         """Let all searches come to their end."""
         self._is_stopped = True
 
-    def is_over(self) -> bool:
-        """Say whether searches are to end."""
-        return self._is_stopped or time.perf_counter() > self._deadline
+    def is_over(self, seconds: float) -> bool:
+        """Say whether a search that has so many seconds is to end."""
+        return self._is_stopped or time.perf_counter() - self._begun > seconds
+
+    def solution(self, problem: LinkedProblem) -> LinkedSolution | None:
+        """Return the best plan, if there is one."""
+        if self.schedule is None:
+            return None
+        plan = plan_of(problem, self.schedule)
+        return LinkedSolution(plan, float(self.schedule.cost[0]), tuple(self._curve))
 
 
-def _search(search: LinkedSearch, best: _Best) -> None:
+def _share(search: LinkedSearch, best: _Best, seconds: float) -> None:
+    """Find the shared plan, from a few fresh starts, or as much of it as there is time for."""
+
+    def look() -> bool:
+        best.offer(search)
+        return best.is_over(seconds)
+
+    for _ in range(SHARED_STARTS):
+        if best.is_over(seconds) or not _anneal_and_reheat(search, SHARED_ROUNDS, look):
+            return
+
+
+def _search(search: LinkedSearch, best: _Best, seconds: float) -> None:
     """Anneal again and again, each time from a fresh start, until it is over."""
 
     def look() -> bool:
         best.offer(search)
-        return best.is_over()
+        return best.is_over(seconds)
 
-    while not best.is_over() or best.schedule is None:
+    while not best.is_over(seconds) or best.schedule is None:
         if not _anneal_and_reheat(search, CENTRAL_ROUNDS, look):
             return
 
@@ -130,6 +156,6 @@ def _anneal(search: LinkedSearch, hot: int, rounds: int, is_over: Stop) -> None:
     leg = search.leg
     for made in range(0, rounds, ROUNDS_AT_ONCE):
         end = min(rounds, made + ROUNDS_AT_ONCE)
-        search.anneal(leg // hot, leg // COLD, made, end, rounds)
+        search.anneal(leg / hot, leg / COLD, made, end, rounds)
         if is_over():
             return

@@ -112,7 +112,8 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
         robot = schedule.plan.coalition[task, seat]
         place = last[position, robot]
         there = max(there, end[place] + problem.ways[problem.pace[robot], place, task])
-        comes_apart |= place != last[position, schedule.plan.coalition[task, 0]]
+        first = last[position, schedule.plan.coalition[task, 0]]
+        comes_apart |= problem.site[place] != problem.site[first]
         last[position + 1, robot] = task
     start = max(start, there + problem.forming[0] * comes_apart)
     schedule.rank[task] = position

@@ -120,7 +120,7 @@ def _serve(
         robot = coalition[seat]
         way = problem.ways[problem.pace[robot], desk.place[robot], task]
         there = max(there, desk.free[robot] + way)
-        comes_apart |= desk.place[robot] != desk.place[coalition[0]]
+        comes_apart |= problem.site[desk.place[robot]] != problem.site[desk.place[coalition[0]]]
     start = max(start, there + problem.forming[0] * comes_apart)
     end = start + problem.duration[task]
     for seat in range(size):

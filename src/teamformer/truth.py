@@ -73,11 +73,14 @@ def _true_task(task: Task, world: World, rng: np.random.Generator) -> Task:
 
 
 def draw_absences(
-    breaks: Breakdown, step_limit: int, rng: np.random.Generator
+    breaks: Breakdown, step_limit: int, rng: np.random.Generator, sound_from: int = 0
 ) -> tuple[Absence, ...]:
-    """Return when a robot breaks down and is back, as long as a trial may last."""
+    """Return when a robot that is sound from a step on breaks down and is back.
+
+    As long as a trial may last.
+    """
     absences: list[Absence] = []
-    sound_from, back = 0, None
+    back = None
     while breaks.rate > 0 and len(absences) < MOST_BREAKDOWNS:
         lost = sound_from + int(rng.geometric(breaks.rate))
         if lost > step_limit:

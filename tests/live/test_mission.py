@@ -314,6 +314,18 @@ def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
         assert all(two.lost > (one.back or 0) for one, two in pairwise(drawn))
 
 
+def test_in_futures_nobody_breaks_down_after_the_trial() -> None:
+    """A robot that is repaired for a billion steps is sound again when no step is left."""
+    lame = replace(robot("a", 0), breaks=Breakdown(1.0, (10**9, 10**9)))
+    scenario = make([lame, robot("a", 0)], [task("a", 15)], step_limit=10**9)
+    run = Mission(scenario, lambda: load_policy("join-fitting", POLICIES), "join-fitting", seed=3)
+    for _ in range(3):
+        run.step()
+    for seed in range(3):
+        drawn = possible_truth(scenario, run.past().env, seed).robots[0].absences
+        assert drawn == (Absence(1, 10**9 + 1),)
+
+
 def test_nobody_foresees_when_a_robot_stands_still() -> None:
     slow = replace(robot("a", 0), delays=Delays(0.5))
     scenario = make([slow], [task("a", 15)], allocation="plan")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -61,13 +62,25 @@ CASES = [
     ("can: [lift]}", "can: [lift], count: 0}", 6, "count of robot 1 is 0; write 1 or more"),
     ("can: [lift]}", "can: [lift], count: 2}\n  - {name: a-1, at: [0, 0], can: [lift]}", 7,
      "the name 'a-1' is used twice; rename one"),
+    # one of a few words
+    ("sensing_radius: 1", f"allocation: {'a' * 201}", 10,
+     f"allocation '{'a' * 40}...' is unknown; use paper or nearest or crews or plan"),
+    ("sensing_radius: 1", "allocation: ''", 10, "allocation '' is unknown; use paper or nearest"),
+    ("sensing_radius: 1", "order: 3", 10, "order '3' is unknown; use tsp or schedule"),
+    ("sensing_radius: 1", "time: no", 10, "time 'no' is unknown; use steps or continuous"),
+    ("sensing_radius: 1", "foresight: [absent]", 10, "foresight 'a list' is unknown; use needed"),
+    ("sensing_radius: 1", "ends: 3", 10, "ends '3' is unknown; use home or a place as [x, y]"),
     # what is not known beforehand
     (NEEDS, f"{NEEDS}, duration: [9, 2]", 9,
      "takes 9 to 2 steps, which ends before it begins; turn"),
     (NEEDS, f"{NEEDS}, duration: [-1, 2]", 9,
      "task 'x' takes -1 to 2 steps; use 0 to 1,000,000,000"),
     (NEEDS, f"{NEEDS}, duration: [1]", 9,
-     "duration of task 1 is a list; write steps, or [least, most]"),
+     "duration of task 1 lacks one number; write steps, or [least, most]"),
+    (NEEDS, f"{NEEDS}, between: [1, 2, 3]", 9,
+     "between of task 1 has 3 numbers instead of two; write it as [begin, end]"),
+    ("speed: 0.5", "breaks: {rate: 0.1, repair: [4]}", 7,
+     "repair of breaks of robot 2 lacks one number; write it as [least, most]"),
     (NEEDS, f"{NEEDS}, duration: [1, 2.5]", 9,
      "entry 2 of duration of task 1 is 2.5; write a whole"),
     (NEEDS, "needs: [lift], may_need: {scan: 1.5}", 9,
@@ -107,6 +120,10 @@ CASES = [
      "in 5 to 4 steps, which ends before it"),
     ("speed: 0.5", "breaks: {rate: 0.1}, lost: 3", 7,
      "is lost at a step and breaks at a rate; keep one"),
+    ("speed: 0.5", "lost: 1000000001", 7,
+     "lost of robot 2 is 1000000001; write a number up to 1,000,000,000"),
+    ("speed: 0.5", "lost: 9, back: 2000000001", 7,
+     "back of robot 2 is 2000000001; write a number up to 2,000,000,000"),
     ("sensing_radius: 1", "foresight: some", 10,
      "foresight 'some' is unknown; use needed or absent or scouting"),
     # unknown, repeated, missing and misplaced keys
@@ -133,12 +150,15 @@ CASES = [
     ("name: a", "name: ~", 6, "name of robot 1 is nothing; write a name"),
     ("name: a", "name: ''", 6, "name of robot 1 is empty"),
     ("name: a", 'name: "a\\nb"', 6, "cannot be printed"),
-    ("name: a", f"name: {'a' * 201}", 6, "use 200 letters"),
+    ("name: a", f"name: {'a' * 201}", 6, "use 200 letters at most"),
     ("can: [scan]", "can: {no: 1}", 7, "YAML reads no as true or false"),
     ("[lift, scan]\nrobots", "[lift, off]\nrobots", 4, "YAML reads off as true or false"),
     # wrong types and numbers
     ("at: [0, 0]", "at: [0.5, 0]", 6, "entry 1 of at of robot 1 is 0.5; write a whole number"),
-    ("at: [0, 0]", "at: [0]", 6, "write a cell as [x, y]"),
+    ("at: [0, 0]", "at: [0]", 6, "at of robot 1 lacks one number; write a cell as [x, y]"),
+    ("at: [0, 0]", "at: []", 6, "at of robot 1 lacks both numbers; write a cell as [x, y]"),
+    ("at: [0, 0]", "at: [0, 0, 0]", 6, "at of robot 1 has 3 numbers instead of two; write a cell"),
+    ("sensing_radius: 1", "ends: [0]", 10, "ends lacks one number; write a cell as [x, y]"),
     ("at: [0, 0]", "at: 3", 6, "at of robot 1 is 3; write a cell as [x, y]"),
     ("at: [0, 0]", "at: [0, 99999999999]", 6, "write a number up to 1,000,000,000"),
     ("can: [scan]", "can: {scan: 1.0005}", 7, "scan of can of robot 2 is 1.0005; round it to 3"),
@@ -289,6 +309,25 @@ def test_a_newer_format_is_the_only_complaint(tmp_path: Path) -> None:
     assert problems_of(tmp_path, text) == [
         "case.yaml:1: this is format 9, and this teamformer knows up to 1; install a newer one"
     ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"good",', '"good"', "case.json:4: this is not JSON: "),
+        ('"good",', '"good"', "; check quotes, brackets and commas here and above"),
+        ('"good"', "true", "case.json:3: JSON reads true as true or false; put it in quotes"),
+        ("0.5", "true", "speed of robot 2 is true (for JSON true or false); write a number"),
+        ('"lift"', "7", "case.json:11: JSON reads 7 as a number; put it in quotes"),
+    ],
+)
+def test_a_mistake_in_json_is_not_told_as_one_of_yaml(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    text = json.dumps(yaml.safe_load(GOOD), indent=1)
+    found = problems_of(tmp_path, text.replace(old, new, 1), "case.json")
+    assert any(message in told for told in found), found
+    assert "YAML" not in "".join(found)
 
 
 def test_problems_beyond_fifty_are_counted(tmp_path: Path) -> None:

@@ -99,6 +99,14 @@ def test_what_waits_for_it_does_not_end_the_trial(allocation: str) -> None:
     assert trial.replay.steps[4].back == (1,)
 
 
+def test_who_is_due_back_after_all_steps_ends_no_trial() -> None:
+    """In a later step than the worlds' arrays can say."""
+    world = make([away("a", 0, 1, 2 * 10**9)], [task("a", 9)], step_limit=4)
+    trial = trial_of(world, "join-fitting")
+    assert (trial.replay.end.status, trial.replay.end.steps) == ("step limit", 4)
+    assert judge(trial.replay).findings == ()
+
+
 def test_without_anybody_left_time_goes_on_until_somebody_is_back() -> None:
     world = make([away("a", 0, 2, 6)], [task("a", 4)])
     for listing in POLICIES:

@@ -14,6 +14,8 @@ from random_worlds import random_decision, random_world
 from teamformer.grid import Place
 from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
+from teamformer.policies.central.plan_player import PlanPlayer
+from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 
@@ -189,6 +191,36 @@ def test_views_tell_the_lengths_that_matter() -> None:
     assert view.place.tolist() == [[1.0, 2.0]]
     lengths = [float(column[0]) for column in (view.unit, view.arrival_radius, view.pace)]
     assert lengths == pytest.approx([0.25, 0.1, 0.4])
+
+
+def two_sides_of_a_wide_place() -> Scenario:
+    """a . . T . . b on a plane, three metres each side of a task that is a metre wide all around.
+
+    After five steps of 0.4 m both are there, two metres apart; who joins has to be within one.
+    """
+    wide = Plane(10.0, 10.0, arrival_radius=1.0)
+    task = ((5.0, 5.0), {"a": 1, "b": 1})
+    return replace(field([(2.0, 5.0), (8.0, 5.0)], [task], wide, speed=0.4), allocation="plan")
+
+
+def test_the_shared_plan_has_nobody_join_who_is_out_of_reach() -> None:
+    env, policy = TeamFormation([two_sides_of_a_wide_place()]), FollowPlan()
+    while env.is_running[0]:
+        env.step(policy.decide(env.view()))
+    tally = env.tally()
+    assert (tally.status, tally.steps, tally.joins) == ("completed", 8, 1)  # near after seven
+    assert tally.illegal_decisions == 0
+
+
+def test_a_plan_that_is_played_has_nobody_join_who_is_out_of_reach() -> None:
+    scenario = two_sides_of_a_wide_place()
+    env, player = TeamFormation([scenario]), PlanPlayer(scenario, [[0], [0]])
+    while env.is_running[0]:
+        env.view()
+        env.step(player.decide_in(env))
+    tally = env.tally()
+    assert (tally.status, tally.steps, tally.joins) == ("completed", 8, 1)
+    assert tally.illegal_decisions == 0
 
 
 def test_a_batch_may_mix_planes_and_grids() -> None:

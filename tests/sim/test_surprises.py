@@ -28,6 +28,7 @@ from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.replay.reading import read_replay, replay_from_tree
 from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.task_times import lateness
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.sim.view import View
 from teamformer.trials.registry import load_policy
@@ -257,6 +258,37 @@ def test_who_is_told_everything_plays_the_truth() -> None:
     trial = run_trial(scenario, load_policy("central", POLICIES), "central", seed=3)
     assert trial.replay.scenario == draw_truth(scenario, 3)
     assert trial.replay.truth is None
+
+
+def test_what_takes_longer_than_its_window_is_late(tmp_path: Path) -> None:
+    """a T   where T takes none to five steps and is to be done by step 4, with one step to it.
+
+    Three steps are expected, for which there is time; a truth of five is as good as any other.
+    """
+    scenario = make([robot("a", 0)], [replace(task("a", 1), lasts=(0, 5), between=(0, 4))])
+    drawn = set()
+    for seed in range(30):
+        replay = run_trial(scenario, load_policy("join-all", POLICIES), "join-all", seed).replay
+        duration = int(replay.mission.tasks[0].duration)
+        drawn.add(duration)
+        assert replay.end.makespan == 1 + duration
+        late = {"t0": 1 + duration - 4} if duration > 3 else {}
+        assert lateness(replay) == late
+        write_replay(replay, tmp_path / "replay.json")
+        verdict = judge(read_replay(tmp_path / "replay.json"))
+        assert (verdict.findings, verdict.late) == ((), late)
+    assert drawn == set(range(6))
+
+
+def test_a_repair_may_end_long_after_the_trial(tmp_path: Path) -> None:
+    """Lost in step 1 for a billion steps, so back in one that no file may name."""
+    lame = replace(robot("a", 0), breaks=Breakdown(1.0, (10**9, 10**9)))
+    scenario = make([lame], [task("a", 9)], step_limit=5)
+    replay = run_trial(scenario, load_policy("join-all", POLICIES), "join-all", 0).replay
+    assert replay.mission.robots[0].absences == (Absence(1, 10**9 + 1),)
+    assert (replay.end.status, replay.end.steps) == ("step limit", 5)  # it is due back
+    write_replay(replay, tmp_path / "replay.json")
+    assert judge(read_replay(tmp_path / "replay.json")).findings == ()
 
 
 def test_the_truth_of_a_thing_is_drawn_from_seed_and_number() -> None:

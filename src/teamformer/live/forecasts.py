@@ -212,9 +212,5 @@ def _possible_robot(
         lasted = int(rng.integers(least, robot.breaks.repair[1], endpoint=True))
         sound_from = been[-1].lost + lasted
         been[-1] = Absence(been[-1].lost, sound_from)
-    later = draw_absences(robot.breaks, scenario.step_limit, rng)
-    shifted = (
-        Absence(away.lost + sound_from, None if away.back is None else away.back + sound_from)
-        for away in later
-    )
-    return replace(real, absences=(*been, *shifted))
+    later = draw_absences(robot.breaks, scenario.step_limit, rng, sound_from)
+    return replace(real, absences=(*been, *later))

@@ -34,6 +34,9 @@ LARGEST_COUNT = 16_000_000
 LARGEST_NUMBER = 10**9
 """Of steps, and along an axis; beyond lie slips of the keyboard, and what 32 bits cannot hold."""
 
+LATEST_RETURN = 2 * LARGEST_NUMBER
+"""The step in which a robot may be back: lost as late as can be, and away as long as can be."""
+
 
 def find_problems(scenario: Scenario) -> Iterator[Problem]:
     """Return everything that makes a scenario impossible to run, in file order."""
@@ -169,7 +172,8 @@ def _problems_of_absences(robot: Robot, where: tuple[str | int, ...]) -> Iterato
         if away.back is not None:
             steps = f"{what} lost at step {away.lost} and back at step"
             advice = "it must be back later"
-            yield from _problems_of_steps(away.back, away.lost + 1, back, steps, advice)
+            least = away.lost + 1
+            yield from _problems_of_steps(away.back, least, back, steps, advice, LATEST_RETURN)
         before = away
 
 
@@ -206,13 +210,18 @@ def _problems_of_counts(
 
 
 def _problems_of_steps(
-    steps: int, least: int, where: tuple[str | int, ...], what: str, advice: str
+    steps: int,
+    least: int,
+    where: tuple[str | int, ...],
+    what: str,
+    advice: str,
+    most: int = LARGEST_NUMBER,
 ) -> Iterator[Problem]:
     """Return what is wrong with a number of steps; `advice` is for one below the least."""
     if not steps >= least:  # NaN too
         yield Problem(where, f"{what} {steps}; {advice}")
-    elif not is_whole(steps) or steps > LARGEST_NUMBER:
-        yield Problem(where, f"{what} {steps}; use a whole number up to {LARGEST_NUMBER:,}")
+    elif not is_whole(steps) or steps > most:
+        yield Problem(where, f"{what} {steps}; use a whole number up to {most:,}")
 
 
 def is_whole(number: float) -> bool:

@@ -166,7 +166,7 @@ def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
         if not (is_time(begin) and is_time(end) and begin < end):
             message = f"{what} is to be done between {begin:g} and {end:g}; use [begin, end]"
             yield Problem((*where, "between"), f"{message}, 0 or more and in this order")
-        elif begin + task.duration > end:
+        elif begin + task.duration > end and not task.had_range:
             message = f"{what} takes {task.duration:g} but has only {end - begin:g} between"
             yield Problem(
                 (*where, "between"), f"{message} {begin:g} and {end:g}; give it more time"

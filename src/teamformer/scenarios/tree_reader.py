@@ -63,7 +63,8 @@ class Reader:
         if not value.strip() or not value.isprintable():
             self.refuse(where, f"{name_of(where)} is empty or cannot be printed; write a name")
         elif len(value) > longest:
-            self.refuse(where, f"{name_of(where)} is {describe(value)}; use {longest} letters")
+            most = f"use {longest} letters at most"
+            self.refuse(where, f"{name_of(where)} is {describe(value)}; {most}")
         else:
             return value
         return "?"
@@ -74,8 +75,13 @@ class Reader:
             self.refuse(where, f"{name_of(where)} is {kind_of(value)}; write a name")
             return "?"
         word = value.text if isinstance(value, Misread) else describe(value)
-        self.tree.refuse(where, misread(word, kind_of(value)))
+        self.tree.refuse(where, misread(word, kind_of(value), self.tree.language))
         return word
+
+    def word(self, value: Any) -> str:
+        """Return what stands where one of a few words belongs; the model says which they are."""
+        text = value.text if isinstance(value, Misread) else value
+        return shorten(text) if isinstance(text, str) else describe(text)
 
     def names(self, where: Where, value: Any, longest: int = LONGEST_TEXT) -> list[str]:
         """Return a list of texts."""
@@ -112,13 +118,21 @@ class Reader:
 
     def place(self, where: Where, value: Any, is_point: bool = False) -> Place:
         """Return a cell or, in a plane, a point: `[x, y]`."""
-        if not isinstance(value, list) or len(value) != 2:
-            what = "point" if is_point else "cell"
-            self.refuse(where, f"{name_of(where)} is {describe(value)}; write a {what} as [x, y]")
-            return (0, 0)
+        pair = self.pair(where, value, f"write a {'point' if is_point else 'cell'} as [x, y]")
         read = self.number if is_point else self.whole
-        x, y = (read((*where, axis), part) for axis, part in enumerate(value))
+        x, y = (read((*where, axis), part) for axis, part in enumerate(pair or [0, 0]))
         return (x, y)
+
+    def pair(self, where: Where, value: Any, remedy: str) -> list[Any] | None:
+        """Return a list of two; None after refusing anything else."""
+        if isinstance(value, list) and len(value) == 2:
+            return value
+        what = f"is {describe(value)}"
+        if isinstance(value, list):
+            few = "lacks one number" if value else "lacks both numbers"
+            what = few if len(value) < 2 else f"has {len(value)} numbers instead of two"
+        self.refuse(where, f"{name_of(where)} {what}; {remedy}")
+        return None
 
     def count(self, where: Where, value: Any) -> float:
         """Return how much of a capability there is, a fraction or not."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError
+from teamformer.mission.checks import LARGEST_NUMBER, LATEST_RETURN
 from teamformer.mission.links import COST_PARTS
 from teamformer.mission.rules import BEST_ALLOCATION
 from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task
@@ -160,7 +160,8 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
 
 def _read_absences(reader: Reader, where: Where, keys: Mapping[str, Any]) -> tuple[Absence, ...]:
     """Return when a robot is lost and back: `lost` and `back` are a step each, or lists."""
-    lost, back = (_read_steps(reader, (*where, key), keys.get(key, [])) for key in ("lost", "back"))
+    lost = _read_steps(reader, (*where, "lost"), keys.get("lost", []), LARGEST_NUMBER)
+    back = _read_steps(reader, (*where, "back"), keys.get("back", []), LATEST_RETURN)
     if len(back) > len(lost):
         what = "is back but never lost" if not lost else "is back more often than it is lost"
         name = keys.get("name", name_of(where))
@@ -168,10 +169,12 @@ def _read_absences(reader: Reader, where: Where, keys: Mapping[str, Any]) -> tup
     return tuple(Absence(*pair) for pair in zip_longest(lost, back[: len(lost)]))
 
 
-def _read_steps(reader: Reader, where: Where, value: Any) -> list[int]:
+def _read_steps(reader: Reader, where: Where, value: Any, latest: int) -> list[int]:
     if not isinstance(value, list):
-        return [reader.whole(where, value)]
-    return [reader.whole((*where, number), steps) for number, steps in enumerate(value)]
+        return [reader.whole(where, value, most=latest)]
+    return [
+        reader.whole((*where, number), steps, most=latest) for number, steps in enumerate(value)
+    ]
 
 
 def _with_usual_radius(plane: Plane, robots: tuple[Robot, ...]) -> Plane:
@@ -193,7 +196,7 @@ def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) ->
                 at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
                 needs=reader.counts((*where, "needs"), keys.get("needs", [])),
                 duration=_read_duration(reader, (*where, "duration"), keys, time),
-                lasts=_read_range(reader, (*where, "duration"), keys.get("duration")),
+                lasts=_read_lasts(reader, (*where, "duration"), keys.get("duration")),
                 may_need=_read_chances(reader, (*where, "may_need"), keys.get("may_need", {})),
                 within=reader.number((*where, "within"), keys.get("within", 0.0)),
                 appears=reader.whole((*where, "appears"), keys.get("appears", 0)),
@@ -214,15 +217,19 @@ def _read_duration(
     return reader.number(where, value) if time == "continuous" else reader.whole(where, value)
 
 
-def _read_range(reader: Reader, where: Where, value: Any) -> tuple[int, int] | None:
-    """Return the least and the most of a number of steps; None if a number stands there."""
+def _read_lasts(reader: Reader, where: Where, value: Any) -> tuple[int, int] | None:
+    """Return the least and the most steps that a task takes; None if a number stands there."""
     if not isinstance(value, list):
         return None
-    if len(value) != 2:
-        message = f"{name_of(where)} is {describe(value)}; write steps, or [least, most]"
-        reader.refuse(where, message)
+    return _read_range(reader, where, value, "write steps, or [least, most]")
+
+
+def _read_range(reader: Reader, where: Where, value: Any, remedy: str) -> tuple[int, int] | None:
+    """Return the least and the most of a number of steps; None after refusing what is no range."""
+    pair = reader.pair(where, value, remedy)
+    if pair is None:
         return None
-    least, most = (reader.whole((*where, part), steps) for part, steps in enumerate(value))
+    least, most = (reader.whole((*where, part), steps) for part, steps in enumerate(pair))
     return least, most
 
 
@@ -242,14 +249,11 @@ def _read_breaks(reader: Reader, where: Where, keys: Mapping[str, Any]) -> Break
     if "breaks" not in keys:
         return None
     said = reader.mapping(where, keys["breaks"], BREAKS_KEYS)
-    repair = said.get("repair")
-    if "repair" in said and not isinstance(repair, list):
-        message = f"{name_of((*where, 'repair'))} is {describe(repair)}; write it as [least, most]"
-        reader.refuse((*where, "repair"), message)
-    return Breakdown(
-        reader.number((*where, "rate"), said.get("rate", 0.0)),
-        _read_range(reader, (*where, "repair"), repair),
-    )
+    rate = reader.number((*where, "rate"), said.get("rate", 0.0))
+    if "repair" not in said:
+        return Breakdown(rate)
+    remedy = "write it as [least, most]"
+    return Breakdown(rate, _read_range(reader, (*where, "repair"), said["repair"], remedy))
 
 
 def _read_delays(reader: Reader, where: Where, value: Any) -> Delays | None:
@@ -284,10 +288,10 @@ def _read_links(reader: Reader, where: Where, value: Any) -> dict[str, tuple[flo
 
 
 def _read_pair(reader: Reader, where: Where, value: Any, form: str) -> tuple[float, float] | None:
-    if not isinstance(value, list) or len(value) != 2:
-        reader.refuse(where, f"{name_of(where)} is {describe(value)}; write it as {form}")
+    pair = reader.pair(where, value, f"write it as {form}")
+    if pair is None:
         return None
-    begin, end = (reader.number((*where, part), time) for part, time in enumerate(value))
+    begin, end = (reader.number((*where, part), time) for part, time in enumerate(pair))
     return begin, end
 
 
@@ -320,7 +324,7 @@ def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[
             rules[key] = reader.whole((key,), top[key], least)
     for key in ("order", "new_tasks", "allocation", "time", "foresight"):
         if key in top:
-            rules[key] = reader.text((key,), top[key])
+            rules[key] = reader.word(top[key])
     if "forming" in top:
         rules["forming"] = reader.number(("forming",), top["forming"])
     if "arrivals" in top:
@@ -328,9 +332,9 @@ def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[
     if "cost" in top:
         rules["cost"] = _read_cost(reader, top["cost"])
     if "ends" in top:
-        is_place = isinstance(top["ends"], list)
-        read = partial(reader.place, is_point=is_plane) if is_place else reader.text
-        rules["ends"] = read(("ends",), top["ends"])
+        ends = top["ends"]
+        is_place = isinstance(ends, list)
+        rules["ends"] = reader.place(("ends",), ends, is_plane) if is_place else reader.word(ends)
     return rules
 
 

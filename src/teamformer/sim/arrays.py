@@ -16,6 +16,9 @@ import numpy.typing as npt
 Array = npt.NDArray[Any]
 
 NEVER = 2**30
+LATEST = NEVER - 1
+"""The latest step that arrays know; it is later than any step limit."""
+
 MIXED = -2
 """The crew of a team whose robots are of several."""
 

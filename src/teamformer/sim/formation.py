@@ -182,6 +182,12 @@ def is_in_same_place(world: World, team: int, other: int) -> bool:
 
 
 @kernel
+def is_in_reach(world: World, team: int, other: int) -> bool:
+    """Say whether two teams are so near that one may join the other."""
+    return distance_squared(world, team, other) <= world.rules.join_radius**2
+
+
+@kernel
 def join_teams(world: World, joiner: int, partner: int) -> None:
     """Make one team of two; it gets the lower slot, and the joiner's command if there is one."""
     slot, other = min(joiner, partner), max(joiner, partner)

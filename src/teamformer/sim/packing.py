@@ -24,6 +24,7 @@ from teamformer.rules.constants import NOBODY
 from teamformer.sim.arrays import (
     CELL,
     COUNT,
+    LATEST,
     NEAREST,
     NEVER,
     RESOLVE,
@@ -183,7 +184,10 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
     for r, robot in enumerate(scenario.robots):
         record = worlds.robots[w, r]
         record["pace"] = scenario.world.pace(robot.speed)
-        times = [(a.lost, NEVER if a.back is None else a.back) for a in robot.absences]
+        times = [
+            (away.lost, NEVER if away.back is None else min(away.back, LATEST))
+            for away in robot.absences
+        ]
         record["lost"], record["back"] = times[0] if times else (NEVER, NEVER)
         if worlds.absences.shape[2]:
             worlds.absences[w, r, : len(times)] = np.reshape(times, (-1, 2))

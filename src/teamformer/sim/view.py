@@ -11,7 +11,7 @@ from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import fills_gap
 from teamformer.sim.allocation.crewmates import are_mates, name_crews
 from teamformer.sim.arrays import CREWS, PLAN, RUNNING, Array, world_at
-from teamformer.sim.formation import is_in_same_place
+from teamformer.sim.formation import is_in_reach, is_in_same_place
 from teamformer.sim.spatial_index import (
     distance_squared,
     find_near,
@@ -163,7 +163,6 @@ def _write_own(world: World, view: View, row: int, team: int) -> None:
 def _write_seen(world: World, view: View, row: int, team: int) -> None:
     found = find_near(world, team, world.rules.sensing_radius)
     kept = _nearest_first(world, team, found, view.seen_slot.shape[1])
-    reach = world.rules.join_radius * world.rules.join_radius
     for column in range(view.seen_slot.shape[1]):
         if column >= kept:
             _pad_seen(view, row, column)
@@ -177,7 +176,7 @@ def _write_seen(world: World, view: View, row: int, team: int) -> None:
         view.seen_task[row, column] = world.teams[other].task
         view.is_here[row, column] = is_in_same_place(world, team, other)
         is_busy = world.teams[team].serves > 0 or world.teams[other].serves > 0
-        view.can_join[row, column] = not is_busy and distance_squared(world, team, other) <= reach
+        view.can_join[row, column] = not is_busy and is_in_reach(world, team, other)
         view.is_mate[row, column] = are_mates(world, team, other)
 
 

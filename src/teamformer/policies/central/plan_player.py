@@ -39,6 +39,7 @@ class PlanPlayer:
         self._places = np.array([task.at for task in scenario.tasks], dtype=np.float64)
         world = scenario.world
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
+        self._reach = max(scenario.join_radius, self._near)
         kinds = [(sorted(r.can.items()), r.speed, r.absences) for r in scenario.robots]
         self._kind = [repr(kind) for kind in kinds]
         self._counts = count_table([robot.can for robot in scenario.robots], scenario)
@@ -55,7 +56,7 @@ class PlanPlayer:
         slots = sorted(members)
         wanted = {slot: env.worlds.has[0, slot].copy() for slot in slots}
         named = dict.fromkeys(slots, NOBODY)
-        waiting: dict[int, list[int]] = {}  # teams at their next task, by task
+        waiting: dict[int, int] = {}  # the team at its next task that nobody joins yet, by task
         serves, x, y = (teams[field].tolist() for field in ("serves", "x", "y"))
         for slot in slots:
             ways = self._ways(members[slot])
@@ -65,11 +66,11 @@ class PlanPlayer:
             if parted is not None:
                 wanted[slot] = parted
             elif self._is_at(ways[0], x[slot], y[slot]):
-                waiting.setdefault(ways[0], []).append(slot)
+                other = waiting.setdefault(ways[0], slot)
+                if other != slot and self._is_in_reach(x[slot] - x[other], y[slot] - y[other]):
+                    wanted[other] = wanted[other] + wanted[slot]
+                    del waiting[ways[0]]
             named[slot] = self._open_task(ways[0])
-        for together in waiting.values():
-            for one, other in zip(together[::2], together[1::2], strict=False):
-                wanted[one] = wanted[one] + wanted[other]
         return Decision(
             np.array([wanted[slot] for slot in slots]), np.array([named[slot] for slot in slots])
         )
@@ -90,6 +91,9 @@ class PlanPlayer:
     def _is_at(self, task: int, x: float, y: float) -> bool:
         task_x, task_y = self._places[task]
         return bool((task_x - x) ** 2 + (task_y - y) ** 2 <= self._near**2)
+
+    def _is_in_reach(self, along: float, up: float) -> bool:
+        return along * along + up * up <= self._reach * self._reach
 
     def _open_task(self, task: int) -> int:
         """Return a task to head for: the one given, or the open one nearest to it."""

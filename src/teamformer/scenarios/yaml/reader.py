@@ -34,6 +34,7 @@ class Tree:
 
     value: Any = None
     is_from_text: bool = False  # and has lines therefore
+    language: str = "YAML"
     lines: dict[Where, int] = field(default_factory=dict)
     problems: list[tuple[int, Problem]] = field(default_factory=list)
 
@@ -54,9 +55,12 @@ class StopReadingError(Exception):
     """The rest of the file is not worth reading; its problems are in the tree."""
 
 
-def parse(text: str) -> Tree:
-    """Read YAML into a tree; syntax errors become its problems."""
-    tree = Tree(is_from_text=True)
+def parse(text: str, language: str = "YAML") -> Tree:
+    """Read YAML into a tree; syntax errors become its problems.
+
+    `language` is what the text claims to be, if it is one that YAML holds.
+    """
+    tree = Tree(is_from_text=True, language=language)
     strange = UNPRINTABLE.search(text)
     if strange:
         line = text.count("\n", 0, strange.start()) + 1
@@ -66,9 +70,9 @@ def parse(text: str) -> Tree:
     try:
         tree.value = _Builder(text, tree).document()
     except yaml.MarkedYAMLError as error:
-        tree.refuse((), *_syntax_problem(text, error))
+        tree.refuse((), *_syntax_problem(text, error, language))
     except yaml.YAMLError as error:
-        tree.refuse((), " ".join(f"this is not YAML: {error}".split()))
+        tree.refuse((), " ".join(f"this is not {language}: {error}".split()))
     except StopReadingError:
         pass
     return tree
@@ -76,7 +80,7 @@ def parse(text: str) -> Tree:
 
 def parse_json(text: str) -> Tree:
     """Read JSON into a tree: YAML but for tabs and for letters written as two halves."""
-    return parse(_SURROGATES.sub(_join_surrogates, text.replace("\t", " ")))
+    return parse(_SURROGATES.sub(_join_surrogates, text.replace("\t", " ")), "JSON")
 
 
 _SURROGATES = re.compile(r"\\\\|\\u(d[89ab][0-9a-f]{2})\\u(d[c-f][0-9a-f]{2})", re.IGNORECASE)
@@ -94,19 +98,21 @@ def from_value(value: Any) -> Tree:
     return Tree(value)
 
 
-def _syntax_problem(text: str, error: yaml.MarkedYAMLError) -> tuple[str, int]:
+def _syntax_problem(text: str, error: yaml.MarkedYAMLError, language: str) -> tuple[str, int]:
     mark = error.problem_mark or error.context_mark
     row, column = (mark.line, mark.column) if mark else (0, 0)
     lines = text.splitlines()
     found = lines[row][column : column + 1] if row < len(lines) else ""
-    advice = "check quotes, brackets and indentation here and above"
+    layout = "indentation" if language == "YAML" else "commas"
+    advice = f"check quotes, brackets and {layout} here and above"
     if found == "\t":
         advice = "indent with spaces, not tabs"
     elif found and found in "@`%":
         advice = f"put a text that begins with {found} in quotes"
     begun = error.context_mark
     since = f" ({error.context}, begun on line {begun.line + 1})" if begun and error.context else ""
-    return f"this is not YAML: {error.problem or error.context}{since}; {advice}", row + 1
+    what = f"this is not {language}: {error.problem or error.context}{since}"
+    return f"{what}; {advice}", row + 1
 
 
 class _Builder:
@@ -143,7 +149,11 @@ class _Builder:
             return self.mapping(where)
         if isinstance(event, ev.SequenceStartEvent):
             return self.sequence(where)
-        return _value_of(event)
+        return self.scalar(event)
+
+    def scalar(self, event: Any) -> Any:
+        is_plain = event.tag is None and event.implicit[0]
+        return scalar(event.value, self.tree.language) if is_plain else event.value
 
     def sequence(self, where: Where) -> list[Any]:
         values: list[Any] = []
@@ -175,12 +185,13 @@ class _Builder:
             self.refuse(event, where, "a list or mapping stands where a name belongs; name it")
             self.value(event, (*where, "?"))  # skip it
             return None
-        value = _value_of(event)
+        value = self.scalar(event)
         if isinstance(value, Misread) and value.kind == "a merge":
             self.refuse(event, where, "<< is not followed; write the keys out")
             return None
         if not isinstance(value, str):
-            self.refuse(event, where, misread(event.value, kind_of(value)))
+            said = misread(event.value, kind_of(value), self.tree.language)
+            self.refuse(event, where, said)
         return str(event.value)
 
     def refuse(self, event: Any, where: Where, message: str) -> None:
@@ -189,8 +200,3 @@ class _Builder:
 
 def _line(event: Any) -> int:
     return int(event.start_mark.line) + 1
-
-
-def _value_of(event: ev.ScalarEvent) -> Any:
-    is_plain = event.tag is None and event.implicit[0]
-    return scalar(event.value) if is_plain else event.value

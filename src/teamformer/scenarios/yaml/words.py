@@ -17,13 +17,17 @@ SPECIAL = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 
 @dataclass(frozen=True)
 class Misread:
-    """A plain word that YAML takes for something else than text: `no`, `12:30`, `0x1F`."""
+    """A plain word that YAML takes for something else than text: `no`, `12:30`, `0x1F`.
+
+    `language` is what the file is called, for those who are told.
+    """
 
     text: str
     kind: str
+    language: str = "YAML"
 
 
-def scalar(text: str) -> Any:
+def scalar(text: str, language: str = "YAML") -> Any:
     """Return what a word without quotes means: a text, a number, None, or a `Misread`."""
     if WHOLE.fullmatch(text):
         return int(text)
@@ -34,7 +38,7 @@ def scalar(text: str) -> Any:
     kind = _KINDS.get(_RESOLVER.resolve(yaml.ScalarNode, text, (True, False)))
     if kind == "nothing":
         return None
-    return Misread(text, kind) if kind else text
+    return Misread(text, kind, language) if kind else text
 
 
 _RESOLVER: Any = yaml.resolver.Resolver()
@@ -48,10 +52,10 @@ _KINDS = {
 }
 
 
-def misread(text: str, kind: str) -> str:
-    """Say that YAML does not take a word for a name."""
+def misread(text: str, kind: str, language: str) -> str:
+    """Say that a language does not take a word for a name."""
     shown = shorten(text) or "an empty value"
-    return f"YAML reads {shown} as {kind}; put it in quotes to make it a name"
+    return f"{language} reads {shown} as {kind}; put it in quotes to make it a name"
 
 
 def kind_of(value: Any) -> str:
@@ -79,7 +83,7 @@ def shorten(text: str) -> str:
 def describe(value: Any) -> str:
     """Show a value to people if it is short, else name its kind."""
     if isinstance(value, Misread):
-        return f"{shorten(value.text)} (for YAML {value.kind})"
+        return f"{shorten(value.text)} (for {value.language} {value.kind})"
     if isinstance(value, str) and value:
         return f"the text '{shorten(value)}'"
     if isinstance(value, float) or (isinstance(value, int) and abs(value) < HUGE):

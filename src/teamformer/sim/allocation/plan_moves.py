@@ -3,7 +3,8 @@
 A robot's next task is the one that it scouts, while there is something to see; else the first
 open one in the plan's order that has it in its coalition. A team whose robots have different next
 tasks parts, those of the earliest staying; whoever has none stays behind. Teams that wait at a task
-for one another join, pair by pair in slot order.
+for one another join, pair by pair in slot order. On a plane both may be there and yet too far apart
+to join, on either side of it: they walk on to its middle until they are near enough.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from teamformer.jit import entry, kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import find_earliest_tasks
 from teamformer.sim.arrays import PLAN, RUNNING, Array, World, Worlds, world_at
-from teamformer.sim.formation import choose_stayers
+from teamformer.sim.formation import choose_stayers, is_in_reach
 from teamformer.sim.spatial_index import stands_at
 
 
@@ -86,13 +87,14 @@ def _is_parting(world: World, team: int) -> bool:
 
 @kernel
 def _join_who_waits(world: World, team: int) -> None:
-    """Let a team at its task be joined by the next in slot order that is there too."""
+    """Let a team at its task be joined by the next in slot order that is there and in reach."""
     task = world.teams[team].next
     if task == NOBODY or not stands_at(world, team, task):
         return
     other = world.tasks[task].waiting
     if other == NOBODY:
         world.tasks[task].waiting = team
+    if other == NOBODY or not is_in_reach(world, team, other):
         return
     world.tasks[task].waiting = NOBODY
     for cap in range(world.has.shape[1]):

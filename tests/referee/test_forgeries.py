@@ -121,11 +121,18 @@ def test_standing_saves_up_no_second_cell() -> None:
 
 def test_a_slow_robot_saves_up_one_cell_and_no_more() -> None:
     slow = replace(ALONE, robots=(Robot("r", (0, 0), {"a": 1}, speed=0.5),))
-    two_in_three = (Step(teams=(at(0, 1, 0),)), ARRIVES)
-    assert messages(record(slow, Step(), *two_in_three)) == [
+    sets_out, first_cell = Step(teams=(at(0, 0, 0),)), Step(teams=(at(0, 1, 0),))
+    assert messages(record(slow, sets_out, first_cell, ARRIVES)) == [
         "step 3: team [r] jumped from [1, 0] to [2, 0]; it can cross 0 cells now"
     ]
-    assert messages(record(slow, Step(), two_in_three[0], Step(), ARRIVES)) == []
+    assert messages(record(slow, sets_out, first_cell, Step(), ARRIVES)) == []
+
+
+def test_who_pursues_nothing_saves_nothing_up() -> None:
+    slow = replace(ALONE, robots=(Robot("r", (0, 0), {"a": 1}, speed=0.5),))
+    assert messages(record(slow, Step(), Step(teams=(at(0, 1, 0),)))) == [
+        "step 2: team [r] jumped from [0, 0] to [1, 0]; it can cross 0 cells now"
+    ]
 
 
 def test_nobody_goes_through_a_wall() -> None:
@@ -224,10 +231,11 @@ def test_a_completion_left_out_is_told_once() -> None:
 
 
 def test_hundreds_of_robots_are_judged_in_seconds() -> None:
-    """Three hundred robots pace up and down for 300 steps: 90,000 moves."""
+    """Three hundred robots walk side by side for 300 steps: 90,000 moves."""
     robots = tuple(Robot(f"r{i}", (i, 0), {"a": 1}) for i in range(300))
-    hall = Scenario("hall", Grid(300, 2), ("a",), robots, (Task("t", (0, 0), {"a": 2}),))
-    steps = [Step(teams=tuple(at(i, i, y=n % 2) for i in range(300))) for n in range(1, 301)]
+    tasks = tuple(Task(f"t{i}", (i, 300), {"a": 2}) for i in range(300))
+    hall = Scenario("hall", Grid(300, 301), ("a",), robots, tasks)
+    steps = [Step(teams=tuple(at(i, i, i, y=n) for i in range(300))) for n in range(1, 301)]
     began = time.perf_counter()
     assert messages(record(hall, *steps)) == []
     assert time.perf_counter() - began < 10  # half a second on an idle machine
@@ -261,6 +269,13 @@ def test_no_record_is_too_wild_to_judge() -> None:
 SLOW_TO_T = replace(ALONE, robots=(Robot("r", (1, 0), {"a": 1}, speed=0.5),), step_limit=9)
 """A robot that crosses a cell every other step: `. r t . .`"""
 
+OPEN = replace(ALONE, world=Grid(3, 2), tasks=(Task("t", (2, 1), {"a": 1}),))
+"""A way along x first, since more is left to go there: `r . .` over `. . t`."""
+
+SEEKER = replace(MEETING, robots=(MEETING.robots[0], replace(MEETING.robots[1], at=(2, 0))))
+SEEKER = replace(SEEKER, world=Grid(3, 2), join_radius=2, sensing_radius=2)
+"""Two robots of which one may walk to the other to join it: `r t s` over `. . .`"""
+
 WALLED = replace(ALONE, world=Grid(3, 2, (".@.", "...")), step_limit=9)
 """`r @ t`, with the way around below."""
 
@@ -289,10 +304,41 @@ WALLED = replace(ALONE, world=Grid(3, 2, (".@.", "...")), step_limit=9)
             [Step(teams=(at(0, 0, 0, y=1),)), Step(teams=(at(0, 1, 0, y=1),)), Step()],
             "step 3: team [r] waits at [1, 1]; it must get 1 cell nearer to task t",
         ),
-        (replace(ALONE, sensing_radius=2, join_radius=1), [Step(teams=(at(0, 0, 0),))], ""),
+        (
+            replace(ALONE, sensing_radius=2, join_radius=1),
+            [Step(teams=(at(0, 0, 0),))],
+            "step 1: team [r] waits at [0, 0]; it must get 1 cell nearer to task t",
+        ),
+        (
+            ALONE,
+            [Step(teams=(at(0, 1),))],
+            "step 1: team [r] goes from [0, 0] to [1, 0]; it pursues no task, so that it must stay",
+        ),
+        (ALONE, [Step(teams=(at(0, 1),), pursued=((0, 0),))], ""),
+        (
+            ALONE,
+            [Step(teams=(at(0, 1, 0),)), Step(teams=(at(0, 0),))],
+            "step 2: team [r] goes from [1, 0] to [0, 0]; it must get 1 cell nearer to task t",
+        ),
+        (OPEN, [Step(teams=(at(0, 1, 0),))], ""),
+        (
+            OPEN,
+            [Step(teams=(at(0, 0, 0, y=1),))],
+            "step 1: team [r] goes from [0, 0] to [0, 1]; that is not on its way to task t",
+        ),
+        (SEEKER, [Step(teams=(at(0, 1, y=0),))], ""),
+        (
+            SEEKER,
+            [Step(teams=(at(0, 0, y=1),))],
+            "step 1: team [r] goes from [0, 0] to [0, 1]; it pursues no task, so that it must stay",
+        ),
         (ALONE, [Step(), Step(), Step(teams=(at(0, 1, 0),)), ARRIVES], ""),
     ],
-    ids=["waits", "turns back", "waits too long", "slow", "around a wall", "joins", "free"],
+    ids=[
+        *("waits", "turns back", "waits too long", "slow", "around a wall", "nobody to join"),
+        *("free and walks", "took back by news", "turns back and is free", "along the longer axis"),
+        *("along the other axis", "to a partner", "away from a partner", "free"),
+    ],
 )
 def test_who_has_somewhere_to_go_gets_on(
     scenario: Scenario, steps: list[Step], expected: str

@@ -12,7 +12,7 @@ from random_worlds import random_decision, random_world
 from small_worlds import make, robot, task
 from teamformer.policies.scripted.joining import JoinAll, JoinCrew
 from teamformer.referee import judge
-from teamformer.referee.allocation import CrewLists
+from teamformer.referee.allocation.lists import CrewLists
 from teamformer.referee.completion import Tasks
 from teamformer.referee.lifecycle import start_fleet
 from teamformer.referee.truth import Knowledge

@@ -39,11 +39,18 @@ class _Places:
 
 
 class Tasks:
-    """Which tasks are known and done, and who serves them."""
+    """Which tasks are known and done, and who serves them.
 
-    def __init__(self, scenario: Scenario) -> None:
+    `any_broken_off` and `any_overdue` say whether a service of the latest step was; it is overdue
+    where it took longer than was `believed`.
+    """
+
+    def __init__(self, scenario: Scenario, believed: Scenario | None = None) -> None:
         self.scenario = scenario
         self.done: dict[int, int] = {}  # task -> step
+        self.any_broken_off = self.any_overdue = False
+        self._believed = (believed or scenario).tasks
+        self._expected: dict[int, int] = {}  # task -> steps that its service is to take
         self._number = {task.name: number for number, task in enumerate(scenario.tasks)}
         self._places = _Places(scenario)
 
@@ -90,6 +97,7 @@ class Tasks:
     def complete(self, fleet: Fleet, recorded: dict[int, int], step: int, notes: Notes) -> None:
         """Work out what is done in a step and compare it with the record, task -> slot."""
         found: dict[int, int] = {}
+        self.any_broken_off = self.any_overdue = False
         for slot, team in sorted(fleet.teams.items()):
             for task in sorted(team.services):
                 self._serve(fleet, slot, team, task, found)
@@ -113,14 +121,25 @@ class Tasks:
         team.services[task] -= 1
         if not fleet.covers(team, task):
             del team.services[task]
+            self.any_broken_off = True
         elif team.services[task] == 0:
             del team.services[task]
             found[task] = slot
+        else:
+            self._expect_end(task, team.services[task])
+
+    def _expect_end(self, task: int, rest: int) -> None:
+        """Expect a service that ought to be over to end amid what is left of the longest."""
+        served = int(self.scenario.tasks[task].duration) - rest
+        if served >= self._expected[task]:
+            self._expected[task] = (served + 1 + int(self._believed[task].longest) + 1) // 2
+            self.any_overdue = True
 
     def _begin(self, slot: int, team: RecordedTeam, task: int, found: dict[int, int]) -> None:
         duration = int(self.scenario.tasks[task].duration)  # whole where there are steps
         if duration:
             team.services[task] = duration
+            self._expected[task] = max(1, int(self._believed[task].duration))
             team.credit = 0.0
         else:
             found[task] = slot

@@ -9,7 +9,7 @@ from teamformer.grid import Grid, Place
 from teamformer.model import Scenario, Task, World
 from teamformer.plane import Plane
 from teamformer.referee.completion import Tasks
-from teamformer.referee.headway import Ways
+from teamformer.referee.motion.headway import Ways
 from teamformer.referee.teams import Fleet
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Step

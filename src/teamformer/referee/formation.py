@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from teamformer.capabilities import covers, total
 from teamformer.plane import Plane
-from teamformer.referee.motion import move_team
+from teamformer.referee.motion.walking import move_team
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Step
@@ -68,9 +68,11 @@ def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -
         at, met_at = (one.at, other.at) if joiner < partner else (other.at, one.at)
         fleet.put(
             RecordedTeam(
-                robots, at, lower.task, has_formed=True, met_at=met_at, met_task=higher.task
+                robots, at, lower.task, has_formed=True, met_at=met_at, met_task=higher.task,
+                is_named=one.is_named or other.is_named, pursues=lower.pursues,
+                is_pursuit_sure=one.is_pursuit_sure and other.is_pursuit_sure,
             )
-        )
+        )  # fmt: skip
 
 
 def check_reach(fleet: Fleet, pairs: tuple[tuple[int, int], ...], notes: Notes) -> None:

@@ -6,9 +6,18 @@ once.
 
 from __future__ import annotations
 
-from teamformer.referee.allocation import CrewLists, check_assignments, judge_crews
+from dataclasses import dataclass
+
+from teamformer.referee.allocation.lists import CrewLists, check_assignments
+from teamformer.referee.allocation.moments import News, judge_moments
+from teamformer.referee.allocation.plans import judge_plans
+from teamformer.referee.allocation.pursuit import (
+    check_named,
+    check_pursuits,
+    expect_pursuits,
+    possible_pursuits,
+)
 from teamformer.referee.completion import Tasks
-from teamformer.referee.delays import Delays
 from teamformer.referee.finding import Search
 from teamformer.referee.formation import (
     check_reach,
@@ -18,9 +27,11 @@ from teamformer.referee.formation import (
     return_robots,
     split_teams,
 )
-from teamformer.referee.headway import Ways, check_headway
 from teamformer.referee.lifecycle import judge_ending, judge_orders, start_fleet, why_over
-from teamformer.referee.motion import move_team
+from teamformer.referee.motion.delays import Delays
+from teamformer.referee.motion.headway import Move, Ways, check_headway
+from teamformer.referee.motion.walking import move_team
+from teamformer.referee.rows import check_rows, judge_rows
 from teamformer.referee.teams import Fleet
 from teamformer.referee.truth import Knowledge, judge_truth
 from teamformer.referee.verdict import Notes, Verdict
@@ -31,75 +42,123 @@ def judge(replay: Replay) -> Verdict:
     """Return everything in a record that breaks the rules."""
     notes = Notes()
     judge_truth(replay, notes)
-    fleet, tasks = start_fleet(replay, notes), Tasks(replay.mission)
+    judge_rows(replay, notes)
+    fleet, tasks = start_fleet(replay, notes), Tasks(replay.mission, replay.scenario)
     knowledge, ways = Knowledge(replay.scenario), Ways(replay.mission)
     search = Search(replay.scenario, ways)
     lists = CrewLists(replay, knowledge)
-    delays, over = Delays(replay.mission), ""
+    referee = _Referee(fleet, tasks, knowledge, ways, search, lists, notes)
+    delays, news, over = Delays(replay.mission), [News()], ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
         if over:
             notes.note(f"{over}, and the record goes on")
             break
         due = due_losses(fleet, number)
-        goals, still = dict(ways.goals), delays.draw()
-        _judge_step(fleet, tasks, knowledge, search, lists, step, number, due, still, notes)
-        check_headway(fleet, ways, goals, notes)
+        news.append(referee.judge_step(step, number, due, delays.draw()))
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
     judge_orders(replay, tasks, notes)
-    judge_crews(replay, tasks, knowledge, search, notes)
+    judge_moments(replay, tasks, news, not over, notes)
+    judge_plans(replay, knowledge, search, news, notes)
     judge_ending(replay, fleet, tasks, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
     return Verdict(findings, len(replay.steps), len(tasks.done), tasks.lateness())
 
 
-def _judge_step(
-    fleet: Fleet,
-    tasks: Tasks,
-    knowledge: Knowledge,
-    search: Search,
-    lists: CrewLists,
-    step: Step,
-    number: int,
-    due: set[int],
-    still: set[int],
-    notes: Notes,
-) -> None:
-    slots = set(fleet.teams)
-    for team in fleet.teams.values():
-        team.has_formed, team.met_at, team.walked_from = False, None, None
-    split_teams(fleet, step, notes)
-    met = [pair for pair in step.joins if _are_together(fleet, pair)]
-    walked = tuple(pair for pair in step.joins if pair not in met)
-    join_teams(fleet, tuple(met), notes)
-    if fleet.scenario.forming_steps > 0:
-        join_teams(fleet, walked, notes)
-        walked = ()
-    check_reach(fleet, walked, notes)
-    lists.give_tasks(fleet, tasks, number - 1)
-    unions = lists.tasks_of_unions(fleet, walked)
-    for team in fleet.teams.values():
-        team.is_delayed = bool(team.robots & still)
-    _move(fleet, step, walked, due, notes)
-    lists.give_unions(fleet, unions)
-    lose_robots(fleet, step, due, notes)
-    any_back = return_robots(fleet, step, number, notes)
-    _check_entries(fleet, step, slots, notes)
-    if due or any_back:
-        knowledge.expect({robot for team in fleet.teams.values() for robot in team.robots}, number)
-    any_found = search.go_on(fleet, tasks, lists.looked_at(), step, number, notes)
-    any_shown = knowledge.show(fleet, tasks, step, number, notes)
-    _check_pursued(fleet, tasks, step, number, notes)
+@dataclass(frozen=True)
+class _Referee:
+    """What is kept of a record while its steps are judged, one after the other."""
+
+    fleet: Fleet
+    tasks: Tasks
+    knowledge: Knowledge
+    ways: Ways
+    search: Search
+    lists: CrewLists
+    notes: Notes
+
+    def judge_step(self, step: Step, number: int, due: set[int], still: set[int]) -> News:
+        """Judge a step in which robots are `due` to be lost and others stand `still`."""
+        fleet, tasks, notes = self.fleet, self.tasks, self.notes
+        slots, goals = set(fleet.teams), dict(self.ways.goals)
+        before = {slot: team.task for slot, team in fleet.teams.items()}
+        check_rows(step, notes)
+        moves = self._form_and_move(step, number, due, still)
+        lose_robots(fleet, step, due, notes)
+        any_back = return_robots(fleet, step, number, notes)
+        _check_entries(fleet, step, slots, notes)
+        if due or any_back:
+            robots = {robot for team in fleet.teams.values() for robot in team.robots}
+            self.knowledge.expect(robots, number)
+        any_found = self.search.go_on(fleet, tasks, self.lists.looked_at(), step, number, notes)
+        any_shown = self.knowledge.show(fleet, tasks, step, number, notes)
+        _complete(fleet, tasks, step, number, notes)
+        _assign(fleet, tasks, step, number, notes)
+        is_news = bool(due) or any_back or any_found or any_shown
+        check_assignments(fleet, tasks, number, is_news, notes)
+        check_pursuits(fleet, tasks, step, before, number, notes)
+        pursuits = possible_pursuits(fleet, step, before)
+        check_headway(fleet, self.ways, goals, pursuits, moves, notes)
+        self.lists.check_exchanges(fleet, step.took, number, notes)
+        happened = {
+            "robot lost": bool(due),
+            "service broken off": tasks.any_broken_off,
+            "robot back": any_back,
+            "needs known": any_shown,
+            "service overdue": tasks.any_overdue,
+            "task found": any_found,
+        }
+        reasons = tuple(reason for reason, has_happened in happened.items() if has_happened)
+        return News(frozenset(due), reasons, _served(fleet))
+
+    def _form_and_move(self, step: Step, number: int, due: set[int], still: set[int]) -> list[Move]:
+        """Let teams part, join and walk, and return how they went."""
+        fleet, notes = self.fleet, self.notes
+        decided_at = {slot: team.at for slot, team in fleet.teams.items()}
+        for team in fleet.teams.values():
+            team.has_formed, team.met_at, team.walked_from = False, None, None
+        split_teams(fleet, step, notes)
+        met = [pair for pair in step.joins if _are_together(fleet, pair)]
+        walked = tuple(pair for pair in step.joins if pair not in met)
+        join_teams(fleet, tuple(met), notes)
+        if fleet.scenario.forming_steps > 0:
+            join_teams(fleet, walked, notes)
+            walked = ()
+        check_reach(fleet, walked, notes)
+        self.lists.give_tasks(fleet, self.tasks, number - 1)
+        expect_pursuits(fleet, step.named)
+        unions = self.lists.tasks_of_unions(fleet, walked)
+        for team in fleet.teams.values():
+            team.is_delayed = bool(team.robots & still)
+        stood = {
+            robot: (team.at,) if team.met_at is None else (team.at, team.met_at)
+            for team in fleet.teams.values()
+            for robot in team.robots
+        }
+        _move(fleet, step, walked, due, notes)
+        self.lists.give_unions(fleet, unions)
+        check_named(fleet, step.named, notes)
+        now = {robot: team for team in fleet.teams.values() for robot in team.robots}
+        return [
+            Move(slot, at, stood[slot], now[slot].at if now[slot].is_way_told else None)
+            for slot, at in decided_at.items()
+        ]
+
+
+def _served(fleet: Fleet) -> dict[int, frozenset[int]]:
+    """Return what is being served, and by which robots."""
+    return {task: frozenset(team.robots) for team in fleet.teams.values() for task in team.services}
+
+
+def _complete(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> None:
+    """Judge which tasks the record says were done."""
     recorded: dict[int, int] = {}
     for task, slot in step.done:
         if task in recorded:
             notes.note(f"task {fleet.scenario.tasks[task].name} is done twice")
         recorded[task] = slot
     tasks.complete(fleet, recorded, number, notes)
-    _assign(fleet, tasks, step, number, notes)
-    is_news = bool(due) or any_back or any_found or any_shown
-    check_assignments(fleet, tasks, step.named, number, is_news, notes)
 
 
 def _are_together(fleet: Fleet, pair: tuple[int, int]) -> bool:
@@ -153,18 +212,6 @@ def _check_entries(fleet: Fleet, step: Step, slots: set[int], notes: Notes) -> N
     for slot in sorted(fleet.teams.keys() - slots - seen):
         team = fleet.name(fleet.teams[slot])
         notes.note(f"{team} is new, and the record does not say where it is")
-
-
-def _check_pursued(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> None:
-    """Check that what teams are said to have pursued was open, and each of a team that is there."""
-    for slot, task in step.pursued:
-        name = fleet.scenario.tasks[task].name
-        if slot not in fleet.teams:
-            notes.note(f"the record has a team pursue task {name} that is not there")
-        elif not tasks.is_open(task, number - 1):
-            notes.note(f"{fleet.name(fleet.teams[slot])} pursues task {name}, which is not open")
-    if len(dict(step.pursued)) < len(step.pursued):
-        notes.note("the record has a team pursue two tasks")
 
 
 def _assign(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -> None:

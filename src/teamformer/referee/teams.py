@@ -24,10 +24,15 @@ class RecordedTeam:
     credit: float = 0.0  # the most that it can have saved of its speed
     least_credit: float = 0.0  # what it has saved at least
     walked_from: Place | None = None  # in this step; None if it had to wait, or its way was told
+    walked_at: float = 0.0  # its speed then, before robots of it were lost
     has_formed: bool = False
     is_delayed: bool = False  # one of its robots stands still in this step
     due: int | None = None  # the task that crews' lists give it
+    is_named: bool = False  # its decision named its task
     was_serving: bool = False  # when tasks were given
+    had_task: bool = False  # and it kept the one that it had, or another was named
+    is_pursuit_sure: bool = True  # whether it is known what it has pursued in this step
+    pursues: int | None = None  # the task, if it is; None for none
     is_way_told: bool = True  # False if all its robots were lost in a step, on their way
     met_at: Place | None = None  # where the other one of two that have just joined stood
     met_task: int | None = None  # and what it headed for: the one with the higher slot

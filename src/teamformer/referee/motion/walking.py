@@ -33,6 +33,7 @@ def move_team(
     else:
         fault = _walk_metres(world, team, to, waits or team.is_delayed, meets)
     team.walked_from = None if waits or fault or team.is_delayed else team.at
+    team.walked_at = team.speed
     if to == team.at:
         return
     name, way = fleet.name(team), f"from {list(team.at)} to {list(to)}"
@@ -69,6 +70,8 @@ def _walk_metres(plane: Plane, team: RecordedTeam, to: Place, waits: bool, meets
     """Say what is wrong with a straight way; a union walks from where either of the two stood."""
     allowed = 0.0 if waits else team.speed
     starts = [team.at] if team.met_at is None else [team.at, team.met_at]
+    if waits and not meets:
+        return None if to in starts else ("moved", "stay")
     gathering = plane.arrival_radius if meets else 0.0
     if min(math.dist(start, to) for start in starts) <= allowed + gathering + MICROMETRES:
         return None

@@ -1,0 +1,1 @@
+"""Who is due where by crews and plans, what teams pursue, when plans are made and why."""

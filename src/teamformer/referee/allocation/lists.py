@@ -1,0 +1,155 @@
+"""Whose list each task is on, by crews and shared plans, and that every team goes by it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from teamformer.referee.completion import Tasks
+from teamformer.referee.teams import Fleet, RecordedTeam
+from teamformer.referee.truth import Knowledge
+from teamformer.referee.verdict import Notes
+from teamformer.sim.replay.record import Crew, Replay
+
+SHARED_OUT = ("crews", "plan")
+"""The allocations by which the record says who does what."""
+
+
+class CrewLists:
+    """Whose list each task is on, and in which order, as the record has it step by step."""
+
+    def __init__(self, replay: Replay, knowledge: Knowledge) -> None:
+        self.scenario = replay.mission
+        self._knowledge = knowledge
+        self._crews = dict(replay.crews)
+        self._plans = dict(replay.plans)
+        self._scouts = {steps: dict(scouts) for steps, scouts in replay.scouts}
+        self._looks: dict[int, int] = {}  # the task that a robot looks at first
+        self._took = [step.took for step in replay.steps]
+        self._coalition: dict[int, set[int]] = {}
+        self._orders = dict(replay.orders)
+        self._now: Sequence[Crew] = ()
+        self._rank: dict[int, int] = {}
+
+    def looked_at(self) -> set[int]:
+        """Return the tasks that scouts look at."""
+        return set(self._looks.values())
+
+    def give_tasks(self, fleet: Fleet, tasks: Tasks, steps_made: int) -> None:
+        """Write each team's `due`, once all have formed in a step and before they walk.
+
+        It is the first open task that is on the list of one of its robots' crews and needs that
+        robot, or that has one of its robots in its coalition; or what one of them looks at first.
+        """
+        if self.scenario.allocation not in SHARED_OUT:
+            return
+        if steps_made in self._crews or steps_made in self._plans:
+            order = self._orders.get(steps_made, ())
+            self._now = self._crews.get(steps_made, ())
+            self._rank = {task: i for i, task in enumerate(order)}
+            if steps_made in self._plans:
+                made = self._plans[steps_made].coalitions
+                self._coalition = {task: set(c) for task, c in zip(order, made, strict=False)}
+                self._looks = dict(self._scouts.get(steps_made, {}))
+        elif steps_made > 0:
+            self._exchange_parts(self._took[steps_made - 1])
+        for team in fleet.teams.values():
+            found = [] if team.services else list(self._next_tasks(team, tasks, steps_made))
+            team.due = min(found, key=lambda task: self._rank.get(task, 0), default=None)
+
+    def tasks_of_unions(
+        self, fleet: Fleet, pairs: Sequence[tuple[int, int]]
+    ) -> dict[frozenset[int], int | None]:
+        """Return the tasks of teams that join on their way: the earlier, if both have one."""
+        unions = {}
+        for pair in pairs:
+            teams = [fleet.teams[slot] for slot in pair if slot in fleet.teams]
+            dues = [team.due for team in teams if team.due is not None]
+            robots = frozenset(robot for team in teams for robot in team.robots)
+            earliest = min(dues, key=lambda task: self._rank.get(task, 0), default=None)
+            unions[robots] = earliest if len(dues) == 2 else None
+        return unions
+
+    def give_unions(self, fleet: Fleet, unions: dict[frozenset[int], int | None]) -> None:
+        """Write down what teams are due to do that have joined on their way."""
+        for team in fleet.teams.values():
+            team.due = unions.get(frozenset(team.robots), team.due)
+
+    def _exchange_parts(self, took: Sequence[tuple[int, int]]) -> None:
+        for pair in took:
+            for coalition in self._coalition.values():
+                coalition ^= set(pair) if len(coalition & set(pair)) == 1 else set()
+            one, other = pair
+            looks = {one: self._looks.pop(other, None), other: self._looks.pop(one, None)}
+            self._looks |= {robot: task for robot, task in looks.items() if task is not None}
+
+    def check_exchanges(
+        self, fleet: Fleet, took: Sequence[tuple[int, int]], number: int, notes: Notes
+    ) -> None:
+        """Check after a step that like robots of one team exchanged parts of a plan that holds on.
+
+        Whether they had to is not judged: if not, or if others had to, teams split otherwise.
+        """
+        made_anew = number in self._plans
+        robots = [robot for pair in took for robot in pair]
+        is_in_order = list(took) == sorted(took) and len(set(robots)) == len(robots)
+        if took and (made_anew or self.scenario.allocation != "plan" or not is_in_order):
+            notes.note("robots exchange parts of no plan, or twice, or not in order")
+        for one, other in took:
+            of, to = (self.scenario.robots[robot] for robot in (one, other))
+            teams = [team for team in fleet.teams.values() if {one, other} <= team.robots]
+            is_like = (of.can, of.speed) == (to.can, to.speed) and one < other
+            if not is_like or not teams or teams[0].services:
+                notes.note(
+                    f"robots {of.name} and {to.name} exchange parts of the plan, and may not"
+                )
+
+    def _next_tasks(self, team: RecordedTeam, tasks: Tasks, steps_made: int) -> Iterator[int]:
+        open_now = [task for task in self._coalition if tasks.is_open(task, steps_made)]
+        for robot in team.robots:
+            if robot in self._looks:
+                yield self._looks[robot]
+                continue
+            yield from [task for task in open_now if robot in self._coalition[task]][:1]
+        for crew in self._now:
+            open_ones = [task for task in crew.tasks if tasks.is_open(task, steps_made)]
+            for robot in team.robots & set(crew.robots):
+                yield from [task for task in open_ones if self._is_needed(robot, task, steps_made)][
+                    :1
+                ]
+
+    def _is_needed(self, robot: int, task: int, steps_made: int) -> bool:
+        """Say whether a task needs something that a robot can do, and it can get there."""
+        world, one, wanted = (
+            self.scenario.world,
+            self.scenario.robots[robot],
+            self.scenario.tasks[task],
+        )
+        return world.region(one.at) == world.region(wanted.at) and bool(
+            one.can.keys() & self._knowledge.needs(task, steps_made).keys()
+        )
+
+
+def check_assignments(
+    fleet: Fleet, tasks: Tasks, steps_made: int, is_news: bool, notes: Notes
+) -> None:
+    """Check after a step that each team heads for the task that it is due to do, or named.
+
+    Everybody is free after news (a loss, a return, needs that became known, a task that is
+    elsewhere) and when tasks appear, except from a task being served.
+    """
+    scenario = fleet.scenario
+    if scenario.allocation not in SHARED_OUT:
+        return
+    is_news = is_news or steps_made in tasks.openings()
+    for _, team in sorted(fleet.teams.items()):
+        due = None if team.due in tasks.done else team.due
+        if is_news and due not in team.services:
+            due = None
+        if not team.is_named and not team.was_serving and team.task != due:
+            by = "the plan" if scenario.allocation == "plan" else "its crew's list"
+            goes, should = (_name(fleet, task) for task in (team.task, due))
+            notes.note(f"{fleet.name(team)} heads for {goes}; by {by} it is {should}")
+
+
+def _name(fleet: Fleet, task: int | None) -> str:
+    return "nothing" if task is None else f"task {fleet.scenario.tasks[task].name}"

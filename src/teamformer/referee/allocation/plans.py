@@ -1,0 +1,157 @@
+"""Crews and shared plans: that they share out robots and open tasks, to those who can do them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence, Set
+from itertools import pairwise
+
+from teamformer.capabilities import Counts, covers, total
+from teamformer.model import Scenario
+from teamformer.referee.allocation.moments import News
+from teamformer.referee.finding import Search
+from teamformer.referee.truth import Knowledge
+from teamformer.referee.verdict import Notes
+from teamformer.sim.replay.record import Crew, Replay, SharedPlanMade
+
+
+def judge_plans(
+    replay: Replay, knowledge: Knowledge, search: Search, news: Sequence[News], notes: Notes
+) -> None:
+    """Check that crews and plans share out robots and open tasks."""
+    scenario = replay.mission
+    for allocation, made in (("crews", replay.crews), ("plan", replay.plans)):
+        if scenario.allocation != allocation and made:
+            notes.note(f"the record has {allocation}, and the scenario has none")
+    orders = dict(replay.orders)
+    if scenario.allocation == "crews":
+        for steps, crews in replay.crews:
+            left = _robots_left(scenario, steps)
+            _check_crews(replay, knowledge, steps, crews, left, orders.get(steps, ()), notes)
+    if scenario.allocation == "plan":
+        for steps, plan in replay.plans:
+            served = news[steps].served if steps < len(news) else {}
+            _check_plan(replay, knowledge, steps, plan, orders.get(steps, ()), notes)
+            _check_order(replay, knowledge, steps, plan, orders.get(steps, ()), served, notes)
+    for steps, scouts in replay.scouts:
+        _check_scouts(replay, knowledge, search, steps, scouts, orders.get(steps, ()), notes)
+
+
+def _robots_left(scenario: Scenario, steps: int) -> set[int]:
+    return {
+        number
+        for number, robot in enumerate(scenario.robots)
+        if not any(
+            away.lost <= steps < (steps + 1 if away.back is None else away.back)
+            for away in robot.absences
+        )
+    }
+
+
+def _check_plan(
+    replay: Replay,
+    knowledge: Knowledge,
+    steps: int,
+    plan: SharedPlanMade,
+    order: Sequence[int],
+    notes: Notes,
+) -> None:
+    when, left = f"the plan made after {steps} steps", _robots_left(replay.mission, steps)
+    if len(plan.coalitions) != len(order):
+        notes.note(f"{when} has {len(plan.coalitions)} coalitions for {len(order)} open tasks")
+    for task, coalition in zip(order, plan.coalitions, strict=False):
+        name, needs = replay.scenario.tasks[task].name, knowledge.needs(task, steps)
+        if not set(coalition) <= left or not _is_in_order(coalition):
+            what = "a robot twice, not in order or one that is lost"
+            notes.note(f"{when} has {what} in the coalition of {name}")
+        waits = not coalition and not _can_do(replay, left, task, needs)
+        if not waits and not _can_do(replay, coalition, task, needs):
+            notes.note(f"{when} has a coalition for task {name} that cannot do it")
+
+
+def _check_order(
+    replay: Replay,
+    knowledge: Knowledge,
+    steps: int,
+    plan: SharedPlanMade,
+    order: Sequence[int],
+    served: Mapping[int, Set[int]],
+    notes: Notes,
+) -> None:
+    """Check that what is served comes first, by who serves it, and what has to wait last."""
+    when, left = f"the plan made after {steps} steps", _robots_left(replay.mission, steps)
+    rows = dict(zip(order, plan.coalitions, strict=False))
+    for task, robots in served.items():
+        if set(rows.get(task, robots)) != robots:
+            name = replay.scenario.tasks[task].name
+            notes.note(f"{when} has others do task {name} than those who serve it")
+    waiting = [
+        task for task in order if not _can_do(replay, left, task, knowledge.needs(task, steps))
+    ]
+    waiting = sorted(set(waiting) - served.keys())
+    first, last = list(order[: len(served)]), list(order[len(order) - len(waiting) :])
+    if first != sorted(served) or last != waiting:
+        notes.note(f"{when} does not begin with what is served and end with what has to wait")
+
+
+def _is_in_order(numbers: Sequence[int]) -> bool:
+    return all(one < other for one, other in pairwise(numbers))
+
+
+def _check_scouts(
+    replay: Replay,
+    knowledge: Knowledge,
+    search: Search,
+    steps: int,
+    scouts: Sequence[tuple[int, int]],
+    order: Sequence[int],
+    notes: Notes,
+) -> None:
+    """Check that robots that are left look, each at an open task that is not all known."""
+    when, left = f"the plan made after {steps} steps", _robots_left(replay.mission, steps)
+    robots = [robot for robot, _ in scouts]
+    if replay.scenario.foresight != "scouting" or not scouts:
+        notes.note(f"the record has scouts from after {steps} steps, and nobody is one")
+    if steps not in dict(replay.plans):
+        notes.note(f"the record has scouts from after {steps} steps, when no plan was made")
+    if not set(robots) <= left or not _is_in_order(robots):
+        notes.note(f"{when} has a scout twice, not in order or one that is lost")
+    for _, task in scouts:
+        is_known = knowledge.is_shown(task, steps) and search.is_found(task, steps)
+        if task not in order or is_known:
+            name = replay.scenario.tasks[task].name
+            notes.note(f"{when} has somebody look at task {name}, of which all is known")
+
+
+def _check_crews(
+    replay: Replay,
+    knowledge: Knowledge,
+    steps: int,
+    crews: Sequence[Crew],
+    left: set[int],
+    order: Sequence[int],
+    notes: Notes,
+) -> None:
+    when = f"the crews made after {steps} steps"
+    if sorted(robot for crew in crews for robot in crew.robots) != sorted(left):
+        notes.note(f"{when} are not of all robots left, each in one")
+    listed = [task for crew in crews for task in crew.tasks]
+    needs = {task: knowledge.needs(task, steps) for task in {*order, *listed}}
+    waiting = [task for task in order if not _can_do(replay, left, task, needs[task])]
+    if sorted(listed + waiting) != sorted(order):
+        notes.note(f"{when} do not share out the open tasks, each on one list")
+    if not all(crew.robots and _is_in_order(crew.robots) for crew in crews):
+        notes.note(f"{when} have one of nobody, or robots not in order")
+    for crew in crews:
+        if [task for task in order if task in crew.tasks] != list(crew.tasks):
+            notes.note(f"{when} have a list that is not in order")
+        for task in crew.tasks:
+            if not _can_do(replay, crew.robots, task, needs[task]):
+                name = replay.scenario.tasks[task].name
+                notes.note(f"{when} have task {name} on the list of one that cannot do it")
+
+
+def _can_do(replay: Replay, numbers: Iterable[int], task: int, needs: Counts) -> bool:
+    world, at = replay.mission.world, replay.mission.tasks[task].at
+    robots = (replay.scenario.robots[robot] for robot in numbers)
+    near = (robot.can for robot in robots if world.region(robot.at) == world.region(at))
+    return covers(total(near), needs)

@@ -5,6 +5,7 @@ All that is known here of `order`, `new_tasks`, `allocation`, `foresight` and of
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -39,6 +40,11 @@ policy_of = cache(lambda method: load_policy(method, POLICIES))
 def as_played(scenario: Scenario, method: str) -> Scenario:
     """Return a mission as a method plays it."""
     return suited(scenario, policy_of(method))
+
+
+def without_plan(scenario: Scenario) -> Scenario:
+    """Return a mission in which decisions say who does what, and nothing is planned."""
+    return replace(scenario, allocation="paper", order="tsp")
 
 
 def play(scenario: Scenario, method: str, seed: int, bound: int | None = None) -> Trial:

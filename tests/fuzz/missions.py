@@ -28,7 +28,6 @@ GRAINS = (1000, 1000, 1000, 500, 333, 20_250, 1)
 RULES: dict[str, tuple[Any, ...]] = {
     "sensing_radius": RADII,
     "forming_steps": (0, 1),
-    "step_limit": (1, 7, 60, 300),
     "finding_radius": RADII,
     **FILE_KEYS,
 }
@@ -58,20 +57,23 @@ class Fleet:
 
 
 @st.composite
-def missions(draw: st.DrawFn, is_sure: bool = False, is_plain: bool = False) -> Tree:
+def missions(
+    draw: st.DrawFn, is_sure: bool = False, is_plain: bool = False, is_tiny: bool = False
+) -> Tree:
     """Return a mission in steps.
 
     `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after` and `between`, so
-    that fleets of processes can do it.
+    that fleets of processes can do it. One that `is_tiny` has two robots and tasks at most.
     """
+    most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
     is_sure = is_sure or is_plain or pick(draw, (True, False, False))
     world, caps = draw_world(draw), draw_names(draw, 1 + pick(draw, range(MOST_CAPABILITIES)))
-    fleet = _draw_fleet(draw, world, caps, MOST_ROBOTS)
+    fleet = _draw_fleet(draw, world, caps, most_robots)
     for robot in fleet.robots:
         _write_losses(draw, robot)
         if not is_sure:
             _write_surprises_of_robot(draw, robot)
-    tasks = _draw_tasks(draw, world, fleet, MOST_TASKS)
+    tasks = _draw_tasks(draw, world, fleet, most_tasks)
     for task in tasks:
         if now_and_then(draw, 2):
             task["duration"] = pick(draw, (1, 0, 2, 4))
@@ -86,6 +88,8 @@ def missions(draw: st.DrawFn, is_sure: bool = False, is_plain: bool = False) -> 
     for key, values in RULES.items():
         if now_and_then(draw, 3):
             tree[key] = pick(draw, values)
+    if not is_sure or "plane" in world.tree or now_and_then(draw, 3):  # else it is not far away
+        tree["step_limit"] = pick(draw, (200, 200, 60, 7, 1))
     if now_and_then(draw, 3):
         radii = (tree.get("sensing_radius", 1), pick(draw, RADII))
         tree["join_radius"] = min(radii, key=RADII_BY_SIZE.index)

@@ -51,7 +51,7 @@ def test_two_robots_part_because_they_are_faster_apart() -> None:
     assert (plan.solution.value, plan.solution.status) == (6, "optimal")
     assert tally.steps == plan.makespan == 7
     assert (tally.joins, tally.splits, tally.illegal_decisions) == (1, 1, 0)
-    assert plan.played_by == "search"
+    assert plan.played_by == "teamformer"  # the default parts them too, and is played first
 
 
 def test_like_robots_exchange_their_routes() -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -23,7 +24,7 @@ from teamformer.sim.env import Decision, Tally
 from teamformer.sim.view import View
 from teamformer.trials.list_schedule import list_schedule
 from teamformer.trials.registry import load_policy
-from teamformer.trials.trial import run_trials
+from teamformer.trials.trial import begin_trials, run_trials
 from teamformer.truth import draw_truth
 
 
@@ -67,10 +68,15 @@ class Clock:
 
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
         """Start the policy; what that takes is shared out evenly."""
-        began, began_cpu = time.perf_counter(), time.process_time()
-        self.policy.begin(everything, rng)
-        even = np.full(len(self.seconds), 1 / len(self.seconds))
-        self._share_out(even, began, began_cpu)
+        with self._sharing_evenly():
+            self.policy.begin(everything, rng)
+
+    def begin_in(
+        self, truths: Sequence[Scenario], seen: Sequence[Scenario], rng: np.random.Generator
+    ) -> Sequence[Scenario]:
+        """Start the policy as trials do, likewise."""
+        with self._sharing_evenly():
+            return begin_trials(self.policy, truths, seen, rng)
 
     def decide(self, view: View) -> Decision:
         """Let the policy decide; what that takes is shared out by rows of the view."""
@@ -80,6 +86,13 @@ class Clock:
         self._share_out(rows / rows.sum(), began, began_cpu)
         self.decisions += rows
         return decision
+
+    @contextmanager
+    def _sharing_evenly(self) -> Iterator[None]:
+        began, began_cpu = time.perf_counter(), time.process_time()
+        yield
+        even = np.full(len(self.seconds), 1 / len(self.seconds))
+        self._share_out(even, began, began_cpu)
 
     def _share_out(self, shares: Array, began: float, began_cpu: float) -> None:
         self.seconds += shares * (time.perf_counter() - began)

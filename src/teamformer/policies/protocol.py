@@ -45,6 +45,20 @@ class Planner(Policy, Protocol):
 
 
 @runtime_checkable
+class InHindsight(Policy, Protocol):
+    """A policy that is told everything, and may yet decide in a mission as the robots see it.
+
+    Trials begin it by `begin_in` instead of `begin`: with what each mission really is and what the
+    robots see of it. It returns the one of both, for each, that it is to decide in.
+    """
+
+    def begin_in(
+        self, truths: Sequence[Scenario], seen: Sequence[Scenario], rng: np.random.Generator
+    ) -> Sequence[Scenario]:
+        """Get ready for a new batch of trials."""
+
+
+@runtime_checkable
 class MadeFor(Policy, Protocol):
     """A policy that was made for some allocations, the first of them above all.
 

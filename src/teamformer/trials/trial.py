@@ -10,7 +10,7 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.policies.central.plays import CentralPlan
-from teamformer.policies.protocol import Planner, Policy
+from teamformer.policies.protocol import InHindsight, Planner, Policy
 from teamformer.sim.env import Tally, TeamFormation
 from teamformer.sim.replay.record import Replay
 from teamformer.trials.recorder import Recorder
@@ -50,11 +50,15 @@ def run_trial(
     begun = time.perf_counter()
     deciding = 0.0
     truth = draw_truth(scenario, seed)
-    env = TeamFormation([truth if policy.needs_everything else scenario], truths=[truth])
-    recorder = Recorder(env)
+    played = truth if policy.needs_everything else scenario
+    env, recorder = _recorded(played, truth)
     is_interrupted = False
     try:
-        deciding += _seconds(lambda: _begin(policy, [truth], seed))
+        asked = time.perf_counter()
+        [chosen] = begin_trials(policy, [truth], [scenario], np.random.default_rng(seed))
+        deciding += time.perf_counter() - asked
+        if chosen is not played:
+            env, recorder = _recorded(chosen, truth)
         while env.is_running[0]:
             view = env.view()
             asked = time.perf_counter()
@@ -84,9 +88,8 @@ def run_trials(
     """
     seeds = truth_seeds or [seed] * len(scenarios)
     truths = [draw_truth(scenario, own) for scenario, own in zip(scenarios, seeds, strict=True)]
-    played = truths if policy.needs_everything else scenarios
+    played = begin_trials(policy, truths, scenarios, np.random.default_rng(seed))
     with TeamFormation(played, threads=threads, truths=truths) as env:
-        _begin(policy, truths, seed)
         while env.is_running.any():
             env.step(policy.decide(env.view()))
         return [env.tally(w) for w in range(len(scenarios))]
@@ -98,12 +101,23 @@ def _best_bound(known: int | None, plan: CentralPlan | None) -> int | None:
     return max((bound for bound in (known, proven) if bound is not None), default=None)
 
 
-def _begin(policy: Policy, scenarios: Sequence[Scenario], seed: int) -> None:
-    """Start a policy; only one that says so is told more than its views."""
-    policy.begin(scenarios if policy.needs_everything else None, np.random.default_rng(seed))
+def begin_trials(
+    policy: Policy,
+    truths: Sequence[Scenario],
+    seen: Sequence[Scenario],
+    rng: np.random.Generator,
+) -> Sequence[Scenario]:
+    """Start a policy; only one that says so is told more than its views.
+
+    Return what it decides in, for each mission: what it really is, or what the robots see of it.
+    """
+    if isinstance(policy, InHindsight):
+        return policy.begin_in(truths, seen, rng)
+    policy.begin(truths if policy.needs_everything else None, rng)
+    return truths if policy.needs_everything else seen
 
 
-def _seconds(work: Callable[[], None]) -> float:
-    begun = time.perf_counter()
-    work()
-    return time.perf_counter() - begun
+def _recorded(scenario: Scenario, truth: Scenario) -> tuple[TeamFormation, Recorder]:
+    """Return an environment of one world and what writes it down."""
+    env = TeamFormation([scenario], truths=[truth])
+    return env, Recorder(env)

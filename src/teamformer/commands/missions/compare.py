@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from rich.table import Table
 from rich.text import Text
@@ -27,6 +28,28 @@ from teamformer.policies.protocol import Policy
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.trial import Trial
 
+COLUMNS = (
+    "policy",
+    "seed",
+    "makespan",
+    "to best",
+    "to bound",
+    "tasks",
+    "joins",
+    "splits",
+    "deciding",
+)
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A trial that came to nothing: who was to decide in which world, and what went wrong."""
+
+    world: Scenario
+    policy: str
+    seed: int
+    error: TeamformerError
+
 
 def compare(
     path: Path,
@@ -36,7 +59,10 @@ def compare(
     time_limit: float,
     as_json: bool,
 ) -> int:
-    """Run every policy with every seed and show them together; return the exit status."""
+    """Run every policy with every seed and show them together; return the exit status.
+
+    A trial that fails is a row that says why. Where all do, the first error is raised.
+    """
     twice = sorted({name for name in policy_names if policy_names.count(name) > 1})
     if twice:
         hint = "name it once; --seeds runs it more often"
@@ -47,80 +73,123 @@ def compare(
     played = worlds.values()
     has_shared_plan = any(world.allocation == "plan" for world in played)
     announce_compiling(policy_names, any(w.is_planned for w in played), has_shared_plan)
-    trials = _share_bound(_run_all(worlds, policies, seeds))
+    ran = _share_bound(_run_all(worlds, policies, seeds))
+    trials = [trial for trial in ran if isinstance(trial, Trial)]
+    failures = [trial for trial in ran if isinstance(trial, Failure)]
+    if not trials:
+        raise failures[0].error
     best = best_known(trials)
     if as_json:
-        for trial in trials:
-            print_json(result_row(trial, best))
+        for trial in ran:
+            print_json(
+                _failed_row(trial) if isinstance(trial, Failure) else result_row(trial, best)
+            )
     else:
         out.print(Text(scenario.name, style="bold"))
-        wide.print(_table(trials, best, scenario.allocation))
+        wide.print(_table(ran, best, scenario.allocation))
         bound = trials[0].replay.lower_bound
         out.print(f"best known {best or '-'}, lower bound {bound or '-'}")
         for trial in trials:
             if trial.plan is not None:
                 out.print(plan_line(trial.plan))
+        for failure in failures:
+            why = f"{failure.policy}, seed {failure.seed}: {_reason(failure.error)}"
+            out.print(Text(why, style="red"))
     is_complete = len(trials) == len(policies) * seeds
     return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
 
 
 def _run_all(
     worlds: Mapping[str, Scenario], policies: Mapping[str, Policy], seeds: int
-) -> list[Trial]:
+) -> list[Trial | Failure]:
     """Run every policy in its world with every seed; Ctrl-C ends it with what was done so far."""
-    trials: list[Trial] = []
+    ran: list[Trial | Failure] = []
     for name, policy in policies.items():
         for seed in range(seeds):
             say(f"{name}, seed {seed} ...")
-            trials.append(watch_trial(worlds[name], policy, name, seed))
-            if trials[-1].is_interrupted:
-                done = sum(trial.replay.end.status != "interrupted" for trial in trials)
+            trial = _try(worlds[name], policy, name, seed)
+            ran.append(trial)
+            if isinstance(trial, Trial) and trial.is_interrupted:
+                done = sum(not _is_interrupted(trial) for trial in ran)
                 say(f"interrupted: {done} of {len(policies) * seeds} trials ran to their end")
-                return trials
-    return trials
+                return ran
+    return ran
 
 
-def _share_bound(trials: Sequence[Trial]) -> list[Trial]:
+def _try(world: Scenario, policy: Policy, name: str, seed: int) -> Trial | Failure:
+    """Run a trial; what goes wrong in it is not to cost what the others have done."""
+    try:
+        return watch_trial(world, policy, name, seed)
+    except TeamformerError as error:
+        return Failure(world, name, seed, error)
+
+
+def _is_interrupted(trial: Trial | Failure) -> bool:
+    return isinstance(trial, Trial) and trial.replay.end.status == "interrupted"
+
+
+def _reason(error: TeamformerError) -> str:
+    """Return an error with its hint, in one line."""
+    lines = [*str(error).splitlines(), *([error.hint] if error.hint else [])]
+    return "; ".join(lines)
+
+
+def _share_bound(ran: Sequence[Trial | Failure]) -> list[Trial | Failure]:
     """Have all trials know the highest bound that any of them does.
 
     Their scenarios differ at most in the allocation, which no bound depends on.
     """
-    bounds = [trial.replay.lower_bound for trial in trials]
+    bounds = [trial.replay.lower_bound for trial in ran if isinstance(trial, Trial)]
     best = max((bound for bound in bounds if bound is not None), default=None)
-    return [replace(trial, replay=replace(trial.replay, lower_bound=best)) for trial in trials]
+    return [
+        replace(trial, replay=replace(trial.replay, lower_bound=best))
+        if isinstance(trial, Trial)
+        else trial
+        for trial in ran
+    ]
 
 
-def _table(trials: Sequence[Trial], best: int | None, allocation: str) -> Table:
+def _failed_row(failure: Failure) -> dict[str, Any]:
+    """Return what `--json` prints of a trial that came to nothing."""
+    return {
+        "scenario": failure.world.name,
+        "policy": failure.policy,
+        "seed": failure.seed,
+        "completed": False,
+        "status": "failed",
+        "makespan": None,
+        "allocation": failure.world.allocation,
+        "error": str(failure.error),
+        "hint": failure.error.hint,
+    }
+
+
+def _table(ran: Sequence[Trial | Failure], best: int | None, allocation: str) -> Table:
     """Return a row for each trial; who ran under another allocation is said to."""
     table = Table(box=None, header_style="dim")
-    columns = (
-        "policy",
-        "seed",
-        "makespan",
-        "to best",
-        "to bound",
-        "tasks",
-        "joins",
-        "splits",
-        "deciding",
-    )
-    for column in columns:
+    for column in COLUMNS:
         table.add_column(column, justify="left" if column == "policy" else "right")
-    for trial in trials:
-        replay, end = trial.replay, trial.replay.end
-        makespan = end.status if end.makespan is None else str(end.makespan)
-        bars = (best, replay.lower_bound)
-        over = [percent_over(end.makespan, bar) for bar in bars]
-        own = replay.scenario.allocation
-        label = replay.policy if own == allocation else f"{replay.policy}, {own}"
-        table.add_row(
-            Text(label),
-            str(replay.seed),
-            makespan,
-            *("" if gap is None else f"{gap:+.0f}%" for gap in over),
-            f"{end.tasks_done}/{len(replay.scenario.tasks)}",
-            str(end.joins),
-            str(end.splits),
-            f"{trial.decision_seconds:.3f} s",
-        )
+    for trial in ran:
+        if isinstance(trial, Failure):
+            table.add_row(Text(trial.policy), str(trial.seed), "failed")
+        else:
+            table.add_row(*_cells(trial, best, allocation))
     return table
+
+
+def _cells(trial: Trial, best: int | None, allocation: str) -> list[Text | str]:
+    replay, end = trial.replay, trial.replay.end
+    makespan = end.status if end.makespan is None else str(end.makespan)
+    over = [percent_over(end.makespan, bar) for bar in (best, replay.lower_bound)]
+    own = replay.scenario.allocation
+    label = replay.policy if own == allocation else f"{replay.policy}, {own}"
+    return [
+        Text(label),
+        str(replay.seed),
+        makespan,
+        *("" if gap is None else f"{gap:+.0f}%" for gap in over),
+        f"{end.tasks_done}/{len(replay.scenario.tasks)}",
+        str(end.joins),
+        str(end.splits),
+        f"{trial.decision_seconds:.3f} s",
+    ]

@@ -27,10 +27,9 @@ from teamformer.planning.teams.solve import (
 from teamformer.planning.teams.threshold_search import ThresholdSearch
 from teamformer.policies.central.plan_from_play import CoalitionLog, plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
-from teamformer.policies.central.plays import CentralPlan, Plays
+from teamformer.policies.central.plays import CentralPlan, Plays, default_policy
 from teamformer.policies.central.precedence import plan_with_precedence
 from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.joining import JoinAll, JoinCrew
 from teamformer.rules.constants import FAR
 
@@ -63,24 +62,31 @@ FOLLOWED: tuple[tuple[str, str, Policy], ...] = (
 
 
 def plan_centrally(
-    scenario: Scenario, time_limit: float, seed: int = 0, workers: int = 2
+    scenario: Scenario,
+    time_limit: float,
+    seed: int = 0,
+    workers: int = 2,
+    seen: Scenario | None = None,
 ) -> CentralPlan:
     """Return the best plan found in `time_limit` seconds; the first one if that is 0.
 
-    The shared plan and simple rules are played too, so that the plan is never slower than theirs.
+    The shared plan, simple rules and the default policy are played too, so that the plan is never
+    slower than they are. `seen` is what the robots see of the scenario, all of it if left out.
     """
-    plays = Plays(scenario, time.perf_counter(), time_limit)
+    plays = Plays(scenario, seen or scenario, time.perf_counter(), time_limit)
     shared = CoalitionLog(scenario)
-    if _has_time_for_shared_plan(scenario, time_limit):
-        plays.add("plan", FollowPlan(), log=shared)  # the first play is never cut short
+    is_shared = _has_time_for_shared_plan(scenario, time_limit)
+    if is_shared:
+        plays.add("plan", default_policy(), log=shared)  # the first play is never cut short
     if any(task.after for task in scenario.tasks):
+        _play_rules(scenario, plays, is_shared)
         return plan_with_precedence(scenario, plays, seed, workers)
     situation = situation_in_hindsight(scenario)
     search = _start(scenario, situation, seed)
     if search is not None:
         plays.add("search", _player(scenario, search.best))
         _restart(search, shared.plan(search.problem))
-    plays.add_simple_rules()
+    _play_rules(scenario, plays, is_shared)
     if search is None or time_limit == 0:
         solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
         bound, searched = solution.bound, []
@@ -95,6 +101,13 @@ def plan_centrally(
             "schedule", PlanPlayer(scenario, solution.schedule.routes, solution.schedule.order)
         )
     return plays.report(solution, bound, searched, is_first=time_limit == 0)
+
+
+def _play_rules(scenario: Scenario, plays: Plays, is_shared: bool) -> None:
+    """Play the rules that the plan must not be slower than, if there is time for a shared plan."""
+    plays.add_simple_rules()
+    if is_shared or scenario.allocation != "plan":
+        plays.add_default(is_shared)
 
 
 def _start(scenario: Scenario, situation: Situation, seed: int) -> ThresholdSearch | None:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.solve import Solution
 from teamformer.policies.central.plan_from_play import CoalitionLog
 from teamformer.policies.central.plan_player import PlanPlayer
+from teamformer.policies.learned.any_fleet import teamformer_any
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
@@ -22,11 +26,21 @@ Script = list[dict[int, tuple[Array, int]]]
 
 Curve = tuple[tuple[float, int], ...]
 
+DEFAULT = "teamformer"
+"""The name of the default policy."""
+
 SIMPLE_RULES: tuple[tuple[str, Policy], ...] = (("join-all", JoinAll()), ("heuristic", Heuristic()))
 """Rules that the plan must not be slower than."""
 
 SIMPLE = 0.15
 """Share of the time that the play of a simple rule may take."""
+
+DEFAULT_SECONDS = 5.0
+"""What the play of the default policy may take, however little time is left.
+
+That is far more than it takes in small missions, where so much is uncertain that every step makes
+another plan.
+"""
 
 MARGIN = 0.1
 """Seconds kept back at the end, besides what the last plays take."""
@@ -39,8 +53,9 @@ class CentralPlan:
     `solution` is the relaxed schedule, in which joining is free; no policy is faster than `bound`.
     `makespan` is what the plan takes under the step rules, None if it does not end. `played_by`
     says where the plan comes from: `search` (with forming counted), `schedule` (the relaxed one),
-    `plan` (the shared one) or a simple rule. `curve` holds each improvement as (seconds,
-    makespan). `is_first` says that there was no time to improve the first plan.
+    `plan` (the shared one), `teamformer` (the default policy) or a simple rule. `curve` holds each
+    improvement as (seconds, makespan). `is_first` says that there was no time to improve the first
+    plan. With `is_as_seen` the script is for the mission as the robots see it, who do not know all.
     """
 
     solution: Solution
@@ -50,17 +65,21 @@ class CentralPlan:
     script: Script
     curve: Curve = ()
     is_first: bool = False
+    is_as_seen: bool = False
 
 
 class Plays:
-    """What has been played of one scenario, and the time that is left."""
+    """What has been played of one scenario, and the time that is left.
 
-    def __init__(self, scenario: Scenario, begun: float, time_limit: float) -> None:
+    `seen` is what the robots see of it; the scenario itself where nothing is uncertain.
+    """
+
+    def __init__(self, scenario: Scenario, seen: Scenario, begun: float, time_limit: float) -> None:
         self.begun = begun
         self.makespan: int | None = None
         self.limit = time_limit
-        self._scenario = scenario
-        self._played_by, self._script = "", Script()
+        self._scenario, self._seen = scenario, seen
+        self._played_by, self._script, self._is_as_seen = "", Script(), False
         self._curve: list[tuple[float, int]] = []
         self._longest = 0.0  # seconds that a play took
 
@@ -75,28 +94,50 @@ class Plays:
         return max(0.0, self.limit - self.seconds - MARGIN - 1.5 * self._longest)
 
     def add_simple_rules(self) -> None:
-        """Play the rules that the plan must not be slower than."""
+        """Play the simple rules that the plan must not be slower than."""
         for name, rule in SIMPLE_RULES:
-            self.add(name, rule, most_seconds=SIMPLE * max(1.0, self.limit))
+            until = self.seconds + SIMPLE * max(1.0, self.limit)
+            self.add(name, rule, until=min(until, self._end))
+
+    def add_default(self, is_shared_plan_played: bool) -> None:
+        """Play what the default policy does, which the plan must not be slower than either.
+
+        What it does with the beliefs of the robots may be better than what it does when it knows
+        all.
+        """
+        until = max(self.limit, self.seconds + DEFAULT_SECONDS)
+        if not is_shared_plan_played:
+            self.add(DEFAULT, default_policy(), until=until)
+        if self._seen.has_surprises:
+            self.add(DEFAULT, default_policy(), until=until, is_as_seen=True)
+
+    @property
+    def _end(self) -> float:
+        """Return the second at which time is up; without a limit there is none."""
+        return self.limit or math.inf
 
     def add(
         self,
         name: str,
         player: PlanPlayer | Policy,
-        most_seconds: float = math.inf,
+        until: float | None = None,
         log: CoalitionLog | None = None,
+        is_as_seen: bool = False,
     ) -> None:
         """Play a plan or a policy, and keep its decisions if it is the fastest so far.
 
-        What is done is noted in `log`.
+        What is done is noted in `log`. With `is_as_seen` nobody knows more than the robots do.
 
-        Once there is a play to show, others end early: when they are no faster, when time is up,
-        or after `most_seconds`.
+        Once there is a play to show, others end early: when they are no faster, or at the second
+        `until`, when time is up if left out.
         """
-        env = TeamFormation([self._scenario])
+        played = self._seen if is_as_seen else self._scenario
+        env = TeamFormation([played], truths=[self._scenario])
         env.view()  # the shared plan is made here
+        if not isinstance(player, PlanPlayer):
+            player.begin(None, np.random.default_rng(0))
         begun = self.seconds
-        end = begun + most_seconds if self.limit == 0 else min(begun + most_seconds, self.limit)
+        end = self._end if until is None else until
         most = NEVER if self.makespan is None else self.makespan
         script: Script = []
         while env.is_running[0] and len(script) < most:
@@ -107,10 +148,11 @@ class Plays:
                 log.note(env)
         tally = env.tally()
         if tally.status == "completed" and tally.steps < most:
-            self.makespan, self._played_by, self._script = tally.steps, name, script
+            self.makespan = tally.steps
+            self._played_by, self._script, self._is_as_seen = name, script, is_as_seen
             self._curve.append((self.seconds, tally.steps))
         elif self.makespan is None:
-            self._played_by, self._script = name, script
+            self._played_by, self._script, self._is_as_seen = name, script, is_as_seen
         self._longest = max(self._longest, self.seconds - begun)
 
     def report(
@@ -128,8 +170,21 @@ class Plays:
             if is_better and self.makespan is not None and steps >= self.makespan:
                 curve.append((round(seconds, 3), steps))
         return CentralPlan(
-            solution, bound, self.makespan, self._played_by, script, tuple(curve), is_first
+            solution=solution,
+            bound=bound,
+            makespan=self.makespan,
+            played_by=self._played_by,
+            script=script,
+            curve=tuple(curve),
+            is_first=is_first,
+            is_as_seen=self._is_as_seen,
         )
+
+
+@cache
+def default_policy() -> Policy:
+    """Return what `run` and all other verbs play unless they are told otherwise."""
+    return teamformer_any()
 
 
 def _step(env: TeamFormation, player: PlanPlayer | Policy) -> dict[int, tuple[Array, int]]:

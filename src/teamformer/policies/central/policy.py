@@ -30,8 +30,9 @@ class Central:
     """Plans for up to `time_limit` seconds a scenario, then plays what it found.
 
     A search over who does what in which order counts what forming costs. Its best plan is
-    played through the simulator beforehand, as are the relaxed schedule and simple rules; the
-    fastest play becomes the script that `decide` reads out. A limit of 0 gives the first plan.
+    played through the simulator beforehand, as are the relaxed schedule, simple rules and the
+    default policy; the fastest play becomes the script that `decide` reads out. A limit of 0 gives
+    the first plan.
     """
 
     needs_everything = True
@@ -45,15 +46,27 @@ class Central:
         """Plan every scenario."""
         if everything is None:
             raise ValueError("the central planner has to be given the scenarios")
+        self.begin_in(everything, everything, rng)
+
+    def begin_in(
+        self, truths: Sequence[Scenario], seen: Sequence[Scenario], rng: np.random.Generator
+    ) -> Sequence[Scenario]:
+        """Plan every scenario; return those in which the best plan is to be played."""
         seed = int(rng.integers(2**31))
-        for allocation in sorted({scenario.allocation for scenario in everything}):
+        for allocation in sorted({scenario.allocation for scenario in truths}):
             _warm_up(allocation)
-        if any(task.after for scenario in everything for task in scenario.tasks):
+        if any(task.after for scenario in truths for task in scenario.tasks):
             warm_up_coalitions()
+        both = list(zip(truths, seen, strict=True))
         self.plans = [
-            plan_centrally(scenario, self.time_limit, seed, self.workers) for scenario in everything
+            plan_centrally(truth, self.time_limit, seed, self.workers, believed)
+            for truth, believed in both
         ]
         self._steps = np.zeros(len(self.plans), dtype=np.int64)
+        return [
+            believed if plan.is_as_seen else truth
+            for plan, (truth, believed) in zip(self.plans, both, strict=True)
+        ]
 
     def decide(self, view: View) -> Decision:
         """Read the next line of each world's script."""

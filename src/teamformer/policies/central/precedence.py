@@ -29,8 +29,7 @@ SLOWEST, FASTEST = 0.001, 1000.0
 
 
 def plan_with_precedence(scenario: Scenario, plays: Plays, seed: int, workers: int) -> CentralPlan:
-    """Return the best play of plans and simple rules."""
-    plays.add_simple_rules()
+    """Return the best play, of those made before and of plans that know of precedence."""
     solution = solve(scenario, RELAXING * plays.seconds_left, seed=seed, workers=1)
     bound = max(solution.bound, lower_bound(scenario))
     mission = pose_mission(_as_continuous(scenario))
@@ -59,9 +58,17 @@ def _search_and_play(
 
 
 def _as_continuous(scenario: Scenario) -> Scenario:
-    """Return a mission in which steps are a time like any other; losses are not foreseen."""
+    """Return a mission in which steps are a time like any other.
+
+    Losses are not foreseen; of delays only how fast a robot is on average.
+    """
     paced = tuple(
-        replace(robot, speed=_possible(scenario.world.pace(robot.speed)), absences=())
+        replace(
+            robot,
+            speed=_possible(scenario.world.pace(robot.expected_speed)),
+            absences=(),
+            delays=None,
+        )
         for robot in scenario.robots
     )
     return replace(scenario, robots=paced, time="continuous", forming=float(scenario.forming_steps))

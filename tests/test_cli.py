@@ -150,6 +150,30 @@ def test_compare_shows_every_policy_against_the_best(capsys: pytest.CaptureFixtu
     assert f"schedule with free joining: {rows[2]['relaxed']} (optimal" in shown
 
 
+def test_compare_measures_each_truth_by_its_own_bars(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One step to a task of none to five: by seed all are done in another number of steps."""
+    path = tmp_path / "unsure.yaml"
+    path.write_text(
+        "teamformer: 1\nworld: {grid: [3, 1]}\ncapabilities: [a]\n"
+        "robots: [{at: [0, 0], can: [a]}]\n"
+        "tasks: [{at: [1, 0], needs: [a], duration: [0, 5], between: [0, 4]}]\n"
+    )
+    words = ("compare", str(path), "--policies", "join-all,join-fitting", "--seeds", "4")
+    assert teamformer(*words, "--json") == 0
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    made = {row["seed"]: row["makespan"] for row in rows}
+    assert len(set(made.values())) > 1
+    for row in rows:
+        assert row["makespan"] == row["best_known"] == row["lower_bound"] == made[row["seed"]]
+        assert (row["percent_over_best"], row["percent_over_bound"]) == (0, 0)
+    assert teamformer(*words) == 0
+    shown = capsys.readouterr().out
+    for seed, steps in made.items():
+        assert f"seed {seed}: best known {steps}, lower bound {steps}\n" in shown
+
+
 def test_generate_makes_a_scenario_that_runs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

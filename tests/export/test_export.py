@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,11 @@ from teamformer.commands.records.export import Wanted, export
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
-from teamformer.export.reasons import _why_task, explain, story_lines
+from teamformer.export.plans_in_force import PlansInForce
+from teamformer.export.reasons import explain, story_lines
 from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.model import Absence, Breakdown, Robot, Scenario, Task
+from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
 from teamformer.sim.replay.reading import read_replay
@@ -93,8 +96,53 @@ def test_a_shared_plan_says_who_does_what_and_who_took_whose_part() -> None:
     replay = replace(before, plans=plans, steps=steps)
     told = [why for _, _, why in story_lines(replay, 0)]
     assert told[0] == "the plan has a do it"
-    later = list(moments(replay))[2]
-    assert _why_task(replay, later, 0, 0) == "the plan has =b do it"
+    held, doing = PlansInForce(replay), []
+    for number in range(1, 4):
+        held.go_on(number)
+        doing.append(held.coalition(0))
+    assert doing == [(0,), (1,), (1,)]
+
+
+class CountedSteps(tuple[Step, ...]):
+    """Steps of a record that count how many of them were handed out."""
+
+    handed_out = 0
+
+    def __iter__(self) -> Iterator[Step]:
+        for step in super().__iter__():
+            self.handed_out += 1
+            yield step
+
+    def __getitem__(self, which: Any) -> Any:
+        found = super().__getitem__(which)
+        self.handed_out += len(found) if isinstance(which, slice) else 1
+        return found
+
+
+def much_happens(steps: int) -> Replay:
+    """Three robots break down again and again beside a task that waits for who is away for good."""
+    lame = replace(robot("a", 1), breaks=Breakdown(0.1, (2, 5)))
+    away = replace(robot("b", 5), absences=(Absence(3, 900_000),))
+    tasks = [task("a", 3), task("b", 8)]
+    scenario = make([lame] * 3 + [away], tasks, allocation="plan", step_limit=steps)
+    return run_trial(scenario, FollowPlan(), "follow-plan").replay
+
+
+@pytest.mark.parametrize("tells", ["story", "mcap"])
+def test_a_record_is_gone_through_once_however_much_happens(tells: str, tmp_path: Path) -> None:
+    """Each of the few readers of a record looks at each step a few times."""
+    write: Any = None
+    if tells == "mcap":
+        write = pytest.importorskip("teamformer.export.mcap_file").write_mcap
+    for steps in (100, 800):
+        replay = much_happens(steps)
+        counted = CountedSteps(replay.steps)
+        replay = replace(replay, steps=counted)
+        if tells == "mcap":
+            write(replay, tmp_path / "record.mcap")
+        else:
+            assert len(explain(replay, 0)) > steps / 10
+        assert steps <= counted.handed_out <= 10 * steps
 
 
 def test_plans_made_anew_say_after_what() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -45,7 +46,9 @@ class Event:
 def events(replay: Replay) -> Iterator[Event]:
     """Yield the events of a record."""
     members = {slot: tuple(robots) for slot, robots, _, _ in replay.start}
-    opens = opening_steps(replay)
+    appears: defaultdict[int, list[int]] = defaultdict(list)
+    for task, opened in enumerate(opening_steps(replay)):
+        appears[opened].append(task)
     for number, step in enumerate(replay.steps, start=1):
         for stay, leave in step.splits:
             members.pop(min(*stay, *leave))
@@ -70,9 +73,8 @@ def events(replay: Replay) -> Iterator[Event]:
             yield Event(number, "needs", task=task)
         for task, slot in step.done:
             yield Event(number, "done", members[slot], task)
-        for late, opened in enumerate(opens):
-            if opened == number:
-                yield Event(number, "appears", task=late)
+        for task in appears.get(number, ()):
+            yield Event(number, "appears", task=task)
     yield Event(len(replay.steps), replay.end.status)
 
 

@@ -6,6 +6,7 @@ A cell of a grid is a metre and a step a second; planes keep their own metres an
 from __future__ import annotations
 
 import colorsys
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -40,7 +41,7 @@ from foxglove.messages import (
     Vector3,
 )
 
-from teamformer.export.events import events
+from teamformer.export.events import Event, events
 from teamformer.export.moments import NOBODY, Moment, moments, seconds_a_step
 from teamformer.grid import Grid as GridWorld
 from teamformer.grid import Place
@@ -64,7 +65,9 @@ def write_mcap(replay: Replay, path: Path) -> int:
     context = foxglove.Context()
     channels = _Channels(context)
     length = seconds_a_step(replay.scenario)
-    log = {step: [e for e in events(replay) if e.step == step] for step in _event_steps(replay)}
+    log: defaultdict[int, list[Event]] = defaultdict(list)
+    for event in events(replay):
+        log[event.step].append(event)
     spans = list(zip(opening_steps(replay), _ends(replay), strict=True))
     with foxglove.open_mcap(path, allow_overwrite=True, context=context):
         channels.map(replay.scenario)
@@ -81,10 +84,6 @@ def _ends(replay: Replay) -> list[int]:
     """Return the step in which each task was done, or one after the last."""
     done = done_steps(replay)
     return [done.get(task, len(replay.steps) + 1) for task in range(len(replay.scenario.tasks))]
-
-
-def _event_steps(replay: Replay) -> set[int]:
-    return {event.step for event in events(replay)}
 
 
 class _Channels:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 from teamformer.capabilities import describe, missing, total
 from teamformer.export.events import events
@@ -17,6 +19,7 @@ from teamformer.export.moments import (
     Moment,
     moments,
 )
+from teamformer.export.plans_in_force import PlansInForce
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import opening_steps
@@ -33,51 +36,116 @@ class Chapter:
 
 
 def explain(replay: Replay, robot: int) -> list[Chapter]:
-    """Return the story of a robot, a chapter for each thing that it did."""
-    seen = list(moments(replay))
-    chapters: list[Chapter] = []
-    doing: tuple[str, int] | None = None
-    begun = 0
-    for moment in seen[1:]:
+    """Return the story of a robot, a chapter for each thing that it did.
+
+    The record is gone through once: a chapter is told when it begins, by what was known then.
+    """
+    narrator = _Narrator(replay, robot)
+    told: list[tuple[int, str, str]] = []  # steps made, what, why
+    doing = None
+    for moment in islice(moments(replay), 1, None):
+        narrator.go_on(moment.step)
         now = (moment.phase[robot], moment.pursued[robot])
-        if now != doing and doing is not None:
-            chapters.append(_chapter(replay, seen, robot, begun, moment.step - 1, doing))
-            begun = moment.step - 1
+        if now != doing:
+            told.append((moment.step - 1, narrator.what(moment), narrator.why(moment)))
         doing = now
-    if doing is not None:
-        chapters.append(_chapter(replay, seen, robot, begun, seen[-1].step, doing))
-    return chapters
+    ends = [*(begun for begun, _, _ in told[1:]), len(replay.steps)]
+    return [Chapter(begun, end, *said) for (begun, *said), end in zip(told, ends, strict=False)]
 
 
-def _chapter(
-    replay: Replay, seen: list[Moment], robot: int, begun: int, ended: int, doing: tuple[str, int]
-) -> Chapter:
-    phase, task = doing
-    scenario, moment = replay.scenario, seen[begun + 1]
-    name = "" if task == NOBODY else scenario.tasks[task].name
-    mates = _mates(scenario, moment, robot)
-    what = {
-        LOST: "lost",
-        IDLE: "idle",
-        FORMING: f"forms {mates}" if mates else "forms a team",
-        SERVING: f"serves {name}",
-        WAITING: f"waits at {name}",
-    }.get(phase, f"walks to {name}" if name else "walks, while plans are made anew")
-    if mates and phase not in (LOST, FORMING):
-        what = f"{what}, {mates}"
-    return Chapter(begun, ended, what, _why(replay, moment, robot, phase, task))
+class _Narrator:
+    """Tells what a robot does in a step and why; goes on from step to step."""
 
+    def __init__(self, replay: Replay, robot: int) -> None:
+        self._replay, self._scenario, self._robot = replay, replay.scenario, robot
+        self._opens = opening_steps(replay)
+        self._done: set[int] = set()
+        self._plans = PlansInForce(replay)
+        self._news: defaultdict[int, list[str]] = defaultdict(list)
+        for event in events(replay):
+            if event.kind in ("appears", "lost", "back", "needs"):
+                self._news[event.step].append(event.text(replay.mission))
 
-def _why(replay: Replay, moment: Moment, robot: int, phase: str, task: int) -> str:
-    if phase == WAITING:
-        return _why_waiting(replay.mission, moment, robot, task)
-    if phase == IDLE:
-        return _why_idle(replay, moment, robot)
-    if phase == SERVING:
-        return "its team brings all that the task needs"
-    if phase in (LOST, FORMING) or task == NOBODY:
+    def go_on(self, number: int) -> None:
+        """Go on to a step, from the one before."""
+        self._plans.go_on(number)
+        self._done.update(task for task, _ in self._replay.steps[number - 1].done)
+
+    def what(self, moment: Moment) -> str:
+        """Return what the robot does, and with whom."""
+        phase, task = moment.phase[self._robot], moment.pursued[self._robot]
+        name = "" if task == NOBODY else self._scenario.tasks[task].name
+        mates = _mates(self._scenario, moment, self._robot)
+        what = {
+            LOST: "lost",
+            IDLE: "idle",
+            FORMING: f"forms {mates}" if mates else "forms a team",
+            SERVING: f"serves {name}",
+            WAITING: f"waits at {name}",
+        }.get(phase, f"walks to {name}" if name else "walks, while plans are made anew")
+        return f"{what}, {mates}" if mates and phase not in (LOST, FORMING) else what
+
+    def why(self, moment: Moment) -> str:
+        """Return why the robot does it; nothing where that goes without saying."""
+        phase, task = moment.phase[self._robot], moment.pursued[self._robot]
+        if phase == WAITING:
+            return _why_waiting(self._replay.mission, moment, self._robot, task)
+        if phase == IDLE:
+            return self._why_idle(moment)
+        if phase == SERVING:
+            return "its team brings all that the task needs"
+        if phase in (LOST, FORMING) or task == NOBODY:
+            return ""
+        return "; ".join(filter(None, (self._why_task(moment, task), self._why_now())))
+
+    def _why_idle(self, moment: Moment) -> str:
+        is_open = [
+            task
+            for number, task in enumerate(self._scenario.tasks)
+            if self._opens[number] < moment.step and number not in self._done
+        ]
+        if not is_open:
+            return "no task is open"
+        if self._plans.has_shared_plan and not self._has_part_left():
+            return "the plan has nothing left for it"
+        can = total(self._scenario.robots[mate].can for mate in _team(moment, self._robot))
+        useful = [task.name for task in is_open if set(task.needs) & set(can)]
+        if not useful:
+            return "no open task needs what it brings"
+        return f"others are to do {', '.join(useful)}"
+
+    def _has_part_left(self) -> bool:
+        """Say whether the shared plan has the robot do a task that is not done."""
+        left = self._plans.tasks_shared_out() - self._done
+        return any(self._robot in self._plans.coalition(task) for task in left)
+
+    def _why_task(self, moment: Moment, task: int) -> str:
+        """Return which plan said so: the policy itself, a crew's list, or the shared order."""
+        if moment.team[self._robot] in self._replay.steps[moment.step - 1].named:
+            return "its policy named the task itself"
+        if self._plans.has_shared_plan:
+            looking = self._plans.scouts_of(task).intersection(_team(moment, self._robot))
+            if looking:
+                names = ", ".join(self._scenario.robots[scout].name for scout in sorted(looking))
+                return f"the plan has {names} look first what is to be known of it"
+            return _in_plan(self._scenario, self._plans.coalition(task))
+        for number, crew in enumerate(self._plans.crews, start=1):
+            if self._robot in crew.robots:
+                whose = "its" if task in crew.tasks else "another crew than its"
+                return f"on the list of {whose} crew {number}"
+        if task in self._plans.order:
+            place = self._plans.order.index(task) + 1
+            return f"number {place} in the order that everybody shares"
         return ""
-    return "; ".join(filter(None, (_why_task(replay, moment, robot, task), _plan(replay, moment))))
+
+    def _why_now(self) -> str:
+        """Return when the plan that holds was made, and after what, if not at the start."""
+        made = self._plans.made
+        if not made:
+            return ""
+        taken_over = ["a longer search was taken over"] if self._plans.is_taken_over else []
+        causes = [*self._news.get(made, ()), *taken_over]
+        return f"planned anew after step {made}{': ' if causes else ''}{', '.join(causes)}"
 
 
 def _why_waiting(scenario: Scenario, moment: Moment, robot: int, task: int) -> str:
@@ -94,110 +162,10 @@ def _why_waiting(scenario: Scenario, moment: Moment, robot: int, task: int) -> s
     return f"lacks {describe(short)}, which {who} brings"
 
 
-def _why_idle(replay: Replay, moment: Moment, robot: int) -> str:
-    scenario, opens = replay.scenario, opening_steps(replay)
-    done = {
-        event.task for event in events(replay) if event.kind == "done" and event.step <= moment.step
-    }
-    is_open = [
-        task
-        for number, task in enumerate(scenario.tasks)
-        if opens[number] < moment.step and number not in done
-    ]
-    plan = _shared_plan(replay, moment)
-    if is_open and plan is not None:
-        parts = [robots for task, robots in plan.items() if task not in done]
-        if not any(robot in robots for robots in parts):
-            return "the plan has nothing left for it"
-    can = total(scenario.robots[mate].can for mate in _team(moment, robot))
-    useful = [task.name for task in is_open if set(task.needs) & set(can)]
-    if not is_open:
-        return "no task is open"
-    if not useful:
-        return "no open task needs what it brings"
-    return f"others are to do {', '.join(useful)}"
-
-
-def _why_task(replay: Replay, moment: Moment, robot: int, task: int) -> str:
-    """Return which plan said so: the policy itself, a crew's list, or the shared order."""
-    step = replay.steps[moment.step - 1]
-    if moment.team[robot] in step.named:
-        return "its policy named the task itself"
-    plan = _shared_plan(replay, moment)
-    if plan is not None:
-        looking = _scouts_of(replay, moment, task).intersection(_team(moment, robot))
-        if looking:
-            names = ", ".join(replay.scenario.robots[scout].name for scout in sorted(looking))
-            return f"the plan has {names} look first what is to be known of it"
-        return _in_plan(replay.scenario, plan.get(task, ()))
-    crews = [row for row in replay.crews if row[0] < moment.step]
-    if crews:
-        for number, crew in enumerate(crews[-1][1], start=1):
-            if robot in crew.robots:
-                is_own = task in crew.tasks
-                return (
-                    f"on the list of {'its' if is_own else 'another crew than its'} crew {number}"
-                )
-    orders = [row for row in replay.orders if row[0] < moment.step]
-    if orders and task in orders[-1][1]:
-        return f"number {orders[-1][1].index(task) + 1} in the order that everybody shares"
-    return ""
-
-
-def _shared_plan(replay: Replay, moment: Moment) -> dict[int, tuple[int, ...]] | None:
-    """Return who does which task by the shared plan of a step; None without one.
-
-    Like robots may have exchanged their parts since it was made.
-    """
-    plans = [row for row in replay.plans if row[0] < moment.step]
-    if not plans:
-        return None
-    made, plan = plans[-1]
-    order = [tasks for at, tasks in replay.orders if at <= made][-1]
-    played_by = {robot: robot for coalition in plan.coalitions for robot in coalition}
-    for step in replay.steps[made : moment.step - 1]:
-        for one, other in step.took:
-            parts = {robot: part for part, robot in played_by.items()}
-            played_by[parts.get(one, one)], played_by[parts.get(other, other)] = other, one
-    return {
-        task: tuple(played_by[robot] for robot in coalition)
-        for task, coalition in zip(order, plan.coalitions, strict=True)
-    }
-
-
-def _scouts_of(replay: Replay, moment: Moment, task: int) -> set[int]:
-    """Return who scouts a task by the shared plan of a step, as exchanged since."""
-    made = max(at for at, _ in replay.plans if at < moment.step)
-    looks = dict(dict(replay.scouts).get(made, ()))
-    for step in replay.steps[made : moment.step - 1]:
-        for one, other in step.took:
-            swapped = {one: looks.pop(other, None), other: looks.pop(one, None)}
-            looks |= {robot: at for robot, at in swapped.items() if at is not None}
-    return {robot for robot, at in looks.items() if at == task}
-
-
 def _in_plan(scenario: Scenario, robots: tuple[int, ...]) -> str:
     names = ", ".join(scenario.robots[robot].name for robot in robots)
     together = " together" if len(robots) > 1 else ""
     return f"the plan has {names} do it{together}" if robots else ""
-
-
-def _plan(replay: Replay, moment: Moment) -> str:
-    """Return when the plan that holds was made, and after what, if not at the start."""
-    made = max(
-        (row[0] for row in (*replay.orders, *replay.crews, *replay.plans) if row[0] < moment.step),
-        default=0,
-    )
-    if not made:
-        return ""
-    causes = [
-        event.text(replay.mission)
-        for event in events(replay)
-        if event.step == made and event.kind in ("appears", "lost", "back", "needs")
-    ]
-    if any(row[0] == made and "taken over" in row[1].reasons for row in replay.plans):
-        causes.append("a longer search was taken over")
-    return f"planned anew after step {made}{': ' if causes else ''}{', '.join(causes)}"
 
 
 def _team(moment: Moment, robot: int) -> list[int]:

@@ -73,22 +73,22 @@ def compare(
     played = worlds.values()
     has_shared_plan = any(world.allocation == "plan" for world in played)
     announce_compiling(policy_names, any(w.is_planned for w in played), has_shared_plan)
-    ran = _share_bound(_run_all(worlds, policies, seeds))
+    ran = _run_all(worlds, policies, seeds)
     trials = [trial for trial in ran if isinstance(trial, Trial)]
     failures = [trial for trial in ran if isinstance(trial, Failure)]
     if not trials:
         raise failures[0].error
-    best = best_known(trials)
+    bars = _find_bars(trials, scenario.has_surprises)
+    ran = [_knowing(trial, bars) for trial in ran]
+    trials = [trial for trial in ran if isinstance(trial, Trial)]
     if as_json:
         for trial in ran:
-            print_json(
-                _failed_row(trial) if isinstance(trial, Failure) else result_row(trial, best)
-            )
+            print_json(_json_row(trial, bars))
     else:
         out.print(Text(scenario.name, style="bold"))
-        wide.print(_table(ran, best, scenario.allocation))
-        bound = trials[0].replay.lower_bound
-        out.print(f"best known {best or '-'}, lower bound {bound or '-'}")
+        wide.print(_table(ran, bars, scenario.allocation))
+        for line in _bar_lines(bars, scenario.has_surprises):
+            out.print(line)
         for trial in trials:
             if trial.plan is not None:
                 out.print(plan_line(trial.plan))
@@ -134,19 +134,53 @@ def _reason(error: TeamformerError) -> str:
     return "; ".join(lines)
 
 
-def _share_bound(ran: Sequence[Trial | Failure]) -> list[Trial | Failure]:
-    """Have all trials know the highest bound that any of them does.
+@dataclass(frozen=True)
+class Bars:
+    """What trials of one mission are measured by: the fastest of them and the highest bound."""
 
-    Their scenarios differ at most in the allocation, which no bound depends on.
+    best: int | None
+    bound: int | None
+
+
+def _find_bars(trials: Sequence[Trial], is_uncertain: bool) -> dict[int, Bars]:
+    """Return the bars of each seed, which are the same for all where nothing is uncertain.
+
+    Else each seed is a mission of its own. The scenarios of a seed differ at most in the
+    allocation, which no bound depends on.
     """
-    bounds = [trial.replay.lower_bound for trial in ran if isinstance(trial, Trial)]
-    best = max((bound for bound in bounds if bound is not None), default=None)
-    return [
-        replace(trial, replay=replace(trial.replay, lower_bound=best))
-        if isinstance(trial, Trial)
-        else trial
-        for trial in ran
-    ]
+    bars = {}
+    for seed in dict.fromkeys(trial.replay.seed for trial in trials):
+        alike = [trial for trial in trials if trial.replay.seed == seed or not is_uncertain]
+        bounds = (trial.replay.lower_bound for trial in alike)
+        bound = max((bound for bound in bounds if bound is not None), default=None)
+        bars[seed] = Bars(best_known(alike), bound)
+    return bars
+
+
+def _knowing(trial: Trial | Failure, bars: Mapping[int, Bars]) -> Trial | Failure:
+    """Have a trial know the highest bound of its mission."""
+    if isinstance(trial, Failure):
+        return trial
+    bound = bars[trial.replay.seed].bound
+    return replace(trial, replay=replace(trial.replay, lower_bound=bound))
+
+
+def _bar_lines(bars: Mapping[int, Bars], is_uncertain: bool) -> list[str]:
+    """Return the bars as they are shown: those of each seed where they differ."""
+    said = {
+        seed: f"best known {bar.best or '-'}, lower bound {bar.bound or '-'}"
+        for seed, bar in bars.items()
+    }
+    if is_uncertain and len(said) > 1:
+        return [f"seed {seed}: {line}" for seed, line in said.items()]
+    return list(said.values())[:1]
+
+
+def _json_row(trial: Trial | Failure, bars: Mapping[int, Bars]) -> dict[str, Any]:
+    """Return what `--json` prints of a trial, be it one that came to nothing."""
+    if isinstance(trial, Failure):
+        return _failed_row(trial)
+    return result_row(trial, bars[trial.replay.seed].best)
 
 
 def _failed_row(failure: Failure) -> dict[str, Any]:
@@ -164,7 +198,7 @@ def _failed_row(failure: Failure) -> dict[str, Any]:
     }
 
 
-def _table(ran: Sequence[Trial | Failure], best: int | None, allocation: str) -> Table:
+def _table(ran: Sequence[Trial | Failure], bars: Mapping[int, Bars], allocation: str) -> Table:
     """Return a row for each trial; who ran under another allocation is said to."""
     table = Table(box=None, header_style="dim")
     for column in COLUMNS:
@@ -173,7 +207,7 @@ def _table(ran: Sequence[Trial | Failure], best: int | None, allocation: str) ->
         if isinstance(trial, Failure):
             table.add_row(Text(trial.policy), str(trial.seed), "failed")
         else:
-            table.add_row(*_cells(trial, best, allocation))
+            table.add_row(*_cells(trial, bars[trial.replay.seed].best, allocation))
     return table
 
 

@@ -308,14 +308,14 @@ def _task_table(replay: Replay) -> Table:
 
 def _losses(replay: Replay) -> str:
     """Name the robots that were lost, with their steps; the first ones of many."""
-    back = [(robot, n) for n, step in enumerate(replay.steps, start=1) for robot in step.back]
-    lost = []
+    lost: list[str] = []
+    latest: dict[int, int] = {}  # the entry in the list of each robot that is lost
     for number, step in enumerate(replay.steps, start=1):
+        for robot in step.back:
+            lost[latest[robot]] += f" (back in {number})"
         for robot in step.lost:
-            again = next((n for who, n in back if who == robot and n > number), None)
-            name = replay.scenario.robots[robot].name
-            until = "" if again is None else f" (back in {again})"
-            lost.append(f"{name} in step {number}{until}")
+            latest[robot] = len(lost)
+            lost.append(f"{replay.scenario.robots[robot].name} in step {number}")
     more = [f"{len(lost) - MOST_NAMES} more"] if len(lost) > MOST_NAMES else []
     return ", ".join(lost[:MOST_NAMES] + more)
 

@@ -141,8 +141,15 @@ class _Referee:
         check_named(fleet, step.named, notes)
         now = {robot: team for team in fleet.teams.values() for robot in team.robots}
         return [
-            Move(slot, at, stood[slot], now[slot].at if now[slot].is_way_told else None)
+            Move(
+                slot,
+                at,
+                stood[slot],
+                team.at if team.is_way_told else None,
+                team.met_at is not None,
+            )
             for slot, at in decided_at.items()
+            for team in [now[slot]]
         ]
 
 

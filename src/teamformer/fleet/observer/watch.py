@@ -3,21 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
-from teamformer.fleet.messages import NOBODY, Beat, FactsNote, Message, TaskFact, Word
+from teamformer.fleet.messages import NOBODY, SERVE, Beat, FactsNote, Message, TaskFact, Word
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.rehearsal.record import Teams, team_changes, teams_without
+from teamformer.fleet.rehearsal.record import (
+    Deed,
+    Teams,
+    team_changes,
+    teams_shown,
+    teams_without,
+    who_did,
+)
 from teamformer.grid import Grid, Place
 from teamformer.model import Task
 from teamformer.plane import DECIMALS
 from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
+
+STAYS = 3
+"""Steps for which a robot's word that it is at work holds on, if it says something else since."""
+
+
+class _Service(NamedTuple):
+    """What a robot was at work on by its word, in which team, after how many steps."""
+
+    task: int
+    team: int
+    step: int
 
 
 class Watch:
     """Keeps everybody's newest word, the tasks and which are done; `step` writes down what changed.
 
     A robot is lost while its newest word says so. Robots in one place that say they are one team
-    are shown as one.
+    are shown as one, and so are, in the step in which it is heard of, those that did a task: they
+    said that they serve it, and not much later what they do next.
     """
 
     def __init__(self, mission: Mission) -> None:
@@ -30,6 +50,7 @@ class Watch:
         self._number = {task.key: number for number, task in enumerate(mission.tasks)}
         self._done: dict[int, int] = {}  # task -> step in which that was heard of
         self._news: list[int] = []
+        self._served: dict[int, _Service] = {}  # by robot: the last that it said it is at work on
         self._lost: set[int] = set()
         self._teams: Teams = {robot: (robot,) for robot in range(mission.robots)}
         self._shown: dict[int, TeamAt] = {}
@@ -72,19 +93,23 @@ class Watch:
         gone = {robot for robot, word in self.words.items() if word.is_lost}
         lost, back = sorted(gone - self._lost), sorted(self._lost - gone)
         self._lost = gone
-        places = {robot: self._place(robot) for robot in range(self.mission.robots)}
-        groups: dict[tuple[int, Place], list[int]] = {}
-        for robot in sorted(set(places) - gone):
-            team = NOBODY - robot if robot in back else self._team_of(robot)  # alone at first
-            groups.setdefault((team, places[robot]), []).append(robot)
-        teams = {min(robots): tuple(robots) for robots in groups.values()}
+        said = {
+            robot: (NOBODY - robot if robot in back else self._team_of(robot), self._place(robot))
+            for robot in range(self.mission.robots)
+            if robot not in gone  # who is back is alone at first
+        }
+        deeds = [self._deed(key) for key in self._news]
+        places, teams, doers = teams_shown(said, [deed for deed in deeds if deed.robots])
         before = teams_without(self._teams, lost) | {robot: (robot,) for robot in back}
         splits, joins = team_changes(before, teams)
         self._teams = teams
-        shown = {slot: TeamAt(slot, *places[slot], self._goal_of(slot)) for slot in sorted(teams)}
+        shown = {
+            slot: TeamAt(slot, *places[slot], None if slot in doers else self._goal_of(slot))
+            for slot in sorted(teams)
+        }
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
         self._shown = shown
-        done = tuple((self._number[key], self._who(key)) for key in self._news)
+        done = tuple((deed.task, self._who(deed, teams)) for deed in deeds)
         self._news = []
         made = Step(joins, splits, tuple(lost), tuple(back), rows, done)
         self.steps.append(made)
@@ -116,6 +141,8 @@ class Watch:
         known = self.words.get(word.robot)
         if known is None or word.version > known.version:
             self.words[word.robot] = word
+            if word.phase == SERVE:
+                self._served[word.robot] = _Service(word.goal, word.team, len(self.steps))
 
     def _note_done(self, key: int) -> None:
         if key in self.tasks and key not in self._done:
@@ -139,13 +166,36 @@ class Watch:
         number = None if word is None else self._number.get(word.goal)
         return None if number is None or word is None or word.goal in self._done else number
 
-    def _who(self, key: int) -> int:
-        """Return the team to show as the one that did a task: one that stands nearest to it."""
-        task = self.tasks[key]
+    def _deed(self, key: int) -> Deed:
+        """Return who did a task: who said last that they are at work on it, as one team.
+
+        Who has not said so for a while, and says something else now, did not stay to the end.
+        """
+        latest = len(self.steps) - STAYS
+        at_work = {
+            robot: service
+            for robot, service in self._served.items()
+            if service.task == key and (service.step >= latest or self._is_serving(robot, key))
+        }
+        last = max(at_work.values(), key=lambda service: service.step, default=None)
+        team = NOBODY if last is None else last.team
+        robots = tuple(sorted(robot for robot, each in at_work.items() if each.team == team))
+        number = self._number[key]
+        return Deed(number, self.scenario.tasks[number].at, robots)
+
+    def _is_serving(self, robot: int, key: int) -> bool:
+        word = self.words[robot]
+        return word.phase == SERVE and word.goal == key
+
+    def _who(self, deed: Deed, teams: Teams) -> int:
+        """Return the team to show as the one that did a task; of unheard ones the nearest to it."""
+        if deed.robots:
+            return who_did(deed, teams)
+        (x, y) = deed.at
 
         def away(slot: int) -> float:
             at = self._shown[slot]
-            return (at.x - task.x) ** 2 + (at.y - task.y) ** 2
+            return (at.x - x) ** 2 + (at.y - y) ** 2
 
         return min(sorted(self._shown), key=away, default=0)
 

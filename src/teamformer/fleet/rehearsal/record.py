@@ -1,14 +1,15 @@
 """Turns the trace of a rehearsal into a record that `view` shows: one step of it a step of time.
 
-Robots that say they are in one team, and are in one place, are drawn as a team. Operators' tasks
-are tasks that appear.
+Robots that say they are in one team, and are in one place, are drawn as a team. Those that did a
+task are drawn as one to the end of the step, though they may have gone on. Operators' tasks are
+tasks that appear.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from teamformer.fleet.messages import NOBODY
 from teamformer.fleet.rehearsal.faults import Faults
@@ -23,13 +24,27 @@ from teamformer.sim.replay.record import HEARD, Ending, Replay, Step, TeamAt
 Teams = dict[int, tuple[int, ...]]
 """The robots of each team, by its lowest."""
 
+
+@dataclass(frozen=True)
+class Deed:
+    """A task that was done in a step, where, and by which robots."""
+
+    task: int
+    at: Place
+    robots: tuple[int, ...]
+
+
 STATUSES = {"ended": "completed", "infeasible": "infeasible", "blocked": "step limit"}
 
 
 def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int) -> Replay:
     """Return the record of a rehearsal that has been played."""
     scenario, number = _scenario_of(rehearsal)
-    teller = _Teller(scenario, rehearsal.mission.step, number)
+    deeds = {
+        done.key: Deed(number[done.key], scenario.tasks[number[done.key]].at, done.robots)
+        for done in rehearsal.world.done.values()
+    }
+    teller = _Teller(scenario, rehearsal.mission.step, number, deeds)
     steps = math.ceil(outcome.end / rehearsal.mission.step)
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(scenario.robots))
     lost = {robot: step for robot, step in ends if step is not None}
@@ -94,9 +109,11 @@ def _lost_at(faults: Faults, robot: int, step: float) -> tuple[Absence, ...]:
 class _Teller:
     """Goes through a trace step by step."""
 
-    def __init__(self, scenario: Scenario, step: float, number: dict[int, int]) -> None:
+    def __init__(
+        self, scenario: Scenario, step: float, number: dict[int, int], deeds: Mapping[int, Deed]
+    ) -> None:
         robots = range(len(scenario.robots))
-        self._step, self._number = step, number
+        self._step, self._number, self._deeds = step, number, deeds
         self._is_grid = isinstance(scenario.world, Grid)
         self._walks = [Walked(0.0, r, (scenario.robots[r].at,), 0.0, 1.0) for r in robots]
         self._says = {robot: (robot, NOBODY) for robot in robots}
@@ -107,7 +124,7 @@ class _Teller:
         """Return what changed in each step."""
         rows, position = [], 0
         for step in range(1, steps + 1):
-            done, heard = [], set()
+            done, heard = list[Deed](), set()
             while position < len(events) and events[position].at <= step * self._step + 1e-9:
                 event = events[position]
                 position += 1
@@ -116,41 +133,33 @@ class _Teller:
                 elif isinstance(event, Said):
                     self._says[event.robot] = (event.team, event.goal)
                 elif isinstance(event, Finished):
-                    done.append(event)
+                    done.append(self._deeds[event.task])
                 elif isinstance(event, Sent) and event.kind in HEARD:
                     heard.add((event.sender, event.receiver, event.kind))
             row = self._row(step, [r for r, at in lost.items() if at == step], done)
             rows.append(replace(row, heard=tuple(sorted(heard))))
         return rows
 
-    def _row(self, step: int, lost: list[int], done: list[Finished]) -> Step:
+    def _row(self, step: int, lost: list[int], done: list[Deed]) -> Step:
         now = step * self._step
         for robot in lost:
             del self._says[robot]
-        places = {robot: self._place(self._walks[robot], now) for robot in self._says}
-        groups: dict[tuple[int, Place], list[int]] = {}
-        for robot, (team, _) in self._says.items():
-            groups.setdefault((team, places[robot]), []).append(robot)
-        teams = {min(robots): tuple(sorted(robots)) for robots in groups.values()}
+        said = {
+            robot: (team, self._place(self._walks[robot], now))
+            for robot, (team, _) in self._says.items()
+        }
+        places, teams, doers = teams_shown(said, done)
         before = teams_without(self._teams, lost)
         splits, joins = team_changes(before, teams)
         self._teams = teams
         shown = {}
         for slot in sorted(teams):
-            goal = self._number.get(self._says[slot][1])
+            goal = None if slot in doers else self._number.get(self._says[slot][1])
             shown[slot] = TeamAt(slot, *places[slot], goal)
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
         self._shown = shown
-        finished = tuple((self._number[event.task], self._who(event.task)) for event in done)
+        finished = tuple((deed.task, who_did(deed, teams)) for deed in done)
         return Step(joins, splits, tuple(lost), teams=rows, done=finished)
-
-    def _who(self, task: int) -> int:
-        """Return the team to show as the one that did a task."""
-        number = self._number[task]
-        for slot in sorted(self._teams):
-            if self._shown[slot].task == number:
-                return slot
-        return min(self._teams, default=0)
 
     def _place(self, walk: Walked, now: float) -> Place:
         if len(walk.points) == 1:
@@ -162,6 +171,35 @@ class _Teller:
         if self._is_grid:
             return (to_x, to_y) if part >= 1 else (x, y)
         return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
+
+
+def teams_shown(
+    said: Mapping[int, tuple[int, Place]], done: Sequence[Deed]
+) -> tuple[dict[int, Place], Teams, set[int]]:
+    """Return places by robot, teams, and the slots of teams that have just done something.
+
+    `said` has each robot's team by its word, and its place. Who has done several tasks in a step
+    is where it did the last.
+    """
+    did = {robot: deed for deed in done for robot in deed.robots if robot in said}
+    groups: dict[tuple[int, int, Place], list[int]] = {}
+    places = {}
+    for robot, (team, place) in sorted(said.items()):
+        deed = did.get(robot)
+        places[robot] = place if deed is None else deed.at
+        key = (-1, team, place) if deed is None else (deed.task, 0, deed.at)
+        groups.setdefault(key, []).append(robot)
+    teams = {robots[0]: tuple(robots) for robots in groups.values()}
+    return places, teams, {slot for slot in teams if slot in did}
+
+
+def who_did(deed: Deed, teams: Teams) -> int:
+    """Return the team to show as the one that did a task: that with most of those who did it."""
+    return max(
+        sorted(teams),
+        key=lambda slot: len(set(teams[slot]) & set(deed.robots)),
+        default=0,
+    )
 
 
 def teams_without(teams: Teams, lost: Sequence[int]) -> Teams:

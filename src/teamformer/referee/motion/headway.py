@@ -28,6 +28,7 @@ class Move(NamedTuple):
     decided_at: Place
     starts: tuple[Place, ...]  # one of two, of a union
     end: Place | None  # None where the record does not tell
+    has_joined: bool  # so that it may have stood elsewhere within the arrival radius meanwhile
 
 
 class Ways:
@@ -114,7 +115,7 @@ def check_headway(
         walk = _Walk(fleet, ways, team)
         fits = [task for task in pursuits[slot] if walk.leads_to(_goal(goals, task))]
         partners = list(_partners_in_reach(fleet, team, moves))
-        if not fits and not any(walk.leads_to(place, is_partner=True) for place in partners):
+        if not fits and not any(walk.leads_to(place, slack) for place, slack in partners):
             notes.note(walk.what_is_wrong(pursuits[slot], goals))
             team.least_credit = 0.0
             continue
@@ -137,16 +138,13 @@ class _Walk:
         assert team.walked_from is not None
         self._fleet, self._ways, self._team = fleet, ways, team
         self._starts = {team.walked_from, team.walked_from if team.met_at is None else team.met_at}
-        world = fleet.scenario.world
-        self._is_plane = isinstance(world, Plane)
-        self._arrival_radius = world.arrival_radius if isinstance(world, Plane) else 0.0
+        self._is_plane = isinstance(fleet.scenario.world, Plane)
 
-    def leads_to(self, goal: Place | None, is_partner: bool = False) -> bool:
+    def leads_to(self, goal: Place | None, slack: float = 0.0) -> bool:
         """Say whether it is the walk of one who goes to a place, or stays if there is none.
 
-        Where a partner is on a plane is known only to the arrival radius: it may have been joined.
+        With `slack` the place is known only to so many metres.
         """
-        slack = self._arrival_radius if is_partner else 0.0
         return any(self._is_walk(start, self._team.at, goal, slack) for start in self._starts)
 
     def _is_walk(self, start: Place, to: Place, goal: Place | None, slack: float) -> bool:
@@ -198,8 +196,10 @@ class _Walk:
         return f"{name} {did}; that is not on its way to task {wanted}"
 
 
-def _partners_in_reach(fleet: Fleet, team: RecordedTeam, moves: Sequence[Move]) -> Iterator[Place]:
-    """Return where teams are and were that a team may have walked to, to join them."""
+def _partners_in_reach(
+    fleet: Fleet, team: RecordedTeam, moves: Sequence[Move]
+) -> Iterator[tuple[Place, float]]:
+    """Return where teams are and were that a team may have walked to, and how surely, in metres."""
     world = fleet.scenario.world
     here = world.arrival_radius if isinstance(world, Plane) else 0.0
     if fleet.scenario.join_radius <= here:
@@ -208,5 +208,6 @@ def _partners_in_reach(fleet: Fleet, team: RecordedTeam, moves: Sequence[Move]) 
     for other in moves:
         away = math.dist(team.walked_from, other.decided_at)
         if other.robot not in team.robots and away <= fleet.scenario.join_radius + ROUNDING:
-            yield from other.starts
-            yield team.at if other.end is None else other.end
+            slack = here if other.has_joined else 0.0
+            for place in (*other.starts, team.at if other.end is None else other.end):
+                yield place, slack

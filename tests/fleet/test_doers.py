@@ -1,0 +1,103 @@
+"""Who is said to have done a task: in rehearsals, by onlookers, and beside the simulator."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from fleets import PLANNER, pair, plan_of, trio
+from small_worlds import make, robot, task
+from teamformer.export.events import events
+from teamformer.fleet.messages import Notice, Post
+from teamformer.fleet.mission import Mission, seconds_a_step
+from teamformer.fleet.observer.watch import Watch
+from teamformer.fleet.rehearsal.faults import Faults, Knobs
+from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.rehearse import faults_of, play, set_stage
+from teamformer.fleet.rehearsal.trace import Trace
+from teamformer.policies.scripted.follow_plan import FollowPlan
+from teamformer.scenarios.files import read_scenario
+from teamformer.sim.replay.record import Replay
+from teamformer.trials.trial import run_trial
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+Doers = dict[str, tuple[int, ...]]
+"""The robots that did each task, by its name."""
+
+
+def credited(replay: Replay) -> Doers:
+    """Return whom the readers of a record hold to have done its tasks."""
+    names = [task.name for task in replay.scenario.tasks]
+    done = [event for event in events(replay) if event.kind == "done"]
+    return {names[event.task]: tuple(sorted(event.robots)) for event in done}
+
+
+def really_did(rehearsal: Rehearsal) -> Doers:
+    world = rehearsal.world
+    return {world.tasks[key].name: done.robots for key, done in world.done.items()}
+
+
+def relay() -> Mission:
+    """Return two pairs that go on at once, in turns with one another: a.b.....T"""
+    robots = [robot("a", 0), robot("a", 2), robot("b", 0), robot("b", 2)]
+    tasks = [task("ab", 6), task("ab", 9, duration=3), task("a", 12), task("aabb", 16)]
+    return Mission(make([*robots], [*tasks, task("b", 14, duration=1)]))
+
+
+@pytest.mark.parametrize("mission", [pair(), trio(), relay()], ids=["pair", "trio", "relay"])
+def test_over_a_perfect_network_it_is_who_does_it_in_the_simulator(mission: Mission) -> None:
+    trace = Trace()
+    rehearsal = Rehearsal(mission, PLANNER, plan_of(mission), Faults(), trace)
+    record = record_of(rehearsal, rehearsal.run(300.0), trace.events, 0)
+    played = replace(mission.scenario, allocation="plan")
+    assert credited(record) == credited(run_trial(played, FollowPlan(), "follow-plan").replay)
+    assert credited(record) == really_did(rehearsal)
+
+
+@pytest.mark.parametrize("schedule", [12, 0, 1, 2, 3])
+def test_under_faults_it_is_who_did_it(schedule: int) -> None:
+    """Schedule 12 of seed 7 had robot 0 do 13 of 16 tasks, since the doers had gone on."""
+    scenario = read_scenario(EXAMPLES / "warehouse.yaml")
+    stage = set_stage(Mission(scenario, seconds_a_step(scenario)), None)
+    faults, trace = faults_of(stage, 7, schedule, Knobs(None, None)), Trace()
+    rehearsal, outcome, _ = play(stage.mission, stage.plan, faults, trace, stage.policy)
+    record = record_of(rehearsal, outcome, trace.events, 7)
+    assert credited(record) == really_did(rehearsal)
+    assert len(credited(record)) == outcome.tasks_done >= 10
+
+
+class Watched(Rehearsal):
+    """A rehearsal that somebody hears who looks once a step."""
+
+    def __init__(self, mission: Mission) -> None:
+        self.watch = Watch(mission)
+        self._onlooker = Post(mission.number, mission.robots)
+        super().__init__(mission, PLANNER, plan_of(mission), Faults())
+
+    def _send(self, robot: int, notice: Notice) -> None:
+        super()._send(robot, notice)
+        heard = self._onlooker.open(self._onlooker.seal(robot, notice))
+        assert heard is not None
+        while len(self.watch.steps) < int(self.now / self.mission.step):
+            self.watch.step()
+        self.watch.hear(heard)
+
+
+@pytest.mark.parametrize("mission", [pair(), trio(), relay()], ids=["pair", "trio", "relay"])
+def test_who_hears_the_fleet_knows_who_did_it(mission: Mission) -> None:
+    rehearsal = Watched(mission)
+    rehearsal.run(300.0)
+    rehearsal.watch.step()
+    assert credited(rehearsal.watch.record()) == really_did(rehearsal)
+
+
+def test_who_hears_a_fleet_of_an_example_knows_who_did_it() -> None:
+    scenario = read_scenario(EXAMPLES / "warehouse.yaml")
+    rehearsal = Watched(Mission(scenario, seconds_a_step(scenario)))
+    rehearsal.run(300.0)
+    rehearsal.watch.step()
+    assert credited(rehearsal.watch.record()) == really_did(rehearsal)

@@ -1,0 +1,511 @@
+"""Records of every kind of mission are legal as they are, and not once a field of them is forged.
+
+What a forgery cannot be told from is a legal record of other decisions, or of another plan
+(docs/replay.md, "What `check` guarantees"); such changes are left out here, each where it says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from random_worlds import random_decision, random_world, with_surprises
+from teamformer.errors import ScenarioError
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
+from teamformer.plane import Plane
+from teamformer.policies.protocol import Policy
+from teamformer.policies.scripted.follow_plan import FollowPlan
+from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.policies.scripted.joining import JoinAll, JoinCrew
+from teamformer.referee import judge
+from teamformer.sim.env import Decision, TeamFormation
+from teamformer.sim.replay.record import Crew, Replay, SharedPlanMade, Step, TeamAt
+from teamformer.trials.recorder import Recorder
+from teamformer.trials.trial import run_trial
+from teamformer.truth import draw_truth
+
+
+@dataclass(frozen=True)
+class Family:
+    """A kind of missions, and who plays them."""
+
+    allocation: str
+    policy: Callable[[], Policy]
+    is_plane: bool = False
+    is_uncertain: bool = False
+    are_like: bool = False
+
+
+COUNT = 4
+"""How many missions of each kind are played, by a policy and at random; more by the long tests."""
+
+FAMILIES = {
+    "grid": Family("paper", JoinAll),
+    "nearest": Family("nearest", Heuristic),
+    "plane": Family("paper", JoinAll, is_plane=True),
+    "uncertain": Family("paper", JoinAll, is_uncertain=True),
+    "uncertain plane": Family("paper", Heuristic, is_plane=True, is_uncertain=True),
+    "crews": Family("crews", JoinCrew, is_uncertain=True),
+    "crews on a plane": Family("crews", JoinCrew, is_plane=True),
+    "plan": Family("plan", FollowPlan),
+    "uncertain plan": Family("plan", FollowPlan, is_uncertain=True),
+    "plan of like robots": Family("plan", FollowPlan, are_like=True),
+    "uncertain plan on a plane": Family("plan", FollowPlan, is_plane=True, is_uncertain=True),
+}
+
+
+def mission_of(family: Family, rng: np.random.Generator) -> Scenario:
+    if family.are_like:
+        return mission_of_twins(rng)
+    while True:
+        try:
+            world = random_world(rng, is_plane=family.is_plane)
+            world = with_surprises(world, rng) if family.is_uncertain else world
+            return replace(world, allocation=family.allocation)
+        except ScenarioError:  # a surprise too hard: draw another
+            continue
+
+
+def mission_of_twins(rng: np.random.Generator) -> Scenario:
+    """Return a mission of three robots of each of two kinds, that all start as one team."""
+    cans = [{"a": 1}, {"b": 1}]
+    robots = [
+        Robot(f"r{r}", (4, 4), cans[int(kind)]) for r, kind in enumerate(rng.permutation(6) % 2)
+    ]
+    needs = [*cans, {"a": 1, "b": 1}, {"a": 2}]
+    tasks = [
+        Task(f"t{k}", (int(x), int(y)), needs[int(which)], int(rng.integers(4)))
+        for k, (x, y, which) in enumerate(rng.integers((9, 9, 4), size=(8, 3)))
+    ]
+    start: dict[str, Any] = {"teams": (tuple(range(6)),), "allocation": "plan"}
+    return Scenario("twins", Grid(9, 9), ("a", "b"), tuple(robots), tuple(tasks), **start)
+
+
+def wild_record(mission: Scenario, seed: int, rng: np.random.Generator) -> Replay:
+    """Play at random for at most 40 steps, and now and then name a task."""
+    env = TeamFormation([mission], truths=[draw_truth(mission, seed)])
+    recorder = Recorder(env)
+    while env.is_running[0] and env.tally().steps < 40:
+        view = env.view()
+        named = np.where(rng.random(len(view.slot)) < 0.1, view.task_number[:, 0], -1)
+        env.step(Decision(random_decision(view, rng).wanted, named))
+        recorder.step()
+    return recorder.finish("wild", seed, None)
+
+
+def play(seed: int, count: int) -> Iterator[list[Replay]]:
+    """Yield records of each family: missions played by its policy, and by random decisions."""
+    rng = np.random.default_rng(seed)
+    for family in FAMILIES.values():
+        missions = list(enumerate(mission_of(family, rng) for _ in range(count)))
+        played = [run_trial(mission, family.policy(), "any", n).replay for n, mission in missions]
+        yield [*played, *(wild_record(mission, n, rng) for n, mission in missions)]
+
+
+@pytest.fixture(scope="module")
+def records() -> list[Replay]:
+    """Return records of all families, one of each after the other."""
+    return [replay for replays in zip(*play(24, COUNT), strict=True) for replay in replays]
+
+
+def test_honest_records_are_legal(records: list[Replay]) -> None:
+    assert [judge(replay).findings for replay in records] == [()] * len(records)
+
+
+Forge = Callable[[Replay], Iterator[Replay]]
+"""Yields the forgeries of a record, one for each place where it can be forged so."""
+
+
+def in_step(replay: Replay, number: int, **fields: Any) -> Replay:
+    """Return a record with other fields in the step of a number, from 1 on."""
+    steps = list(replay.steps)
+    steps[number - 1] = replace(steps[number - 1], **fields)
+    return replace(replay, steps=tuple(steps))
+
+
+def steps_of(replay: Replay) -> Iterator[tuple[int, Step, dict[int, TeamAt]]]:
+    """Yield each step with its number, and where all slots were before."""
+    at = {slot: TeamAt(slot, x, y, None) for slot, _, x, y in replay.start}
+    for number, step in enumerate(replay.steps, start=1):
+        yield number, step, dict(at)
+        at |= {team.slot: team for team in step.teams}
+
+
+def is_shared_out(replay: Replay) -> bool:
+    return replay.scenario.allocation in ("crews", "plan")
+
+
+def with_row(step: Step, key: str, old: Any, *new: Any) -> dict[str, Any]:
+    rows = list(getattr(step, key))
+    i = rows.index(old)
+    rows[i : i + 1] = new
+    return {key: tuple(rows)}
+
+
+def has_walked(team: TeamAt, before: dict[int, TeamAt]) -> bool:
+    was = before.get(team.slot)
+    return was is not None and was[1:3] != team[1:3]
+
+
+def a_free_team_walks(replay: Replay) -> Iterator[Replay]:
+    """A team without a task stands a cell or a hand's width aside from there on, in the last step.
+
+    Not where a team may be on its way to a partner.
+    """
+    if replay.scenario.join_radius > 0 or not replay.steps:
+        return
+    number, step, before = list(steps_of(replay))[-1]
+    formed = {slot for pair in step.joins for slot in pair}
+    formed |= {robot for pair in step.splits for part in pair for robot in part}
+    for slot, was in before.items():
+        team = next((team for team in step.teams if team.slot == slot), None)
+        is_free = was.task is None and (team is None or team.task is None)
+        untold = slot not in dict(step.pursued) and not {*step.lost, *step.back} and not formed
+        if is_free and untold and is_there(replay, slot):
+            aside = 0.1 if isinstance(replay.scenario.world, Plane) else 1
+            x = was.x + aside if replay.scenario.world.is_free((was.x + aside, was.y)) else None
+            if x is not None:
+                others = [row for row in step.teams if row.slot != slot]
+                rows = tuple(sorted([*others, TeamAt(slot, x, was.y, None)]))
+                yield in_step(replay, number, teams=rows)
+
+
+def is_there(replay: Replay, slot: int) -> bool:
+    """Say whether a slot is that of a team in the end."""
+    slots = {slot for slot, *_ in replay.start}
+    for step in replay.steps:
+        slots -= {max(pair) for pair in step.joins}
+        slots |= {min(part) for split in step.splits for part in split}
+        slots |= {team.slot for team in step.teams}
+        slots -= {robot for robot in step.lost if robot in slots}
+    return slot in slots
+
+
+def ten_micrometres(replay: Replay) -> Iterator[Replay]:
+    """A team is elsewhere by ten micrometres, where it has not joined another on its way.
+
+    Not where it may have walked to one that was lost whole, of which nobody knows where it was.
+    """
+    if not isinstance(replay.scenario.world, Plane):
+        return
+    for number, step, _ in steps_of(replay):
+        is_unsure = step.joins or step.back or (step.lost and replay.scenario.join_radius > 0)
+        for team in step.teams if not is_unsure else ():
+            x = team.x + (1e-5 if team.x + 1e-5 <= replay.scenario.world.width else -1e-5)
+            yield in_step(replay, number, **with_row(step, "teams", team, team._replace(x=x)))
+
+
+def pursued_left_out(replay: Replay) -> Iterator[Replay]:
+    """Told apart if crews or a plan say what it was, or it has walked and had no task before."""
+    for number, step, before in steps_of(replay):
+        entries = {team.slot: team for team in step.teams}
+        for row in step.pursued if not step.joins and not step.splits else ():
+            slot, _ = row
+            was_free = slot in before and before[slot].task is None
+            is_sure = is_shared_out(replay) and not step.named
+            is_seen = slot in entries and has_walked(entries[slot], before)
+            to_partner = replay.scenario.join_radius > 0
+            if is_sure or (was_free and is_seen and not to_partner and not step.lost):
+                yield in_step(replay, number, **with_row(step, "pursued", row))
+
+
+def pursued_changed(replay: Replay) -> Iterator[Replay]:
+    """Told apart where crews or a plan say what it was."""
+    if is_shared_out(replay):
+        for number, step, _ in steps_of(replay):
+            for row in step.pursued if not step.named else ():
+                for task in range(len(replay.mission.tasks)):
+                    if task != row[1]:
+                        other = with_row(step, "pursued", row, (row[0], task))
+                        yield in_step(replay, number, **other)
+
+
+def pursued_added(replay: Replay) -> Iterator[Replay]:
+    """Somebody who has a task is said to pursue it, or another, besides."""
+    for number, step, _ in steps_of(replay):
+        for team in step.teams:
+            if team.task is not None:
+                row = (team.slot, team.task)
+                yield in_step(replay, number, pursued=tuple(sorted([*step.pursued, row])))
+
+
+def with_rows(replay: Replay, key: str, rows: tuple[Any, ...]) -> Replay:
+    fields: dict[str, Any] = {key: rows}
+    return replace(replay, **fields)
+
+
+def twice(key: str) -> Forge:
+    def forge(replay: Replay) -> Iterator[Replay]:
+        for number, step in enumerate(replay.steps, start=1):
+            for row in getattr(step, key):
+                yield in_step(replay, number, **with_row(step, key, row, row, row))
+
+    return forge
+
+
+def turned(key: str) -> Forge:
+    def forge(replay: Replay) -> Iterator[Replay]:
+        for number, step in enumerate(replay.steps, start=1):
+            rows = getattr(step, key)
+            if len(rows) > 1:
+                yield in_step(replay, number, **{key: rows[::-1]})
+
+    return forge
+
+
+def row_twice(key: str) -> Forge:
+    def forge(replay: Replay) -> Iterator[Replay]:
+        rows = getattr(replay, key)
+        for i in range(len(rows)):
+            yield with_rows(replay, key, (*rows[: i + 1], *rows[i:]))
+
+    return forge
+
+
+def rows_turned(key: str) -> Forge:
+    def forge(replay: Replay) -> Iterator[Replay]:
+        rows = getattr(replay, key)
+        for i in range(len(rows) - 1):
+            yield with_rows(replay, key, (*rows[:i], rows[i + 1], rows[i], *rows[i + 2 :]))
+
+    return forge
+
+
+def row_left_out(key: str) -> Forge:
+    def forge(replay: Replay) -> Iterator[Replay]:
+        rows = getattr(replay, key)
+        for i in range(len(rows)):
+            yield with_rows(replay, key, (*rows[:i], *rows[i + 1 :]))
+
+    return forge
+
+
+def row_later(key: str) -> Forge:
+    """What was made after some steps was made a step later, with the order that belongs to it."""
+
+    def forge(replay: Replay) -> Iterator[Replay]:
+        rows, orders = getattr(replay, key), dict(replay.orders)
+        taken = {steps for steps, _ in (*rows, *replay.orders)}
+        for i, (steps, made) in enumerate(rows):
+            if steps + 1 not in taken and steps < len(replay.steps):
+                moved = with_rows(replay, key, (*rows[:i], (steps + 1, made), *rows[i + 1 :]))
+                order = orders.pop(steps)
+                later = tuple(sorted({**orders, steps + 1: order}.items()))
+                yield moved if key == "orders" else replace(moved, orders=later)
+                orders[steps] = order
+
+    return forge
+
+
+def order_of_others(replay: Replay) -> Iterator[Replay]:
+    """An order lacks a task that is open."""
+    for i, (steps, order) in enumerate(replay.orders):
+        if order:
+            rows = (*replay.orders[:i], (steps, order[1:]), *replay.orders[i + 1 :])
+            yield replace(replay, orders=rows)
+
+
+def with_plan(replay: Replay, i: int, **fields: Any) -> Replay:
+    steps, plan = replay.plans[i]
+    changed = plan._replace(**fields)
+    return replace(replay, plans=(*replay.plans[:i], (steps, changed), *replay.plans[i + 1 :]))
+
+
+def reasons_changed(replay: Replay) -> Iterator[Replay]:
+    """Told apart but for `taken over`, as nobody can know that no better plan was offered."""
+    for i, (_, plan) in enumerate(replay.plans):
+        for reason in ("start", "task appeared", "robot lost", "service overdue", "needs known"):
+            others = tuple(word for word in plan.reasons if word != reason)
+            if len(others) == len(plan.reasons):
+                yield with_plan(replay, i, reasons=(reason,))
+                yield with_plan(replay, i, reasons=(*plan.reasons, reason))
+            else:
+                yield with_plan(replay, i, reasons=others)
+
+
+def coalition_unable(replay: Replay) -> Iterator[Replay]:
+    """A task that robots can do has no coalition, or one with a robot twice."""
+    for i, (_, plan) in enumerate(replay.plans):
+        for k, robots in enumerate(plan.coalitions):
+            for other in ((), (*robots, robots[-1])) if robots else ():
+                yield with_plan(replay, i, coalitions=with_entry(plan, k, other))
+
+
+def with_entry(
+    plan: SharedPlanMade, k: int, robots: tuple[int, ...]
+) -> tuple[tuple[int, ...], ...]:
+    return (*plan.coalitions[:k], robots, *plan.coalitions[k + 1 :])
+
+
+def coalition_changed(replay: Replay) -> Iterator[Replay]:
+    """A robot of a coalition that sets out at once is in it no more, or its place is another's.
+
+    Told apart where a robot that is alone heads for the task in the next step, by the plan.
+    """
+    orders, scouts = dict(replay.orders), dict(replay.scouts)
+    alone = dict(lone_robots(replay))
+    for i, (steps, plan) in enumerate(replay.plans):
+        if steps >= len(replay.steps):
+            continue
+        busy = {robot for robot, _ in scouts.get(steps, ())}
+        following = replay.steps[steps]
+        formed = {robot for pair in following.joins for robot in pair} | set(following.lost)
+        for robot in alone[steps] - busy - formed - set(following.named):
+            firsts = [k for k, robots in enumerate(plan.coalitions) if robot in robots]
+            if firsts and is_on_its_way(replay, steps + 1, robot, orders[steps][firsts[0]]):
+                k = firsts[0]
+                for other in range(len(replay.scenario.robots)):
+                    robots = {*plan.coalitions[k], other} - {robot}
+                    yield with_plan(
+                        replay, i, coalitions=with_entry(plan, k, tuple(sorted(robots)))
+                    )
+
+
+def is_on_its_way(replay: Replay, number: int, slot: int, task: int) -> bool:
+    """Say whether the record has a team head for a task in a step, by an entry of its own."""
+    step = replay.steps[number - 1]
+    heads = {team.slot: team.task for team in step.teams}
+    return heads.get(slot) == task or (slot, task) in step.pursued
+
+
+def lone_robots(replay: Replay) -> Iterator[tuple[int, set[int]]]:
+    """Yield after how many steps which robots are teams of their own."""
+    teams = {frozenset(robots) for _, robots, *_ in replay.start}
+    yield 0, {min(team) for team in teams if len(team) == 1}
+    for number, step in enumerate(replay.steps, start=1):
+        for stay, leave in step.splits:
+            teams -= {frozenset((*stay, *leave))}
+            teams |= {frozenset(stay), frozenset(leave)}
+        for pair in step.joins:
+            both = [team for team in teams if min(team) in pair]
+            teams = (teams - set(both)) | {frozenset().union(*both)}
+        teams = {team - set(step.lost) for team in teams} - {frozenset()}
+        teams |= {frozenset([robot]) for robot in step.back}
+        yield number, {min(team) for team in teams if len(team) == 1}
+
+
+def lists_changed(replay: Replay) -> Iterator[Replay]:
+    """A task is on the list of two crews, on none, or before the one that comes first."""
+    for i, (steps, crews) in enumerate(replay.crews):
+        for k, crew in enumerate(crews):
+            for tasks in (crew.tasks[1:], crew.tasks[::-1], (*crew.tasks, *crew.tasks[-1:])):
+                if tasks != crew.tasks:
+                    forged = (*crews[:k], Crew(crew.robots, tasks), *crews[k + 1 :])
+                    rows = (*replay.crews[:i], (steps, forged), *replay.crews[i + 1 :])
+                    yield replace(replay, crews=rows)
+
+
+def crews_changed(replay: Replay) -> Iterator[Replay]:
+    """A robot is in two crews or in none, or a crew is there of nobody."""
+    for i, (steps, crews) in enumerate(replay.crews):
+        if not crews:
+            continue
+        first, *rest = crews
+        more = [other.robots[0] for other in rest[:1]]
+        for robots in (first.robots[1:], (*first.robots, *more, *first.robots[:1])):
+            forged = (Crew(robots, first.tasks), *rest)
+            rows = (*replay.crews[:i], (steps, forged), *replay.crews[i + 1 :])
+            yield replace(replay, crews=rows)
+        rows = (*replay.crews[:i], (steps, (*crews, Crew((), ()))), *replay.crews[i + 1 :])
+        yield replace(replay, crews=rows)
+
+
+def exchange_added(replay: Replay) -> Iterator[Replay]:
+    """Robots exchange their parts that are of two teams, or under no plan."""
+    alone = dict(lone_robots(replay))
+    for number, step in enumerate(replay.steps, start=1):
+        robots = sorted(alone[number])
+        if len(robots) > 1:
+            pair = (robots[0], robots[1])
+            taken = {robot for other in step.took for robot in other}
+            if not taken & set(pair):
+                yield in_step(replay, number, took=tuple(sorted([*step.took, pair])))
+
+
+def named_added(replay: Replay) -> Iterator[Replay]:
+    """A team names its task that is not there, or where no record says so."""
+    alone = dict(lone_robots(replay))
+    for number, step in enumerate(replay.steps, start=1):
+        gone = set(range(len(replay.scenario.robots))) - alone[number] - alone[number - 1]
+        gone -= {min(part) for split in step.splits for part in split}
+        gone -= {min(pair) for pair in step.joins} | {team.slot for team in step.teams}
+        slots = gone - slots_before(replay, number) if is_shared_out(replay) else {0}
+        for slot in sorted(slots):
+            yield in_step(replay, number, named=tuple(sorted([*step.named, slot])))
+
+
+def slots_before(replay: Replay, number: int) -> set[int]:
+    slots = {slot for slot, *_ in replay.start}
+    for step in replay.steps[: number - 1]:
+        slots |= {team.slot for team in step.teams}
+    return slots
+
+
+def heard_added(replay: Replay) -> Iterator[Replay]:
+    for number in range(1, len(replay.steps) + 1):
+        yield in_step(replay, number, heard=((0, 0, "beat"),))
+
+
+STEP_ROWS = ["joins", "splits", "lost", "back", "teams", "done", "named", "took"]
+STEP_ROWS += ["shown", "found", "moved", "pursued"]
+MADE = ("orders", "crews", "plans")
+
+FORGERIES: dict[str, Forge] = {
+    "a free team walks": a_free_team_walks,
+    "ten micrometres": ten_micrometres,
+    "pursued left out": pursued_left_out,
+    "pursued changed": pursued_changed,
+    "pursued added": pursued_added,
+    **{f"{key} twice": twice(key) for key in STEP_ROWS},
+    **{f"{key} turned": turned(key) for key in STEP_ROWS if key not in ("splits", "back", "took")},
+    **{f"a row of {key} twice": row_twice(key) for key in MADE},
+    **{f"rows of {key} turned": rows_turned(key) for key in MADE},
+    **{f"a row of {key} left out": row_left_out(key) for key in MADE},
+    **{f"a row of {key} later": row_later(key) for key in MADE},
+    "an order lacks a task": order_of_others,
+    "reasons changed": reasons_changed,
+    "a coalition that cannot": coalition_unable,
+    "a coalition changed": coalition_changed,
+    "lists changed": lists_changed,
+    "crews changed": crews_changed,
+    "an exchange added": exchange_added,
+    "a name added": named_added,
+    "somebody heard": heard_added,
+}
+
+
+def misses(forge: Forge, records: list[Replay], most: int) -> tuple[int, list[int]]:
+    """Return how many records were forged, each at a random place, and which passed."""
+    rng, tried, missed = np.random.default_rng(26), 0, []
+    for number, replay in enumerate(records):
+        forged = list(forge(replay)) if tried < most else []
+        if forged:
+            tried += 1
+            if not judge(forged[int(rng.integers(len(forged)))]).findings:
+                missed.append(number)
+    return tried, missed
+
+
+@pytest.mark.parametrize("name", FORGERIES)
+def test_a_forged_field_is_found(name: str, records: list[Replay]) -> None:
+    tried, missed = misses(FORGERIES[name], records, most=20)
+    assert missed == []
+    assert tried >= LEAST.get(name, 10)
+
+
+LEAST = {"took twice": 1, "joins turned": 1, "lost turned": 0, "shown turned": 1, "found turned": 4}
+"""In how many records a field can be forged at least, where these are few."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_any_forged_field_of_many_records_is_found(seed: int) -> None:
+    records = [replay for replays in play(1000 + seed, 24) for replay in replays]
+    assert [judge(replay).findings for replay in records] == [()] * len(records)
+    found = {name: misses(forge, records, most=10**9)[1] for name, forge in FORGERIES.items()}
+    assert found == {name: [] for name in FORGERIES}

@@ -12,20 +12,20 @@ from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 
-MOST_STATES = 400
-"""In one step; with more of them nobody waits for the end."""
-
-FARTHEST = 12
-"""Steps that are looked at."""
+MOST_TRIED = 600
+"""Steps that are tried; with more of them nobody waits for the end."""
 
 
 def fewest_steps(scenario: Scenario) -> int | None:
     """Return in how few steps a mission can be done; None where that was not found out."""
-    states = [TeamFormation([without_plan(scenario)])]
-    for step in range(1, min(FARTHEST, scenario.step_limit) + 1):
+    states, tried = [TeamFormation([without_plan(scenario)])], 0
+    for step in range(1, scenario.step_limit + 1):
         after: dict[bytes, TeamFormation] = {}
         for state in states:
             for wanted, named in _decisions(state, len(scenario.tasks)):
+                tried += 1
+                if tried > MOST_TRIED:
+                    return None
                 twin = state.fork()
                 twin.view()
                 twin.step(Decision(wanted, named))
@@ -34,7 +34,7 @@ def fewest_steps(scenario: Scenario) -> int | None:
                 if twin.is_running[0]:
                     after.setdefault(_key(twin), twin)
         states = list(after.values())
-        if not states or len(states) > MOST_STATES:
+        if not states:
             return None
     return None
 

@@ -22,7 +22,7 @@ from teamformer.planning.coalitions.mission import pose_mission
 from teamformer.planning.coalitions.rules import plan_continuous
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario, scenario_from_tree, write_scenario
-from teamformer.scenarios.yaml.writer import to_text
+from texts import text_of
 from watching import fuzzed
 
 ALL = st.one_of(missions(), continuous_missions())
@@ -83,7 +83,7 @@ def can_be_done(scenario: Scenario) -> None:
     assert math.isfinite(times.makespan)
 
 
-@fuzzed(40, "run FILE", damaged=edited_texts(ALL.map(to_text)))
+@fuzzed(40, "run FILE", damaged=edited_texts(ALL.map(text_of)))
 def test_a_damaged_file_is_refused_or_read(damaged: bytes, folder: Path) -> None:
     path = folder / "damaged.yaml"
     path.write_bytes(damaged)
@@ -93,7 +93,7 @@ def test_a_damaged_file_is_refused_or_read(damaged: bytes, folder: Path) -> None
 @fuzzed(30, "run FILE", mission=ALL)
 def test_what_is_written_is_read_back(mission: Any, folder: Path) -> None:
     scenario = scenario_from_tree(mission)
-    (folder / "unnamed.yaml").write_text(to_text(mission), encoding="utf-8")
+    (folder / "unnamed.yaml").write_text(text_of(mission), encoding="utf-8")
     assert read_scenario(folder / "unnamed.yaml") == scenario
     for name in ("written.yaml", "written.json"):
         write_scenario(scenario, folder / name)
@@ -120,12 +120,12 @@ def test_a_map_in_another_file_is_the_map_in_this_one(mission: Any, folder: Path
     rows = scenario.world.rows
     header = f"type octile\nheight {len(rows)}\nwidth {len(rows[0])}\nmap\n"
     (folder / "cells.map").write_text(header + "\n".join(rows) + "\n")
-    (folder / "unnamed.yaml").write_text(to_text(mission | {"world": {"map": "cells.map"}}))
+    (folder / "unnamed.yaml").write_text(text_of(mission | {"world": {"map": "cells.map"}}))
     same = replace(scenario.world, y_axis="down", frame=None)
     assert read_scenario(folder / "unnamed.yaml") == replace(scenario, world=same)
     pixels = "\n".join(" ".join("255" if c == "." else "0" for c in row) for row in rows[::-1])
     (folder / "cells.pgm").write_text(f"P2\n{len(rows[0])} {len(rows)}\n255\n{pixels}\n")
     told = "image: cells.pgm\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n"
     (folder / "cells.yaml").write_text(told + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
-    (folder / "unnamed.yaml").write_text(to_text(mission | {"world": {"map": "cells.yaml"}}))
+    (folder / "unnamed.yaml").write_text(text_of(mission | {"world": {"map": "cells.yaml"}}))
     assert read_scenario(folder / "unnamed.yaml").world.rows == rows

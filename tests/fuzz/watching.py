@@ -21,7 +21,7 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis.errors import HypothesisException
 
-from teamformer.scenarios.yaml.writer import to_text
+from texts import text_of
 
 FOLDER, KNOWN, UNTIL = "FUZZ_FOLDER", "FUZZ_KNOWN", "FUZZ_UNTIL"
 """Where findings are kept, those that were before, and when to end: `fuzz.py` sets them."""
@@ -92,7 +92,7 @@ def _file_of(example: Mapping[str, Any], command: str, what: str) -> str:
 
 def _text_of(tree: Any) -> str:
     try:
-        return to_text(tree)
+        return text_of(tree)
     except Exception:  # an edit may be what no file can hold
         return f"# {tree!r}\n"
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
+from drawing import pick
 from forgeries import FORGERIES, edited_records, forgeries
 from methods import METHODS, play
 from missions import SEEDS, missions
@@ -14,6 +15,7 @@ from teamformer.referee import judge
 from teamformer.scenarios.files import scenario_from_tree
 from teamformer.sim.replay.reading import replay_from_tree
 from teamformer.sim.replay.writing import replay_to_tree
+from test_forged_fields import FORGERIES as FIELDS
 from watching import fuzzed
 
 RUN = "run FILE --policy {method} --seed {seed} --out O; then forge O/replay.json as below"
@@ -47,6 +49,24 @@ def test_a_forgery_is_found(
     forged = data.draw(forgeries(forgery, record))
     if forged is not None and forged != record:
         assert findings_in(forged), f"{forgery} is not found"
+
+
+@fuzzed(
+    60,
+    RUN,
+    mission=missions(),
+    method=METHODS,
+    seed=SEEDS,
+    field=st.sampled_from(sorted(FIELDS)),
+    data=st.data(),
+)
+def test_a_forged_field_is_found(
+    mission: Any, method: str, seed: int, field: str, data: st.DataObject
+) -> None:
+    forged = list(FIELDS[field](play(scenario_from_tree(mission), method, seed).replay))
+    if forged:
+        one = pick(data.draw, forged)
+        assert judge(one).findings, f"{field} is not found"
 
 
 @fuzzed(60, RUN, mission=missions(), method=METHODS, seed=SEEDS, data=st.data())

@@ -25,6 +25,7 @@ from teamformer.live.mission import Mission
 from teamformer.model import Absence, Breakdown, Delays
 from teamformer.planning.teams.facts import SharedPlan
 from teamformer.policies import POLICIES
+from teamformer.policies.central.policy import Central
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
@@ -163,6 +164,18 @@ def test_who_plans_with_everything_is_not_surprised() -> None:
     run = Mission(mission().scenario, KnowsEverything, "knows-everything", seed=0)
     with pytest.raises(TeamformerError, match="run it under another policy"):
         run.happen(NewTask((0, 0), {"lift": 1}))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_who_plans_with_everything_knows_what_an_uncertain_mission_is(seed: int) -> None:
+    """Who stands still when, and how long tasks take: it does in so many steps what it planned."""
+    robots = [replace(robot("a", x), delays=Delays(0.5)) for x in (0, 9)]
+    tasks = [replace(task("aa", x), lasts=(0, 9)) for x in (2, 7)]
+    central = Central(time_limit=0.0)
+    run = Mission(make(robots, tasks, allocation="plan"), lambda: central, "central", seed)
+    play(run, {})
+    assert (run.tally().status, run.steps) == ("completed", central.plans[0].makespan)
+    assert judge(run.record()).findings == ()
 
 
 def planned(policy: str = "follow-plan") -> Mission:

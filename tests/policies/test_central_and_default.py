@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from random_worlds import random_world, with_precedence_and_windows, with_surpri
 from teamformer.bench.jobs import Clock
 from teamformer.model import Scenario
 from teamformer.policies import POLICIES
+from teamformer.policies.central.planner import plan_centrally
 from teamformer.policies.central.policy import Central
 from teamformer.policies.protocol import Policy
 from teamformer.referee import judge
@@ -123,6 +125,14 @@ def test_never_worse_than_the_default(seed: int) -> None:
         if usual.status == "completed":
             assert planned.status == "completed"
             assert planned.steps <= usual.steps
+
+
+def test_where_a_plan_does_not_keep_its_promise_others_are_searched_for() -> None:
+    """The first search ends with one that promises the bound, and takes 17 steps when played."""
+    rng = np.random.default_rng(17)
+    world = replace(random_world(rng, with_losses=False, is_plane=True), allocation="nearest")
+    plan = plan_centrally(world, time_limit=20.0, seed=17, workers=1)
+    assert (plan.makespan, plan.bound) == (15, 15)
 
 
 def run(worlds: list[Scenario], policy: Policy) -> list[Tally]:

@@ -27,9 +27,14 @@ MakePolicy = Callable[[], Policy]
 
 
 class Mission:
-    """One scenario that runs under one policy; `incidents` are what happened so far, with steps."""
+    """One scenario that runs under one policy; `incidents` are what happened so far, with steps.
+
+    Under a policy that knows everything the scenario is what an uncertain one really is.
+    """
 
     def __init__(self, scenario: Scenario, make_policy: MakePolicy, name: str, seed: int) -> None:
+        if make_policy().needs_everything:
+            scenario = draw_truth(scenario, seed)
         self.scenario = scenario
         self.policy_name, self.seed = name, seed
         self.incidents: list[tuple[int, Happening]] = []

@@ -17,7 +17,8 @@ from teamformer.planning.coalitions.problem import CoalitionProblem, pose_proble
 from teamformer.planning.coalitions.routes import MissionPlan
 from teamformer.planning.coalitions.rules import PLANNERS, plan_continuous
 from teamformer.planning.coalitions.search.annealing import schedule_of
-from teamformer.planning.coalitions.solve import plan_together
+from teamformer.planning.coalitions.search.schedule import COST, MAKESPAN, empty_plan
+from teamformer.planning.coalitions.solve import Solution, _Best, plan_together
 
 POLICIES = pytest.mark.parametrize("policy", PLANNERS)
 WITH_COST = pytest.mark.parametrize("policy", ["central", "plan"])
@@ -172,3 +173,30 @@ def test_robots_that_are_apart_do_what_they_can_get_to(policy: str) -> None:
     robots = [robot("r1", 0, 0), robot("r2", 4, 0)]
     scenario = mission(robots, tasks, Grid(5, 1, rows=("..@..",)))
     assert planned(scenario, policy).makespan == 1
+
+
+def test_the_best_plan_is_over_first_however_early_robots_are_home_on_average() -> None:
+    """Two robots are there after 100 ticks; one that can do it alone after 101, and nobody else.
+
+    What a search goes by, which counts the mean time at home too, is less for the latter.
+    """
+    problem = pose_problem(
+        ways=[[[0], [100], [101]]],
+        home=[[0, 0, 0]] * 3,
+        pace=[0, 0, 0],
+        origin=[1, 1, 2],
+        counts=[[1], [1], [2]],
+        needs=[[2]],
+        duration=[0],
+    )
+    plans = [empty_plan(problem) for _ in range(2)]
+    for plan, coalition in zip(plans, ([0, 1], [2]), strict=True):
+        plan.size[0], plan.coalition[0, : len(coalition)] = len(coalition), coalition
+    first, alone = (schedule_of(problem, plan) for plan in plans)
+    assert first.total[MAKESPAN] < alone.total[MAKESPAN]
+    assert first.total[COST] > alone.total[COST]
+    for known, other in ((first, alone), (alone, first)):
+        best = _Best(problem, 0.0, Solution(known, 0), 0.0)
+        best.offer(other.plan)
+        assert best.makespan == 100
+        assert best.solution().makespan == 100

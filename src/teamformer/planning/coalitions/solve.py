@@ -17,6 +17,7 @@ from teamformer.planning.coalitions.search.annealing import CoalitionSearch, sch
 from teamformer.planning.coalitions.search.schedule import (
     COST,
     LATE,
+    LATENESS,
     MAKESPAN,
     CoalitionPlan,
     Schedule,
@@ -137,19 +138,19 @@ class _Best:
     ) -> None:
         self.deadline, self.bound = deadline, 0
         self._problem, self._begun = problem, begun
-        self._plan, self._cost = first.schedule.plan, int(first.schedule.total[COST])
+        self._plan, self._rank = first.schedule.plan, _rank(first.schedule)
         self.makespan, self._late = first.makespan, first.late
         self._curve = [(time.perf_counter() - begun, first.makespan)]
         self._lock = threading.Lock()
         self._is_stopped = False
 
-    def offer(self, plan: CoalitionPlan, cost: int) -> None:
+    def offer(self, plan: CoalitionPlan) -> None:
         """Take a plan if it is better."""
+        schedule = schedule_of(self._problem, plan)
         with self._lock:
-            if cost >= self._cost:
+            if _rank(schedule) >= self._rank:
                 return
-            schedule = schedule_of(self._problem, plan)
-            self._plan, self._cost = plan, cost
+            self._plan, self._rank = plan, _rank(schedule)
             self._late = int(schedule.total[LATE])
             if schedule.total[MAKESPAN] != self.makespan:
                 self.makespan = int(schedule.total[MAKESPAN])
@@ -181,6 +182,15 @@ class _Best:
         return Solution(schedule, min(self.bound, self.makespan), tuple(self._curve))
 
 
+def _rank(schedule: Schedule) -> tuple[int, int]:
+    """Return what plans are judged by: makespan and lateness, and only then what a search goes by.
+
+    To a search it also counts how early robots are home on average, which shows it the way.
+    """
+    makespan, late = int(schedule.total[MAKESPAN]), int(schedule.total[LATE])
+    return makespan + LATENESS * late, int(schedule.total[COST])
+
+
 def _begin(search: CoalitionSearch, annealing: Annealing) -> bool:
     if annealing.is_anew:
         return search.begin_anew()
@@ -205,7 +215,7 @@ def _anneal_by_the_clock(search: CoalitionSearch, annealing: Annealing, best: _B
         end = min(annealing.rounds, made + at_once)
         search.anneal(leg // annealing.hot, leg // COLD, made, end, annealing.rounds)
         seconds += time.perf_counter()
-        best.offer(search.best, search.cost)
+        best.offer(search.best)
         room = min(SECONDS_AT_ONCE, best.seconds_left)
         made, at_once = end, max(1, min(2 * at_once, int(at_once * room / max(seconds, 1e-7))))
 
@@ -217,7 +227,7 @@ def _prove_and_search(problem: CoalitionProblem, seed: int, best: _Best) -> None
         proof = solve_exactly(problem, best.plan, best.bound, PROOF * best.seconds_left)
         best.bound = max(best.bound, proof.bound)
         if proof.plan is not None:
-            best.offer(proof.plan, int(schedule_of(problem, proof.plan).total[COST]))
+            best.offer(proof.plan)
     _search(problem, seed, best)
 
 

@@ -29,19 +29,25 @@ def main(minutes: float, tests: list[str]) -> int:
     for number in count(1):
         if time.time() >= until:
             break
-        print(f"round {number}: {_last_line(_play_round(folder, until, tests))}", flush=True)
+        is_good, text = _play_round(folder, until, tests)
+        print(f"round {number}: {_last_line(text)}", flush=True)
+        if not is_good:
+            (folder / f"round-{number}.txt").write_text(text)
     (folder / RUNNING).unlink(missing_ok=True)
-    found = _found(folder)
-    for name in found:
+    for name in _found(folder):
         print(f"{folder / name}: {(folder / name).read_text().splitlines()[0]}")
-    print(f"{len(found)} findings in {minutes:g} minutes")
-    if not found:
-        folder.rmdir()
-    return 1 if found else 0
+    print(f"{len(_found(folder))} findings in {minutes:g} minutes")
+    if any(folder.iterdir()):
+        return 1
+    folder.rmdir()
+    return 0
 
 
-def _play_round(folder: Path, until: float, tests: list[str]) -> str:
-    """Try some examples of every property in a process of its own; return what it printed."""
+def _play_round(folder: Path, until: float, tests: list[str]) -> tuple[bool, str]:
+    """Try some examples of every property in a process of its own.
+
+    Return whether all was well, and what it printed.
+    """
     known = {FOLDER: str(folder), KNOWN: " ".join(_found(folder)), UNTIL: str(until)}
     words = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider"]
     words += ["--tb=short", "--hypothesis-profile=fuzz", *(tests or [str(Path(__file__).parent)])]
@@ -55,7 +61,7 @@ def _play_round(folder: Path, until: float, tests: list[str]) -> str:
             where = next(p for n in count(1) if not (p := folder / f"ended-{n}.yaml").exists())
             shutil.move(folder / RUNNING, where)
         log.seek(0)
-        return log.read()
+        return process.returncode == 0, log.read()
 
 
 def _last_begun(folder: Path) -> float:

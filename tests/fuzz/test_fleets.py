@@ -11,14 +11,13 @@ from hypothesis import strategies as st
 from missions import missions
 from schedules import schedules
 from teamformer.fleet.mission import Mission, seconds_a_step
-from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.scenarios.files import scenario_from_tree
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.writing import write_replay
-from watching import fuzzed
+from watching import fuzzed, noted
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +36,7 @@ def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) 
     fleet = Mission(scenario, seconds_a_step(scenario))
     stage = set_stage(fleet)
     assert stage.undisturbed.status != "blocked"
-    faults: Faults = data.draw(schedules(fleet))
+    noted["faults"] = faults = data.draw(schedules(fleet))
     traces = []
     for _ in range(2):
         traces.append(Trace(with_messages=True))

@@ -16,7 +16,7 @@ from teamformer.scenarios.files import scenario_from_tree
 from teamformer.sim.replay.reading import replay_from_tree
 from teamformer.sim.replay.writing import replay_to_tree
 from test_forged_fields import FORGERIES as FIELDS
-from watching import fuzzed
+from watching import fuzzed, noted
 
 RUN = "run FILE --policy {method} --seed {seed} --out O; then forge O/replay.json as below"
 
@@ -46,7 +46,7 @@ def test_a_forgery_is_found(
     mission: Any, method: str, seed: int, forgery: str, data: st.DataObject
 ) -> None:
     record = record_of(mission, method, seed)
-    forged = data.draw(forgeries(forgery, record))
+    noted["forged"] = forged = data.draw(forgeries(forgery, record))
     if forged is not None and forged != record:
         assert findings_in(forged), f"{forgery} is not found"
 
@@ -65,7 +65,7 @@ def test_a_forged_field_is_found(
 ) -> None:
     forged = list(FIELDS[field](play(scenario_from_tree(mission), method, seed).replay))
     if forged:
-        one = pick(data.draw, forged)
+        noted["forged"] = one = pick(data.draw, forged)
         assert judge(one).findings, f"{field} is not found"
 
 
@@ -73,5 +73,6 @@ def test_a_forged_field_is_found(
 def test_any_record_is_judged_or_refused(
     mission: Any, method: str, seed: int, data: st.DataObject
 ) -> None:
-    findings = findings_in(data.draw(edited_records(record_of(mission, method, seed))))
+    noted["forged"] = forged = data.draw(edited_records(record_of(mission, method, seed)))
+    findings = findings_in(forged)
     assert all(line.isprintable() for line in findings), findings

@@ -8,11 +8,13 @@ from typing import Any
 from unittest.mock import patch
 
 import pytest
+import typer
 from hypothesis import strategies as st
 
 import teamformer.cli
 from methods import METHODS
 from missions import SEEDS, continuous_missions, missions
+from teamformer.cli.app import app
 from texts import text_of
 from watching import fuzzed
 
@@ -25,9 +27,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("verbs")
 
 
+VERBS = typer.main.get_command(app)
+"""All verbs with their flags, which takes a while to put together."""
+
+
 def typed(*words: object) -> int:
     """Return the exit status of a command line, run in this process."""
-    with patch.object(sys, "argv", ["teamformer", *map(str, words)]):
+    told = patch.object(sys, "argv", ["teamformer", *map(str, words)])
+    with told, patch.object(teamformer.cli, "app", VERBS):
         return teamformer.cli._run_verb()
 
 

@@ -35,6 +35,9 @@ ROUND = 5
 tried: Counter[str] = Counter()
 """Examples, by property."""
 
+noted: dict[str, Any] = {}
+"""What a property has drawn besides its arguments, for the file that is kept of it."""
+
 
 def fuzzed(
     examples: int, command: str, **drawn: Any
@@ -57,6 +60,7 @@ def _watched(test: Callable[..., None], command: str) -> Callable[..., None]:
         if time.time() > float(os.environ.get(UNTIL, "inf")):
             return
         tried[test.__name__] += 1
+        noted.clear()
         folder = os.environ.get(FOLDER)
         if folder:
             Path(folder, RUNNING).write_text(_file_of(example, command, "it ends the process"))
@@ -80,7 +84,7 @@ def _watched(test: Callable[..., None], command: str) -> Callable[..., None]:
 def _file_of(example: Mapping[str, Any], command: str, what: str) -> str:
     """Return a mission as a file; what is to be done with it stands above."""
     missions = example.get("mission", {})
-    others = {key: value for key, value in example.items() if key != "mission"}
+    others = {key: value for key, value in example.items() if key not in ("mission", "data")}
     words = command.format(**others)
     heads = [
         f"teamformer {words}: {what}",

@@ -269,6 +269,8 @@ tasks: [{at: [1, 0], needs: [a]}]
     [
         ("{cell: 0}", "a cell of the map is 0 m wide; use more than 0"),
         ("{cell: 1, origin: 3}", "the origin is 3; write it as [x, y, yaw]"),
+        ("{cell: 1, origin: [3]}", "the origin lacks one number; write it as [x, y, yaw]"),
+        ("{cell: 1, origin: [3, 0, 0, 0]}", "the origin has 4 numbers instead of 3; write it as"),
         ("{cell: 1, origin: [a, 0]}", "entry 1 of origin of frame of world is the text 'a'"),
         ("{origin: [0, 0]}", "frame of world lacks 'cell'; add it"),
     ],

@@ -127,11 +127,7 @@ class Reader:
         """Return a list of two; None after refusing anything else."""
         if isinstance(value, list) and len(value) == 2:
             return value
-        what = f"is {describe(value)}"
-        if isinstance(value, list):
-            few = "lacks one number" if value else "lacks both numbers"
-            what = few if len(value) < 2 else f"has {len(value)} numbers instead of two"
-        self.refuse(where, f"{name_of(where)} {what}; {remedy}")
+        self.refuse(where, f"{name_of(where)} {misshapen(value, 2)}; {remedy}")
         return None
 
     def count(self, where: Where, value: Any) -> float:
@@ -178,6 +174,16 @@ def name_of(where: Where) -> str:
     if around in (["robots"], ["tasks"], ["teams"]):
         return f"{str(around[0])[:-1]} {last + 1}"
     return f"entry {last + 1} of {name_of(tuple(around))}"
+
+
+def misshapen(value: Any, wanted: int) -> str:
+    """Say of what is no list of so many numbers what is wrong with it."""
+    if not isinstance(value, list):
+        return f"is {describe(value)}"
+    if len(value) > wanted:
+        return f"has {len(value)} numbers instead of {wanted}"
+    lacks = wanted - len(value)
+    return "lacks one number" if lacks == 1 else f"lacks {lacks} numbers"
 
 
 def _is_number(value: Any) -> bool:

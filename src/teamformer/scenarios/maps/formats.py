@@ -16,7 +16,7 @@ from teamformer.frame import Frame
 from teamformer.grid import BLOCKED, FREE, LARGEST_MAP, Grid
 from teamformer.scenarios.file_access import read_bytes, read_text
 from teamformer.scenarios.maps.images import Image, read_image
-from teamformer.scenarios.tree_reader import Reader
+from teamformer.scenarios.tree_reader import Reader, misshapen
 from teamformer.scenarios.yaml.reader import Where, parse
 from teamformer.scenarios.yaml.words import Misread, describe
 
@@ -148,7 +148,8 @@ FINEST = 1e-6  # metres
 def read_origin(reader: Reader, where: Where, value: Any) -> tuple[float, float, float]:
     """Return x and y in metres and a yaw in radians, which may be left out."""
     if not isinstance(value, list) or len(value) not in (2, 3):
-        reader.refuse(where, f"the origin is {describe(value)}; write it as [x, y, yaw]")
+        wanted = 3 if isinstance(value, list) and len(value) > 3 else 2
+        reader.refuse(where, f"the origin {misshapen(value, wanted)}; write it as [x, y, yaw]")
         return 0.0, 0.0, 0.0
     x, y, yaw = (reader.number((*where, i), part) for i, part in enumerate([*value, 0.0][:3]))
     return x, y, yaw

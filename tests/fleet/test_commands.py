@@ -55,6 +55,20 @@ def test_one_schedule_becomes_a_page(
     assert (out / "replay.html").stat().st_size > 10_000
 
 
+def test_check_refuses_what_was_seen_of_a_fleet(
+    mission: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert teamformer("rehearse", mission, "--schedule", "2", "--out", str(out)) == 0
+    capsys.readouterr()
+    assert teamformer("check", str(out / "replay.json")) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    words = " ".join(told.err.split())
+    assert "this was seen of a fleet, once a step; check judges the steps of `run`" in words
+    assert "hint: `teamformer rehearse SCENARIO --seed S --schedule K` plays" in words
+
+
 ADD = ("fleet", "add", "MISSION", "--task")
 
 

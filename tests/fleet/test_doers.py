@@ -15,7 +15,7 @@ from teamformer.fleet.mission import Mission, seconds_a_step
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.rehearsal.faults import Faults, Knobs
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.record import record_of, team_changes
 from teamformer.fleet.rehearsal.rehearse import faults_of, play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.policies.scripted.follow_plan import FollowPlan
@@ -68,6 +68,12 @@ def test_under_faults_it_is_who_did_it(schedule: int) -> None:
     record = record_of(rehearsal, outcome, trace.events, 7)
     assert credited(record) == really_did(rehearsal)
     assert len(credited(record)) == outcome.tasks_done >= 10
+
+
+def test_who_leaves_a_team_that_loses_its_lowest_robot_parts_from_it_before() -> None:
+    """In a step robots join before others are lost: 7 was in team 3, and is in team 2 after."""
+    changes = team_changes({2: (2,), 3: (3, 7)}, {2: (2, 7)}, [3])
+    assert changes == ((((3,), (7,)),), ((7, 2),))
 
 
 class Watched(Rehearsal):

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
+import signal
+import subprocess
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -29,9 +32,12 @@ from teamformer.fleet.messages import (
 )
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.observer.session import ObserverSession
+from teamformer.fleet.observer.silence import Silence
 from teamformer.fleet.observer.watch import Watch
+from teamformer.fleet.process.fleet import free_ports
+from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.record import TeamAt
+from teamformer.sim.replay.record import FLEET, TeamAt
 
 MISSION = Mission(
     make([robot("a", 0), robot("a", 1), robot("b", 9)], [task("a", 3), task("ab", 7)])
@@ -186,3 +192,66 @@ def test_what_a_page_may_not_do_is_refused(
     )
     told = heard_by_a_page(session, asked)
     assert [said in message["text"] for message in told if message["kind"] == "refused"] == [True]
+
+
+def test_robots_that_are_not_heard_are_named_until_they_are() -> None:
+    silence = Silence(["atlas", "bolt"], now=5.0)
+    assert not silence.changes(15.0)
+    assert silence.changes(15.1)
+    assert silence.warning.startswith("no robot has been heard for 10 s; does the fleet run, and")
+    silence.refuse("another mission")
+    assert "10 s (what came was refused: another mission); does" in silence.warning
+    silence.hear(0, 16.0)
+    assert silence.changes(16.0)
+    assert silence.warning == "not heard for 10 s: bolt"
+    assert not silence.changes(17.0)
+    silence.hear(1, 17.0)
+    assert silence.changes(17.0)
+    assert silence.warning == ""
+
+
+def test_page_and_terminal_are_told_which_robots_are_not_heard(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody answers here, and only messages come that are none."""
+    monkeypatch.setattr("teamformer.fleet.observer.silence.SILENCE", 0.0)
+    said: list[str] = []
+    post = Post(MISSION.number, MISSION.robots)
+    session = ObserverSession(Watch(MISSION), Loopback(holders=0), post, tmp_path, said.append)
+
+    async def listen() -> dict[str, Any]:
+        running, watcher = asyncio.create_task(session.run()), session.join()
+        while not said:
+            await asyncio.sleep(0.01)
+        running.cancel()
+        told = [json.loads(watcher.outbox.get_nowait()) for _ in range(watcher.outbox.qsize())]
+        return next(message for message in reversed(told) if message["kind"] == "state")
+
+    state = asyncio.run(listen())
+    assert said[0].startswith("no robot has been heard for 0 s (what came was refused: bad seal)")
+    assert state["warning"] == said[0]
+
+
+def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
+    """Nobody answers; whoever started the tests may have Ctrl-C ignored, the child may not."""
+    write_scenario(MISSION.scenario, tmp_path / "small.yaml")
+    (port, endpoint) = free_ports(2)
+    command = [sys.executable, "-m", "teamformer.cli", "live", str(tmp_path / "small.yaml")]
+    command += ["--fleet", f"tcp/127.0.0.1:{endpoint}", "--port", str(port)]
+    with subprocess.Popen(
+        [*command, "--out", str(tmp_path)],
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    ) as live:
+        assert live.stderr is not None
+        try:
+            lines = [live.stderr.readline() for _ in range(2)]
+            live.send_signal(signal.SIGINT)
+            _, more = live.communicate(timeout=60)
+        finally:
+            live.kill()
+    assert lines[1] == "Ctrl-C ends it and saves what was done\n"
+    assert f"saved: {tmp_path / 'replay.json'}\n" in more
+    assert live.returncode == 0
+    assert read_replay(tmp_path / "replay.json").policy == FLEET

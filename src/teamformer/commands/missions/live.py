@@ -58,21 +58,28 @@ def live(path: Path | None, options: Options) -> int:
     What was done by then is saved.
     """
     try:
-        from teamformer.live.server import Doors, make_app, serve
+        import teamformer.live.server  # noqa: F401
     except ImportError as error:
         raise TeamformerError(
             f"live needs starlette, uvicorn and websockets ({error})",
             "pip install 'teamformer[live]'",
         ) from None
-    from teamformer.viewer.html import live_page
-
     prepare_folder(options.folder)
     _check_port(options.host, options.port)
-    session: Session | Workshop | ObserverSession
-    if options.fleet is not None:
-        session, name = _observe(path, options.fleet, options.folder), "fleet"
-    else:
+    if options.fleet is None:
         session, name = _prepare(path, options)
+        _serve(session, name, options)
+        return 0
+    with contextlib.closing(_observe(path, options.fleet, options.folder)) as onlooker:
+        _serve(onlooker, "fleet", options)
+    return 0
+
+
+def _serve(session: Session | Workshop | ObserverSession, name: str, options: Options) -> None:
+    """Serve a mission's page until Ctrl-C, and save."""
+    from teamformer.live.server import Doors, make_app, serve
+    from teamformer.viewer.html import live_page
+
     token = None if options.host in LOOPBACK else secrets.token_urlsafe(16)
     doors = Doors(_names(options.host, options.port), token)
     address = f"http://{_bracketed(options.host)}:{options.port}/"
@@ -92,7 +99,6 @@ def live(path: Path | None, options: Options) -> int:
     app = make_app(session, lambda: live_page(name), doors, save)
     with contextlib.suppress(KeyboardInterrupt):
         serve(app, options.host, options.port, tell)
-    return 0
 
 
 def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, str]:
@@ -137,12 +143,12 @@ def _observe(path: Path | None, fleet: FleetAt, folder: Path) -> ObserverSession
     mission = Mission(scenario, seconds_a_step(scenario, fleet.pace))
     secret, certificates = read_secret(fleet.key), read_certificates(fleet.tls)
     check_endpoints([fleet.endpoint], secret, certificates)
-    transport = ZenohTransport(
-        mission.number, OPERATOR, None, [fleet.endpoint], certificates=certificates
-    )
     signatures = signatures_in(fleet.sign, mission, OPERATOR)
     post = Post(mission.number, mission.robots, secret, signatures)
-    return ObserverSession(Watch(mission), transport, post, folder)
+    transport = ZenohTransport(  # last: a process ends only once it is closed
+        mission.number, OPERATOR, None, [fleet.endpoint], certificates=certificates
+    )
+    return ObserverSession(Watch(mission), transport, post, folder, say)
 
 
 def _names(host: str, port: int) -> frozenset[str]:

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.commands.console import out, print_json
+from teamformer.errors import TeamformerError
 from teamformer.mission.arrivals import without_arrivals
 from teamformer.model import Scenario
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.record import FLEET, Replay
 
 GUARANTEE = "by the rules: every robot's way, every team that formed, every task that was done"
 
@@ -23,6 +24,7 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
     With a scenario's file, the record must be one of that scenario, too.
     """
     replay = read_replay(path)
+    _refuse_fleets(replay, path)
     verdict = judge(replay)
     findings = [{"step": f.step, "message": f.message} for f in verdict.findings]
     if scenario is not None:
@@ -58,6 +60,17 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
     words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in claimed.items())
     out.print(f"only claimed by the record: {words}", markup=False, style="dim")
     return 1 if findings else 0
+
+
+def _refuse_fleets(replay: Replay, path: Path) -> None:
+    """Refuse what was seen of a fleet: the rules of steps do not hold between them."""
+    if replay.policy == FLEET:
+        raise TeamformerError(
+            f"{path}: this was seen of a fleet, once a step; check judges the steps of `run`, "
+            "and a fleet's robots walk and join in between",
+            "`teamformer rehearse SCENARIO --seed S --schedule K` plays a rehearsal again "
+            "and judges its promises",
+        )
 
 
 def _claims(replay: Replay) -> dict[str, Any]:

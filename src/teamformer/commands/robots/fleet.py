@@ -130,11 +130,11 @@ def add(path: Path, added: Added, as_json: bool) -> int:
     if added.connect is None:
         raise TeamformerError("where is the fleet?", "add --connect ENDPOINT of any agent")
     check_endpoints([added.connect], secret, certificates)
-    transport = ZenohTransport(
-        mission.number, OPERATOR, None, [added.connect], certificates=certificates
-    )
     signatures = signatures_in(added.sign, mission, OPERATOR)
     post = Post(mission.number, mission.robots, secret, signatures)
+    transport = ZenohTransport(  # last: a process ends only once it is closed
+        mission.number, OPERATOR, None, [added.connect], certificates=certificates
+    )
     operator = Operator(task, mission.robots)
     deadline = time.monotonic() + added.patience
     try:

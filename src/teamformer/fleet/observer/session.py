@@ -11,13 +11,14 @@ import asyncio
 import json
 import secrets
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
 from teamformer.fleet.mission import row_of
+from teamformer.fleet.observer.silence import Silence
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.transports.transport import Transport
@@ -26,9 +27,6 @@ from teamformer.live.messages import Message, read_incident, read_message
 from teamformer.live.session import Watcher, finite
 from teamformer.sim.replay.writing import replay_to_tree, step_to_tree, write_replay
 
-SILENCE = 10.0
-"""Seconds without any word after which the page is told that nothing is heard."""
-
 PATIENCE = 20.0
 """Seconds until a task that too few robots hold is given up."""
 
@@ -36,9 +34,19 @@ Tree = dict[str, Any]
 
 
 class ObserverSession:
-    """Hears a fleet, writes down a step each so many seconds and tells everybody."""
+    """Hears a fleet, writes down a step each so many seconds and tells everybody.
 
-    def __init__(self, watch: Watch, transport: Transport, post: Post, folder: Path) -> None:
+    `say` tells the person who started it of robots that are not heard, which pages show as well.
+    """
+
+    def __init__(
+        self,
+        watch: Watch,
+        transport: Transport,
+        post: Post,
+        folder: Path,
+        say: Callable[[str], None] = lambda _: None,
+    ) -> None:
         self.watch, self.folder = watch, folder
         self.lock = asyncio.Lock()
         self.note = "this is what was seen of the fleet; its robots keep no record"
@@ -47,8 +55,9 @@ class ObserverSession:
         self._watchers: set[Watcher] = set()
         self._operators: dict[int, Operator] = {}
         self._incidents: list[tuple[int, str]] = []
-        self._heard_at = time.monotonic()
-        self._is_silent = False
+        self._say_aloud = say
+        names = [robot.name for robot in watch.mission.scenario.robots]
+        self._silence = Silence(names, time.monotonic())
         transport.listen_to(range(watch.mission.robots))
 
     async def run(self) -> None:
@@ -142,19 +151,24 @@ class ObserverSession:
 
     def _hear(self, came: Sequence[bytes], now: float) -> None:
         for data in came:
-            message, _ = self._post.judge(data)
+            message, fault = self._post.judge(data)
             if message is None:
+                self._silence.refuse(fault)
                 continue
-            self._heard_at = now
+            if message.sender != OPERATOR:
+                self._silence.hear(message.sender, now)
             for operator in self._operators.values():
                 operator.hear(message)
             for task in self.watch.hear(message):
                 if task.key not in self._operators:  # that one is told once it is accepted
                     self._tell_of_task(f"task {task.name} added by an operator")
-        is_silent = now - self._heard_at > SILENCE
-        if is_silent and not self._is_silent:
-            self._tell_all("refused", {"text": f"no robot has been heard for {SILENCE:g} s"})
-        self._is_silent = is_silent
+        self._listen_for_silence(now)
+
+    def _listen_for_silence(self, now: float) -> None:
+        """Tell everybody when other robots than before are not heard, until all is done."""
+        if self._silence.changes(now) and not self.watch.is_over:  # then they leave
+            self._say_aloud(self._silence.warning or "all robots are heard again")
+            self._tell_all("state", self._state())
 
     def _ask_for_facts(self) -> None:
         """Offer a task that all know: who holds it says what else it knows."""
@@ -183,7 +197,8 @@ class ObserverSession:
     def _state(self) -> Tree:
         speed = 1 / self.watch.mission.step
         watched = {"is_playing": True, "speed": speed, "watchers": len(self._watchers)}
-        return watched | {"incidents": self._incidents, "is_fleet": True}
+        warning = "" if self.watch.is_over else self._silence.warning
+        return watched | {"incidents": self._incidents, "is_fleet": True, "warning": warning}
 
     def _tell_all(self, kind: str, news: Tree) -> None:
         text = json.dumps({"kind": kind} | news, separators=(",", ":"))

@@ -12,13 +12,12 @@ from teamformer.fleet.rehearsal.record import (
     Teams,
     team_changes,
     teams_shown,
-    teams_without,
     who_did,
 )
 from teamformer.grid import Grid, Place
 from teamformer.model import Task
 from teamformer.plane import DECIMALS
-from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
+from teamformer.sim.replay.record import FLEET, Ending, Replay, Step, TeamAt
 
 STAYS = 3
 """Steps for which a robot's word that it is at work holds on, if it says something else since."""
@@ -100,8 +99,8 @@ class Watch:
         }
         deeds = [self._deed(key) for key in self._news]
         places, teams, doers = teams_shown(said, [deed for deed in deeds if deed.robots])
-        before = teams_without(self._teams, lost) | {robot: (robot,) for robot in back}
-        splits, joins = team_changes(before, teams)
+        before = self._teams | {robot: (robot,) for robot in back}
+        splits, joins = team_changes(before, teams, lost)
         self._teams = teams
         shown = {
             slot: TeamAt(slot, *places[slot], None if slot in doers else self._goal_of(slot))
@@ -121,7 +120,7 @@ class Watch:
         done = sum(len(step.done) for step in self.steps)
         return Replay(
             scenario=replace(self.scenario, teams=(), allocation="paper"),
-            policy="fleet",
+            policy=FLEET,
             seed=0,
             orders=((0, tuple(k for k, task in enumerate(tasks) if task.appears == 0)),),
             start=tuple((r, (r,), *at.at) for r, at in enumerate(self.scenario.robots)),

@@ -19,7 +19,7 @@ from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent, Walked
 from teamformer.grid import Grid, Place
 from teamformer.model import Absence, Scenario, Task
 from teamformer.plane import DECIMALS
-from teamformer.sim.replay.record import HEARD, Ending, Replay, Step, TeamAt
+from teamformer.sim.replay.record import FLEET, HEARD, Ending, Replay, Step, TeamAt
 
 Teams = dict[int, tuple[int, ...]]
 """The robots of each team, by its lowest."""
@@ -52,7 +52,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     is_complete = outcome.status == "ended"
     return Replay(
         scenario=scenario,
-        policy="fleet",
+        policy=FLEET,
         seed=seed,
         orders=((0, tuple(k for k, task in enumerate(scenario.tasks) if task.appears == 0)),),
         start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(scenario.robots)),
@@ -149,8 +149,7 @@ class _Teller:
             for robot, (team, _) in self._says.items()
         }
         places, teams, doers = teams_shown(said, done)
-        before = teams_without(self._teams, lost)
-        splits, joins = team_changes(before, teams)
+        splits, joins = team_changes(self._teams, teams, lost)
         self._teams = teams
         shown = {}
         for slot in sorted(teams):
@@ -202,20 +201,18 @@ def who_did(deed: Deed, teams: Teams) -> int:
     )
 
 
-def teams_without(teams: Teams, lost: Sequence[int]) -> Teams:
-    """Return teams without some robots, by their lowest robots then."""
-    left = [tuple(r for r in robots if r not in lost) for robots in teams.values()]
-    return {min(robots): robots for robots in left if robots}
-
-
 def team_changes(
-    before: Teams, after: Teams
+    before: Teams, after: Teams, lost: Sequence[int]
 ) -> tuple[
     tuple[tuple[tuple[int, ...], tuple[int, ...]], ...],
     tuple[tuple[int, int], ...],
 ]:
-    """Return the splits, then the joins, that make one set of teams of another."""
+    """Return the splits, then the joins, that make one set of teams of another.
+
+    Robots that are lost then, which comes after both in a step, part from the others before.
+    """
     splits, pieces = [], []
+    after = after | {robot: (robot,) for robot in lost}
     for robots in before.values():
         parts = [tuple(r for r in robots if r in team) for team in after.values()]
         parts = sorted(part for part in parts if part)

@@ -8,6 +8,8 @@ from typing import NamedTuple
 from teamformer.model import Scenario
 
 VERSION = 1
+FLEET = "fleet"
+"""The policy in records of fleets, whose robots decide for themselves and keep no steps."""
 HEARD = ("beat", "facts", "plan")
 """What the agents of a rehearsed fleet say to one another."""
 STATUSES = ("completed", "step limit", "infeasible", "interrupted")

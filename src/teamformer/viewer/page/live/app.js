@@ -69,9 +69,9 @@ class LiveApp extends App {
     notify(`Incident in ${text}.`, "good");
   }
 
-  takeState({ is_playing, speed, watchers, incidents, is_fleet = false }) {
+  takeState({ is_playing, speed, watchers, incidents, is_fleet = false, warning = "" }) {
     const { player } = this;
-    this.state = { watchers, incidents, isFleet: is_fleet };
+    this.state = { watchers, incidents, isFleet: is_fleet, warning };
     Object.assign(player, { isPlaying: is_playing, speed });
     this.panel.show();
     this.show(true);

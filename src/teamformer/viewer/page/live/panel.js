@@ -30,9 +30,10 @@ class MissionPanel {
     const pages = state.watchers > 1 ? `, ${state.watchers} pages` : "";
     this.planAnew.hidden = history.replay.scenario.allocation !== "plan" || history.end.status !== "running";
     this.head.replaceChildren(
-      element("span", { class: `pulse ${isOn ? "on" : ""}` }),
+      element("span", { class: `pulse ${isOn && !state.warning ? "on" : ""}` }),
       `${status}${this.app.isCutOff ? ", connection lost" : pages}`,
     );
+    if (state.isFleet) this.outlook.textContent = state.warning; // which robots are not heard
     const items = state.incidents.map(([step, text]) =>
       element("li", {}, `${shortMoment(history.scenario.world, step)}: ${text}`),
     );

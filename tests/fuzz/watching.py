@@ -63,7 +63,7 @@ def _watched(test: Callable[..., None], command: str) -> Callable[..., None]:
         noted.clear()
         folder = os.environ.get(FOLDER)
         if folder:
-            Path(folder, RUNNING).write_text(_file_of(example, command, "it ends the process"))
+            _keep(Path(folder, RUNNING), _file_of(example, command, "it ends the process"))
         try:
             test(*fixtures, **example)
         except HypothesisException:
@@ -75,7 +75,7 @@ def _watched(test: Callable[..., None], command: str) -> Callable[..., None]:
                 raise
             name = f"{test.__name__.removeprefix('test_')}-{_kind(error)}.yaml"
             if name not in os.environ.get(KNOWN, "").split():
-                Path(folder, name).write_text(text)
+                _keep(Path(folder, name), text)
                 raise
 
     return watched
@@ -88,10 +88,14 @@ def _file_of(example: Mapping[str, Any], command: str, what: str) -> str:
     words = command.format(**others)
     heads = [
         f"teamformer {words}: {what}",
-        *(f"{key} = {value!r}" for key, value in others.items()),
+        *(f"{key} = {value!r}" for key, value in (others | noted).items()),
     ]
     parts = [_text_of(one) for one in (missions if isinstance(missions, list) else [missions])]
     return "".join(f"# {head}\n".replace("\r", " ") for head in heads) + "---\n".join(parts)
+
+
+def _keep(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
 def _text_of(tree: Any) -> str:

@@ -78,9 +78,8 @@ def _spells(draw: st.DrawFn, robots: int, can_last: bool) -> Iterator[Spell]:
 
 
 def _orders(draw: st.DrawFn, mission: Mission) -> Iterator[Order]:
-    """Return tasks that operators add, like one of the mission's."""
-    while now_and_then(draw):
-        like, key = pick(draw, mission.tasks), 1 + pick(draw, range(100))
-        needs, place = like.needs, (like.x, like.y)
-        task = TaskFact(key << 24, f"order-{key}", *place, needs, pick(draw, (0.0, 2.0)))
+    """Return tasks that operators add, each like one of the mission's."""
+    for key in range(1, 1 + pick(draw, (0, 0, 0, 1, 2, 3))):
+        like, lasts = pick(draw, mission.tasks), pick(draw, (0.0, 2.0))
+        task = TaskFact(key << 24, f"order-{key}", like.x, like.y, like.needs, lasts)
         yield Order(pick(draw, MOMENTS), task)

@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test kernels types planes test-all test-real wheel clean
+.PHONY: run test kernels types planes test-all fuzz test-real wheel clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --html --out out/
@@ -24,6 +24,10 @@ planes: $(VENV)/dev.stamp  ## every index checked, as it runs
 
 test-all: $(VENV)/dev.stamp  ## the long tests too
 	$(BIN)/pytest -q -n 2
+
+MINUTES ?= 10
+fuzz: $(VENV)/dev.stamp kernels  ## other random examples of every property, for so many minutes
+	$(BIN)/python tests/fuzz/fuzz.py $(MINUTES)
 
 wheel: $(VENV)/dev.stamp  ## one that brings compiled kernels, checked: a first run compiles nothing
 	rm -rf build/kernels build/installed build/first-run src/teamformer/compiled dist

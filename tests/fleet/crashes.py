@@ -9,12 +9,12 @@ from __future__ import annotations
 import sys
 
 import numpy as np
+from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.policies.central.policy import Central
-from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.scenarios.named_settings import world_of
 from teamformer.trials.trial import run_trials
 

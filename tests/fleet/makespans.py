@@ -12,12 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from teamformer.fleet.mission import Mission, seconds_a_step
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.model import Scenario
-from teamformer.policies.scripted.follow_plan import FollowPlan
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.named_settings import world_of
 from teamformer.trials.trial import run_trials

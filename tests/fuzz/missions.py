@@ -1,0 +1,318 @@
+"""Small missions over the whole file format, as trees: all of them are good files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from hypothesis import strategies as st
+
+from drawing import are_more, now_and_then, pick, some
+from words import draw_names
+from worlds import Drawn, Place, draw_world
+
+Tree = dict[str, Any]
+
+SEEDS = st.integers(0, 30)
+MOST_ROBOTS, MOST_TASKS, MOST_CAPABILITIES = 5, 5, 4
+
+SPEEDS = (1, 0.5, 0.3, 1.7, 2, 0.8)
+CHANCES = (0.4, 0, 1, 0.1, 0.9)
+RADII = (0, 1, 2.5, 0.3, ".inf")
+RADII_BY_SIZE = (0, 0.3, 1, 2.5, ".inf")
+GRAINS = (1000, 1000, 1000, 500, 333, 20_250, 1)
+"""What robots bring whole multiples of, in thousandths."""
+
+RULES: dict[str, tuple[Any, ...]] = {
+    "sensing_radius": RADII,
+    "forming_steps": (0, 1),
+    "finding_radius": RADII,
+}
+RANGES = ([0, 0], [0, 1], [2, 2], [1, 5], [4, 10], [0, 7])
+REPAIRS = ([1, 1], [2, 9], [5, 18])
+TIMES = (1, 0, 0.5, 3, 2.25, 7.01, 1 / 3)
+WEIGHTS = (1, 0.001, 0.5, 3, 3000, 1_000_000)
+COSTS = ("makespan", "travel", "tardiness", "max_tardiness")
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """Robots as they stand in a file, one an entry, and what they bring to each part of the world.
+
+    Counts are in thousandths.
+    """
+
+    grain: Mapping[str, int]
+    robots: list[Tree] = field(default_factory=list)
+    brought: dict[int, dict[str, int]] = field(default_factory=dict)
+
+    @property
+    def everything(self) -> dict[str, int]:
+        """Return what all bring together."""
+        caps = {cap for have in self.brought.values() for cap in have}
+        return {cap: sum(have.get(cap, 0) for have in self.brought.values()) for cap in caps}
+
+
+@st.composite
+def missions(
+    draw: st.DrawFn, is_sure: bool = False, is_plain: bool = False, is_tiny: bool = False
+) -> Tree:
+    """Return a mission in steps.
+
+    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after` and `between`, so
+    that fleets of processes can do it. One that `is_tiny` has two robots and tasks at most.
+    """
+    most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
+    is_sure = is_sure or is_plain or pick(draw, (True, False, False))
+    world, caps = draw_world(draw), draw_names(draw, 1 + pick(draw, range(MOST_CAPABILITIES)))
+    fleet = _draw_fleet(draw, world, caps, most_robots)
+    for robot in fleet.robots:
+        _write_losses(draw, robot)
+        if not is_sure:
+            _write_surprises_of_robot(draw, robot)
+    tasks = _draw_tasks(draw, world, fleet, most_tasks)
+    for task in tasks:
+        if now_and_then(draw, 2):
+            task["duration"] = pick(draw, (1, 0, 2, 4))
+        if now_and_then(draw):
+            task["appears"] = pick(draw, (3, 0, 1, 9, 20))
+        if not is_sure:
+            _write_surprises_of_task(draw, world, fleet, task)
+    if not is_plain:
+        _write_windows(draw, tasks)
+        _write_precedence(draw, tasks, range(len(tasks)))
+    tree = _write(draw, world, caps, fleet.robots, tasks)
+    for key, values in RULES.items():
+        if now_and_then(draw, 3):
+            tree[key] = pick(draw, values)
+    if not is_sure or "plane" in world.tree or now_and_then(draw, 3):  # else it is not far away
+        tree["step_limit"] = pick(draw, (200, 200, 60, 7, 1))
+    if now_and_then(draw, 3):
+        radii = (tree.get("sensing_radius", 1), pick(draw, RADII))
+        tree["join_radius"] = min(radii, key=RADII_BY_SIZE.index)
+    if not is_sure and now_and_then(draw) and _can_more_appear(tree, world):
+        tree["arrivals"] = {"rate": pick(draw, (0.1, 0, 1)), "until": pick(draw, (8, 0, 1, 5))}
+        if now_and_then(draw, 2):
+            tree["arrivals"] |= {"needs": pick(draw, (1, 2, 9)), "duration": pick(draw, (1, 0, 3))}
+    return tree
+
+
+@st.composite
+def continuous_missions(
+    draw: st.DrawFn, most_robots: int = MOST_ROBOTS, most_tasks: int = MOST_TASKS
+) -> Tree:
+    """Return a mission in continuous time."""
+    world, caps = draw_world(draw), draw_names(draw, 1 + pick(draw, range(MOST_CAPABILITIES)))
+    fleet = _draw_fleet(draw, world, caps, most_robots)
+    tasks = _draw_tasks(draw, world, fleet, most_tasks)
+    for task in tasks:
+        if now_and_then(draw, 2):
+            task["duration"] = pick(draw, TIMES)
+        if now_and_then(draw):
+            task["appears"] = pick(draw, (3, 0, 9))
+    _write_windows(draw, tasks)
+    group_of = _write_links(draw, tasks, fleet)
+    _write_precedence(draw, tasks, group_of)
+    tree = {"time": "continuous", **_write(draw, world, caps, fleet.robots, tasks)}
+    parts = {world.part(robot["at"]) for robot in fleet.robots}
+    ends = ["home", *(place for place in world.places if parts == {world.part(place)})]
+    if now_and_then(draw, 2):
+        tree["ends"] = pick(draw, ends)
+    if now_and_then(draw, 2):
+        tree["forming"] = pick(draw, TIMES)
+    if now_and_then(draw, 3):
+        tree["cost"] = {part: pick(draw, WEIGHTS) for part in some(draw, COSTS, 4)}
+    return tree
+
+
+def _draw_fleet(draw: st.DrawFn, world: Drawn, caps: Sequence[str], most: int) -> Fleet:
+    fleet = Fleet({cap: pick(draw, GRAINS) if now_and_then(draw) else 1000 for cap in caps})
+    homes = [pick(draw, world.places), pick(draw, world.places)]
+    while are_more(draw, fleet.robots, most):
+        fleet.robots.append(draw(_robots(world, caps, homes, fleet)))
+    return fleet
+
+
+@st.composite
+def _robots(
+    draw: st.DrawFn, world: Drawn, caps: Sequence[str], homes: Sequence[Place], fleet: Fleet
+) -> Tree:
+    at = pick(draw, homes if now_and_then(draw, 2) else (homes[0], pick(draw, world.places)))
+    can = {cap: (1 + now_and_then(draw)) * fleet.grain[cap] for cap in some(draw, caps, 3)}
+    robot = {"at": at, "can": _written(draw, can)}
+    if now_and_then(draw, 3):
+        robot["speed"] = pick(draw, SPEEDS)
+    have = fleet.brought.setdefault(world.part(at), {})
+    for cap, count in can.items():
+        have[cap] = have.get(cap, 0) + count
+    return robot
+
+
+def _write_losses(draw: st.DrawFn, robot: Tree) -> None:
+    """Say when a robot is lost and back: never, once, or again and again."""
+    times = pick(draw, (0, 0, 0, 0, 0, 1, 2, 3, 4))
+    steps, at = [], 0
+    for _ in range(times):
+        at += 1 + pick(draw, range(12))
+        steps.append(at)
+    for key, own in (("lost", steps[::2]), ("back", steps[1::2])):
+        if own:
+            robot[key] = own if times > 2 or now_and_then(draw) else own[0]
+
+
+def _write_surprises_of_robot(draw: st.DrawFn, robot: Tree) -> None:
+    if "lost" not in robot and now_and_then(draw):
+        robot["breaks"] = {"rate": pick(draw, (0.02, 0, 0.2, 1))}
+        if now_and_then(draw, 2):
+            robot["breaks"]["repair"] = pick(draw, REPAIRS)
+    if now_and_then(draw):
+        chance = pick(draw, (0.1, 0, 0.5, 0.9))
+        robot["delays"] = {"chance": chance, "seed": 3} if now_and_then(draw) else chance
+
+
+def _draw_tasks(draw: st.DrawFn, world: Drawn, fleet: Fleet, most: int) -> list[Tree]:
+    places = [place for place in world.places if world.part(place) in fleet.brought]
+    tasks: list[Tree] = []
+    while are_more(draw, tasks, most):
+        tasks.append(draw(_plain_tasks(world, fleet, places)))
+    return tasks
+
+
+@st.composite
+def _plain_tasks(draw: st.DrawFn, world: Drawn, fleet: Fleet, places: Sequence[Place]) -> Tree:
+    at = pick(draw, places)
+    have, needs = fleet.brought[world.part(at)], {}
+    for cap in some(draw, sorted(have), 3):
+        grain = fleet.grain[cap]
+        needs[cap] = grain * (1 + pick(draw, range(min(have[cap] // grain, 3))))
+        if grain != 1000 and now_and_then(draw):
+            needs[cap] -= pick(draw, range(grain))
+    return {"at": at, "needs": _written(draw, needs)}
+
+
+def _write_surprises_of_task(draw: st.DrawFn, world: Drawn, fleet: Fleet, task: Tree) -> None:
+    """Say what is not known of a task; the worst of it can be met all the same."""
+    part = world.part(task["at"])
+    have, needs = fleet.brought[part], _thousandths(task["needs"])
+    spare = [cap for cap in sorted(have) if have[cap] >= needs.get(cap, 0) + 1000]
+    if now_and_then(draw):
+        task["duration"] = pick(draw, RANGES)
+    if spare and now_and_then(draw, 3):
+        task["may_need"] = {cap: pick(draw, CHANCES) for cap in some(draw, spare, 2)}
+    if now_and_then(draw):
+        task["within"] = pick(draw, (1, 0, 2.5, 4)) * world.unit
+        beside = [p for p in world.blocked if _part_around(world, p, task["within"]) == part]
+        if beside and now_and_then(draw, 2):
+            task["at"] = pick(draw, beside)
+
+
+def _part_around(world: Drawn, at: Place, within: float) -> int | None:
+    """Return the part that the free cells around a wall lie in; None if there are several."""
+    near = {
+        world.part(place)
+        for place in world.places
+        if (place[0] - at[0]) ** 2 + (place[1] - at[1]) ** 2 <= within**2
+    }
+    return near.pop() if len(near) == 1 else None
+
+
+def _write_windows(draw: st.DrawFn, tasks: Sequence[Tree]) -> None:
+    """Say when some tasks have to wait, and when they are late."""
+    for task in tasks:
+        if now_and_then(draw):
+            duration, begin = task.get("duration", 0), pick(draw, (0, 3, 2.5, 20))
+            expected = -(-sum(duration) // 2) if isinstance(duration, list) else duration
+            task["between"] = [begin, begin + expected + pick(draw, (1, 0.5, 6, 20))]
+
+
+def _write_precedence(draw: st.DrawFn, tasks: Sequence[Tree], group_of: Sequence[int]) -> None:
+    """Say which tasks come after others, by number until they have names; never within a group."""
+    for number, task in enumerate(tasks):
+        earlier = [other for other in range(number) if group_of[other] != group_of[number]]
+        if earlier and now_and_then(draw):
+            task["after"] = some(draw, earlier, 2)
+
+
+def _write_links(draw: st.DrawFn, tasks: Sequence[Tree], fleet: Fleet) -> list[int]:
+    """Link the starts of some tasks that stand beside one another; return the groups of all."""
+    group_of, have = list(range(len(tasks))), fleet.everything
+    for number in range(1, len(tasks)):
+        group = [n for n in range(number) if group_of[n] == group_of[number - 1]] + [number]
+        wanted = [_thousandths(tasks[n]["needs"]) for n in group]
+        can_be = all(
+            have[cap] >= sum(needs.get(cap, 0) for needs in wanted)
+            for needs in wanted
+            for cap in needs
+        )
+        if can_be and len(group) <= len(fleet.robots) and now_and_then(draw, 3):
+            least, more = pick(draw, (0, 1, 6)), pick(draw, (0, 2, 0.5))
+            tasks[number]["starts"] = {number - 1: [least, least + more]}
+            group_of[number] = group_of[number - 1]
+    return group_of
+
+
+def _can_more_appear(tree: Tree, world: Drawn) -> bool:
+    """Say whether wherever robots start they bring a whole one of something together."""
+    have: dict[int, dict[str, int]] = {}
+    for robot in tree["robots"]:
+        part = have.setdefault(world.part(robot["at"]), {})
+        for cap, count in _thousandths(robot["can"]).items():
+            part[cap] = part.get(cap, 0) + count * robot.get("count", 1)
+    return all(max(part.values()) >= 1000 for part in have.values())
+
+
+def _write(
+    draw: st.DrawFn, world: Drawn, caps: Sequence[str], robots: list[Tree], tasks: list[Tree]
+) -> Tree:
+    """Return a file with robots and tasks named, or not; the tasks in any order."""
+    tree: Tree = {"teamformer": 1, "world": world.tree, "capabilities": list(caps)}
+    if now_and_then(draw):
+        tree["name"] = draw_names(draw, 1)[0]
+    if is_named := now_and_then(draw, 2):
+        names = draw_names(draw, len(robots))
+        for robot, name in zip(robots, names, strict=True):
+            robot["name"] = name
+    else:
+        names = [f"r{number + 1}" for number in range(len(robots))]
+    teams = _teams(draw, names, robots) if now_and_then(draw, 2) else []
+    if teams:
+        tree["teams"] = teams
+    elif now_and_then(draw) and not {f"{names[-1]}-1", f"{names[-1]}-2"} & set(names):
+        robots[-1]["count"] = pick(draw, (2, 1))
+    tree["robots"] = robots
+    turned = list(range(len(tasks)))
+    if now_and_then(draw, 2):
+        turned = turned[::-1] if len(tasks) < 4 else [*turned[2::2], *turned[1::2], 0]
+    called = draw_names(draw, len(tasks)) if is_named else []
+    task_names = called or [f"t{turned.index(number) + 1}" for number in range(len(tasks))]
+    for number, task in enumerate(tasks):
+        if "after" in task:
+            task["after"] = [task_names[other] for other in task["after"]]
+        if "starts" in task:
+            task["starts"] = {task_names[other]: gap for other, gap in task["starts"].items()}
+        if called:
+            task["name"] = called[number]
+    return tree | {"tasks": [tasks[number] for number in turned]}
+
+
+def _teams(draw: st.DrawFn, names: Sequence[str], robots: Sequence[Tree]) -> list[list[str]]:
+    """Return starting teams of robots that start in the same place."""
+    teams: dict[tuple[Any, ...], list[str]] = {}
+    for name, robot in zip(names, robots, strict=True):
+        if label := pick(draw, (1, 2, 0)):
+            teams.setdefault((*robot["at"], label), []).append(name)
+    return list(teams.values())
+
+
+def _written(draw: st.DrawFn, counts: Mapping[str, int]) -> list[str] | dict[str, float]:
+    """Return counts in thousandths as one would write them."""
+    if all(count == 1000 for count in counts.values()) and now_and_then(draw, 2):
+        return list(counts)
+    return {cap: n // 1000 if n % 1000 == 0 else n / 1000 for cap, n in counts.items()}
+
+
+def _thousandths(counts: Sequence[str] | Mapping[str, float]) -> dict[str, int]:
+    if not isinstance(counts, Mapping):
+        return dict.fromkeys(counts, 1000)
+    return {cap: round(count * 1000) for cap, count in counts.items()}

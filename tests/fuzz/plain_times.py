@@ -1,0 +1,149 @@
+"""When a plan in continuous time does what, by docs/scenarios.md alone: routes in, times out.
+
+Nothing is shared with the planner. All that has to wait for something is made to wait a little
+longer, again and again, until nothing changes any more.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from teamformer.grid import Place
+from teamformer.model import Robot, Scenario
+
+Routes = Sequence[Sequence[int]]
+"""The tasks of each robot, in its order."""
+
+
+@dataclass(frozen=True)
+class Times:
+    """When tasks start, when each robot is back, and what of it costs something."""
+
+    start: list[float]
+    back: list[float]
+    travel: float
+    late: dict[int, float]
+    cost: float | None
+
+    @property
+    def makespan(self) -> float:
+        """Return when the last robot is back."""
+        return max(self.back)
+
+
+class Ways:
+    """How long robots take from place to place."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._world = scenario.world
+        self._fields: dict[Place, dict[Place, int]] = {}
+
+    def time(self, robot: Robot, here: Place, there: Place) -> float:
+        """Return how long a robot takes for a way; infinity where there is none."""
+        if not hasattr(self._world, "neighbours"):
+            return math.dist(here, there) / robot.speed
+        if there not in self._fields:
+            self._fields[there] = self._field(there)
+        return self._fields[there].get(here, math.inf) / robot.speed
+
+    def _field(self, there: Place) -> dict[Place, int]:
+        field, frontier = {there: 0}, [there]
+        for place in frontier:
+            for beside in self._world.neighbours(place):  # type: ignore[union-attr]
+                if beside not in field:
+                    field[beside] = field[place] + 1
+                    frontier.append(beside)
+        return field
+
+
+def times_of(scenario: Scenario, routes: Routes, ways: Ways) -> Times | None:
+    """Return the times of a plan; None if robots wait for one another for ever."""
+    tasks, robots = scenario.tasks, scenario.robots
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    crews = [[r for r, route in enumerate(routes) if k in route] for k in range(len(tasks))]
+    begun = [max(float(t.appears), t.between[0] if t.between else 0.0) for t in tasks]
+    last = [[None, *route] for route in routes]
+    least: list[tuple[int | None, int, float]] = []  # (k, l, t): l starts t after k does, or t
+    for k, crew in enumerate(crews):
+        came = {r: last[r][routes[r].index(k)] for r in crew}
+        at = {robots[r].at if one is None else tasks[one].at for r, one in came.items()}
+        forming = scenario.forming if len(at) > 1 else 0.0
+        for r, one in came.items():
+            here = robots[r].at if one is None else tasks[one].at
+            busy = 0.0 if one is None else tasks[one].duration
+            least.append((one, k, busy + ways.time(robots[r], here, tasks[k].at) + forming))
+        least += [(number_of[o], k, tasks[number_of[o]].duration) for o in tasks[k].after]
+        for name, (soonest, latest) in tasks[k].starts.items():
+            least += [(number_of[name], k, soonest), (k, number_of[name], -latest)]
+    for _ in range(len(tasks) + 1):
+        before = list(begun)
+        for one, k, wait in least:
+            begun[k] = max(begun[k], wait + (0.0 if one is None else begun[one]))
+        if begun == before:
+            return _told(scenario, routes, ways, begun)
+    return None
+
+
+def _told(scenario: Scenario, routes: Routes, ways: Ways, start: list[float]) -> Times:
+    tasks = scenario.tasks
+    back, travel = [], 0.0
+    for robot, route in zip(scenario.robots, routes, strict=True):
+        at, free = robot.at, 0.0
+        for k in route:
+            travel += ways.time(robot, at, tasks[k].at)
+            at, free = tasks[k].at, start[k] + tasks[k].duration
+        end = robot.at if scenario.ends == "home" else scenario.ends or at
+        home = ways.time(robot, at, end)  # type: ignore[arg-type]
+        travel, back = travel + home, [*back, free + home]
+    over = {k: start[k] + t.duration - t.between[1] for k, t in enumerate(tasks) if t.between}
+    late = {k: by for k, by in over.items() if by > 1e-9}
+    parts = {
+        "makespan": max(back),
+        "travel": travel,
+        "tardiness": sum(late.values()),
+        "max_tardiness": max(late.values(), default=0.0),
+    }
+    cost = None
+    if scenario.cost is not None:
+        weighed = sum(weight * parts[name] for name, weight in scenario.cost.items())
+        cost = weighed / sum(scenario.cost.values())
+    return Times(start, back, travel, late, cost)
+
+
+def all_plans(scenario: Scenario, ways: Ways) -> Iterator[Times]:
+    """Return every plan of a tiny mission: all orders, and all coalitions that are able."""
+    tasks, robots = scenario.tasks, range(len(scenario.robots))
+    able = []
+    for task in tasks:
+        crews = [c for n in robots for c in itertools.combinations(robots, n + 1)]
+        able.append([c for c in crews if _is_able(scenario, c, task.needs)])
+    for crews in itertools.product(*able):
+        if not _are_apart(scenario, crews):
+            continue
+        for order in itertools.permutations(range(len(tasks))):
+            routes = [[k for k in order if r in crews[k]] for r in robots]
+            times = times_of(scenario, routes, ways)
+            if times is not None and times.makespan < math.inf:
+                yield times
+
+
+def _is_able(scenario: Scenario, crew: Sequence[int], needs: object) -> bool:
+    return all(
+        round(sum(scenario.robots[r].can.get(cap, 0) for r in crew) * 1000) >= round(n * 1000)
+        for cap, n in needs.items()  # type: ignore[attr-defined]
+    )
+
+
+def _are_apart(scenario: Scenario, crews: Sequence[Sequence[int]]) -> bool:
+    """Say whether tasks whose starts are linked, directly or not, are done by different robots."""
+    number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
+    group = list(range(len(crews)))
+    for _ in crews:
+        for k, task in enumerate(scenario.tasks):
+            for name in task.starts:
+                group[k] = group[number_of[name]] = min(group[k], group[number_of[name]])
+    pairs = itertools.combinations(range(len(crews)), 2)
+    return all(group[a] != group[b] or not set(crews[a]) & set(crews[b]) for a, b in pairs)

@@ -1,0 +1,55 @@
+"""The central planner is never worse than the default, and tiny missions have no faster play."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import strategies as st
+
+from methods import DEFAULT, play
+from missions import SEEDS, missions
+from plain_search import fewest_steps
+from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.policies.central.policy import Central
+from teamformer.referee import judge
+from teamformer.scenarios.files import scenario_from_tree
+from teamformer.trials.trial import Trial, run_trial
+from watching import fuzzed
+
+SECONDS = st.sampled_from([0.0, 0.05, 0.2])
+RUN = "run FILE --method central --seed {seed} --time-limit {seconds}"
+
+
+def play_centrally(mission: Any, seed: int, seconds: float) -> Trial:
+    central = Central(seconds, workers=1)
+    return run_trial(scenario_from_tree(mission), central, seed)
+
+
+@fuzzed(10, RUN, mission=missions(), seed=SEEDS, seconds=SECONDS)
+def test_central_is_never_worse_than_the_default(mission: Any, seed: int, seconds: float) -> None:
+    usual = play(scenario_from_tree(mission), DEFAULT, seed).replay.end
+    trial = play_centrally(mission, seed, seconds)
+    best = trial.replay.end
+    assert not judge(trial.replay).findings
+    assert best.illegal_decisions == 0
+    if usual.makespan is None:
+        assert best.tasks_done >= usual.tasks_done or best.status == "infeasible"
+        return
+    assert best.status == "completed"
+    assert best.makespan is not None
+    assert best.makespan <= usual.makespan
+    bound = trial.replay.lower_bound
+    assert bound is None or bound <= best.makespan
+
+
+@fuzzed(6, RUN, mission=missions(is_sure=True, is_tiny=True), seed=SEEDS, seconds=SECONDS)
+def test_nothing_is_faster_than_every_play_of_a_tiny_mission(
+    mission: Any, seed: int, seconds: float
+) -> None:
+    scenario = scenario_from_tree(mission)
+    fewest = fewest_steps(scenario)
+    if fewest is None:
+        return
+    assert lower_bound(scenario) <= fewest
+    end = play_centrally(mission, seed, seconds).replay.end
+    assert end.makespan is None or end.makespan >= fewest

@@ -1,0 +1,104 @@
+"""Plans in continuous time: timed by a second plain evaluator, and against every plan there is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import strategies as st
+
+from missions import continuous_missions
+from plain_times import Times, Ways, all_plans, times_of
+from teamformer.errors import TeamformerError
+from teamformer.model import Scenario
+from teamformer.planning.coalitions.mission import pose_mission
+from teamformer.planning.coalitions.routes import MissionPlan
+from teamformer.planning.coalitions.rules import plan_continuous
+from teamformer.scenarios.files import scenario_from_tree
+from watching import fuzzed
+
+METHODS = st.sampled_from(["plan", "reactive", "central"])
+PLAN = "plan FILE --method {method} --time-limit 0.05"
+SECONDS = 0.05
+
+NEAR = 1e-5
+"""Times are told in whole ticks, of which there are a million and more in all."""
+
+
+def planned(scenario: Scenario, method: str) -> MissionPlan | None:
+    """Return a plan; None where it is told that there is none.
+
+    That is where linked tasks need robots that cannot be had at once, which no check foresees.
+    """
+    try:
+        return plan_continuous(pose_mission(scenario), method, SECONDS)
+    except TeamformerError:
+        if not any(task.starts for task in scenario.tasks) and scenario.cost is None:
+            raise
+        return None
+
+
+def plainly_timed(scenario: Scenario, made: MissionPlan) -> Times:
+    """Return the times of a plan's routes by a second evaluator."""
+    routes = [[stop.task for stop in route.stops] for route in made.routes]
+    times = times_of(scenario, routes, Ways(scenario))
+    assert times is not None, "robots wait for one another for ever"
+    return times
+
+
+@fuzzed(40, PLAN, mission=continuous_missions(), method=METHODS)
+def test_a_plan_takes_as_long_as_it_says(mission: Any, method: str) -> None:
+    scenario = scenario_from_tree(mission)
+    made = planned(scenario, method)
+    if made is None:
+        return
+    times = plainly_timed(scenario, made)
+    for route in made.routes:
+        for stop in route.stops:
+            task = scenario.tasks[stop.task]
+            assert stop.start == pytest.approx(times.start[stop.task], abs=NEAR)
+            assert stop.end == pytest.approx(stop.start + task.duration, abs=NEAR)
+            assert stop.arrive <= stop.start + NEAR
+        assert route.back == pytest.approx(times.back[route.robot], abs=NEAR)
+    assert made.makespan == pytest.approx(times.makespan, abs=NEAR)
+    assert made.late == pytest.approx(times.late, abs=NEAR)
+    if scenario.cost is None:
+        assert made.cost is None
+    else:
+        assert made.cost == pytest.approx(times.cost, rel=NEAR, abs=NEAR)
+
+
+@fuzzed(20, PLAN, mission=continuous_missions(3, 3), method=METHODS)
+def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: str) -> None:
+    scenario = scenario_from_tree(mission)
+    made = planned(scenario, method)
+    plans = list(all_plans(scenario, Ways(scenario)))
+    if made is None:
+        return
+    assert plans, "a plan was made where there is none"
+    if scenario.cost is not None:
+        assert made.cost is not None
+        best = min(times.cost for times in plans if times.cost is not None)
+        assert made.cost >= best - NEAR * max(1.0, best)
+        return
+    soonest = min(times.makespan for times in plans)
+    assert soonest - NEAR <= made.makespan
+    assert made.bound <= soonest + NEAR
+    if made.is_proven:
+        assert made.makespan == pytest.approx(soonest, abs=NEAR)
+
+
+@fuzzed(10, "plan FILE --method central", mission=continuous_missions())
+def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
+    scenario = scenario_from_tree(mission)
+    plan, best = (planned(scenario, method) for method in ("plan", "central"))
+    if plan is None:
+        return
+    assert best is not None, "central finds no plan where there is one"
+    judged = [one.cost if one.cost is not None else _weighed(one) for one in (plan, best)]
+    assert judged[1] <= judged[0] + NEAR
+
+
+def _weighed(made: MissionPlan) -> float:
+    """Return what a plan without a cost is judged by: a late tick weighs two of the makespan."""
+    return made.makespan + 2 * sum(made.late.values())

@@ -1,0 +1,49 @@
+"""Fleets of agents keep every promise, whatever befalls network and robots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import strategies as st
+
+from missions import missions
+from schedules import schedules
+from teamformer.fleet.mission import Mission, seconds_a_step
+from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.rehearse import play, set_stage
+from teamformer.fleet.rehearsal.trace import Trace
+from teamformer.scenarios.files import scenario_from_tree
+from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.replay.writing import write_replay
+from watching import fuzzed, noted
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("rehearsals")
+
+
+@fuzzed(
+    12,
+    "rehearse FILE, with the faults below",
+    mission=missions(is_plain=True),
+    data=st.data(),
+)
+def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) -> None:
+    scenario = scenario_from_tree(mission)
+    fleet = Mission(scenario, seconds_a_step(scenario))
+    stage = set_stage(fleet)
+    assert stage.undisturbed.status != "blocked"
+    noted["faults"] = faults = data.draw(schedules(fleet))
+    traces = []
+    for _ in range(2):
+        traces.append(Trace(with_messages=True))
+        rehearsal, outcome, violations = play(fleet, stage.plan, faults, traces[-1])
+        assert not violations, violations[0]
+        assert outcome.status != "blocked", outcome.blocked_tasks
+    assert traces[0].events == traces[1].events
+    record = record_of(rehearsal, outcome, traces[1].events, faults.seed)
+    write_replay(record, folder / "replay.json")
+    assert read_replay(folder / "replay.json") == record

@@ -1,0 +1,78 @@
+"""Forged records are found; whatever stands in a record, judging it ends without a traceback."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import strategies as st
+
+from drawing import pick
+from forgeries import FORGERIES, edited_records, forgeries
+from methods import METHODS, play
+from missions import SEEDS, missions
+from teamformer.errors import TeamformerError
+from teamformer.referee import judge
+from teamformer.scenarios.files import scenario_from_tree
+from teamformer.sim.replay.reading import replay_from_tree
+from teamformer.sim.replay.writing import replay_to_tree
+from test_forged_fields import FORGERIES as FIELDS
+from watching import fuzzed, noted
+
+RUN = "run FILE --method {method} --seed {seed} --out O; then forge O/replay.json as below"
+
+
+def record_of(mission: Any, method: str, seed: int) -> Any:
+    return replay_to_tree(play(scenario_from_tree(mission), method, seed).replay)
+
+
+def findings_in(record: Any) -> list[str]:
+    """Return what `check` tells of a record, be it that it cannot be read."""
+    try:
+        return [finding.message for finding in judge(replay_from_tree(record, "record")).findings]
+    except TeamformerError as error:
+        return str(error).splitlines()
+
+
+@fuzzed(
+    60,
+    RUN,
+    mission=missions(),
+    method=METHODS,
+    seed=SEEDS,
+    forgery=st.sampled_from(sorted(FORGERIES)),
+    data=st.data(),
+)
+def test_a_forgery_is_found(
+    mission: Any, method: str, seed: int, forgery: str, data: st.DataObject
+) -> None:
+    record = record_of(mission, method, seed)
+    noted["forged"] = forged = data.draw(forgeries(forgery, record))
+    if forged is not None and forged != record:
+        assert findings_in(forged), f"{forgery} is not found"
+
+
+@fuzzed(
+    60,
+    RUN,
+    mission=missions(),
+    method=METHODS,
+    seed=SEEDS,
+    field=st.sampled_from(sorted(FIELDS)),
+    data=st.data(),
+)
+def test_a_forged_field_is_found(
+    mission: Any, method: str, seed: int, field: str, data: st.DataObject
+) -> None:
+    forged = list(FIELDS[field](play(scenario_from_tree(mission), method, seed).replay))
+    if forged:
+        noted["forged"] = one = pick(data.draw, forged)
+        assert judge(one).findings, f"{field} is not found"
+
+
+@fuzzed(60, RUN, mission=missions(), method=METHODS, seed=SEEDS, data=st.data())
+def test_any_record_is_judged_or_refused(
+    mission: Any, method: str, seed: int, data: st.DataObject
+) -> None:
+    noted["forged"] = forged = data.draw(edited_records(record_of(mission, method, seed)))
+    findings = findings_in(forged)
+    assert all(line.isprintable() for line in findings), findings

@@ -1,0 +1,34 @@
+"""Missions in steps are played to their end, legally, and the same way again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from methods import METHODS, play
+from missions import SEEDS, missions
+from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.referee import judge
+from teamformer.scenarios.files import scenario_from_tree
+from teamformer.truth import draw_truth
+from watching import fuzzed
+
+RUN = "run FILE --method {method} --seed {seed}"
+
+
+@fuzzed(70, RUN, mission=missions(), method=METHODS, seed=SEEDS)
+def test_a_record_is_legal(mission: Any, method: str, seed: int) -> None:
+    scenario = scenario_from_tree(mission)
+    replay = play(scenario, method, seed).replay
+    findings = judge(replay).findings
+    assert not findings, findings[0].message
+    assert replay.end.illegal_decisions == 0
+
+
+@fuzzed(40, RUN, mission=missions(), method=METHODS, seed=SEEDS)
+def test_nothing_is_faster_than_its_bound(mission: Any, method: str, seed: int) -> None:
+    scenario = scenario_from_tree(mission)
+    end = play(scenario, method, seed).replay.end
+    bound = lower_bound(draw_truth(scenario, seed))
+    if end.makespan is not None:
+        assert bound is not None
+        assert bound <= end.makespan

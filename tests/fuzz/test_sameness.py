@@ -1,0 +1,129 @@
+"""The same seed gives the same record, whoever plays it; names, padding and order mean nothing."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import strategies as st
+
+from methods import DEFAULT, METHODS, SCRIPTED, method_of, play
+from missions import SEEDS, missions
+from teamformer.grid import BLOCKED, FREE, Grid
+from teamformer.model import Scenario
+from teamformer.scenarios.files import scenario_from_tree
+from teamformer.sim.replay.reading import replay_from_tree
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.writing import replay_to_tree
+from teamformer.trials.trial import run_trials
+from watching import fuzzed
+
+RUN = "run FILE --method {method} --seed {seed}"
+WITHOUT_NETWORKS = st.sampled_from([DEFAULT, DEFAULT, *SCRIPTED])
+"""Batches and padding change the last digits of what networks say."""
+
+
+def record_of(mission: Any, method: str, seed: int) -> dict[str, Any]:
+    return replay_to_tree(play(scenario_from_tree(mission), method, seed).replay)
+
+
+@pytest.fixture(scope="module")
+def elsewhere() -> Iterator[ProcessPoolExecutor]:
+    """Return a process of its own, in which strings have other hashes."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        yield pool
+
+
+@fuzzed(20, RUN, mission=missions(), method=METHODS, seed=SEEDS)
+def test_the_same_seed_gives_the_same_record(
+    mission: Any, method: str, seed: int, elsewhere: ProcessPoolExecutor
+) -> None:
+    there = elsewhere.submit(record_of, mission, method, seed)
+    first, second = (record_of(mission, method, seed) for _ in range(2))
+    assert first == second
+    assert first == there.result()
+    assert replay_to_tree(replay_from_tree(first, "record")) == first
+
+
+@fuzzed(
+    15,
+    "run FILE --method {method} --seed {seed}",
+    mission=st.lists(missions(), min_size=2, max_size=4),
+    method=WITHOUT_NETWORKS,
+    seed=SEEDS,
+)
+def test_in_a_batch_all_end_as_alone(mission: Any, method: str, seed: int) -> None:
+    scenarios = [scenario_from_tree(one) for one in mission]
+    ends = [play(scenario, method, seed).replay.end for scenario in scenarios]
+    for threads in (1, 2):
+        tallies = run_trials(scenarios, method_of(method), seed, threads)
+        for end, tally in zip(ends, tallies, strict=True):
+            for key, value in vars(tally).items():
+                assert getattr(end, key) == value, (key, threads)
+
+
+@fuzzed(25, RUN, mission=missions(), method=METHODS, seed=SEEDS)
+def test_names_mean_nothing(mission: Any, method: str, seed: int) -> None:
+    scenario = scenario_from_tree(mission)
+    one, other = (play(which, method, seed).replay for which in (scenario, renamed(scenario)))
+    assert what_happens(one) == what_happens(other)
+
+
+def renamed(scenario: Scenario) -> Scenario:
+    """Return a mission in which robots, tasks and capabilities have plain names."""
+    caps = {name: f"c{number}" for number, name in enumerate(scenario.capabilities)}
+    tasks = {task.name: f"t{number}" for number, task in enumerate(scenario.tasks)}
+    return replace(
+        scenario,
+        capabilities=tuple(caps.values()),
+        robots=tuple(
+            replace(robot, name=f"r{number}", can={caps[c]: n for c, n in robot.can.items()})
+            for number, robot in enumerate(scenario.robots)
+        ),
+        tasks=tuple(
+            replace(
+                task,
+                name=tasks[task.name],
+                needs={caps[c]: n for c, n in task.needs.items()},
+                may_need={caps[c]: n for c, n in task.may_need.items()},
+                after=tuple(tasks[name] for name in task.after),
+            )
+            for task in scenario.tasks
+        ),
+    )
+
+
+@fuzzed(25, RUN, mission=missions(), method=WITHOUT_NETWORKS, seed=SEEDS)
+def test_what_nobody_needs_means_nothing(mission: Any, method: str, seed: int) -> None:
+    """One more capability, and walls around a map; what appears is drawn by the size of the map."""
+    scenario = replace(scenario_from_tree(mission), arrivals=None)
+    one, other = (play(which, method, seed).replay for which in (scenario, padded(scenario)))
+    assert what_happens(one) == what_happens(other)
+
+
+def padded(scenario: Scenario) -> Scenario:
+    """Return a mission with a capability that nobody has, and walls at the edges of its map."""
+    caps = (*scenario.capabilities, "nobody has this")
+    world = scenario.world
+    if isinstance(world, Grid):
+        rows = world.rows or (FREE * world.width,) * world.height
+        walled = (*(row + BLOCKED * 2 for row in rows), BLOCKED * (world.width + 2))
+        world = replace(world, width=world.width + 2, height=world.height + 1, rows=walled)
+    return replace(scenario, capabilities=caps, world=world)
+
+
+def what_happens(replay: Replay) -> Any:
+    """Return a record without its names."""
+    end = replace(replay.end, blocked_tasks=())
+    return (
+        replay.orders,
+        replay.start,
+        replay.steps,
+        end,
+        replay.plans,
+        replay.scouts,
+    )

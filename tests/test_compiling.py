@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from teamformer.commands import compiling
+from teamformer.trials.methods import load_method
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "four-robots.yaml"
 
@@ -20,7 +21,7 @@ def test_what_is_compiled_is_neither_announced_nor_compiled_again(
     monkeypatch.setattr(sys, "argv", ["compiling", "crews"])
     compiling.main()
     monkeypatch.setattr(subprocess, "Popen", None)  # calling it would fail
-    compiling.announce_compiling(["crews"])
+    compiling.announce_compiling([load_method("crews")])
     assert capsys.readouterr().err == ""
 
 

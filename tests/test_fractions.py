@@ -193,7 +193,7 @@ def test_what_learners_are_given_lies_in_its_space() -> None:
 
 def test_an_operators_task_may_be_finer_than_what_robots_bring() -> None:
     """7.401 of 2.5 kilograms take three robots, and are told as they were written."""
-    run = Mission(haul(2.5, 2.5, 2.5, needs=2.5), JoinAll, "join-all", 0)
+    run = Mission(haul(2.5, 2.5, 2.5, needs=2.5), lambda: load_method("join-all"), 0)
     run.step()
     message = {"task": {"at": [5, 0], "needs": {"lift": 7.401}, "name": "more"}}
     more = read_incident(message, run.scenario)

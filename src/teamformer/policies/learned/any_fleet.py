@@ -9,6 +9,8 @@ from teamformer.policies.learned.relational_features import Relations, relate
 from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
 
+NAME = "teamformer"
+
 
 class AnyFleetCodec:
     """Reads relations, which belong to no capability; an action is a choice, (teams,)."""
@@ -34,4 +36,4 @@ def any_fleet(content: bytes, name: str) -> Learned:
 
 def teamformer() -> Learned:
     """Return the policy that comes with the package."""
-    return any_fleet(shipped("teamformer.onnx"), "teamformer")
+    return any_fleet(shipped(f"{NAME}.onnx"), NAME)

@@ -153,7 +153,8 @@ class Plays:
             self._curve.append((self.seconds, tally.steps))
         elif self.makespan is None:
             self._played_by, self._script, self._is_as_seen = name, script, is_as_seen
-        self._longest = max(self._longest, self.seconds - begun)
+        if player is not default_policy():  # which is never played last
+            self._longest = max(self._longest, self.seconds - begun)
 
     def report(
         self,

@@ -133,11 +133,8 @@ class Task:
     What is not known beforehand: `lasts` holds the least and the most steps that it may take, each
     number between them as likely as any other; `duration` is then what to expect. `may_need` says
     with what probability one more of a capability is needed. `within` says how far from `at` it may
-    be, in cells or metres; with 0 it is there.
-
-    Two notes say where it comes from: `has_arrived` that it is one of the mission's `Arrivals`,
-    `had_range` that its duration was drawn or expected between two numbers. Only the latter may be
-    longer than the window is, and then the task is late.
+    be, in cells or metres; with 0 it is there. `has_arrived` says that it is one of the mission's
+    `Arrivals`: no more than a note of where it comes from.
     """
 
     name: str
@@ -152,7 +149,6 @@ class Task:
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
     has_arrived: bool = field(default=False, compare=False)
-    had_range: bool = field(default=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.lasts is not None:
@@ -161,14 +157,7 @@ class Task:
     def once_known(self, at: Place, needs: Counts, duration: float) -> Task:
         """Return the task with nothing left open, being this what it is."""
         return replace(
-            self,
-            at=at,
-            needs=needs,
-            duration=duration,
-            lasts=None,
-            may_need={},
-            within=0.0,
-            had_range=self.had_range or self.lasts is not None,
+            self, at=at, needs=needs, duration=duration, lasts=None, may_need={}, within=0.0
         )
 
     @property

@@ -57,6 +57,16 @@ def test_what_comes_after_another_waits_for_it() -> None:
     assert verdict.late == {"timed": 1}
 
 
+def test_central_plans_what_cannot_but_be_late() -> None:
+    """8 steps to `far`, which takes 4 and was to be done in 3; 6 back to `near`."""
+    far = replace(CORRIDOR.tasks[1], duration=4, between=(0, 3))
+    scenario = replace(CORRIDOR, tasks=(CORRIDOR.tasks[0], far))
+    replay = played(scenario, Central(time_limit=0.5))
+    assert replay.end.makespan == 18
+    assert lateness(replay) == {"far": 9}
+    assert judge(replay).findings == ()
+
+
 def test_the_referee_finds_what_was_done_too_early() -> None:
     replay = played(
         replace(CORRIDOR, tasks=(replace(CORRIDOR.tasks[0], after=()), *CORRIDOR.tasks[1:]))

@@ -166,11 +166,19 @@ def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
         if not (is_time(begin) and is_time(end) and begin < end):
             message = f"{what} is to be done between {begin:g} and {end:g}; use [begin, end]"
             yield Problem((*where, "between"), f"{message}, 0 or more and in this order")
-        elif begin + task.duration > end and not task.had_range:
+        elif scenario.time == "continuous" and is_too_short(task):
             message = f"{what} takes {task.duration:g} but has only {end - begin:g} between"
             yield Problem(
                 (*where, "between"), f"{message} {begin:g} and {end:g}; give it more time"
             )
+
+
+def is_too_short(task: Task) -> bool:
+    """Say whether a task takes longer than its window lasts, so that it is late whatever is done.
+
+    In steps that may turn out when the task is done, so it is no fault of a mission there.
+    """
+    return task.between is not None and task.between[0] + task.duration > task.between[1]
 
 
 def _problems_of_precedence(scenario: Scenario) -> Iterator[Problem]:

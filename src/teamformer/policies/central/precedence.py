@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from teamformer.model import Scenario
+from teamformer.mission.rules import is_too_short, opening_step
+from teamformer.model import Scenario, Task
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.coalitions.mission import ContinuousMission, pose_mission
 from teamformer.planning.coalitions.problem import CoalitionProblem
@@ -71,7 +72,16 @@ def _as_continuous(scenario: Scenario) -> Scenario:
         )
         for robot in scenario.robots
     )
-    return replace(scenario, robots=paced, time="continuous", forming=float(scenario.forming_steps))
+    tasks = tuple(_without_hopeless_window(task) for task in scenario.tasks)
+    forming = float(scenario.forming_steps)
+    return replace(scenario, robots=paced, tasks=tasks, time="continuous", forming=forming)
+
+
+def _without_hopeless_window(task: Task) -> Task:
+    """Return a task without the end of a window that it cannot keep: continuous time has none."""
+    if not is_too_short(task):
+        return task
+    return replace(task, between=None, appears=opening_step(task))
 
 
 def _possible(pace: float) -> float:

@@ -6,6 +6,7 @@ import itertools
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from types import FrameType
 
 import numpy as np
@@ -115,8 +116,16 @@ class Interrupter:
             sys.settrace(before)
 
 
-def test_ctrl_c_at_any_line_leaves_a_legal_record() -> None:
-    scenario = two_tasks_two_pairs(step_limit=6)
+@pytest.mark.parametrize(
+    "allocation",
+    ["paper", *(pytest.param(name, marks=pytest.mark.slow) for name in ("crews", "plan"))],
+)
+def test_ctrl_c_at_any_line_leaves_a_legal_record(allocation: str) -> None:
+    """Where there are plans, a task appears, so that one is made on the way too."""
+    scenario = two_tasks_two_pairs(step_limit=6, allocation=allocation)
+    if allocation != "paper":
+        late = replace(scenario.tasks[1], appears=2)
+        scenario = replace(scenario, tasks=(scenario.tasks[0], late))
     endings: Counter[tuple[str, int]] = Counter()
     unrecorded = 0
     for line in itertools.count(1):

@@ -120,7 +120,7 @@ class Recorder:
             steps=tuple(self._steps[:made]),
             end=self._ending(),
             lower_bound=lower_bound,
-            crews=tuple(self._crews),
+            crews=tuple(row for row in self._crews if row[0] <= made),
             plans=tuple(plan for plan in self._shared_plans if plan[0] <= made),
             truth=truth_until(self._scenario, self._truth, made + 1) if is_uncertain else None,
             scouts=tuple(row for row in self._scouts if row[0] <= made),

@@ -93,10 +93,11 @@ def missions(
     if now_and_then(draw, 3):
         radii = (tree.get("sensing_radius", 1), pick(draw, RADII))
         tree["join_radius"] = min(radii, key=RADII_BY_SIZE.index)
-    if not is_sure and now_and_then(draw) and _can_more_appear(tree, world):
+    if not is_sure and now_and_then(draw, 3) and _can_more_appear(tree, world):
         tree["arrivals"] = {"rate": pick(draw, (0.1, 0, 1)), "until": pick(draw, (8, 0, 1, 5))}
-        if now_and_then(draw, 2):
-            tree["arrivals"] |= {"needs": pick(draw, (1, 2, 9)), "duration": pick(draw, (1, 0, 3))}
+        for key, values in (("needs", (1, 2, 9)), ("duration", (1, 0, 3))):
+            if now_and_then(draw, 2):
+                tree["arrivals"][key] = pick(draw, values)
     return tree
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import Opened
 
+from conftest import Opened
 from live_server import Served, serving_editor
 from teamformer.policies import POLICIES
 from teamformer.referee import judge

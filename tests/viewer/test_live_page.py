@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import Opened
 
+from conftest import Opened
 from live_server import Served, serving, small_mission
 from teamformer.model import Absence
 from teamformer.referee import judge

@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
-from conftest import Opened, Opener
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay
+
+from conftest import Opened, Opener
 
 
 def three_in_one_cell() -> Tree:

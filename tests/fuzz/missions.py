@@ -80,7 +80,7 @@ def missions(
         if not is_sure:
             _write_surprises_of_task(draw, world, fleet, task)
     if not is_plain:
-        _write_windows(draw, tasks)
+        _write_windows(draw, tasks, can_be_short=True)
         _write_precedence(draw, tasks, range(len(tasks)))
     tree = _write(draw, world, caps, fleet.robots, tasks)
     for key, values in RULES.items():
@@ -91,10 +91,11 @@ def missions(
     if now_and_then(draw, 3):
         radii = (tree.get("sensing_radius", 1), pick(draw, RADII))
         tree["join_radius"] = min(radii, key=RADII_BY_SIZE.index)
-    if not is_sure and now_and_then(draw) and _can_more_appear(tree, world):
+    if not is_sure and now_and_then(draw, 3) and _can_more_appear(tree, world):
         tree["arrivals"] = {"rate": pick(draw, (0.1, 0, 1)), "until": pick(draw, (8, 0, 1, 5))}
-        if now_and_then(draw, 2):
-            tree["arrivals"] |= {"needs": pick(draw, (1, 2, 9)), "duration": pick(draw, (1, 0, 3))}
+        for key, values in (("needs", (1, 2, 9)), ("duration", (1, 0, 3))):
+            if now_and_then(draw, 2):
+                tree["arrivals"][key] = pick(draw, values)
     return tree
 
 
@@ -111,7 +112,7 @@ def continuous_missions(
             task["duration"] = pick(draw, TIMES)
         if now_and_then(draw):
             task["appears"] = pick(draw, (3, 0, 9))
-    _write_windows(draw, tasks)
+    _write_windows(draw, tasks, can_be_short=False)
     group_of = _write_links(draw, tasks, fleet)
     _write_precedence(draw, tasks, group_of)
     tree = {"time": "continuous", **_write(draw, world, caps, fleet.robots, tasks)}
@@ -217,13 +218,15 @@ def _part_around(world: Drawn, at: Place, within: float) -> int | None:
     return near.pop() if len(near) == 1 else None
 
 
-def _write_windows(draw: st.DrawFn, tasks: Sequence[Tree]) -> None:
-    """Say when some tasks have to wait, and when they are late."""
+def _write_windows(draw: st.DrawFn, tasks: Sequence[Tree], can_be_short: bool) -> None:
+    """Say when some tasks have to wait, and when they are late, be it that they cannot but be."""
     for task in tasks:
         if now_and_then(draw):
-            duration, begin = task.get("duration", 0), pick(draw, (0, 3, 2.5, 20))
-            expected = -(-sum(duration) // 2) if isinstance(duration, list) else duration
-            task["between"] = [begin, begin + expected + pick(draw, (1, 0.5, 6, 20))]
+            begin, length = pick(draw, (0, 3, 2.5, 20)), pick(draw, (1, 0.5, 6, 20))
+            task["between"] = [
+                begin,
+                begin + length + (0 if can_be_short else task.get("duration", 0)),
+            ]
 
 
 def _write_precedence(draw: st.DrawFn, tasks: Sequence[Tree], group_of: Sequence[int]) -> None:

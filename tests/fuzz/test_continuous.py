@@ -46,7 +46,7 @@ def plainly_timed(scenario: Scenario, made: MissionPlan) -> Times:
     return times
 
 
-@fuzzed(40, PLAN, mission=continuous_missions(), method=METHODS)
+@fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)
 def test_a_plan_takes_as_long_as_it_says(mission: Any, method: str) -> None:
     scenario = scenario_from_tree(mission)
     made = planned(scenario, method)
@@ -68,7 +68,7 @@ def test_a_plan_takes_as_long_as_it_says(mission: Any, method: str) -> None:
         assert made.cost == pytest.approx(times.cost, rel=NEAR, abs=NEAR)
 
 
-@fuzzed(20, PLAN, mission=continuous_missions(3, 3), method=METHODS)
+@fuzzed(15, PLAN, mission=continuous_missions(3, 3), method=METHODS)
 def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: str) -> None:
     scenario = scenario_from_tree(mission)
     made = planned(scenario, method)
@@ -88,7 +88,7 @@ def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: 
         assert made.makespan == pytest.approx(soonest, abs=NEAR)
 
 
-@fuzzed(10, "plan FILE --method central", mission=continuous_missions())
+@fuzzed(6, "plan FILE --method central", mission=continuous_missions())
 def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
     scenario = scenario_from_tree(mission)
     plan, best = (planned(scenario, method) for method in ("plan", "central"))

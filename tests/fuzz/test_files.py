@@ -50,7 +50,7 @@ def is_told(read: Callable[[], Scenario], source: str) -> Scenario | None:
         return None
 
 
-@fuzzed(60, "run FILE --seed {seed}", mission=edited_trees(), seed=SEEDS)
+@fuzzed(50, "run FILE --seed {seed}", mission=edited_trees(), seed=SEEDS)
 def test_an_edited_file_is_refused_or_can_be_done(mission: Any, seed: int) -> None:
     scenario = is_told(lambda: scenario_from_tree(mission), "scenario: ")
     if scenario is None or not is_small(scenario):
@@ -83,14 +83,14 @@ def can_be_done(scenario: Scenario) -> None:
     assert math.isfinite(times.makespan)
 
 
-@fuzzed(40, "run FILE", damaged=edited_texts(ALL.map(text_of)))
+@fuzzed(30, "run FILE", damaged=edited_texts(ALL.map(text_of)))
 def test_a_damaged_file_is_refused_or_read(damaged: bytes, folder: Path) -> None:
     path = folder / "damaged.yaml"
     path.write_bytes(damaged)
     is_told(lambda: read_scenario(path), str(path))
 
 
-@fuzzed(30, "run FILE", mission=ALL)
+@fuzzed(20, "run FILE", mission=ALL)
 def test_what_is_written_is_read_back(mission: Any, folder: Path) -> None:
     scenario = scenario_from_tree(mission)
     (folder / "unnamed.yaml").write_text(text_of(mission), encoding="utf-8")
@@ -100,7 +100,7 @@ def test_what_is_written_is_read_back(mission: Any, folder: Path) -> None:
         assert read_scenario(folder / name) == scenario
 
 
-@fuzzed(30, "run FILE", mission=ALL)
+@fuzzed(20, "run FILE", mission=ALL)
 def test_the_order_of_keys_means_nothing(mission: Any) -> None:
     assert scenario_from_tree(turned(mission)) == scenario_from_tree(mission)
 

@@ -26,7 +26,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @fuzzed(
-    12,
+    8,
     "rehearse FILE, with the faults below",
     mission=missions(is_plain=True),
     data=st.data(),

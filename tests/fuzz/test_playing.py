@@ -15,7 +15,7 @@ from watching import fuzzed
 RUN = "run FILE --method {method} --seed {seed}"
 
 
-@fuzzed(70, RUN, mission=missions(), method=METHODS, seed=SEEDS)
+@fuzzed(45, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_a_record_is_legal(mission: Any, method: str, seed: int) -> None:
     scenario = scenario_from_tree(mission)
     replay = play(scenario, method, seed).replay
@@ -24,7 +24,7 @@ def test_a_record_is_legal(mission: Any, method: str, seed: int) -> None:
     assert replay.end.illegal_decisions == 0
 
 
-@fuzzed(40, RUN, mission=missions(), method=METHODS, seed=SEEDS)
+@fuzzed(25, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_nothing_is_faster_than_its_bound(mission: Any, method: str, seed: int) -> None:
     scenario = scenario_from_tree(mission)
     end = play(scenario, method, seed).replay.end

@@ -39,7 +39,7 @@ def typed(*words: object) -> int:
 
 
 @fuzzed(
-    25,
+    12,
     "run FILE --method {method} --seed {seed} --html --out O, then check, export and view",
     mission=missions(),
     method=METHODS,
@@ -60,7 +60,7 @@ def test_a_good_file_is_run_checked_and_shown(
     assert typed("view", record, "--out", folder / "page.html") == DONE
 
 
-@fuzzed(5, "compare FILE --seeds 2 --time-limit 0.05", mission=missions())
+@fuzzed(3, "compare FILE --seeds 2 --time-limit 0.05", mission=missions())
 def test_a_good_file_is_compared(mission: Any, folder: Path) -> None:
     file = folder / "mission.yaml"
     file.write_text(text_of(mission), encoding="utf-8")
@@ -69,7 +69,7 @@ def test_a_good_file_is_compared(mission: Any, folder: Path) -> None:
 
 
 @fuzzed(
-    10,
+    8,
     "plan FILE --method {method} --time-limit 0.05",
     mission=continuous_missions(),
     method=st.sampled_from(["plan", "central"]),

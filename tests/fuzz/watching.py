@@ -29,7 +29,7 @@ FOLDER, KNOWN, UNTIL = "FUZZ_FOLDER", "FUZZ_KNOWN", "FUZZ_UNTIL"
 RUNNING = "running.yaml"
 """The example that is being tried: all that is left of one that ends the process."""
 
-ROUND = 5
+ROUND = 8
 """So many times the everyday examples are tried in a round of `make fuzz`."""
 
 tried: Counter[str] = Counter()
@@ -39,6 +39,11 @@ noted: dict[str, Any] = {}
 """What a property has drawn besides its arguments, for the file that is kept of it."""
 
 
+def is_everyday() -> bool:
+    """Say whether the same few examples are tried as every day."""
+    return settings.get_current_profile_name() == "everyday"
+
+
 def fuzzed(
     examples: int, command: str, **drawn: Any
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -46,7 +51,7 @@ def fuzzed(
 
     `command` shows a person what happens to an example; what stands in braces is filled in.
     """
-    times = 1 if settings.get_current_profile_name() == "everyday" else ROUND
+    times = 1 if is_everyday() else ROUND
 
     def decorate(test: Callable[..., None]) -> Callable[..., None]:
         return settings(max_examples=examples * times)(given(**drawn)(_watched(test, command)))

@@ -34,7 +34,7 @@ def findings_in(record: Any) -> list[str]:
 
 
 @fuzzed(
-    60,
+    40,
     RUN,
     mission=missions(),
     method=METHODS,
@@ -52,7 +52,7 @@ def test_a_forgery_is_found(
 
 
 @fuzzed(
-    60,
+    35,
     RUN,
     mission=missions(),
     method=METHODS,
@@ -69,7 +69,7 @@ def test_a_forged_field_is_found(
         assert judge(one).findings, f"{field} is not found"
 
 
-@fuzzed(60, RUN, mission=missions(), method=METHODS, seed=SEEDS, data=st.data())
+@fuzzed(40, RUN, mission=missions(), method=METHODS, seed=SEEDS, data=st.data())
 def test_any_record_is_judged_or_refused(
     mission: Any, method: str, seed: int, data: st.DataObject
 ) -> None:

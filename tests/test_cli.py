@@ -11,7 +11,6 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -475,23 +474,22 @@ def test_compare_plays_every_method_under_what_it_was_made_for(
     assert [row["method"] for row in rows] == names
     mission = read_scenario(Path(FOUR))
     for row in rows:
-        allocation = {"crews": "crews", "plan": "plan"}.get(row["method"], "paper")
-        policy = load_method(row["method"]).policy
-        end = run_trial(replace(mission, allocation=allocation), policy).replay.end
+        end = run_trial(mission, load_method(row["method"])).replay.end
         made = (end.makespan, end.joins, end.splits)
         assert (row["makespan"], row["joins"], row["splits"]) == made, row["method"]
 
 
-def test_methods_are_listed_once_each_with_who_coordinates(
+def test_methods_are_listed_once_each_with_who_says_the_tasks(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert teamformer("methods", "--json") == 0
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    coordination = {row["name"]: row["coordination"] for row in rows}
-    assert len(coordination) == len(rows)
-    assert coordination.pop("plan") == coordination.pop("central") == "the shared plan"
-    assert coordination.pop("crews") == "crews"
-    assert set(coordination.values()) == {"the paper's order"}
+    tasks_by = {row["name"]: row["tasks_by"] for row in rows}
+    assert len(tasks_by) == len(rows)
+    assert tasks_by.pop("plan") == "the shared plan"
+    assert tasks_by.pop("central") == "its own plan"
+    assert tasks_by.pop("crews") == "crews"
+    assert set(tasks_by.values()) == {"the paper's order"}
     assert teamformer("methods") == 0
     assert "your own: --method module:Class (docs/methods.md)" in capsys.readouterr().out
 

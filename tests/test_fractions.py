@@ -17,7 +17,7 @@ from teamformer.export.reasons import explain
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
 from teamformer.fleet.mission import Mission as FleetMission
-from teamformer.fleet.planner import SharedPlanner
+from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.rehearsal.faults import Faults, Order
 from teamformer.fleet.rehearsal.rehearse import play as rehearse
 from teamformer.grid import Grid
@@ -60,7 +60,7 @@ def scaled(scenario: Scenario, factors: dict[str, float]) -> Scenario:
     return replace(scenario, robots=robots, tasks=tasks)
 
 
-def pair_of_worlds(allocation: str) -> tuple[Scenario, Scenario]:
+def pair_of_worlds() -> tuple[Scenario, Scenario]:
     """Return a mission in ones and twos, and the same in kilograms, litres and grams."""
     drawn = generate(Spec(5, 8, 3), np.random.default_rng(4))
     tasks = tuple(
@@ -68,28 +68,20 @@ def pair_of_worlds(allocation: str) -> tuple[Scenario, Scenario]:
         for number, task in enumerate(drawn.tasks)
     )
     strong = replace(drawn.robots[0], can={"c1": 2, "c2": 1})
-    whole = replace(drawn, robots=(strong, *drawn.robots[1:]), tasks=tasks, allocation=allocation)
+    whole = replace(drawn, robots=(strong, *drawn.robots[1:]), tasks=tasks)
     return whole, scaled(whole, {"c1": 0.5, "c2": 12.345, "c3": 0.125})
 
 
-PLAYED = [
-    ("paper", "join-all"),
-    ("paper", "heuristic"),
-    ("paper", "join-fitting"),
-    ("crews", "teamformer"),
-    ("plan", "teamformer"),
-    ("paper", "teamformer"),
-    ("paper", "teamformer-c4"),
-    ("paper", "gnn-c4"),
-]
+PLAYED = (
+    *("join-all", "heuristic", "join-fitting", "crews", "plan"),
+    *("teamformer", "teamformer-c4", "gnn-c4"),
+)
 
 
-@pytest.mark.parametrize(("allocation", "policy"), PLAYED)
-def test_scaled_counts_are_played_alike(allocation: str, policy: str) -> None:
-    whole, parts = pair_of_worlds(allocation)
-    one, other = (
-        run_trial(scenario, load_method(policy).policy).replay for scenario in (whole, parts)
-    )
+@pytest.mark.parametrize("name", PLAYED)
+def test_scaled_counts_are_played_alike(name: str) -> None:
+    whole, parts = pair_of_worlds()
+    one, other = (run_trial(scenario, load_method(name)).replay for scenario in (whole, parts))
     assert one.end.status == "completed"
     assert (one.steps, one.orders, one.plans, one.end) == (
         *(other.steps, other.orders, other.plans, other.end),
@@ -98,7 +90,7 @@ def test_scaled_counts_are_played_alike(allocation: str, policy: str) -> None:
 
 
 def test_scaled_counts_are_planned_alike() -> None:
-    whole, parts = pair_of_worlds("paper")
+    whole, parts = pair_of_worlds()
     assert lower_bound(whole) == lower_bound(parts)
     posed = (pose_mission(replace(s, time="continuous", step_limit=0)) for s in (whole, parts))
     for one, other in itertools.pairwise(mission.problem for mission in posed):
@@ -149,8 +141,7 @@ def test_a_whole_one_more_may_be_needed_of_fractions() -> None:
         replace(haul(20.5, 0.5, needs=1), tasks=(task,))
     scenario = replace(haul(20.5, 0.75, needs=1), tasks=(task,))
     assert TeamFormation([scenario]).view().task_needs[0, 0].tolist() == [85]
-    absent = replace(scenario, foresight="absent")
-    assert TeamFormation([absent]).view().task_needs[0, 0].tolist() == [81]
+    assert TeamFormation([scenario], foresight="absent").view().task_needs[0, 0].tolist() == [81]
 
 
 def test_what_appears_at_random_needs_a_whole_one() -> None:
@@ -216,7 +207,7 @@ def test_a_fleet_does_what_an_operator_adds_in_fractions() -> None:
     assert mission.covers([0, 1, 2], extra.needs)
     assert not mission.covers([0, 1], (5.001,))
     faults = Faults(orders=(Order(1.0, extra),))
-    _, outcome, violations = rehearse(mission, first_plan(mission, SharedPlanner()), faults)
+    _, outcome, violations = rehearse(mission, first_plan(mission, CoordinatedPlanner()), faults)
     assert (outcome.status, violations) == ("ended", [])
     assert mission.tasks[0].needs == (4.999,)
 

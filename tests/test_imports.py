@@ -25,8 +25,8 @@ CORE = {
     "regions",
     "frame",
 }
-CORE |= {"jit", "kernels", "whole_files"}
-BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim"}
+CORE |= {"coordination", "own_code", "jit", "kernels", "whole_files"}
+BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim", "coordinators"}
 BELOW_COMMANDS = {
     *BELOW_POLICIES,
     *("policies", "trials", "referee", "viewer", "export", "live", "bench"),
@@ -36,7 +36,8 @@ SEES = {
     "rules": CORE,
     "scenarios": CORE,
     "planning": {*CORE, "rules"},
-    "sim": {*CORE, "rules", "scenarios", "planning"},
+    "sim": {*CORE, "rules", "scenarios"},
+    "coordinators": {*CORE, "rules", "planning"},
     "policies": BELOW_POLICIES,
     "trials": {*BELOW_POLICIES, "policies"},
     "referee": {*CORE, "scenarios", "sim.replay"},

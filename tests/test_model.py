@@ -113,18 +113,6 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
     ),
     ({"step_limit": -1}, {"step_limit": 1}, ("step_limit",), "step_limit is -1; use 1 or more"),
     (
-        {"new_tasks": "x"},
-        {"new_tasks": "nearest"},
-        ("new_tasks",),
-        "new_tasks 'x' is unknown; use resolve or nearest",
-    ),
-    (
-        {"allocation": "x"},
-        {"allocation": "paper"},
-        ("allocation",),
-        "allocation 'x' is unknown; use paper or crews or plan",
-    ),
-    (
         robots(at=(4, 0)),
         robots(at=(3, 0)),
         (*ROBOT, "at"),
@@ -336,7 +324,7 @@ def test_without_robots_there_is_nobody_for_the_tasks_either() -> None:
 def test_all_problems_are_told_at_once() -> None:
     with pytest.raises(ScenarioError) as caught:
         scenario(
-            allocation="x",
+            step_limit=-1,
             **robots(speed=-1.0, absences=(Absence(0),)),
             **tasks(at=(9, 9), duration=-1),
         )

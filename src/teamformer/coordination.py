@@ -101,8 +101,8 @@ class Coordinator(Protocol):
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return the plan from now on; `plan` itself where nothing is to change.
 
-        `plan` is what is left of the latest one, None at the start. Every open task that the
-        robots can do (`known.possible_tasks`) has a coalition that can do it in the new one.
+        `plan` is what is left of the latest one, None at the start. Every coalition of the new one
+        can do its task. An open task that has none, or is left out, waits for a later plan.
         """
         ...
 

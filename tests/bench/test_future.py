@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from teamformer.mission.rules import ALLOCATIONS
 from teamformer.model import Scenario, Task
-from teamformer.scenarios.named_settings import world_of
+from teamformer.scenarios.named_settings import new_tasks_of, world_of
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
-from teamformer.trials.methods import METHODS, load_method
+from teamformer.trials.methods import METHODS, Method, load_method
+from teamformer.trials.trial import begin, decide
 
-MINE = [
-    listing.name for listing in METHODS if not load_method(listing.name).policy.needs_everything
-]
+MINE = [listing.name for listing in METHODS if not load_method(listing.name).needs_everything]
 FITTING = [name for name in MINE if not name.endswith(("-c8", "-c100", "-ppo"))]  # networks once
 
 
@@ -31,15 +28,14 @@ def with_another_future(scenario: Scenario, kept: int) -> Scenario:
     return replace(scenario, tasks=(*known, *others))
 
 
-def play(scenario: Scenario, policy_name: str, steps: int) -> list[tuple[View, Decision]]:
+def play(scenario: Scenario, method: Method, steps: int) -> list[tuple[View, Decision]]:
     """Return what is seen and decided in the first steps."""
-    policy = load_method(policy_name).policy
-    policy.begin(None, np.random.default_rng(0))
-    env = TeamFormation([scenario])
+    begin(method, [scenario], [scenario], seed=0)
+    env = TeamFormation([scenario], coordinator=method.coordinator, new_tasks=method.new_tasks)
     seen = []
     for _ in range(steps):
         view = View(*(part.copy() for part in env.view()))
-        decision = policy.decide(view)
+        decision = decide(env, method, view)
         seen.append((view, decision))
         env.step(decision)
     return seen
@@ -52,42 +48,30 @@ def assert_alike(one: tuple[View, Decision], other: tuple[View, Decision]) -> No
 
 
 SETTINGS = ("4N20+20T-C4-tsp", "4N20+20T-C4-nn")
-RULES = [*itertools.product(SETTINGS, ALLOCATIONS)]
-OF_THE_FIRST = [rule for rule in RULES if rule[0] == SETTINGS[0]]
-OF_OTHERS = [
-    pytest.param(*rule, marks=pytest.mark.slow) for rule in RULES if rule[0] != SETTINGS[0]
-]
 
 
-@pytest.mark.parametrize(("setting", "allocation"), [*OF_THE_FIRST, *OF_OTHERS])
-def test_another_future_changes_nothing_before_it(setting: str, allocation: str) -> None:
-    check_another_future("join-fitting", setting, allocation, seeds=1)
-
-
-@pytest.mark.parametrize("policy", FITTING)
-def test_no_policy_knows_of_the_future(policy: str) -> None:
-    assert len(FITTING) >= 3
-    allocation = "plan" if policy == "plan" else "paper"
-    check_another_future(policy, SETTINGS[0], allocation, seeds=1)
+@pytest.mark.parametrize("name", FITTING)
+def test_nobody_knows_of_the_future(name: str) -> None:
+    assert {"plan", "crews", "teamformer"} < set(FITTING)
+    check_another_future(name, SETTINGS[0], seeds=1)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("policy", FITTING)
-@pytest.mark.parametrize(("setting", "allocation"), RULES)
-def test_no_policy_knows_of_the_future_under_any_rules(
-    policy: str, setting: str, allocation: str
-) -> None:
-    check_another_future(policy, setting, allocation, seeds=2)
+@pytest.mark.parametrize("name", FITTING)
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_nobody_knows_of_the_future_however_tasks_are_inserted(name: str, setting: str) -> None:
+    check_another_future(name, setting, seeds=2)
 
 
-def check_another_future(policy: str, setting: str, allocation: str, seeds: int) -> None:
+def check_another_future(name: str, setting: str, seeds: int) -> None:
+    method = replace(load_method(name), new_tasks=new_tasks_of(setting))
     for seed in range(seeds):
-        scenario = replace(world_of(setting, seed), allocation=allocation)
+        scenario = world_of(setting, seed)
         appears = scenario.tasks[-1].appears
         steps = appears + 1  # the view after `appears` steps is the first to know
-        now = play(scenario, policy, steps)
+        now = play(scenario, method, steps)
         for kept in (20, 7):
-            then = play(with_another_future(scenario, kept), policy, steps)
+            then = play(with_another_future(scenario, kept), method, steps)
             for step in range(appears):
                 assert_alike(now[step], then[step])
             with pytest.raises(AssertionError):

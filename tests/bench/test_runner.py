@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from teamformer.bench.executors import Batches, run_here, run_in_processes
 from teamformer.bench.jobs import Job, list_schedule, run_job
@@ -16,13 +15,14 @@ from teamformer.bench.rows import Key, Row
 from teamformer.bench.runner import TIMED, Request, fits, fitting_cells, own_stamp, run_benchmark
 from teamformer.bench.store import Store
 from teamformer.bench.suites import Suite, cells, load_suite
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.named_settings import world_of
-from teamformer.trials.methods import load_method
+from teamformer.trials.methods import Method, load_method
 from teamformer.trials.trial import run_trial
 
 SMALL = Suite(
@@ -272,9 +272,8 @@ def test_what_a_suite_sets_of_a_method_counts(tmp_path: Path) -> None:
     rows = measured(tmp_path, Request(suite, trials=3))
     for foresight in ("needed", "absent"):
         for seed in range(3):
-            mission = replace(world_of("4N20T-C4-needs", seed), allocation="plan")
-            mission = replace(mission, foresight=foresight)
-            alone = run_trial(mission, FollowPlan(), seed).replay.end
+            method = Method("plan", coordinator=SharedPlan(scouts=False), foresight=foresight)
+            alone = run_trial(world_of("4N20T-C4-needs", seed), method, seed).replay.end
             assert rows["4N20T-C4-needs", f"plan@{foresight}", seed].makespan == alone.makespan
 
 

@@ -69,7 +69,7 @@ def test_the_paper_s_suites_keep_the_paper_s_rules() -> None:
         suite = load_suite(name)
         assert (suite.rules, suite.method_settings) == ({}, {})
         methods = {method for _, method in cells(suite)} - {"central", "authors-heuristic"}
-        assert {load_method(method).allocation for method in methods} == {"paper"}
+        assert [method for method in methods if load_method(method).coordinator] == []
 
 
 def test_methods_and_settings_can_be_chosen() -> None:

@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
+from coordinations import COORDINATIONS, method_of
 from small_worlds import make, robot, task
 from teamformer.commands.records.export import Wanted, export
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
@@ -21,7 +22,6 @@ from teamformer.export.plans_in_force import PlansInForce
 from teamformer.export.reasons import explain, story_lines
 from teamformer.grid import Grid
 from teamformer.model import Absence, Breakdown, Robot, Scenario, Task
-from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import Ending, Replay, SharedPlanMade, Step, TeamAt
@@ -124,8 +124,8 @@ def much_happens(steps: int) -> Replay:
     lame = replace(robot("a", 1), breaks=Breakdown(0.1, (2, 5)))
     away = replace(robot("b", 5), absences=(Absence(3, 900_000),))
     tasks = [task("a", 3), task("b", 8)]
-    scenario = make([lame] * 3 + [away], tasks, allocation="plan", step_limit=steps)
-    return run_trial(scenario, FollowPlan(), "plan").replay
+    scenario = make([lame] * 3 + [away], tasks, step_limit=steps)
+    return run_trial(scenario, SharedPlan()).replay
 
 
 @pytest.mark.parametrize("tells", ["story", "mcap"])
@@ -285,18 +285,19 @@ def test_a_long_mission_has_no_more_frames_than_can_be_watched(tmp_path: Path) -
     assert gif.write_gif(quiet, tmp_path / "long.gif") == 401  # every third moment and the last
 
 
-def news_each_step(**rules: Any) -> Replay:
+def news_each_step(coordination: str = "paper") -> Replay:
     """A slow robot walks two cells to its task in eight steps, after each of which one appears."""
     calls = [task("b", 19, appears=steps) for steps in range(1, 8)]
     robots = [robot("a", 0, speed=0.25), robot("b", 19)]
-    return run_trial(make(robots, [task("a", 2), *calls], **rules), JoinAll()).replay
+    mission = make(robots, [task("a", 2), *calls])
+    return run_trial(mission, method_of(coordination)).replay
 
 
-@pytest.mark.parametrize("allocation", ["paper", "crews", "plan"])
+@pytest.mark.parametrize("coordination", COORDINATIONS)
 def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(
-    allocation: str, tmp_path: Path
+    coordination: str, tmp_path: Path
 ) -> None:
-    replay = news_each_step(allocation=allocation)
+    replay = news_each_step(coordination)
     assert judge(replay).findings == ()
     assert [dict(step.pursued).get(0) for step in replay.steps[:7]] == [0] * 7
     seen = list(moments(replay))

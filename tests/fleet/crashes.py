@@ -9,8 +9,8 @@ from __future__ import annotations
 import sys
 
 import numpy as np
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
@@ -27,7 +27,7 @@ def main(worlds: int, seconds: float) -> None:
         for number in range(worlds):
             scenario = world_of(setting, number)
             told = run_trials([scenario], Central(seconds, workers=1))[0].steps
-            simulated = run_trials([scenario], FollowPlan())[0].steps
+            simulated = run_trials([scenario], SharedPlan())[0].steps
             mission = Mission(scenario)
             [(lost, robot)] = [
                 (r.lost_for_good, n) for n, r in enumerate(scenario.robots) if r.absences

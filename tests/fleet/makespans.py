@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.fleet.mission import Mission, seconds_a_step
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
@@ -30,9 +29,8 @@ SCHEDULES = 3
 
 def measure(scenario: Scenario) -> tuple[float, float, float, float]:
     """Return the makespans of simulator, agents and agents with losses, and bytes a second."""
-    scenario = replace(scenario, allocation="plan")
     mission = Mission(scenario, seconds_a_step(scenario))
-    simulated = run_trials([scenario], FollowPlan())[0].steps * mission.step
+    simulated = run_trials([scenario], SharedPlan())[0].steps * mission.step
     stage = set_stage(mission)
     lossy = []
     for seed in range(SCHEDULES):

@@ -20,7 +20,7 @@ from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.fleet.rehearsal.trace import Said, Trace, Worked
-from teamformer.policies.scripted.joining import JoinUseful
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
@@ -34,7 +34,7 @@ def test_a_robot_sees_what_the_simulator_shows_its_team() -> None:
     compared = 0
     for robots, tasks, radius in ((5, 7, 3.0), (8, 20, 2.0), (20, 6, 9.0)):
         mission = Mission(generate(Spec(robots, tasks, 3, sensing_radius=radius), rng))
-        env, policy = TeamFormation([mission.scenario]), JoinUseful()
+        env, policy = TeamFormation([mission.scenario]), JoinAll()
         while env.is_running.any():
             view = env.view()
             teams = env.worlds.teams[0]
@@ -61,7 +61,7 @@ def test_a_robot_sees_what_the_simulator_shows_its_team() -> None:
                     if w.team != slot
                     and (w.x - own.place[0]) ** 2 + (w.y - own.place[1]) ** 2 <= radius**2
                 ]
-                mine = view_of(known, own, companies(near), order, slot)
+                mine = view_of(known, own, companies(near), order)
                 assert_row(mine, view, row)
                 compared += 1
             env.step(policy.decide(view))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from fleets import PLANNER, pair, trio
+from teamformer.coordination import Plan
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.mission import Mission
@@ -15,7 +14,6 @@ from teamformer.fleet.planner import CoordinatedPlanner, Situation
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.planning.teams import shared_plan
-from teamformer.planning.teams.situation import SharedPlan
 from teamformer.scenarios.named_settings import world_of
 from teamformer.trials.trial import run_trials
 
@@ -60,7 +58,7 @@ def test_stops_come_in_the_order_in_which_they_are_planned_to_be_done(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The plan does task 0 in passing, on the way to 1, and lists it behind that."""
-    planned = SharedPlan((1, 3, 0), ((0, 1), (2,), (0, 1)), (7, 9, 2), "coalitions")
+    planned = Plan((1, 3, 0), ((0, 1), (2,), (0, 1)), (7, 9, 2), "coalitions")
     monkeypatch.setattr(shared_plan, "plan_mission", lambda *_, **__: planned)
     mission = trio()
     places = dict(enumerate(robot.at for robot in mission.scenario.robots))
@@ -72,10 +70,10 @@ def test_stops_come_in_the_order_in_which_they_are_planned_to_be_done(
 def test_what_a_plan_does_in_passing_costs_no_way_of_its_own() -> None:
     """A world whose plan does a task in passing that it lists behind the one after it."""
     scenario = world_of("sparse", 5004)
-    mission = Mission(replace(scenario, allocation="plan"))
+    mission = Mission(scenario)
     plan = first_plan(mission, PLANNER)
     _, outcome, violations = play(mission, plan, Faults())
-    simulated = run_trials([mission.scenario], FollowPlan())[0].steps
+    simulated = run_trials([mission.scenario], SharedPlan())[0].steps
     assert (outcome.status, violations) == ("ended", [])
     assert outcome.makespan == pytest.approx(simulated, rel=0.05)  # 91; it was 103.8
 

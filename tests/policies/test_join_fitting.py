@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from random_worlds import random_world
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
-from teamformer.policies.scripted.join_fitting import JoinFitting, Script
-from teamformer.policies.scripted.joining import JoinAll, JoinCrew
+from teamformer.policies.scripted.join_fitting import JoinFitting
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.trials.trial import run_trials
@@ -89,16 +87,9 @@ def test_with_doubles_it_is_faster_than_join_all() -> None:
     assert fitting < 0.95 * bar
 
 
-def test_under_crews_the_script_is_join_crew() -> None:
-    worlds = [replace(world_of("8N20T-C4", seed), allocation="crews") for seed in range(10)]
-    assert run_trials(worlds, Script()) == run_trials(worlds, JoinCrew())
-
-
-@pytest.mark.parametrize("allocation", ["paper", "crews"])
 @pytest.mark.parametrize("is_plane", [False, True])
-def test_missions_end(allocation: str, is_plane: bool) -> None:
+def test_missions_end(is_plane: bool) -> None:
     rng = np.random.default_rng(11)
-    drawn = [random_world(rng, with_losses=False, is_plane=is_plane) for _ in range(300)]
-    worlds = [replace(world, allocation=allocation) for world in drawn]
-    for world, tally in zip(worlds, run_trials(worlds, Script()), strict=True):
+    worlds = [random_world(rng, with_losses=False, is_plane=is_plane) for _ in range(300)]
+    for world, tally in zip(worlds, run_trials(worlds, JoinFitting()), strict=True):
         assert tally.status == "completed", world

@@ -19,8 +19,8 @@ from teamformer.policies.learned.macro_actions import FOLLOW, MAINTAIN
 from teamformer.policies.learned.onnx_sessions import OnnxNetwork
 from teamformer.policies.learned.policy import Brain, Learned, rows_of
 from teamformer.policies.learned.relational_features import Relations, relate
-from teamformer.policies.scripted.join_fitting import Script
-from teamformer.policies.scripted.joining import JoinUseful
+from teamformer.policies.scripted.join_fitting import JoinFitting
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
@@ -157,27 +157,24 @@ def test_who_does_nothing_ends_with_the_rule_and_not_without() -> None:
     assert tally.status == "step limit"
 
 
-@pytest.mark.parametrize("allocation", ["paper", "crews"])
 @pytest.mark.parametrize("policy", [learned(prefer_maintain), learned(Whim()), teamformer()])
-def test_with_the_rule_all_ends_that_the_script_ends(policy: Learned, allocation: str) -> None:
+def test_with_the_rule_all_ends_that_the_script_ends(policy: Learned) -> None:
     rng = np.random.default_rng(2)
-    drawn = [random_world(rng, with_losses=False) for _ in range(200)]
-    worlds = [replace(world, allocation=allocation) for world in drawn]
-    bar = run_trials(worlds, JoinUseful())
+    worlds = [random_world(rng, with_losses=False) for _ in range(200)]
+    bar = run_trials(worlds, JoinAll())
     tallies = run_trials(worlds, policy)
     for world, tally, bar_tally in zip(worlds, tallies, bar, strict=True):
         assert (tally.status == "completed") or bar_tally.status != "completed", world
         assert tally.illegal_decisions == 0
 
 
-@pytest.mark.parametrize("allocation", ["paper", "crews"])
-def test_untrained_it_is_the_script(allocation: str) -> None:
+def test_untrained_it_is_the_script() -> None:
     rng = np.random.default_rng(4)
     specs = [Spec(8, 8, 8), Spec(12, 12, 4), Spec(30, 4, 30)]
-    worlds = [replace(generate(s, rng), allocation=allocation) for s in specs for _ in range(6)]
+    worlds = [generate(s, rng) for s in specs for _ in range(6)]
     network = make_learner(TrainSettings(seed=3)).policy
     policy = Learned(AnyFleetCodec(), torch_brain(network), is_guarded=False)  # type: ignore[arg-type]
-    assert run_trials(worlds, policy) == run_trials(worlds, Script())
+    assert run_trials(worlds, policy) == run_trials(worlds, JoinFitting())
 
 
 def test_trials_do_not_depend_on_who_else_is_in_the_batch() -> None:

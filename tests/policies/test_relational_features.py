@@ -26,7 +26,7 @@ from teamformer.policies.learned.macro_actions import (
     wanted_counts,
 )
 from teamformer.policies.learned.relational_features import relate
-from teamformer.policies.scripted.join_fitting import Script
+from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
 
@@ -126,15 +126,13 @@ def test_every_split_that_is_legal_is_made() -> None:
         assert (env.worlds.count["splits"] - splits == wanted).all()
 
 
-@pytest.mark.parametrize("allocation", ["paper", "crews"])
-def test_following_is_the_script_and_nothing_else_is(allocation: str) -> None:
+def test_following_is_the_script_and_nothing_else_is() -> None:
     rng = np.random.default_rng(6)
-    worlds = [replace(random_world(rng), allocation=allocation) for _ in range(100)]
-    env = TeamFormation(worlds)
+    env = TeamFormation([random_world(rng) for _ in range(100)])
     joins = 0
     for _ in range(20):
         view = env.view()
-        wanted = Script().decide(view).wanted
+        wanted = JoinFitting().decide(view).wanted
         rows = len(wanted)
         assert (wanted_counts(view, np.full(rows, FOLLOW)) == wanted).all()
         is_legal = legal_in(view)
@@ -145,23 +143,6 @@ def test_following_is_the_script_and_nothing_else_is(allocation: str) -> None:
         joins += int((wanted != view.counts).any(axis=1).sum())
         env.step(Decision(wanted))
     assert joins > 20
-
-
-def test_under_crews_only_mates_are_joined() -> None:
-    """Two crews of {a} and {b}, all in one place; the others' crew is none of mine."""
-    cans = ["a", "a", "b", "b"]
-    scenario = Scenario(
-        "two crews",
-        Grid(9, 1),
-        ("a", "b"),
-        tuple(Robot(f"r{r}", (4, 0), {can: 1}) for r, can in enumerate(cans)),
-        (Task("t0", (0, 0), {"a": 1, "b": 1}), Task("t1", (8, 0), {"a": 1, "b": 1})),
-        allocation="crews",
-    )
-    view = TeamFormation([scenario]).view()
-    can_join = legal_in(view)[:, JOIN : JOIN + 3]
-    assert can_join.tolist() == view.is_mate.tolist()
-    assert can_join.sum(axis=1).tolist() == [1, 1, 1, 1]
 
 
 def relabelled(scenario: Scenario, rng: np.random.Generator, padding: int = 3) -> Scenario:

@@ -330,11 +330,12 @@ def reasons_changed(replay: Replay) -> Iterator[Replay]:
 
 
 def coalition_unable(replay: Replay) -> Iterator[Replay]:
-    """A task that robots can do has no coalition, or one with a robot twice."""
+    """A coalition has a robot twice."""
     for i, (_, plan) in enumerate(replay.plans):
         for k, robots in enumerate(plan.coalitions):
-            for other in ((), (*robots, robots[-1])) if robots else ():
-                yield with_plan(replay, i, coalitions=with_entry(plan, k, other))
+            if robots:
+                twice = (*robots, robots[-1])
+                yield with_plan(replay, i, coalitions=with_entry(plan, k, twice))
 
 
 def with_entry(

@@ -13,7 +13,7 @@ from teamformer.coordination import Coordinator
 from teamformer.coordinators.crews import Crews
 from teamformer.model import Scenario
 from teamformer.referee import judge
-from teamformer.referee.allocation import PlannedTasks
+from teamformer.referee.allocation.planned_tasks import PlannedTasks
 from teamformer.referee.completion import Tasks
 from teamformer.referee.lifecycle import start_fleet
 from teamformer.referee.verdict import Notes

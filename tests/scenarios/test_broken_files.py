@@ -64,12 +64,12 @@ CASES = [
     ("can: [lift]}", "can: [lift], count: 2}\n  - {name: a-1, at: [0, 0], can: [lift]}", 7,
      "the name 'a-1' is used twice; rename one"),
     # one of a few words
-    ("sensing_radius: 1", f"allocation: {'a' * 201}", 10,
-     f"allocation '{'a' * 40}...' is unknown; use paper or nearest or crews or plan"),
-    ("sensing_radius: 1", "allocation: ''", 10, "allocation '' is unknown; use paper or nearest"),
-    ("sensing_radius: 1", "order: 3", 10, "order '3' is unknown; use tsp or schedule"),
+    ("sensing_radius: 1", f"time: {'a' * 201}", 10,
+     f"time '{'a' * 40}...' is unknown; use steps or continuous"),
+    ("sensing_radius: 1", "time: ''", 10, "time '' is unknown; use steps or continuous"),
+    ("sensing_radius: 1", "time: 3", 10, "time '3' is unknown; use steps or continuous"),
     ("sensing_radius: 1", "time: no", 10, "time 'no' is unknown; use steps or continuous"),
-    ("sensing_radius: 1", "foresight: [absent]", 10, "foresight 'a list' is unknown; use needed"),
+    ("sensing_radius: 1", "time: [steps]", 10, "time 'a list' is unknown; use steps or continuous"),
     ("sensing_radius: 1", "ends: 3", 10, "ends '3' is unknown; use home or a place as [x, y]"),
     # what is not known beforehand
     (NEEDS, f"{NEEDS}, duration: [9, 2]", 9,

@@ -60,9 +60,9 @@ def test_legality_is_what_the_simulator_counts() -> None:
     for _ in range(150):
         env = TeamFormation([random_world(rng)])
         for _ in range(15):
-            if not env.is_running[0]:
-                break
             view = env.view()
+            if not len(view.slot):  # it is over, or all robots are away
+                break
             wanted = random_decision(view, rng, eagerness=0.6).wanted
             row = int(rng.integers(len(wanted)))
             if rng.random() < 0.5:
@@ -81,9 +81,9 @@ def test_original_actions_are_legal_where_the_simulator_says_so() -> None:
     for _ in range(150):
         env = TeamFormation([random_world(rng)])
         for _ in range(15):
-            if not env.is_running[0]:
-                break
             view = env.view()
+            if not len(view.slot):  # it is over, or all robots are away
+                break
             wanted = random_decision(view, rng, eagerness=0.6).wanted
             row = int(rng.integers(len(wanted)))
             mask = legal_actions(view, row)

@@ -98,7 +98,7 @@ def test_what_is_passed_is_found_on_the_way() -> None:
     env = really_at(corridor(), (2, 0))
     play(env)
     assert believed(env) == (2, 0)
-    assert env.worlds.count["found"][0] == 1
+    assert env.worlds.tasks["found_at"][0, 0] == 1
     play(env)
     assert done_at(env) == [2]
 

@@ -21,9 +21,8 @@ def away(able: str, at: int, lost: int, back: int) -> Robot:
     return replace(robot(able, at), absences=(Absence(lost, back),))
 
 
-def trial_of(world: Scenario, policy: str) -> Trial:
-    """Return a trial of a world as it stands, whatever allocation it has."""
-    return run_trial(world, load_method(policy).policy)
+def trial_of(world: Scenario, name: str) -> Trial:
+    return run_trial(world, load_method(name))
 
 
 def test_it_is_back_alone_where_it_was_lost() -> None:

@@ -114,6 +114,6 @@ def test_plans_are_the_same_with_one_thread_and_two() -> None:
             plans = []
             while env.is_running.any():
                 env.step(env.planned_decision(env.view()))
-                plans.append((env.worlds.coalition.copy(), env.worlds.order.copy()))
+                plans.append([env.plan(w) for w in range(len(scenarios))])
             played.append((plans, [env.tally(w) for w in range(len(scenarios))]))
     assert played[0] == played[1]

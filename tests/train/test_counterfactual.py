@@ -12,7 +12,7 @@ from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.policies.learned.any_fleet import AnyFleetCodec
 from teamformer.policies.learned.macro_actions import FOLLOW, HALVE
-from teamformer.policies.scripted.joining import JoinUseful
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.sim.env import TeamFormation
 from teamformer.train.learning.counterfactual import Trials, try_others
 from teamformer.train.learning.rollout_improvement import RolloutImprovementSettings, fit
@@ -24,13 +24,13 @@ def test_a_fork_goes_its_own_way() -> None:
     rng = np.random.default_rng(0)
     env = TeamFormation([random_world(rng) for _ in range(30)])
     for _ in range(3):
-        env.step(JoinUseful().decide(env.view()))
+        env.step(JoinAll().decide(env.view()))
     twin, steps = env.fork(), env.worlds.count["steps"].copy()
     while twin.is_running.any():
-        twin.step(JoinUseful().decide(twin.view()))
+        twin.step(JoinAll().decide(twin.view()))
     assert (env.worlds.count["steps"] == steps).all()
     while env.is_running.any():
-        env.step(JoinUseful().decide(env.view()))
+        env.step(JoinAll().decide(env.view()))
     for array, other in zip(env.worlds, twin.worlds, strict=True):
         np.testing.assert_array_equal(array, other)
 

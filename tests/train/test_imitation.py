@@ -15,7 +15,7 @@ from small_worlds import two_robots_one_task
 from teamformer.nets.actor import OneChoice
 from teamformer.policies.learned.combinations import CombinationCodec
 from teamformer.policies.learned.token_features import SpellingCodec
-from teamformer.policies.scripted.join_fitting import Script
+from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.learning.demonstrations import Demonstrations, demonstrate
@@ -56,7 +56,7 @@ def test_an_action_for_what_the_script_wants_means_just_that() -> None:
     forming = 0
     while env.is_running.any():
         view = env.view()
-        wanted = Script().decide(view).wanted
+        wanted = JoinFitting().decide(view).wanted
         spelled, combined = SpellingCodec(caps + 2), CombinationCodec(caps)
         meant = spelled.decode(view, spelled.action_for(view, wanted))
         np.testing.assert_array_equal(meant, wanted)

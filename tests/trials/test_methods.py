@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from teamformer.policies.scripted.follow_plan import FollowPlan
 
 from small_worlds import make, robot, task
-from teamformer.commands.policies.listing import COORDINATION
+from teamformer.coordinators.crews import Crews
+from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.policies.central.policy import Central
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.protocol import Planner
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.policies.scripted.joining import JoinAll, JoinCrew
-from teamformer.scenarios.named_settings import world_of
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.sim.env import TeamFormation
-from teamformer.trials.methods import METHODS, default_for, load_method, with_settings
+from teamformer.trials.methods import METHODS, Method, default_for, load_method, with_settings
 
 OWN = """
 from teamformer.sim.env import Decision
@@ -81,7 +79,7 @@ class Narrow(Patient):
 
 
 class Timed(Patient):
-    time_limit, workers, plans = 1.0, 1, []
+    time_limit, workers, plans, believed = 1.0, 1, [], ()
 """
 
 
@@ -122,41 +120,40 @@ def test_names_are_listed_once() -> None:
     for listing in METHODS:
         assert listing.summary
         assert listing.trained_on
-        assert listing.allocation in COORDINATION
+        assert listing.tasks_by
 
 
-def test_each_name_brings_its_coordination_and_its_policy() -> None:
+def test_each_name_brings_its_coordinator_or_its_policy() -> None:
     made_of = {}
     for listing in METHODS[:6]:
         method = load_method(listing.name)
         assert method.name == listing.name
-        made_of[listing.name] = (method.allocation, type(method.policy))
+        made_of[listing.name] = type(method.coordinator or method.policy)
     assert made_of == {
-        "plan": ("plan", FollowPlan),
-        "crews": ("crews", JoinCrew),
-        "central": ("plan", Central),
-        "heuristic": ("paper", Heuristic),
-        "join-all": ("paper", JoinAll),
-        "join-fitting": ("paper", JoinFitting),
+        "plan": SharedPlan,
+        "crews": Crews,
+        "central": Central,
+        "heuristic": Heuristic,
+        "join-all": JoinAll,
+        "join-fitting": JoinFitting,
     }
-    assert {load_method(listing.name).allocation for listing in METHODS[6:]} == {"paper"}
     assert {type(load_method(listing.name).policy) for listing in METHODS[6:]} == {Learned}
 
 
-def test_a_method_says_how_a_mission_is_played() -> None:
-    mission = replace(smallest_scenario(), allocation="crews", foresight="absent")
-    assert load_method("plan").apply(mission) == replace(mission, allocation="plan")
+def test_suites_change_settings_of_methods() -> None:
+    """Who foresees nothing sends no scouts."""
     changed = with_settings(load_method("plan"), {"foresight": "needed", "new_tasks": "nearest"})
-    assert changed.apply(mission) == replace(
-        mission, allocation="plan", foresight="needed", new_tasks="nearest"
-    )
+    assert (changed.foresight, changed.new_tasks) == ("needed", "nearest")
+    assert changed.coordinator == SharedPlan(scouts=False)
+    assert with_settings(load_method("crews"), {}) == load_method("crews")
 
 
-def test_settings_of_the_paper_say_how_its_order_takes_new_tasks() -> None:
-    """Both halves of Fig. 9 are of the same worlds; how late tasks are inserted differs."""
-    heuristic = load_method("heuristic")
-    tour, nearest = (heuristic.apply(world_of(f"4N20+20T-C4-{way}", 0)) for way in ("tsp", "nn"))
-    assert (tour.new_tasks, nearest.new_tasks) == ("resolve", "nearest")
+@pytest.mark.parametrize(
+    "parts", [{}, {"policy": JoinAll(), "coordinator": Crews()}], ids=["neither", "both"]
+)
+def test_a_method_has_a_policy_or_a_coordinator(parts: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="needs a policy or a coordinator, and not both"):
+        Method("odd", **parts)
 
 
 def test_only_planners_take_a_time_limit_and_threads() -> None:
@@ -164,7 +161,7 @@ def test_only_planners_take_a_time_limit_and_threads() -> None:
     assert (central.time_limit, central.workers) == (0.5, 2)
     central = load_method("central").policy
     assert (central.time_limit, central.workers) == (Central().time_limit, Central().workers)
-    assert not hasattr(load_method("plan", time_limit=0.5).policy, "time_limit")
+    assert load_method("plan", time_limit=0.5) == load_method("plan")
 
 
 @pytest.mark.parametrize(
@@ -223,7 +220,7 @@ def test_what_goes_wrong_when_a_policy_begins_is_told_by_line(own_module: str) -
         ("my_own_policies:Picky", "cannot be made without arguments", ""),
         ("broken_policies_too:Class", "broken_policies_too.py:2: NameError", ""),
         ("unfinished_policies:Class", "unfinished_policies.py:1: SyntaxError", ""),
-        ("my_own_policies:Deaf", "is no policy: it has no 'decide'", "docs/policies.md"),
+        ("my_own_policies:Deaf", "nor a policy: it has no 'decide'", "docs/methods.md"),
     ],
 )
 @pytest.mark.usefixtures("own_module")

@@ -12,14 +12,15 @@ from types import FrameType
 import numpy as np
 import pytest
 
+from coordinations import method_of
 from random_worlds import random_decision, random_world
 from small_worlds import two_robots_one_task, two_tasks_two_pairs, walker
 from teamformer.model import Scenario
-from teamformer.policies.scripted.joining import JoinAll, JoinCrew
+from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge
 from teamformer.sim.env import Decision, Tally
 from teamformer.sim.view import View
-from teamformer.trials.methods import load_method
+from teamformer.trials.methods import Method, load_method
 from teamformer.trials.trial import Trial, run_trial, run_trials
 
 
@@ -105,12 +106,12 @@ class Interrupter:
                 raise KeyboardInterrupt
         return self
 
-    def run(self, scenario: Scenario) -> Trial | None:
+    def run(self, scenario: Scenario, method: Method) -> Trial | None:
         """Return the trial, None if nothing could be recorded."""
         before = sys.gettrace()
         sys.settrace(self)
         try:
-            return run_trial(scenario, JoinAll())
+            return run_trial(scenario, method)
         except KeyboardInterrupt:
             return None
         finally:
@@ -118,20 +119,20 @@ class Interrupter:
 
 
 @pytest.mark.parametrize(
-    "allocation",
+    "coordination",
     ["paper", *(pytest.param(name, marks=pytest.mark.slow) for name in ("crews", "plan"))],
 )
-def test_ctrl_c_at_any_line_leaves_a_legal_record(allocation: str) -> None:
+def test_ctrl_c_at_any_line_leaves_a_legal_record(coordination: str) -> None:
     """Where there are plans, a task appears, so that one is made on the way too."""
-    scenario = two_tasks_two_pairs(step_limit=6, allocation=allocation)
-    if allocation != "paper":
+    scenario = two_tasks_two_pairs(step_limit=6)
+    if coordination != "paper":
         late = replace(scenario.tasks[1], appears=2)
         scenario = replace(scenario, tasks=(scenario.tasks[0], late))
     endings: Counter[tuple[str, int]] = Counter()
     unrecorded = 0
     for line in itertools.count(1):
         interrupter = Interrupter(line)
-        trial = interrupter.run(scenario)
+        trial = interrupter.run(scenario, method_of(coordination))
         if trial is None:
             unrecorded += 1
             continue
@@ -159,14 +160,13 @@ def test_the_clock_tells_planning_deciding_and_simulating_apart() -> None:
     assert sum(parts) == pytest.approx(trial.total_seconds)
 
 
-def test_a_method_plays_a_mission_by_its_own_coordination_and_a_policy_as_it_stands() -> None:
-    mission = replace(two_robots_one_task(), allocation="crews")
-    by_plan = run_trial(mission, load_method("plan")).replay
-    assert (by_plan.method, by_plan.scenario.allocation) == ("plan", "plan")
-    assert len(by_plan.plans) == 1
-    as_it_stands = run_trial(mission, JoinCrew()).replay
-    assert as_it_stands.scenario == mission
-    assert len(as_it_stands.crews) == 1
+def test_a_coordinator_makes_plans_and_a_policy_none() -> None:
+    mission = two_robots_one_task()
+    for name in ("plan", "crews"):
+        replay = run_trial(mission, load_method(name)).replay
+        assert (replay.method, replay.scenario, len(replay.plans)) == (name, mission, 1)
+    replay = run_trial(mission, JoinAll()).replay
+    assert (replay.method, replay.scenario, replay.plans) == ("JoinAll", mission, ())
 
 
 @pytest.mark.parametrize("threads", [1, 3])

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.coordination import UNFORESEEN, Coordinator, Known, Plan, heeded_by
+from teamformer.coordination import Coordinator, Known, Plan, heeded_by
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
@@ -225,9 +225,9 @@ class TeamFormation:
         return tuple(self._guide.plans[w]) if self._guide else ()
 
     def heeds(self, w: int = 0) -> tuple[str, ...]:
-        """Return the news after which a world's coordinator is asked."""
+        """Return the news after which a world's coordinator is asked; none without one."""
         coordinator = self._guide.coordinators[w] if self._guide else None
-        return UNFORESEEN if coordinator is None else heeded_by(coordinator)
+        return () if coordinator is None else heeded_by(coordinator)
 
     def exchanges(self, w: int = 0) -> Array:
         """Return the robot whose part of the plan each has taken in the latest step, (robots,)."""

@@ -52,7 +52,7 @@ class Guide:
     def update(self, worlds: Worlds) -> None:
         """Have plans made where there is news, and write what every team is to do next."""
         news = worlds.count["news"] & self._heeds
-        worlds.count["news"] = 0
+        worlds.count["news"][self._heeds > 0] = 0
         news[worlds.count["status"] != RUNNING] = 0
         is_new = np.zeros(len(self.scenarios), np.bool_)
         for w in np.flatnonzero(news).tolist():

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from teamformer.coordination import UNFORESEEN
 from teamformer.model import Scenario
 
 VERSION = 2
@@ -97,12 +96,12 @@ class Replay:
     scouts: tuple[tuple[int, tuple[tuple[int, int], ...]], ...] = ()
     """Steps made, and robots by the plan made then that look first what a task needs."""
     foresight: str = "scouting"  # how needs were treated that nobody knew
-    heeds: tuple[str, ...] = UNFORESEEN  # the news after which a coordinator is asked
+    heeds: tuple[str, ...] = ()  # the news after which the coordinator is asked, if there is one
 
     @property
     def is_coordinated(self) -> bool:
         """Say whether robots went by plans; else by the paper's order and allocator."""
-        return bool(self.plans)
+        return bool(self.plans or self.heeds)
 
     @property
     def mission(self) -> Scenario:

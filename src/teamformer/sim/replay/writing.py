@@ -32,7 +32,7 @@ def replay_to_tree(replay: Replay) -> dict[str, Any]:
         tree["plans"] = _lists(replay.plans)
     if replay.scouts:
         tree["scouts"] = _lists(replay.scouts)
-    if replay.heeds != Replay.heeds:
+    if replay.heeds:
         tree["heeds"] = list(replay.heeds)
     if replay.foresight != "scouting":
         tree["foresight"] = replay.foresight

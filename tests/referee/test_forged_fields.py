@@ -503,9 +503,9 @@ LEAST = {"took twice": 1, "joins turned": 1, "lost turned": 0, "shown turned": 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(4))
 def test_any_forged_field_of_many_records_is_found(seed: int) -> None:
-    records = [replay for replays in play(1000 + seed, 24) for replay in replays]
+    records = [replay for replays in play(1000 + seed, 12) for replay in replays]
     assert [judge(replay).findings for replay in records] == [()] * len(records)
-    found = {name: misses(forge, records, most=10**9)[1] for name, forge in FORGERIES.items()}
+    found = {name: misses(forge, records, most=60)[1] for name, forge in FORGERIES.items()}
     assert found == {name: [] for name in FORGERIES}

@@ -55,6 +55,19 @@ def imported(tmp_path: Path) -> Path:
     return tmp_path / "m.yaml"
 
 
+def test_names_are_printed_as_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What stands in square brackets is no colour."""
+    robots = [{"name": "[red]", "at": [0, 0], "can": ["a"]}]
+    tasks = [{"name": "[/]", "at": [1, 0], "needs": ["a"]}]
+    world = {"name": "[b]", "world": {"grid": [2, 1]}, "capabilities": ["a"]}
+    tree = {"teamformer": 1, "time": "continuous", **world, "robots": robots, "tasks": tasks}
+    (tmp_path / "names.yaml").write_text(yaml.safe_dump(tree))
+    assert teamformer("plan", str(tmp_path / "names.yaml"), "--policy", "plan") == 0
+    shown = capsys.readouterr().out.split()
+    assert shown[0] == "[b]:"
+    assert shown[-4:] == ["[red]", "[/]", "1-1", "1"]
+
+
 @pytest.mark.parametrize("policy", ["central", "plan", "reactive"])
 def test_plans_keep_the_instance_s_own_rules(
     policy: str, imported: Path, capsys: pytest.CaptureFixture[str]

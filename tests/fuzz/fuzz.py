@@ -17,6 +17,9 @@ from watching import FOLDER, KNOWN, RUNNING, UNTIL
 
 OUT = Path(__file__).parents[2] / "out" / "fuzz"
 
+LOG = "latest.txt"
+"""What the round that is being played has printed so far."""
+
 PATIENCE = 300.0
 """Seconds after which an example counts as one that never ends."""
 
@@ -33,7 +36,8 @@ def main(minutes: float, tests: list[str]) -> int:
         print(f"round {number}: {_last_line(text)}", flush=True)
         if not is_good:
             (folder / f"round-{number}.txt").write_text(text)
-    (folder / RUNNING).unlink(missing_ok=True)
+    for name in (RUNNING, LOG):
+        (folder / name).unlink(missing_ok=True)
     for name in _found(folder):
         print(f"{folder / name}: {(folder / name).read_text().splitlines()[0]}")
     print(f"{len(_found(folder))} findings in {minutes:g} minutes")
@@ -51,7 +55,7 @@ def _play_round(folder: Path, until: float, tests: list[str]) -> tuple[bool, str
     known = {FOLDER: str(folder), KNOWN: " ".join(_found(folder)), UNTIL: str(until)}
     words = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider"]
     words += ["--tb=short", "--hypothesis-profile=fuzz", *(tests or [str(Path(__file__).parent)])]
-    with open(folder.parent / "latest.txt", "w+") as log:
+    with open(folder / LOG, "w+") as log:
         process = subprocess.Popen(words, env={**os.environ, **known}, stdout=log, stderr=log)
         while process.poll() is None:
             time.sleep(0.2)

@@ -9,6 +9,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from drawing import are_more, now_and_then, pick, some
+from teamformer.scenarios.tree_reader import LONGEST_TEXT
 from words import draw_names
 from worlds import Drawn, Place, draw_world
 
@@ -281,7 +282,7 @@ def _write(
     teams = _teams(draw, names, robots) if now_and_then(draw, 2) else []
     if teams:
         tree["teams"] = teams
-    elif now_and_then(draw) and not {f"{names[-1]}-1", f"{names[-1]}-2"} & set(names):
+    elif now_and_then(draw) and _can_be_numbered(names[-1], names):
         robots[-1]["count"] = pick(draw, (2, 1))
     tree["robots"] = robots
     turned = list(range(len(tasks)))
@@ -297,6 +298,11 @@ def _write(
         if called:
             task["name"] = called[number]
     return tree | {"tasks": [tasks[number] for number in turned]}
+
+
+def _can_be_numbered(name: str, names: Sequence[str]) -> bool:
+    """Say whether two robots can be called by a name and their number."""
+    return len(f"{name}-2") <= LONGEST_TEXT and not {f"{name}-1", f"{name}-2"} & set(names)
 
 
 def _teams(draw: st.DrawFn, names: Sequence[str], robots: Sequence[Tree]) -> list[list[str]]:

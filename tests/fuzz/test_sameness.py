@@ -15,11 +15,13 @@ from methods import DEFAULT, METHODS, SCRIPTED, method_of, play
 from missions import SEEDS, missions
 from teamformer.grid import BLOCKED, FREE, Grid
 from teamformer.model import Scenario
+from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.scenarios.files import scenario_from_tree
 from teamformer.sim.replay.reading import replay_from_tree
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import replay_to_tree
 from teamformer.trials.trial import run_trials
+from teamformer.truth import draw_truth
 from watching import fuzzed, is_everyday
 
 RUN = "run FILE --method {method} --seed {seed}"
@@ -107,6 +109,17 @@ def test_what_nobody_needs_means_nothing(mission: Any, method: str, seed: int) -
     scenario = replace(scenario_from_tree(mission), arrivals=None)
     one, other = (play(which, method, seed).replay for which in (scenario, padded(scenario)))
     assert what_happens(one) == what_happens(other)
+
+
+@fuzzed(15, RUN, mission=missions(), method=WITHOUT_NETWORKS, seed=SEEDS)
+def test_the_order_of_capabilities_means_nothing(mission: Any, method: str, seed: int) -> None:
+    """But for tasks that appear, whose needs are drawn in that order."""
+    scenario = replace(scenario_from_tree(mission), arrivals=None)
+    turned = replace(scenario, capabilities=scenario.capabilities[::-1])
+    one, other = (play(which, method, seed).replay for which in (scenario, turned))
+    assert what_happens(one) == what_happens(other)
+    truths = [draw_truth(which, seed) for which in (scenario, turned)]
+    assert lower_bound(truths[0]) == lower_bound(truths[1])
 
 
 def padded(scenario: Scenario) -> Scenario:

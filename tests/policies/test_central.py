@@ -122,7 +122,7 @@ def test_the_curve_falls_to_what_is_played() -> None:
 
 
 def test_the_time_limit_is_kept() -> None:
-    scenario = generate(Spec(20, 60, 20, world=Grid(20, 20)), np.random.default_rng(2))
+    scenario = generate(Spec(20, 40, 8, world=Grid(20, 20)), np.random.default_rng(2))
     central = Central(time_limit=1.0)
     run_trials([generate(Spec(), np.random.default_rng(0))], central)  # compiles
     begun = time.process_time()  # of two threads; a busy machine makes it less, not more

@@ -10,7 +10,7 @@ import pytest
 from random_worlds import random_decision, random_world
 from small_worlds import two_robots_one_task
 from teamformer.model import Scenario
-from teamformer.policies.protocol import Policy
+from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
@@ -57,6 +57,9 @@ def worlds(seed: int, count: int) -> list[Scenario]:
 def begin(policy: Policy, scenarios: Sequence[Scenario], seed: int = 0) -> TeamFormation:
     everything = scenarios if policy.needs_everything else None
     policy.begin(everything, np.random.default_rng(seed))
+    if isinstance(policy, Planner):
+        missions = [plan.mission for plan in policy.plans]
+        return TeamFormation(missions, coordinator=[plan.coordinator for plan in policy.plans])
     return TeamFormation(scenarios)
 
 

@@ -159,6 +159,7 @@ CASES = [
     ("name: a", "name: ''", 6, "name of robot 1 is empty"),
     ("name: a", 'name: "a\\nb"', 6, "cannot be printed"),
     ("name: a", f"name: {'a' * 201}", 6, "use 200 letters at most"),
+    ("name: a", f"name: {'a' * 199}, count: 2", 6, "use 198 letters at most"),  # one is a...a-2
     ("can: [scan]", "can: {no: 1}", 7, "YAML reads no as true or false"),
     ("[lift, scan]\nrobots", "[lift, off]\nrobots", 4, "YAML reads off as true or false"),
     # wrong types and numbers

@@ -104,6 +104,13 @@ class _TimedPolicy:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._policy, name)  # what planners have besides
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Give the policy what is set from outside, such as what a planner's robots believe."""
+        if name.startswith("_") or name == "needs_everything":
+            super().__setattr__(name, value)
+        else:
+            setattr(self._policy, name, value)
+
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
         """Start the policy."""
         with self._clock.counting(self._clock.evenly):

@@ -14,7 +14,7 @@ from teamformer.mission.checks import LARGEST_NUMBER, LATEST_RETURN
 from teamformer.mission.links import COST_PARTS
 from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task
 from teamformer.plane import DECIMALS, Plane
-from teamformer.scenarios.tree_reader import Reader, name_of
+from teamformer.scenarios.tree_reader import LONGEST_TEXT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world
 from teamformer.scenarios.yaml.reader import Where
 from teamformer.scenarios.yaml.words import describe, shorten
@@ -140,11 +140,12 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
     for number, part in enumerate(reader.sequence(("robots",), value)):
         where = ("robots", number)
         keys = reader.mapping(where, part, ROBOT_KEYS)
-        count = 1
+        count, longest = 1, LONGEST_TEXT
         if "count" in keys:
             count = reader.whole((*where, "count"), keys["count"], 1, MOST_ALIKE)
+            longest -= len(f"-{count}")
         robot = Robot(
-            name=reader.text((*where, "name"), keys.get("name", f"r{len(robots) + 1}")),
+            name=reader.text((*where, "name"), keys.get("name", f"r{len(robots) + 1}"), longest),
             at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
             can=reader.counts((*where, "can"), keys.get("can", [])),
             speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),

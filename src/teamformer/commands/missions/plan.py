@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from rich.table import Table
+from rich.text import Text
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, prepare_file, print_json, say
@@ -127,12 +128,13 @@ def _plan_steps(
 
 def _show(scenario: Scenario, made: MissionPlan) -> None:
     cost = "" if made.cost is None else f", at a cost of {made.cost:g}"
-    out.print(f"{scenario.name}: over at {made.makespan:g}{cost}{_known(made)}")
+    out.print(f"{scenario.name}: over at {made.makespan:g}{cost}{_known(made)}", markup=False)
     for task, by in made.late.items():
         out.print(f"late: {scenario.tasks[task].name} by {by:g}", markup=False)
     table = Table("robot", "tasks: start to end", "back", box=None)
     for route in made.routes[:LONGEST_TABLE]:
-        table.add_row(scenario.robots[route.robot].name, _stops(scenario, route), f"{route.back:g}")
+        words = (scenario.robots[route.robot].name, _stops(scenario, route), f"{route.back:g}")
+        table.add_row(*map(Text, words))
     out.print(table)
     if len(made.routes) > LONGEST_TABLE:
         say(f"and {len(made.routes) - LONGEST_TABLE} robots more; --json tells all")

@@ -39,6 +39,9 @@ MANY_OPEN = 20
 """With more tasks open than this each is played out less often, once at the least: a future takes
 longer then, and there are more of them."""
 
+FARTHEST = 10**11
+"""Ticks that no way takes, but for one that is none (`mission.pose_mission` has those longer)."""
+
 
 def react(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
     """Return what comes of the rule; None if some task cannot be done by all robots together."""
@@ -103,8 +106,13 @@ def _first_free(problem: CoalitionProblem, schedule: Schedule, position: int) ->
 
 @kernel
 def _helps(problem: CoalitionProblem, schedule: Schedule, robot: int, task: int) -> bool:
-    """Say whether a task is open, all before it are promised, and a robot brings some of it."""
+    """Say whether a task is open, all before it are promised, and a robot brings some of it there.
+
+    Who has no way to a task must not call others to it.
+    """
     if not is_ready(problem, schedule, task):
+        return False
+    if problem.ways[problem.pace[robot], problem.origin[robot], task] > FARTHEST:
         return False
     for cap in range(problem.needs.shape[1]):
         if problem.needs[task, cap] > 0 and problem.counts[robot, cap] > 0:

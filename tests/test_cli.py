@@ -170,7 +170,7 @@ def test_compare_measures_each_truth_by_its_own_bars(
         "robots: [{at: [0, 0], can: [a]}]\n"
         "tasks: [{at: [1, 0], needs: [a], duration: [0, 5], between: [0, 4]}]\n"
     )
-    words = ("compare", str(path), "--policies", "join-all,join-fitting", "--seeds", "4")
+    words = ("compare", str(path), "--methods", "join-all,join-fitting", "--seeds", "4")
     assert teamformer(*words, "--json") == 0
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     made = {row["seed"]: row["makespan"] for row in rows}

@@ -62,7 +62,7 @@ def test_names_are_printed_as_they_are(tmp_path: Path, capsys: pytest.CaptureFix
     world = {"name": "[b]", "world": {"grid": [2, 1]}, "capabilities": ["a"]}
     tree = {"teamformer": 1, "time": "continuous", **world, "robots": robots, "tasks": tasks}
     (tmp_path / "names.yaml").write_text(yaml.safe_dump(tree))
-    assert teamformer("plan", str(tmp_path / "names.yaml"), "--policy", "plan") == 0
+    assert teamformer("plan", str(tmp_path / "names.yaml"), "--method", "plan") == 0
     shown = capsys.readouterr().out.split()
     assert shown[0] == "[b]:"
     assert shown[-4:] == ["[red]", "[/]", "1-1", "1"]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from hand_rows import rows_of
 from teamformer.bench.report.figures import colour_of, draw_suite
 from teamformer.bench.rows import Row
@@ -39,9 +37,8 @@ def test_tables_are_not_drawn(tmp_path: Path) -> None:
     assert draw("table1", rows_of("4N20T-C4", "heuristic", [80]), tmp_path) == []
 
 
-@pytest.mark.parametrize("policy", ["gnn-c4", "gnn-c8"])
-def test_a_family_has_one_colour(policy: str) -> None:
-    assert colour_of(policy) == colour_of("gnn")
-    assert colour_of(policy) != colour_of("join-all")
-    assert colour_of("crews") not in (colour_of("join-all"), colour_of("join"))
+def test_a_family_has_one_colour() -> None:
+    assert colour_of("gnn-c4") == colour_of("gnn-c8") == colour_of("gnn-c8-ppo")
+    assert colour_of("gnn-c4") != colour_of("join-all")
+    assert colour_of("crews") != colour_of("join-all")
     assert colour_of("mine:Policy") == colour_of("mine:Policy")

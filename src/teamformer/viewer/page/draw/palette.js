@@ -35,16 +35,13 @@ function oklch(lightness, chroma, hue) {
   return `oklch(${lightness} ${chroma} ${(hue % 360).toFixed(1)})`;
 }
 
-const RINGS = { team: "Teams", coalition: "Coalitions", crew: "Crews" };
+const RINGS = { team: "Teams", coalition: "Coalitions" };
 
 // The colour of a team's outer ring. Of teams, its own, or its task's once it brings all that is
-// needed; of coalitions, that of the task that several teams may head for; of crews, the crew's.
+// needed; of coalitions, that of the task that several teams may head for.
 function ringColour(team, isDark, rings = "team") {
   if (rings === "coalition") {
     return team.goal === NOBODY ? idleColour(isDark) : taskColour(team.goal, isDark);
-  }
-  if (rings === "crew") {
-    return team.crew === null ? idleColour(isDark) : teamColour(team.crew, isDark);
   }
   return team.isMet ? taskColour(team.goal, isDark) : teamColour(team.slot, isDark);
 }

@@ -46,11 +46,10 @@ class LiveApp extends App {
   }
 
   // A step; one that does not follow the last is of a line that broke, and is told anew.
-  take({ at, step, orders = [], crews = [], plans = [], end }) {
+  take({ at, step, orders = [], plans = [], end }) {
     const { history } = this;
     if (at !== history.last + 1) return;
     history.replay.orders.push(...orders);
-    (history.replay.crews ??= []).push(...crews);
     (history.replay.plans ??= []).push(...plans);
     this.steps.push(step);
     history.grow(step, end);

@@ -28,7 +28,7 @@ class MissionPanel {
     const running = state.isFleet ? "The fleet" : isOn ? "Live" : "Live, paused";
     const status = history.end.status === "running" ? running : "Live, over";
     const pages = state.watchers > 1 ? `, ${state.watchers} pages` : "";
-    this.planAnew.hidden = history.replay.allocation !== "plan" || history.end.status !== "running";
+    this.planAnew.hidden = history.replay.method !== "plan" || history.end.status !== "running";
     this.head.replaceChildren(
       element("span", { class: `pulse ${isOn && !state.warning ? "on" : ""}` }),
       `${status}${this.app.isCutOff ? ", connection lost" : pages}`,

@@ -1,7 +1,6 @@
 // The part of the side that says what the selected team, task or capability is about.
 
 const STORY_SHOWN = 40;
-const CREW_TASKS_SHOWN = 8;
 
 function showDetails(app) {
   refill(byId("details"), detailsOf(app));
@@ -50,7 +49,6 @@ function teamDetails(app, team, robot) {
     whyText(app, team),
     ...(app.actionsFor?.(robot) ?? []),
     waitingFor(app, team.goal, team.missing, team),
-    crewText(app, robot),
     delayText(app, robot),
     sharesText(app, robot),
     ...(team.robots.length > 1 ? titled("Robots", robotChips(app, team.robots, robot)) : []),
@@ -83,16 +81,6 @@ function sharesText({ history, player }, robot) {
 function delayText({ history }, robot) {
   const { delay } = history.scenario.robots[robot];
   return delay ? element("p", { class: "muted" }, `Stands still in ${percent(delay)} of the steps`) : null;
-}
-
-function crewText({ history, player }, robot) {
-  const crew = crewOf(history, robot, player.step);
-  if (!crew) return null;
-  const names = crew.left.map((task) => history.scenario.tasks[task].name);
-  const shown = names.slice(0, CREW_TASKS_SHOWN).join(", ");
-  const more = names.length > CREW_TASKS_SHOWN ? ", ..." : "";
-  const list = names.length ? `: ${plural(names.length, "task")} left, ${shown}${more}` : "";
-  return element("p", { class: "muted" }, `Crew ${crew.number}${list || ", nothing left to do"}`);
 }
 
 function lostDetails(app, robot) {

@@ -15,12 +15,6 @@ function reasonForTask(history, team, step) {
   if (named) return "its policy named the task itself";
   const plan = sharedPlanAt(history, step);
   if (plan) return reasonInPlan(history, plan, team, task);
-  const crew = crewOf(history, team.slot, step);
-  if (crew) {
-    const rank = crew.left.indexOf(task);
-    if (rank >= 0) return `${ordinal(rank)} of ${plural(crew.left.length, "task")} left to crew ${crew.number}`;
-    return `on the list of another crew than its own, number ${crew.number}`;
-  }
   const rank = orderAt(history, step).indexOf(task);
   if (rank < 0) return "";
   if (rank === 0) return "first in the order that everybody shares";
@@ -87,7 +81,7 @@ function planText(history, step) {
 }
 
 function latestPlan({ replay }, step) {
-  const kept = [replay.orders, replay.crews, replay.plans];
+  const kept = [replay.orders, replay.plans];
   const plans = kept.flatMap((rows) => rows ?? []).map(([made]) => made);
   return Math.max(0, ...plans.filter((made) => made <= step));
 }

@@ -1,18 +1,15 @@
 // What there is to see after a step: teams with what they can do, and how each task stands.
 
-// A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, crew,
-// activity}; the crew is that of its lowest robot.
+// A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, activity}.
 // `site` is where its task is believed to be, `goal` is the task whose colour the ring may take: the one served, just done or headed for.
 function sceneAt(history, step) {
   const state = history.at(step);
   const teams = gatherTeams(history.scenario, state);
   const serving = servicesAt(history, step);
   const justDone = doneIn(history, step);
-  const crews = crewNumbers(history, step);
   const sites = sitesAt(history, step);
   for (const team of teams.values()) {
     describeGoal(history, step, team, serving.get(team.slot), justDone.get(team.slot));
-    team.crew = crews.get(team.slot) ?? null;
     team.site = sites[team.assigned] ?? null;
     team.activity = activityOf(history.scenario.world, team);
   }
@@ -113,30 +110,6 @@ function orderAt(history, step) {
   let tasks = [];
   for (const [made, order] of history.replay.orders ?? []) if (made <= step) tasks = order;
   return tasks.filter((task) => standingOf(history, task, step) !== "done");
-}
-
-// The crews as last planned, each its robots and its list of tasks; none unless the method is crews.
-function crewsAt(history, step) {
-  let crews = [];
-  for (const [made, planned] of history.replay.crews ?? []) if (made <= step) crews = planned;
-  return crews;
-}
-
-function crewNumbers(history, step) {
-  const numbers = new Map();
-  crewsAt(history, step).forEach(([robots], number) => {
-    for (const robot of robots) numbers.set(robot, number);
-  });
-  return numbers;
-}
-
-// The number of a robot's crew from 1 on, and how many of its tasks are left; null without crews.
-function crewOf(history, robot, step) {
-  const crews = crewsAt(history, step);
-  const index = crews.findIndex(([robots]) => robots.includes(robot));
-  if (index < 0) return null;
-  const left = crews[index][1].filter((task) => standingOf(history, task, step) !== "done");
-  return { number: index + 1, left };
 }
 
 function namesCap(counts, cap) {

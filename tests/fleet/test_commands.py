@@ -83,7 +83,6 @@ ADD = ("fleet", "add", "MISSION", "--task")
         (("agent", "MISSION", "--robot", "r0", "--listen", "tcp/10.0.0.1:1"), "--key FILE"),
         (("agent", "MISSION", "--robot", "r0", "--listen", "tls/10.0.0.1:1"), "--tls FOLDER"),
         (("rehearse", "MISSION", "--method", "central"), "no robot does"),
-        (("rehearse", "MISSION", "--method", "crews"), "agents do not plan by the method"),
         (("rehearse", "MISSION", "--method", "nobody:Nobody"), "nobody"),
         (("fleet", "MISSION", "--sign", "no-folder"), "r0.pub: cannot be read"),
         (("fleet", "add", "MISSION"), "needs --task NAME"),

@@ -166,9 +166,3 @@ def test_a_policy_is_warmed_up_by_one_question_about_the_robot_alone_at_a_task()
 def test_who_must_know_everything_is_refused() -> None:
     with pytest.raises(TeamformerError, match="no robot does"):
         policy_of("central", 0)
-
-
-def test_crews_are_no_method_for_agents() -> None:
-    assert policy_of("plan", 0) is None
-    with pytest.raises(TeamformerError, match="agents do not plan by the method 'crews'"):
-        policy_of("crews", 0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from fleets import PLANNER, pair, trio
-from teamformer.coordination import Plan
+from teamformer.coordination import Known, Plan
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.messages import TaskFact
@@ -13,7 +13,6 @@ from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import CoordinatedPlanner, Situation
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
-from teamformer.planning.teams import shared_plan
 from teamformer.scenarios.named_settings import world_of
 from teamformer.trials.trial import run_trials
 
@@ -54,16 +53,20 @@ def test_old_plans_are_kept_where_little_would_be_gained() -> None:
     assert list(stops) == [(0, (0, 1))]
 
 
-def test_stops_come_in_the_order_in_which_they_are_planned_to_be_done(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The plan does task 0 in passing, on the way to 1, and lists it behind that."""
-    planned = Plan((1, 3, 0), ((0, 1), (2,), (0, 1)), (7, 9, 2), "coalitions")
-    monkeypatch.setattr(shared_plan, "plan_mission", lambda *_, **__: planned)
+class InPassing:
+    """Plans task 0 on the way to 1, and lists it behind that; says nothing of 2 and 4."""
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        return Plan((1, 3, 0), ((1, 2), (2,), (0, 1)), (7, 9, 2))
+
+
+def test_stops_come_in_the_order_in_which_they_are_planned_to_be_done() -> None:
+    """What nobody has planned comes last, and all do it."""
     mission = trio()
     places = dict(enumerate(robot.at for robot in mission.scenario.robots))
-    stops = CoordinatedPlanner().plan(mission, Situation(places, mission.tasks))
-    assert list(stops) == [(0, (0, 1)), (1, (0, 1)), (3, (2,))]
+    stops = CoordinatedPlanner(InPassing()).plan(mission, Situation(places, mission.tasks))
+    assert stops[:3] == [(0, (0, 1)), (1, (1, 2)), (3, (2,))]
+    assert stops[3:] == [(2, (0, 1, 2)), (4, (0, 1, 2))]
 
 
 @pytest.mark.slow

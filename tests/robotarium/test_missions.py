@@ -119,7 +119,7 @@ def test_pictures_of_every_phase(tmp_path: Path) -> None:
         assert gif.n_frames == done.outcome.ticks // 15 + 1
 
 
-@pytest.mark.parametrize("method", ["heuristic", "teamformer", "crews"])
+@pytest.mark.parametrize("method", ["heuristic", "teamformer", "join-fitting"])
 def test_the_folder_to_upload(method: str, tmp_path: Path) -> None:
     files = deploy(four(), method, 0, tmp_path)
     assert files[0].name == "main.py"

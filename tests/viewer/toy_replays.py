@@ -27,7 +27,6 @@ def toy_replay(scenario: Tree, method: str = "toy", steps: int = 400) -> Tree:
         "teamformer_replay": 2,
         "scenario": scenario,
         "method": method,
-        "allocation": "paper",
         "foresight": "scouting",
         "seed": 0,
         "orders": [[0, list(range(len(scenario["tasks"])))]],

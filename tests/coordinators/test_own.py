@@ -1,0 +1,116 @@
+"""The coordinator that the documents show, in every verb, and what is said of faults."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from unittest.mock import patch
+
+import pytest
+
+from teamformer import cli
+from teamformer.errors import TeamformerError
+from teamformer.live.incidents import LostRobot, NewTask
+from teamformer.live.mission import Mission
+from teamformer.referee import judge
+from teamformer.scenarios.files import read_scenario
+from teamformer.scenarios.named_settings import world_of
+from teamformer.trials.methods import load_method
+from teamformer.trials.trial import run_trial
+
+ROOT = Path(__file__).parents[2]
+WAREHOUSE = ROOT / "examples" / "warehouse.yaml"
+
+
+@pytest.fixture(autouse=True)
+def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The class of the documents in a folder that the user works in."""
+    page = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    code = page.split("```python\n")[1].split("```")[0]
+    assert len(code.splitlines()) <= 45
+    (tmp_path / "mine_of_docs.py").write_text(code, encoding="utf-8")
+    (tmp_path / "faulty_plans.py").write_text(FAULTY, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+
+
+NAME = "mine_of_docs:Soonest"
+
+FAULTY = """
+class Silent:
+    def update(self, known, plan):
+        pass
+
+
+class Hasty:
+    def update(self, known, plan):
+        return known.mission.robots[99]
+"""
+
+
+def rows_of(capsys: pytest.CaptureFixture[str], *words: str) -> list[dict[str, object]]:
+    with (
+        patch.object(sys, "argv", ["teamformer", *words, "--json"]),
+        pytest.raises(SystemExit) as end,
+    ):
+        cli.main()
+    assert end.value.code in (0, None)
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_run_compare_and_a_fleet_take_it(capsys: pytest.CaptureFixture[str]) -> None:
+    mission = str(WAREHOUSE)
+    [row] = rows_of(capsys, "run", mission, "--method", NAME)
+    assert (row["method"], row["status"], row["tasks_done"]) == (NAME, "completed", 14)
+    rows = rows_of(capsys, "compare", mission, "--methods", f"{NAME},crews")
+    assert [row["makespan"] for row in rows if row["method"] == NAME] == [row["makespan"]]
+    [fleet] = rows_of(
+        capsys, "rehearse", mission, "--method", NAME, "--schedules", "2", "--workers", "1"
+    )
+    assert (fleet["blocked"], fleet["violations"]) == (0, [])
+    [by_plan] = rows_of(capsys, "rehearse", mission, "--schedules", "2", "--workers", "1")
+    assert fleet["undisturbed"] != by_plan["undisturbed"]  # it is its plan that they go by
+
+
+def test_a_live_mission_goes_by_it_and_leaves_a_legal_record() -> None:
+    run = Mission(read_scenario(WAREHOUSE), lambda: load_method(NAME), seed=0)
+    for step in range(500):
+        if not run.is_running:
+            break
+        if step == 4:
+            run.happen(NewTask((1, 1), {"scan": 1}, "extra"))
+        if step == 9:
+            run.happen(LostRobot(run.scenario.robots[1].name))
+        run.step()
+    record = run.record()
+    assert judge(record).findings == ()
+    assert record.method == NAME
+    assert [made for made, _ in record.plans][:1] == [0]
+    assert {why for _, plan in record.plans for why in plan.reasons} >= {
+        "start",
+        "task appeared",
+        "robot lost",
+    }
+
+
+@pytest.mark.parametrize(
+    "setting", ["4N9T-C4", "sparse", "real", "warehouse-lost", "sparse-needs", "real-places"]
+)
+def test_it_ends_what_families_of_missions_bring(setting: str) -> None:
+    replay = run_trial(world_of(setting, 0), load_method(NAME)).replay
+    assert replay.end.status == "completed"
+    assert judge(replay).findings == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("Silent", r"update\(\) returned NoneType, not a Plan"),
+        ("Hasty", r"failed at \S*faulty_plans.py:9: IndexError"),
+    ],
+)
+def test_its_faults_are_told(name: str, message: str) -> None:
+    method = load_method(f"faulty_plans:{name}")
+    with pytest.raises(TeamformerError, match=message):
+        run_trial(world_of("4N4T-C4", 0), method)

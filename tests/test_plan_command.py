@@ -135,7 +135,7 @@ def test_plans_in_steps_wait_for_windows_and_tell_who_is_late(
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("plan", FOUR, "--method", "best"), "--method best is unknown"),
+        (("plan", FOUR, "--method", "best"), "method 'best' makes no plans"),
         (("plan", FOUR, "--method", "reactive"), "plans missions in continuous time"),
         (("plan", FOUR, "--out", "x"), "--out is for the page"),
         (("plan", "nowhere.yaml"), "nowhere.yaml"),

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from rich.table import Table
 from rich.text import Text
@@ -27,7 +26,6 @@ from teamformer.errors import ReaderGoneError, TeamformerError
 from teamformer.export.reasons import story_lines
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
-from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.central.plays import CentralPlan
 from teamformer.scenarios.files import read_scenario
@@ -35,6 +33,7 @@ from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import lateness
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.methods import DEFAULT, Method, default_for, load_method
+from teamformer.trials.rows import best_known, result_row, seconds_of
 from teamformer.trials.trial import Trial, run_trial
 from teamformer.truth import draw_truth
 
@@ -131,30 +130,6 @@ def watch_trial(mission: Scenario, method: Method, seed: int) -> Trial:
         )
 
 
-def best_known(trials: Sequence[Trial]) -> int | None:
-    """Return the fastest of several trials of one scenario; None if none was completed."""
-    makespans = [trial.replay.end.makespan for trial in trials]
-    makespans += [trial.plan.makespan for trial in trials if trial.plan]
-    return min((steps for steps in makespans if steps is not None), default=None)
-
-
-def percent_over(makespan: int | None, bar: int | None) -> float | None:
-    """Return by how many percent a makespan is above a bar, if there are both."""
-    return None if makespan is None or not bar else round(100 * (makespan / bar - 1), 2)
-
-
-def _plan_row(plan: CentralPlan | None) -> dict[str, Any]:
-    """Return what `--json` prints of the central planner's work."""
-    if plan is None:
-        return {}
-    return {
-        "relaxed": plan.solution.value,
-        "proven": plan.solution.status == "optimal",
-        "played_by": plan.played_by,
-        "curve": plan.curve,
-    }
-
-
 def plan_line(plan: CentralPlan) -> str:
     """Return what is shown of the central planner's work."""
     solution = plan.solution
@@ -169,39 +144,6 @@ def _improvements(plan: CentralPlan) -> str:
     found = ", ".join(f"{steps} ({seconds:.2f} s)" for seconds, steps in plan.curve) or "none"
     first = "; a first plan, which a longer --time-limit improves" if plan.is_first else ""
     return f"plans found: {found}{first}"
-
-
-def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
-    """Return what `--json` prints of a trial."""
-    replay, end = trial.replay, trial.replay.end
-    return {
-        "scenario": replay.scenario.name,
-        "method": replay.method,
-        "seed": replay.seed,
-        "completed": end.status == "completed",
-        "status": end.status,
-        "makespan": end.makespan,
-        "makespan_seconds": _seconds(replay.scenario, end.makespan),
-        "steps": end.steps,
-        "tasks_done": end.tasks_done,
-        "tasks": len(replay.scenario.tasks),
-        "robots": len(replay.scenario.robots),
-        "capabilities": len(replay.scenario.capabilities),
-        "joins": end.joins,
-        "splits": end.splits,
-        "illegal_decisions": end.illegal_decisions,
-        "blocked_tasks": list(end.blocked_tasks),
-        "late": lateness(replay),
-        "planning_seconds": round(trial.planning_seconds, 6),
-        "decision_seconds": round(trial.decision_seconds, 6),
-        "simulating_seconds": round(trial.simulating_seconds, 6),
-        "total_seconds": round(trial.total_seconds, 6),
-        "best_known": best_known,
-        "lower_bound": replay.lower_bound,
-        "percent_over_best": percent_over(end.makespan, best_known),
-        "percent_over_bound": percent_over(end.makespan, replay.lower_bound),
-        **_plan_row(trial.plan),
-    }
 
 
 def _write(replay: Replay, folder: Path, with_page: bool) -> None:
@@ -238,17 +180,10 @@ def _show(trial: Trial) -> None:
     )
 
 
-def _seconds(scenario: Scenario, steps: int | None) -> float | None:
-    """Return how long steps take on a plane; None on grids, whose steps have no length."""
-    if steps is None or not isinstance(scenario.world, Plane):
-        return None
-    return round(steps * scenario.world.step, 3)
-
-
 def _verdict(replay: Replay) -> str:
     end = replay.end
     if end.makespan is not None:
-        bound, seconds = replay.lower_bound, _seconds(replay.scenario, end.makespan)
+        bound, seconds = replay.lower_bound, seconds_of(replay.scenario, end.makespan)
         done = f"all done after {end.makespan} steps"
         if seconds is not None:
             done = f"{done}, {seconds:g} s"

@@ -39,3 +39,18 @@ class MissionPlan:
     late: dict[int, float]
     curve: tuple[tuple[float, float], ...] = ()  # (seconds, makespan or cost) of each improvement
     cost: float | None = None  # of a mission that has one; its bound and proof are of the cost
+
+    @property
+    def order(self) -> tuple[int, ...]:
+        """Return the tasks in the order in which they begin."""
+        begins = {stop.task: stop.start for route in self.routes for stop in route.stops}
+        return tuple(sorted(begins, key=lambda task: (begins[task], task)))
+
+    @property
+    def coalitions(self) -> tuple[tuple[int, ...], ...]:
+        """Return the robots that do each task together, in the same order."""
+        robots: dict[int, list[int]] = {}
+        for route in self.routes:
+            for stop in route.stops:
+                robots.setdefault(stop.task, []).append(route.robot)
+        return tuple(tuple(sorted(robots[task])) for task in self.order)

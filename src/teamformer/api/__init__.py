@@ -1,0 +1,1 @@
+"""What `import teamformer` offers beside the words of the field."""

@@ -1,0 +1,69 @@
+"""Missions from files, by name and at random."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from teamformer.errors import TeamformerError
+from teamformer.model import Scenario
+from teamformer.scenarios.files import read_scenario, write_scenario
+from teamformer.scenarios.generate import Spec
+from teamformer.scenarios.generate import generate as draw
+from teamformer.scenarios.named_settings import world_of
+
+PathOrName = str | PathLike[str]
+
+
+def load(path: PathOrName) -> Scenario:
+    """Return the mission of a file (docs/scenarios.md).
+
+    Raises `TeamformerError` that tells all that is wrong with the file, by line.
+
+    >>> tf.load("examples/warehouse.yaml").name
+    'warehouse morning'
+    """
+    return read_scenario(Path(path))
+
+
+def save(mission: Scenario, path: PathOrName) -> None:
+    """Write a mission to a file: JSON if its name ends so, else YAML.
+
+    >>> tf.save(tf.setting("4N4T-C4"), "mission.yaml")
+    >>> tf.load("mission.yaml") == tf.setting("4N4T-C4")
+    True
+    """
+    write_scenario(mission, Path(path))
+
+
+def setting(name: str, seed: int = 0) -> Scenario:
+    """Return a random mission of a setting by name, as `bench` has them (docs/bench.md).
+
+    The same name and seed give the same mission everywhere. Raises `TeamformerError` for a name
+    that is no setting.
+
+    >>> len(tf.setting("20N100T-C4", seed=3).tasks)
+    100
+    """
+    return world_of(name, seed)
+
+
+def generate(seed: int = 0, **spec: Any) -> Scenario:
+    """Return a random mission with the paper's distributions.
+
+    `spec` are the fields of `teamformer.scenarios.generate.Spec`: `robots`, `tasks`,
+    `capabilities`, `requirements`, `world`, `late_tasks` and others. Raises `TeamformerError` for
+    one that is no field, or impossible.
+
+    >>> mission = tf.generate(seed=1, robots=6, tasks=10, world=tf.Grid(12, 12))
+    >>> len(mission.robots), len(mission.tasks)
+    (6, 10)
+    """
+    unknown = sorted(set(spec) - set(Spec.__dataclass_fields__))
+    if unknown:
+        hint = f"use {', '.join(Spec.__dataclass_fields__)}"
+        raise TeamformerError(f"generate knows no '{unknown[0]}'", hint)
+    return draw(Spec(**spec), np.random.default_rng(seed))

@@ -1,0 +1,170 @@
+"""Missions run, compared, planned and checked. The command line calls the same; nothing prints."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from teamformer.api.missions import PathOrName
+from teamformer.model import Scenario
+from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.planning.coalitions.routes import MissionPlan
+from teamformer.referee import judge
+from teamformer.referee.verdict import Verdict
+from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.writing import replay_to_tree, write_replay
+from teamformer.trials.comparison import compare_methods
+from teamformer.trials.methods import Method, Player, as_method, default_for, load_method
+from teamformer.trials.planned import plan_mission
+from teamformer.trials.rows import best_known, result_row
+from teamformer.trials.trial import Trial as PlayedTrial
+from teamformer.trials.trial import run_trial
+from teamformer.truth import draw_truth
+from teamformer.viewer.html import replay_page, write_page
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page of a record; a notebook shows it in a frame.
+
+    >>> page = tf.run(tf.setting("4N4T-C4")).show()
+    >>> page.height
+    620
+    """
+
+    text: str  # of the whole page, which needs no network
+    height: int = 620  # of the frame, in pixels
+
+    def _repr_html_(self) -> str:
+        frame = 'style="width: 100%; border: 0" sandbox="allow-scripts allow-downloads"'
+        return f'<iframe height="{self.height}" {frame} srcdoc="{html.escape(self.text)}"></iframe>'
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A mission that was run by a method: its record, and what came of it.
+
+    >>> trial = tf.run(tf.setting("4N4T-C4"), seed=0)
+    >>> trial.completed, trial.makespan >= trial.lower_bound
+    (True, True)
+    """
+
+    played: PlayedTrial
+
+    @property
+    def record(self) -> Replay:
+        """Return the record, step by step (docs/replay.md)."""
+        return self.played.replay
+
+    @property
+    def completed(self) -> bool:
+        """Say whether all tasks were done."""
+        return self.record.end.status == "completed"
+
+    @property
+    def makespan(self) -> int | None:
+        """Return the step in which the last task was done; None if not all were."""
+        return self.record.end.makespan
+
+    @property
+    def lower_bound(self) -> int | None:
+        """Return the steps that no plan beats, None if unknown."""
+        return self.record.lower_bound
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Return what `teamformer run --json` prints."""
+        return result_row(self.played, best_known([self.played]))
+
+    def check(self) -> Verdict:
+        """Return what the referee says of the record: `.is_legal`, `.findings`."""
+        return judge(self.record)
+
+    def show(self, height: int = 620) -> Page:
+        """Return the page of the record, which a notebook shows in a frame of so many pixels."""
+        return Page(replay_page(replay_to_tree(self.record)), height)
+
+    def save(self, folder: PathOrName) -> Path:
+        """Write `replay.json` and its page `replay.html` into a folder; return the folder."""
+        into = Path(folder)
+        into.mkdir(parents=True, exist_ok=True)
+        write_replay(self.record, into / "replay.json")
+        write_page(replay_to_tree(self.record), into / "replay.html")
+        return into
+
+
+def run(
+    mission: Scenario, method: str | Player | None = None, seed: int = 0, seconds: float = 10.0
+) -> Trial:
+    """Run a mission and return the trial.
+
+    `method` is a name (docs/methods.md), a policy or a coordinator; left out, it is `plan`, or
+    `crews` for a mission too large for that. `seed` says what an uncertain mission really is.
+    `seconds` is what a planner such as `central` may take. Raises `TeamformerError` for a name
+    that is unknown, and for a mission that cannot be played in steps.
+
+    >>> trial = tf.run(tf.load("examples/four-robots.yaml"), method="plan")
+    >>> trial.makespan
+    27
+    >>> trial.check().is_legal
+    True
+    """
+    return Trial(_run_one(mission, _method(method or default_for(mission), seconds), seed))
+
+
+def compare(
+    mission: Scenario,
+    methods: Sequence[str | Player] = ("heuristic", "join-all", "crews", "plan", "central"),
+    seeds: int = 1,
+    seconds: float = 10.0,
+) -> list[dict[str, Any]]:
+    """Run a mission by several methods, with the seeds from 0 on; return a row for each trial.
+
+    A row is what `teamformer compare --json` prints: `method`, `seed`, `makespan`,
+    `percent_over_best`, `lower_bound` and others. A trial that comes to nothing is a row with an
+    `error`; if all do, the first error is raised.
+
+    >>> rows = tf.compare(tf.setting("4N4T-C4"), methods=["join-all", "plan"])
+    >>> [row["method"] for row in rows]
+    ['join-all', 'plan']
+    """
+    chosen = [_method(method, seconds) for method in methods]
+    return compare_methods(mission, chosen, seeds, _run_one).rows()
+
+
+def plan(mission: Scenario, seconds: float = 10.0, method: str = "central") -> MissionPlan | None:
+    """Return who goes where when, without playing the mission; None if no plan was found.
+
+    The plan has `makespan`, `bound`, `order`, `coalitions` and `routes`, in the mission's unit of
+    time. `method` is `central`, which takes so many `seconds`; or in continuous time also `plan`,
+    what every robot computes, or `reactive`.
+
+    >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
+    >>> made.bound <= made.makespan <= 27
+    True
+    >>> len(made.order) == len(made.coalitions) == 4
+    True
+    """
+    return plan_mission(mission, method, seconds)
+
+
+def check(record: Replay | PathOrName) -> Verdict:
+    """Return what the referee says of a record, or of its file: `.is_legal`, `.findings`.
+
+    >>> folder = tf.run(tf.setting("4N4T-C4")).save("out")
+    >>> tf.check(folder / "replay.json").is_legal
+    True
+    """
+    return judge(record if isinstance(record, Replay) else read_replay(Path(record)))
+
+
+def _method(method: str | Player, seconds: float) -> Method:
+    return load_method(method, seconds) if isinstance(method, str) else as_method(method)
+
+
+def _run_one(mission: Scenario, method: Method, seed: int) -> PlayedTrial:
+    return run_trial(mission, method, seed, lower_bound(draw_truth(mission, seed)))

@@ -1,0 +1,129 @@
+"""The same mission by several methods: trials, those that came to nothing, and their bars."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from teamformer.errors import TeamformerError
+from teamformer.model import Scenario
+from teamformer.trials.methods import Method
+from teamformer.trials.rows import best_known, result_row
+from teamformer.trials.trial import Trial
+
+RunOne = Callable[[Scenario, Method, int], Trial]
+"""Runs a trial of a mission by a method with a seed."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A trial that came to nothing: of which mission, by which method, and what went wrong."""
+
+    mission: Scenario
+    method: str
+    seed: int
+    error: TeamformerError
+
+
+@dataclass(frozen=True)
+class Bars:
+    """What trials of one mission are measured by: the fastest of them and the highest bound."""
+
+    best: int | None
+    bound: int | None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What was run, in its order, and the bars of each seed."""
+
+    ran: tuple[Trial | Failure, ...]
+    bars: Mapping[int, Bars]
+
+    @property
+    def trials(self) -> list[Trial]:
+        """Return the trials that came to something."""
+        return [trial for trial in self.ran if isinstance(trial, Trial)]
+
+    @property
+    def failures(self) -> list[Failure]:
+        """Return the trials that came to nothing."""
+        return [trial for trial in self.ran if isinstance(trial, Failure)]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return a row for each trial; of one that came to nothing, why."""
+        return [
+            result_row(trial, self.bars[trial.replay.seed].best)
+            if isinstance(trial, Trial)
+            else _row_of_failure(trial)
+            for trial in self.ran
+        ]
+
+
+def compare_methods(
+    mission: Scenario, methods: Sequence[Method], seeds: int, run_one: RunOne
+) -> Comparison:
+    """Run every method with the seeds from 0 on; Ctrl-C ends it with what was done so far.
+
+    What goes wrong in one trial does not cost what the others have done. Raises the first error
+    if all trials come to nothing, and `TeamformerError` for a method that stands twice.
+    """
+    names = [method.name for method in methods]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        hint = "name it once; more seeds run it more often"
+        raise TeamformerError(f"method '{twice[0]}' is named twice", hint)
+    ran: list[Trial | Failure] = []
+    for method, seed in ((method, seed) for method in methods for seed in range(seeds)):
+        trial = _try(mission, method, seed, run_one)
+        ran.append(trial)
+        if isinstance(trial, Trial) and trial.is_interrupted:
+            break
+    trials = [trial for trial in ran if isinstance(trial, Trial)]
+    if not trials:
+        raise next(trial.error for trial in ran if isinstance(trial, Failure))
+    bars = _find_bars(trials, mission.has_surprises)
+    return Comparison(
+        tuple(_knowing(trial, bars) if isinstance(trial, Trial) else trial for trial in ran), bars
+    )
+
+
+def _try(mission: Scenario, method: Method, seed: int, run_one: RunOne) -> Trial | Failure:
+    try:
+        return run_one(mission, method, seed)
+    except TeamformerError as error:
+        return Failure(mission, method.name, seed, error)
+
+
+def _find_bars(trials: Sequence[Trial], is_uncertain: bool) -> dict[int, Bars]:
+    """Return the bars of each seed, which are the same for all where nothing is uncertain.
+
+    Else each seed is a mission of its own.
+    """
+    bars = {}
+    for seed in dict.fromkeys(trial.replay.seed for trial in trials):
+        alike = [trial for trial in trials if trial.replay.seed == seed or not is_uncertain]
+        bounds = (trial.replay.lower_bound for trial in alike)
+        bound = max((bound for bound in bounds if bound is not None), default=None)
+        bars[seed] = Bars(best_known(alike), bound)
+    return bars
+
+
+def _knowing(trial: Trial, bars: Mapping[int, Bars]) -> Trial:
+    """Return a trial that knows the bound of its seed."""
+    bound = bars[trial.replay.seed].bound
+    return replace(trial, replay=replace(trial.replay, lower_bound=bound))
+
+
+def _row_of_failure(failure: Failure) -> dict[str, Any]:
+    return {
+        "scenario": failure.mission.name,
+        "method": failure.method,
+        "seed": failure.seed,
+        "completed": False,
+        "status": "failed",
+        "makespan": None,
+        "error": str(failure.error),
+        "hint": failure.error.hint,
+    }

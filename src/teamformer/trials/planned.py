@@ -1,0 +1,101 @@
+"""Plans of missions that nobody plays: in continuous time, or read off a play of steps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.mission.links import is_linked
+from teamformer.mission.rules import rules_not_played
+from teamformer.model import Scenario
+from teamformer.planning.coalitions.mission import pose_mission
+from teamformer.planning.coalitions.routes import MissionPlan
+from teamformer.planning.coalitions.rules import PLANNERS, plan_continuous, warm_up
+from teamformer.sim.replay.task_times import lateness
+from teamformer.trials.methods import load_method
+from teamformer.trials.routes import routes_of
+from teamformer.trials.trial import run_trial
+from teamformer.truth import expected_mission
+
+DIGITS = 6
+"""Places after the point that are told of a time."""
+
+
+def plan_mission(mission: Scenario, method: str, seconds: float) -> MissionPlan | None:
+    """Return the plan that a method makes in so many seconds; None if it finds none.
+
+    A mission in steps is planned by `central`, for what is to be expected, and the routes are read
+    off its play. Raises `TeamformerError` for a method that does not plan such a mission, and
+    `ScenarioError` for rules that steps do not know.
+    """
+    if method not in PLANNERS:
+        raise TeamformerError(f"--method {method} is unknown", f"use {', '.join(PLANNERS)}")
+    if mission.time == "continuous":
+        warm_up(is_linked(mission))
+        return plan_continuous(pose_mission(mission), method, seconds)
+    if problems := list(rules_not_played(mission)):
+        raise ScenarioError(problems)
+    if method != "central":
+        raise TeamformerError(
+            f"--method {method} plans missions in continuous time", "leave --method out"
+        )
+    trial = run_trial(expected_mission(mission), load_method(method, seconds))
+    end, bound = trial.replay.end, trial.replay.lower_bound or 0
+    if end.makespan is None:
+        return None
+    number_of = {task.name: number for number, task in enumerate(mission.tasks)}
+    return MissionPlan(
+        makespan=end.makespan,
+        bound=bound,
+        is_proven=end.makespan <= bound,
+        routes=routes_of(trial.replay),
+        late={number_of[name]: by for name, by in lateness(trial.replay).items()},
+        curve=() if trial.plan is None else trial.plan.curve,
+    )
+
+
+def refuse_unplannable(mission: Scenario, method: str) -> None:
+    """Raise `TeamformerError` for a method that does not plan such a mission, and for no method.
+
+    Raises `ScenarioError` for rules that steps do not know.
+    """
+    if method not in PLANNERS:
+        raise TeamformerError(f"method '{method}' makes no plans", f"use {', '.join(PLANNERS)}")
+    if mission.time == "continuous":
+        return
+    if problems := list(rules_not_played(mission)):
+        raise ScenarioError(problems)
+    if method != "central":
+        raise TeamformerError(
+            f"method '{method}' plans missions in continuous time", "in steps use central"
+        )
+
+
+def plan_row(mission: Scenario, made: MissionPlan) -> dict[str, Any]:
+    """Return what `--json` prints of a plan; times are in the mission's unit."""
+    tasks, robots = mission.tasks, mission.robots
+    return {
+        "scenario": mission.name,
+        "makespan": round(made.makespan, DIGITS),
+        **({} if made.cost is None else {"cost": round(made.cost, DIGITS)}),
+        "bound": round(made.bound, DIGITS),
+        "proven": made.is_proven,
+        "routes": [
+            {
+                "robot": robots[route.robot].name,
+                "stops": [
+                    {
+                        "task": tasks[stop.task].name,
+                        "arrive": round(stop.arrive, DIGITS),
+                        "start": round(stop.start, DIGITS),
+                        "end": round(stop.end, DIGITS),
+                    }
+                    for stop in route.stops
+                ],
+                "back": round(route.back, DIGITS),
+            }
+            for route in made.routes
+        ],
+        "late": {tasks[task].name: round(by, DIGITS) for task, by in made.late.items()},
+        "curve": [[round(seconds, 3), round(when, DIGITS)] for seconds, when in made.curve],
+    }

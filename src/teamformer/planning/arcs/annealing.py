@@ -16,6 +16,7 @@ from teamformer.planning.arcs.graph import (
     empty_graph,
     lay,
     most_seats,
+    near_of,
     pose_arcs,
     read_off,
 )
@@ -26,6 +27,7 @@ from teamformer.planning.arcs.judging import (
     sum_up_trial,
     undo,
 )
+from teamformer.planning.arcs.start import first_plan
 from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import Moved, move_task, take_back
 from teamformer.planning.coalitions.problem import CoalitionProblem
@@ -38,17 +40,31 @@ SWAPS = 40  # percent
 """How many of the changes swap the heads of two arcs; the others move a task."""
 
 
+def rounds_of_a_second(tasks: int) -> int:
+    """Return how many rounds take a second of one core, about."""
+    return 300_000_000 // (180 + tasks)
+
+
 class ArcSearch:
     """A search: the graph where it stands, the best one since it began, and room to work in."""
 
-    def __init__(self, problem: CoalitionProblem, seed: int, near: int) -> None:
-        self.problem, self.arcs = problem, pose_arcs(problem, near)
+    def __init__(self, problem: CoalitionProblem, seed: int, near: int | None = None) -> None:
+        self.problem = problem
+        self.arcs = pose_arcs(problem, near or near_of(len(problem.needs)))
         self.graph, self._best = empty_graph(problem), empty_graph(problem)
         self._trial = empty_trial(self.graph)
         most = most_seats(problem)
         self.choice = empty_choice(self.arcs, most)
+        self.choice.knobs[:10] = [24, 20, 20, 100, 75, 0, 5, 50, 32, SWAPS]
         self._moved = Moved(np.zeros(3, np.int64), np.zeros(most, np.int64))
         self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)
+
+    def begin_anew(self) -> bool:
+        """Make a first plan; say whether every task has an able coalition."""
+        if (self.problem.counts.sum(axis=0) < self.problem.needs).any():
+            return False
+        self.begin_at(first_plan(self.problem, self.arcs, self.graph))
+        return True
 
     def begin_at(self, plan: CoalitionPlan) -> None:
         """Stand at a plan."""
@@ -117,13 +133,14 @@ def anneal_arcs(
 ) -> None:
     """Make changes; keep those that are better or, while it is hot, a bit worse."""
     robots, total = len(graph.back), graph.total
+    is_best, must_copy = False, False
     for turn in range(begin, end):
         temperature = hot + (cold - hot) * turn // rounds
         slack = temperature * slacks[draw_below(random, len(slacks))] // STEPS
         allowed = total[COST] + slack
         limit = allowed - total[BACK_SUM] // (SPREAD * robots) - LATENESS * total[LATE]
         limit += temperature // 8
-        task = draw_task(problem, graph, random)
+        task = draw_task(problem, graph, trial, random)
         is_swap = draw_below(random, 100) < choice.knobs[9]
         if is_swap:
             is_short = swap_heads(problem, graph, trial, random, task, limit)
@@ -132,11 +149,21 @@ def anneal_arcs(
                 problem, graph, trial, choice, moved, random, task, leg, limit
             )
         cost = sum_up_trial(problem, graph, trial) if is_short else 0
-        if is_short and cost <= allowed:
+        is_kept = is_short and cost <= allowed
+        if is_kept and is_best and cost >= total[COST]:
+            is_kept = False  # before the best is left it is written down, and this once it is not left
+            must_copy = True
+        if is_kept:
             accept(problem, graph, trial, cost)
-            if cost < best.total[COST]:
-                copy_graph(graph, best)
+            is_best = cost < best.total[COST]
+            if is_best:
+                best.total[COST] = cost
         else:
             undo(graph, trial)
             if not is_swap:
                 take_back(problem, graph, moved)
+            if must_copy:
+                copy_graph(graph, best)
+                is_best, must_copy = False, False
+    if is_best:
+        copy_graph(graph, best)

@@ -32,7 +32,7 @@ CANDIDATE = np.dtype(
     ]
 )
 
-PICKS, TYPES, COMES, LEAVES = range(4)
+PICKS, TYPES, COMES, LEAVES, BANNED = range(5)
 """Numbers of a choice: robots picked, types found, when the last of those picked comes and the
 longest chain that leaves."""
 
@@ -40,7 +40,7 @@ longest chain that leaves."""
 class Choice(NamedTuple):
     """Room to choose a coalition in."""
 
-    number: Ticks  # (4,)
+    number: Ticks  # (5,)
     candidates: Records  # (types, most) CANDIDATE, best first
     found: Whole  # (types,) how many there are
     types: Whole  # (types,) those of which there are any
@@ -54,7 +54,7 @@ def empty_choice(problem: ArcProblem, seats: int) -> Choice:
     types = len(problem.counts)
     most = int(problem.useful.max(initial=1)) + SPARE
     return Choice(
-        number=np.zeros(4, np.int64),
+        number=np.zeros(5, np.int64),
         candidates=np.zeros((types, most), CANDIDATE).view(np.recarray),
         found=np.zeros(types, np.int32),
         types=np.zeros(types, np.int32),
@@ -72,6 +72,7 @@ def gather(
     random: Array,
     task: int,
     cut: int,
+    comes_by: int,
     by_chain: bool,
 ) -> None:
     """Gather arcs that cross the cut as if the task were nowhere, the best of each type."""
@@ -79,6 +80,12 @@ def gather(
     for index in range(choice.number[TYPES]):
         choice.found[choice.types[index]] = 0
     choice.number[TYPES] = 0
+    choice.number[BANNED] = NOBODY
+    if draw_below(random, 100) < choice.knobs[3]:
+        own = comes_by
+        if own == NOBODY or draw_below(random, 4) == 0:
+            own = task * most + draw_below(random, nodes[task].taken)
+        choice.number[BANNED] = seats[own].prev
     for index in range(-1, problem.near.shape[1]):
         other = task if index < 0 else problem.near[task, index]
         is_before = nodes[other].key < cut
@@ -123,7 +130,7 @@ def _consider(
     kind = seats[tail].kind
     which = problem.kinds[kind].type
     keeps = problem.useful[nodes[task].need, which]
-    if keeps == 0:
+    if keeps == 0 or tail == choice.number[BANNED]:
         return
     keeps += SPARE
     place, pace = seats[tail].node, problem.kinds[kind].pace

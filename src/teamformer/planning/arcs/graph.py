@@ -46,6 +46,9 @@ SEAT = np.dtype([("prev", np.int32), ("next", np.int32), ("node", np.int32), ("k
 FIRST, LAST = -1, NEVER
 """The keys of depots and homes."""
 
+FEWEST_NEAR, MOST_NEAR = 14, 30
+"""How many tasks are near to each: a quarter of all within these limits."""
+
 MAKESPAN, COST, BACK_SUM, LATE, LATEST = range(5)
 """What is known of a graph as a whole; LATEST is the home that is reached last."""
 
@@ -77,6 +80,11 @@ class Graph(NamedTuple):
     seats: Records  # (tasks * most + 2 * robots,) SEAT
     back: Ticks  # (robots,) when each home is reached
     total: Ticks  # (5,)
+
+
+def near_of(tasks: int) -> int:
+    """Return how many tasks are near to each of so many."""
+    return min(tasks - 1, max(FEWEST_NEAR, min(MOST_NEAR, tasks // 4)))
 
 
 def pose_arcs(problem: CoalitionProblem, near: int) -> ArcProblem:

@@ -36,9 +36,10 @@ WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
 PREV, NEXT, END, BACK = range(4)
 """What an entry of the log has changed."""
 
-LOGGED, WAITS, HOMES, PAST = range(4)
+LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY = range(6)
 """Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
-key of a node whose arcs out have changed: behind it tails still hold."""
+key of a node whose arcs out have changed: behind it tails still hold; and the seats by which what
+the makespan hangs on comes to the task at hand and leaves it, or NOBODY."""
 
 REFUSED = -1
 
@@ -46,7 +47,7 @@ REFUSED = -1
 class Trial(NamedTuple):
     """A change at hand."""
 
-    number: Ticks  # (4,)
+    number: Ticks  # (6,)
     log: Records  # ENTRY
     agenda: Records  # (tasks + 1,) WAITING, latest first
     homes: Whole  # (robots,) homes whose arc in, or its begin, has changed
@@ -57,7 +58,7 @@ def empty_trial(graph: Graph) -> Trial:
     """Return room for a change."""
     room = 4 * len(graph.seats) + len(graph.nodes) + len(graph.back)
     return Trial(
-        number=np.zeros(4, np.int64),
+        number=np.zeros(6, np.int64),
         log=np.zeros(room, ENTRY).view(np.recarray),
         agenda=np.zeros(len(graph.nodes) + 1, WAITING).view(np.recarray),
         homes=np.zeros(len(graph.back), np.int32),

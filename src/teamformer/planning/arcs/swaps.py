@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from teamformer.jit import kernel
 from teamformer.planning.arcs.graph import ArcProblem, Graph, leave, seats_a_task
-from teamformer.planning.arcs.judging import Trial, begin_trial, connect, propagate
+from teamformer.planning.arcs.judging import (
+    COMES_BY,
+    LEAVES_BY,
+    Trial,
+    begin_trial,
+    connect,
+    propagate,
+)
 from teamformer.planning.coalitions.problem import NOBODY
 from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
@@ -23,7 +30,9 @@ def swap_heads(
     other = problem.near[task, draw_below(random, problem.near.shape[1])]
     if nodes[other].key == nodes[task].key:
         return False
-    mine = task * most + draw_below(random, nodes[task].taken)
+    mine = trial.number[LEAVES_BY if nodes[task].key < nodes[other].key else COMES_BY]
+    if mine == NOBODY or draw_below(random, 4) == 0:
+        mine = task * most + draw_below(random, nodes[task].taken)
     theirs = _draw_alike(graph, random, other, most, seats[mine].kind)
     if theirs == NOBODY:
         return False

@@ -15,7 +15,7 @@ from teamformer.planning.arcs.coalition_choice import (
     sum_up_picks,
 )
 from teamformer.planning.arcs.graph import LAST, MAKESPAN, ArcProblem, Graph, seats_a_task
-from teamformer.planning.arcs.judging import Trial, begin_trial, connect, propagate
+from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
 from teamformer.planning.coalitions.problem import NOBODY, Ticks
 from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
@@ -50,7 +50,7 @@ def move_task(
     if node.has_links and not _keeps_order(problem, graph, task, cut):
         return False
     by_chain = draw_below(random, 100) < choice.knobs[4]
-    gather(problem, graph, choice, random, task, cut, by_chain)
+    gather(problem, graph, choice, random, task, cut, trial.number[COMES_BY], by_chain)
     if not choose(problem, choice, random, need, by_chain, limit):
         return False
     sum_up_picks(choice)

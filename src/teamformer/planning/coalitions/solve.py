@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
+from teamformer.planning.arcs.annealing import ArcSearch, rounds_of_a_second
 from teamformer.planning.coalitions.bounds.makespan import improving_bounds
 from teamformer.planning.coalitions.cp_sat import is_small, solve_exactly
 from teamformer.planning.coalitions.problem import CoalitionProblem
@@ -21,6 +22,9 @@ from teamformer.planning.coalitions.search.schedule import (
     CoalitionPlan,
     Schedule,
 )
+
+FEWEST_FOR_ARCS = 30
+"""Plans of so many tasks are searched for as graphs of arcs; of fewer as orders, which is better."""
 
 SHARED_ROUNDS, CENTRAL_ROUNDS = 200_000, 500_000
 """Rounds of a first annealing; reheated ones have half of them."""
@@ -41,6 +45,9 @@ SECONDS_AT_ONCE = 0.05
 
 PROOF = 0.3
 """Share of the time that one thread spends on bounds at most, and on CP-SAT again."""
+
+
+Search = CoalitionSearch | ArcSearch
 
 
 class Annealing(NamedTuple):
@@ -80,8 +87,18 @@ class Solution:
         return self.late == 0 and self.makespan <= self.bound
 
 
+def _search_of(problem: CoalitionProblem, seed: int) -> Search:
+    """Return a search of the kind that is best for a problem of this size."""
+    if len(problem.needs) < FEWEST_FOR_ARCS:
+        return CoalitionSearch(problem, seed)
+    return ArcSearch(problem, seed)
+
+
 def annealings(tasks: int, rounds: int, reheats: int) -> Iterator[Annealing]:
-    """Return the annealings between two fresh starts."""
+    """Return the annealings between two fresh starts; `rounds` are those of twenty tasks."""
+    if tasks >= FEWEST_FOR_ARCS:
+        yield Annealing(True, HOT, rounds_of_a_second(tasks) * rounds // SHARED_ROUNDS)
+        return
     share = min(tasks / USUAL_TASKS, USUAL_TASKS / tasks)
     first = max(FEWEST_ROUNDS, int(rounds * share))
     yield Annealing(True, HOT, first)
@@ -95,7 +112,7 @@ def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
     None if some task cannot be done by all robots together. There is no clock and no fraction in
     it, so that it is the same on every machine.
     """
-    search = CoalitionSearch(problem, seed)
+    search = _search_of(problem, seed)
     for annealing in annealings(len(problem.needs), SHARED_ROUNDS, SHARED_REHEATS):
         if not _begin(search, annealing):
             return None
@@ -181,7 +198,7 @@ class _Best:
         return Solution(schedule, min(self.bound, self.makespan), tuple(self._curve))
 
 
-def _begin(search: CoalitionSearch, annealing: Annealing) -> bool:
+def _begin(search: Search, annealing: Annealing) -> bool:
     if annealing.is_anew:
         return search.begin_anew()
     search.begin_at_best()
@@ -190,14 +207,14 @@ def _begin(search: CoalitionSearch, annealing: Annealing) -> bool:
 
 def _search(problem: CoalitionProblem, seed: int, best: _Best) -> None:
     """Anneal again and again, each time from a fresh start, until it is over."""
-    search = CoalitionSearch(problem, seed)
+    search = _search_of(problem, seed)
     while not best.is_over:
         for annealing in annealings(len(problem.needs), CENTRAL_ROUNDS, CENTRAL_REHEATS):
             _begin(search, annealing)
             _anneal_by_the_clock(search, annealing, best)
 
 
-def _anneal_by_the_clock(search: CoalitionSearch, annealing: Annealing, best: _Best) -> None:
+def _anneal_by_the_clock(search: Search, annealing: Annealing, best: _Best) -> None:
     """Make an annealing a few rounds at a time, and offer what it finds."""
     made, at_once, leg = 0, FEWEST_ROUNDS, search.leg
     while made < annealing.rounds and not best.is_over:

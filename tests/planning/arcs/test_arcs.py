@@ -198,7 +198,7 @@ for seed in range(6):
         if what == "swap":
             is_short = swap_heads(arcs, graph, trial, random, task, limit)
         else:
-            parts = (arcs, graph, trial, search.choice, search._moved, random)
+            parts = (arcs, graph, trial, search._choice, search._moved, random)
             is_short = move_task(*parts, task, 40, limit)
         cost = sum_up_trial(arcs, graph, trial) if is_short else 0
         if is_short and turn % 5 == 0:

@@ -40,6 +40,14 @@ SWAPS = 40  # percent
 """How many of the changes swap the heads of two arcs; the others move a task."""
 
 
+COOLING, MOST_COOLING = 30, 100
+"""Annealings begin at what a task takes a robot on average, divided by the first of these and a
+tenth of the tasks, and by the second at most."""
+
+COLDER = 10
+"""They end at so many times less."""
+
+
 def rounds_of_a_second(tasks: int) -> int:
     """Return how many rounds take a second of one core, about."""
     return 300_000_000 // (180 + tasks)
@@ -54,8 +62,7 @@ class ArcSearch:
         self.graph, self._best = empty_graph(problem), empty_graph(problem)
         self._trial = empty_trial(self.graph)
         most = most_seats(problem)
-        self.choice = empty_choice(self.arcs, most)
-        self.choice.knobs[:10] = [24, 20, 20, 100, 75, 0, 5, 50, 32, SWAPS]
+        self._choice = empty_choice(self.arcs, most)
         self._moved = Moved(np.zeros(3, np.int64), np.zeros(most, np.int64))
         self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)
 
@@ -76,6 +83,12 @@ class ArcSearch:
         copy_graph(self._best, self.graph)
 
     @property
+    def heats(self) -> tuple[int, int]:
+        """Return where an annealing begins and ends: with more tasks it may be colder."""
+        hot = self.leg // min(MOST_COOLING, COOLING + len(self.problem.needs) // 10)
+        return hot, hot // COLDER
+
+    @property
     def leg(self) -> int:
         """Return the ticks that a task takes a robot on average, with the way there."""
         visits = int(self.graph.nodes.taken.sum())
@@ -83,7 +96,7 @@ class ArcSearch:
 
     def anneal(self, hot: int, cold: int, begin: int, end: int, rounds: int) -> None:
         """Make the rounds from `begin` to `end` of so many, from `hot` to `cold`."""
-        parts = (self.graph, self._best, self._trial, self.choice, self._moved, self.random)
+        parts = (self.graph, self._best, self._trial, self._choice, self._moved, self.random)
         anneal_arcs(self.arcs, *parts, SLACKS, self.leg, hot, cold, begin, end, rounds)
 
     @property
@@ -141,7 +154,7 @@ def anneal_arcs(
         limit = allowed - total[BACK_SUM] // (SPREAD * robots) - LATENESS * total[LATE]
         limit += temperature // 8
         task = draw_task(problem, graph, trial, random)
-        is_swap = draw_below(random, 100) < choice.knobs[9]
+        is_swap = draw_below(random, 100) < SWAPS
         if is_swap:
             is_short = swap_heads(problem, graph, trial, random, task, limit)
         else:

@@ -16,11 +16,21 @@ from teamformer.planning.coalitions.problem import NEVER, NOBODY, Ticks, Whole
 from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
 
-SPARE = 2
-"""How many arcs are kept of a type beyond those that a coalition can use."""
-
 BLINK = 16
 """Every so many arcs one is overlooked, so that the search does not always see the same."""
+
+DEPOTS = 24
+"""How many depots are looked at."""
+
+DETOUR = 20
+"""Sixty-fourths of its detour that an arc is judged by beside its chain."""
+
+AT_RANDOM = 20  # percent
+"""How often the first cover is taken that there are robots for, from a random one on."""
+
+THIS_ONE = 75  # percent
+"""How often it is the robot that the makespan hangs on that is to be replaced, of a task where
+there is one; else any robot of the task is."""
 
 CANDIDATE = np.dtype(
     [
@@ -33,8 +43,8 @@ CANDIDATE = np.dtype(
 )
 
 PICKS, TYPES, COMES, LEAVES, BANNED = range(5)
-"""Numbers of a choice: robots picked, types found, when the last of those picked comes and the
-longest chain that leaves."""
+"""Numbers of a choice: robots picked, types found, when the last of those picked comes, the longest
+chain that leaves, and the seat whose arc out is not to be picked."""
 
 
 class Choice(NamedTuple):
@@ -46,13 +56,12 @@ class Choice(NamedTuple):
     types: Whole  # (types,) those of which there are any
     pick: Records  # (seats,) CANDIDATE
     lacking: Whole  # (caps,)
-    knobs: Ticks
 
 
 def empty_choice(problem: ArcProblem, seats: int) -> Choice:
     """Return room to choose a coalition of at most so many seats in."""
     types = len(problem.counts)
-    most = int(problem.useful.max(initial=1)) + SPARE
+    most = int(problem.useful.max(initial=1))
     return Choice(
         number=np.zeros(5, np.int64),
         candidates=np.zeros((types, most), CANDIDATE).view(np.recarray),
@@ -60,7 +69,6 @@ def empty_choice(problem: ArcProblem, seats: int) -> Choice:
         types=np.zeros(types, np.int32),
         pick=np.zeros(seats + 1, CANDIDATE).view(np.recarray),
         lacking=np.zeros(problem.needs.shape[1], np.int32),
-        knobs=np.zeros(32, np.int64),
     )
 
 
@@ -75,17 +83,18 @@ def gather(
     comes_by: int,
     by_chain: bool,
 ) -> None:
-    """Gather arcs that cross the cut as if the task were nowhere, the best of each type."""
+    """Gather arcs that cross the cut as if the task were nowhere, the best of each type.
+
+    One of the robots that do the task now is not among them, so that something changes.
+    """
     nodes, seats, most = graph.nodes, graph.seats, seats_a_task(problem, graph)
     for index in range(choice.number[TYPES]):
         choice.found[choice.types[index]] = 0
     choice.number[TYPES] = 0
-    choice.number[BANNED] = NOBODY
-    if draw_below(random, 100) < choice.knobs[3]:
-        own = comes_by
-        if own == NOBODY or draw_below(random, 4) == 0:
-            own = task * most + draw_below(random, nodes[task].taken)
-        choice.number[BANNED] = seats[own].prev
+    own = comes_by
+    if own == NOBODY or draw_below(random, 100) >= THIS_ONE:
+        own = task * most + draw_below(random, nodes[task].taken)
+    choice.number[BANNED] = seats[own].prev
     for index in range(-1, problem.near.shape[1]):
         other = task if index < 0 else problem.near[task, index]
         is_before = nodes[other].key < cut
@@ -104,7 +113,7 @@ def gather(
                 _consider(problem, graph, choice, random, task, tail, head, by_chain)
     robots = len(graph.back)
     robot = draw_below(random, robots)
-    for _ in range(min(robots, choice.knobs[0])):
+    for _ in range(min(robots, DEPOTS)):
         robot = robot + 1 if robot + 1 < robots else 0
         tail = len(seats) - 2 * robots + problem.mixed[robot]
         head = seats[tail].next
@@ -132,16 +141,17 @@ def _consider(
     keeps = problem.useful[nodes[task].need, which]
     if keeps == 0 or tail == choice.number[BANNED]:
         return
-    keeps += SPARE
     place, pace = seats[tail].node, problem.kinds[kind].pace
     way = problem.ways[pace, place, task]
     comes = nodes[place].end + way
+    found, best = choice.found[which], choice.candidates[which]
+    if found == keeps and best[found - 1].score <= comes:
+        return
     leaves = leave(problem, graph, kind, task, head)
     score = comes
     if by_chain:
         straight = leave(problem, graph, kind, place, head)
-        score += leaves + (way + leaves - straight) * choice.knobs[1] // 64
-    found, best = choice.found[which], choice.candidates[which]
+        score += leaves + (way + leaves - straight) * DETOUR // 64
     if found == keeps and best[found - 1].score <= score:
         return
     for index in range(found):
@@ -174,7 +184,7 @@ def _copy(source: Array, index: int, into: Array, to: int) -> None:
 
 @kernel
 def choose(
-    problem: ArcProblem, choice: Choice, random: Array, need: int, by_chain: bool, limit: int
+    problem: ArcProblem, choice: Choice, random: Array, need: int, by_chain: bool
 ) -> bool:
     """Pick the coalition that comes first, or whose longest chain is shortest; say if any is.
 
@@ -185,7 +195,7 @@ def choose(
         return _choose_greedily(problem, choice, random, need, by_chain)
     listed, best, least = problem.listed[need], NOBODY, NEVER
     index = 0
-    is_random = draw_below(random, 100) < choice.knobs[2]
+    is_random = draw_below(random, 100) < AT_RANDOM
     if is_random:
         index = draw_below(random, listed)
     for _ in range(listed):

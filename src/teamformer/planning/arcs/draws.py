@@ -69,3 +69,9 @@ def _waited_for(
         if comes > there:
             latest, there = seat, comes
     return latest, NOBODY
+
+
+@kernel
+def draw_near(problem: ArcProblem, random: Array, task: int) -> int:
+    """Draw a task near to another."""
+    return problem.near[task, draw_below(random, problem.near.shape[1])]

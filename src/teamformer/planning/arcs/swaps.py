@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
+from teamformer.planning.arcs.coalition_choice import THIS_ONE
+from teamformer.planning.arcs.draws import draw_near
 from teamformer.planning.arcs.graph import ArcProblem, Graph, leave, seats_a_task
 from teamformer.planning.arcs.judging import (
     COMES_BY,
@@ -27,11 +29,11 @@ def swap_heads(
     """
     begin_trial(trial)
     seats, nodes, most = graph.seats, graph.nodes, seats_a_task(problem, graph)
-    other = problem.near[task, draw_below(random, problem.near.shape[1])]
+    other = draw_near(problem, random, task)
     if nodes[other].key == nodes[task].key:
         return False
     mine = trial.number[LEAVES_BY if nodes[task].key < nodes[other].key else COMES_BY]
-    if mine == NOBODY or draw_below(random, 4) == 0:
+    if mine == NOBODY or draw_below(random, 100) >= THIS_ONE:
         mine = task * most + draw_below(random, nodes[task].taken)
     theirs = _draw_alike(graph, random, other, most, seats[mine].kind)
     if theirs == NOBODY:

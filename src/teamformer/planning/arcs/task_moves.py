@@ -14,11 +14,21 @@ from teamformer.planning.arcs.coalition_choice import (
     gather,
     sum_up_picks,
 )
+from teamformer.planning.arcs.draws import draw_near
 from teamformer.planning.arcs.graph import LAST, MAKESPAN, ArcProblem, Graph, seats_a_task
 from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
 from teamformer.planning.coalitions.problem import NOBODY, Ticks
 from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
+
+ANYWHERE, NEAR_ITS_START = 5, 50  # percent, one upon the other
+"""How many tasks are moved to any moment, or near to their start; the others beside a near task."""
+
+NEAR = 2
+"""How many legs are near to a start."""
+
+BY_CHAIN = 75  # percent
+"""How often a coalition is picked by its longest chain, not only by when it comes."""
 
 MOVED, OLD_KEY, OLD_SIZE = range(3)
 
@@ -46,35 +56,33 @@ def move_task(
     begin_trial(trial)
     moved.number[MOVED] = NOBODY
     node, need = graph.nodes[task], graph.nodes[task].need
-    cut = _draw_cut(problem, graph, choice, random, task, leg)
+    cut = _draw_cut(problem, graph, random, task, leg)
     if node.has_links and not _keeps_order(problem, graph, task, cut):
         return False
-    by_chain = draw_below(random, 100) < choice.knobs[4]
+    by_chain = draw_below(random, 100) < BY_CHAIN
     gather(problem, graph, choice, random, task, cut, trial.number[COMES_BY], by_chain)
-    if not choose(problem, choice, random, need, by_chain, limit):
+    if not choose(problem, choice, random, need, by_chain):
         return False
     sum_up_picks(choice)
     comes = max(choice.number[COMES], node.release)
-    if comes + choice.number[LEAVES] + node.duration * choice.knobs[5] // 16 > limit:
+    if comes + choice.number[LEAVES] > limit:
         return False
     _put(problem, graph, trial, choice, moved, task, cut)
     return propagate(problem, graph, trial, limit)
 
 
 @kernel
-def _draw_cut(
-    problem: ArcProblem, graph: Graph, choice: Choice, random: Array, task: int, leg: int
-) -> int:
+def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int) -> int:
     """Draw a moment: beside a near task, near its own start, now and then any."""
     nodes, seats, most = graph.nodes, graph.seats, seats_a_task(problem, graph)
     draw = draw_below(random, 100)
-    if draw < choice.knobs[6]:
+    if draw < ANYWHERE:
         return 2 * draw_below(random, graph.total[MAKESPAN])
-    if draw < choice.knobs[7]:
+    if draw < NEAR_ITS_START:
         start = nodes[task].end - nodes[task].duration
-        spread = leg * choice.knobs[8] // 16 + 1
+        spread = NEAR * leg + 1
         return 2 * max(1, start - spread + draw_below(random, 2 * spread))
-    other = problem.near[task, draw_below(random, problem.near.shape[1])]
+    other = draw_near(problem, random, task)
     seat = other * most + draw_below(random, nodes[other].taken)
     start = nodes[other].end - nodes[other].duration
     if draw_below(random, 2) == 0:

@@ -65,7 +65,7 @@ def move_task(
         return False
     sum_up_picks(choice)
     comes = max(choice.number[COMES], node.release)
-    if comes + choice.number[LEAVES] > limit:
+    if comes + choice.number[LEAVES] > limit + leg:
         return False
     _put(problem, graph, trial, choice, moved, task, cut)
     return propagate(problem, graph, trial, limit)

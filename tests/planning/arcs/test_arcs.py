@@ -27,7 +27,9 @@ from teamformer.planning.coalitions.search.schedule import CoalitionPlan, empty_
 SEEDS = range(12)
 
 
-def lasting(seed: int, tasks: int = 12, robots: int = 6, is_plain: bool = False) -> CoalitionProblem:
+def lasting(
+    seed: int, tasks: int = 12, robots: int = 6, is_plain: bool = False
+) -> CoalitionProblem:
     """Draw a problem in which everything takes time, as it does in a graph of arcs."""
     problem = random_problem(seed, tasks, robots, is_plain=is_plain)
     return problem._replace(duration=np.maximum(problem.duration, 1))

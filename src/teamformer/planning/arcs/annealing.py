@@ -32,7 +32,12 @@ from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import Moved, move_task, take_back
 from teamformer.planning.coalitions.problem import CoalitionProblem
 from teamformer.planning.coalitions.search.annealing import SLACKS, STEPS
-from teamformer.planning.coalitions.search.schedule import LATENESS, SPREAD, CoalitionPlan, empty_plan
+from teamformer.planning.coalitions.search.schedule import (
+    LATENESS,
+    SPREAD,
+    CoalitionPlan,
+    empty_plan,
+)
 from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
 
@@ -158,14 +163,11 @@ def anneal_arcs(
         if is_swap:
             is_short = swap_heads(problem, graph, trial, random, task, limit)
         else:
-            is_short = move_task(
-                problem, graph, trial, choice, moved, random, task, leg, limit
-            )
+            is_short = move_task(problem, graph, trial, choice, moved, random, task, leg, limit)
         cost = sum_up_trial(problem, graph, trial) if is_short else 0
         is_kept = is_short and cost <= allowed
         if is_kept and is_best and cost >= total[COST]:
-            is_kept = False  # before the best is left it is written down, and this once it is not left
-            must_copy = True
+            is_kept, must_copy = False, True  # not yet: the best is written down first
         if is_kept:
             accept(problem, graph, trial, cost)
             is_best = cost < best.total[COST]

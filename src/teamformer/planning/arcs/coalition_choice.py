@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import kernel
-from teamformer.planning.arcs.graph import ArcProblem, Graph, Records, leave, seats_a_task
+from teamformer.planning.arcs.graph import ArcProblem, Graph, Records, leave
 from teamformer.planning.coalitions.problem import NEVER, NOBODY, Ticks, Whole
 from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
@@ -27,6 +27,9 @@ DETOUR = 20
 
 AT_RANDOM = 20  # percent
 """How often the first cover is taken that there are robots for, from a random one on."""
+
+GREEDILY = 50  # percent
+"""How often robots are picked greedily where not all covers are listed."""
 
 THIS_ONE = 75  # percent
 """How often it is the robot that the makespan hangs on that is to be replaced, of a task where
@@ -87,7 +90,7 @@ def gather(
 
     One of the robots that do the task now is not among them, so that something changes.
     """
-    nodes, seats, most = graph.nodes, graph.seats, seats_a_task(problem, graph)
+    nodes, seats, most = graph.nodes, graph.seats, problem.most[0]
     for index in range(choice.number[TYPES]):
         choice.found[choice.types[index]] = 0
     choice.number[TYPES] = 0
@@ -183,17 +186,16 @@ def _copy(source: Array, index: int, into: Array, to: int) -> None:
 
 
 @kernel
-def choose(
-    problem: ArcProblem, choice: Choice, random: Array, need: int, by_chain: bool
-) -> bool:
+def choose(problem: ArcProblem, choice: Choice, random: Array, need: int, by_chain: bool) -> bool:
     """Pick the coalition that comes first, or whose longest chain is shortest; say if any is.
 
     Every so often a random one is picked.
     """
     choice.number[PICKS] = 0
-    if problem.listed[need] == 0:
-        return _choose_greedily(problem, choice, random, need, by_chain)
     listed, best, least = problem.listed[need], NOBODY, NEVER
+    is_partial = listed == problem.covers.shape[1]
+    if listed == 0 or (is_partial and draw_below(random, 100) < GREEDILY):
+        return _choose_greedily(problem, choice, need, by_chain)
     index = 0
     is_random = draw_below(random, 100) < AT_RANDOM
     if is_random:
@@ -250,9 +252,7 @@ def _add(choice: Choice, which: int, place: int) -> None:
 
 
 @kernel
-def _choose_greedily(
-    problem: ArcProblem, choice: Choice, random: Array, need: int, by_chain: bool
-) -> bool:
+def _choose_greedily(problem: ArcProblem, choice: Choice, need: int, by_chain: bool) -> bool:
     """Pick robot after robot, the best of those that bring what is lacking; then drop spare ones.
 
     `found` is used up: what is picked of a type is its best that is left.

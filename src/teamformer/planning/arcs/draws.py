@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
-from teamformer.planning.arcs.graph import LATEST, ArcProblem, Graph, seats_a_task
+from teamformer.planning.arcs.graph import LATEST, ArcProblem, Graph
 from teamformer.planning.arcs.judging import COMES_BY, LEAVES_BY, Trial
 from teamformer.planning.coalitions.problem import NOBODY
 from teamformer.planning.relaxation.insertion import draw_below
@@ -27,7 +27,7 @@ def draw_task(problem: ArcProblem, graph: Graph, trial: Trial, random: Array) ->
 @kernel
 def _draw_critical(problem: ArcProblem, graph: Graph, trial: Trial, random: Array) -> int:
     """Draw a task on the way back from the home that is reached last; NOBODY if there is none."""
-    seats, tasks, most = graph.seats, len(problem.near), seats_a_task(problem, graph)
+    seats, tasks, most = graph.seats, len(problem.near), problem.most[0]
     leaves_by = seats[len(seats) - len(graph.back) + graph.total[LATEST]].prev
     drawn, count, task = NOBODY, 0, seats[leaves_by].node
     while task != NOBODY and task < tasks:
@@ -45,9 +45,7 @@ def _draw_critical(problem: ArcProblem, graph: Graph, trial: Trial, random: Arra
 
 
 @kernel
-def _waited_for(
-    problem: ArcProblem, graph: Graph, task: int, first_seat: int
-) -> tuple[int, int]:
+def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> tuple[int, int]:
     """Return the seat whose robot came last, or NOBODY and the task that had to end before.
 
     Both are NOBODY if the task was released last.

@@ -10,7 +10,7 @@ before all keys, homes after. Every arc leads from a lower to a higher key, so t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,7 @@ from teamformer.planning.coalitions.search.schedule import LATENESS, SPREAD, Coa
 if TYPE_CHECKING:
     from teamformer.rules.arrays import Array
 
-Records = npt.NDArray[np.void]
+Records = np.recarray[Any, np.dtype[np.void]]
 
 KIND = np.dtype([("pace", np.int32), ("type", np.int32)])
 NODE = np.dtype(
@@ -46,8 +46,8 @@ SEAT = np.dtype([("prev", np.int32), ("next", np.int32), ("node", np.int32), ("k
 FIRST, LAST = -1, NEVER
 """The keys of depots and homes."""
 
-FEWEST_NEAR, MOST_NEAR = 14, 30
-"""How many tasks are near to each: a quarter of all within these limits."""
+FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 40, 7
+"""How many tasks are near to each: every seventh within these limits."""
 
 MAKESPAN, COST, BACK_SUM, LATE, LATEST = range(5)
 """What is known of a graph as a whole; LATEST is the home that is reached last."""
@@ -71,6 +71,7 @@ class ArcProblem(NamedTuple):
     before: Whole  # (tasks, most) the tasks that must have ended before each, then NOBODY
     after: Whole  # (tasks, most) the tasks that each must have ended before, then NOBODY
     forming: Ticks  # (1,)
+    most: Ticks  # (1,) seats of each task
 
 
 class Graph(NamedTuple):
@@ -84,7 +85,7 @@ class Graph(NamedTuple):
 
 def near_of(tasks: int) -> int:
     """Return how many tasks are near to each of so many."""
-    return min(tasks - 1, max(FEWEST_NEAR, min(MOST_NEAR, tasks // 4)))
+    return min(tasks - 1, max(FEWEST_NEAR, min(MOST_NEAR, tasks // NEAR_SHARE)))
 
 
 def pose_arcs(problem: CoalitionProblem, near: int) -> ArcProblem:
@@ -118,6 +119,7 @@ def pose_arcs(problem: CoalitionProblem, near: int) -> ArcProblem:
         before=problem.before,
         after=problem.after,
         forming=problem.forming,
+        most=np.array([most_seats(problem)]),
     )
 
 
@@ -127,7 +129,7 @@ def _mixed(problem: CoalitionProblem) -> Whole:
     return columns[columns != NOBODY]
 
 
-def _different_needs(problem: CoalitionProblem) -> tuple[Whole, npt.NDArray[np.int64]]:
+def _different_needs(problem: CoalitionProblem) -> tuple[Whole, npt.NDArray[np.intp]]:
     """Return the different needs, and which of them each task has."""
     asked = problem.needs.max(axis=0, initial=0) > 0
     needs, number = np.unique(problem.needs[:, asked], axis=0, return_inverse=True)
@@ -146,7 +148,9 @@ def empty_graph(problem: CoalitionProblem) -> Graph:
     """
     tasks, places, robots = len(problem.needs), problem.ways.shape[1], len(problem.counts)
     nodes = np.zeros(places + 1, NODE).view(np.recarray)
-    nodes.key[tasks:places], nodes.key[places], nodes.due = FIRST, LAST, NEVER
+    nodes.key[tasks:places] = FIRST
+    nodes.key[places:] = LAST
+    nodes.due[:] = NEVER
     nodes.duration[:tasks] = np.maximum(problem.duration, 1)
     nodes.release[:tasks], nodes.due[:tasks] = problem.release, problem.due
     nodes.need[:tasks] = _different_needs(problem)[1]
@@ -159,12 +163,6 @@ def empty_graph(problem: CoalitionProblem) -> Graph:
     seats.node[tasks * most + robots :] = places
     seats.kind[tasks * most :] = np.tile(problem.kind, 2)
     return Graph(nodes, seats, np.zeros(robots, np.int64), np.zeros(5, np.int64))
-
-
-@kernel
-def seats_a_task(problem: ArcProblem, graph: Graph) -> int:
-    """Return how many seats each task has."""
-    return (len(graph.seats) - 2 * len(graph.back)) // len(problem.near)
 
 
 @kernel
@@ -232,7 +230,7 @@ def cost_of(makespan: int, back_sum: int, late: int, robots: int) -> int:
 def lay(problem: ArcProblem, graph: Graph, plan: CoalitionPlan, at: Array) -> None:
     """Lay a plan out as a graph, with all times; `at` is room for the last seat of each robot."""
     nodes, seats, tasks, robots = graph.nodes, graph.seats, len(problem.near), len(graph.back)
-    most = seats_a_task(problem, graph)
+    most = problem.most[0]
     for robot in range(robots):
         at[robot] = tasks * most + robot
     for position in range(tasks):
@@ -279,7 +277,7 @@ def sum_up(graph: Graph) -> None:
 def read_off(problem: ArcProblem, graph: Graph, plan: CoalitionPlan) -> None:
     """Follow the arcs, and write down who does what; the order of tasks is left to the caller."""
     seats, tasks = graph.seats, len(problem.near)
-    most = seats_a_task(problem, graph)
+    most = problem.most[0]
     for task in range(tasks):
         plan.size[task] = 0
     for robot in range(len(graph.back)):

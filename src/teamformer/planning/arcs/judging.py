@@ -1,8 +1,9 @@
-"""Judging a change of arcs: times are worked out anew only as far as they change, and kept in a log.
+"""Judging a change of arcs: times are worked out anew only as far as they change.
 
-A change is made in place. Tasks whose arcs in have changed stand on an agenda, by their keys; the
-first is taken from it and timed, and if it ends at another time than before, those that follow are
-put there. A change that is refused is undone from the log; one that is accepted gets keys and tails.
+A change is made in place, and a log keeps what was before. Tasks whose arcs in have changed are on
+an agenda, by their keys. The first is taken from it and timed. If it ends at another time than
+before, those that follow it are put on the agenda. A change that is refused is undone from the log;
+after one that is accepted keys and tails are worked out.
 """
 
 from __future__ import annotations
@@ -23,12 +24,10 @@ from teamformer.planning.arcs.graph import (
     Records,
     back_of,
     cost_of,
-    seats_a_task,
     start_of,
     tail_of,
 )
 from teamformer.planning.coalitions.problem import NOBODY, Ticks, Whole
-
 
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
@@ -128,7 +127,7 @@ def wait(graph: Graph, trial: Trial, task: int, key: int) -> None:
 @kernel
 def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bool:
     """Time what has changed; stop if some chain is longer than the limit, and say if none is."""
-    number, nodes, most = trial.number, graph.nodes, seats_a_task(problem, graph)
+    number, nodes, most = trial.number, graph.nodes, problem.most[0]
     while number[WAITS] > 0:
         number[WAITS] -= 1
         task = trial.agenda[number[WAITS]].task
@@ -242,7 +241,7 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
 def hang_tails(problem: ArcProblem, graph: Graph, trial: Trial) -> None:
     """Work out the tails of the tasks on the agenda, which has them by falling keys."""
     number, nodes, seats = trial.number, graph.nodes, graph.seats
-    most, tasks = seats_a_task(problem, graph), len(problem.near)
+    most, tasks = problem.most[0], len(problem.near)
     while number[WAITS] > 0:
         number[WAITS] -= 1
         task = trial.agenda[number[WAITS]].task

@@ -152,9 +152,9 @@ def dispatch(
     for position in range(tasks):
         best = NOBODY
         for task in range(tasks):
-            if room.is_open[task] and (best == NOBODY or room.value[task] < room.value[best]):
-                if _is_ready(problem, room, task):
-                    best = task
+            is_better = best == NOBODY or room.value[task] < room.value[best]
+            if room.is_open[task] and is_better and _is_ready(problem, room, task):
+                best = task
         _do(problem, graph, room, best, position, plan)
         _look_again(problem, graph, room, best, price, highest, plan)
     makespan = 0
@@ -202,7 +202,7 @@ def _evaluate(
     problem: ArcProblem, graph: Graph, room: Dispatch, task: int, price: int, highest: int
 ) -> None:
     """Find a task's best cover."""
-    need, first = graph.nodes[task].need, room.first[task]
+    first, covers = room.first[task], problem.covers[graph.nodes[task].need]
     room.value[task] = NEVER
     released = graph.nodes[task].release
     for other in problem.before[task]:
@@ -210,10 +210,10 @@ def _evaluate(
             break
         if not room.is_open[other]:
             released = max(released, room.ends[other])
-    for cover in range(problem.listed[need]):
+    for cover in range(problem.listed[graph.nodes[task].need]):
         start = released
         for part in range(problem.covers.shape[2]):
-            which, count = problem.covers[need, cover, part, 0], problem.covers[need, cover, part, 1]
+            which, count = covers[cover, part, 0], covers[cover, part, 1]
             if which == NOBODY:
                 break
             start = max(start, first[which, count - 1].comes)
@@ -223,7 +223,7 @@ def _evaluate(
             continue
         value = start
         for part in range(problem.covers.shape[2]):
-            which, count = problem.covers[need, cover, part, 0], problem.covers[need, cover, part, 1]
+            which, count = covers[cover, part, 0], covers[cover, part, 1]
             if which == NOBODY:
                 break
             for index in range(count):
@@ -278,7 +278,7 @@ def _look_again(
     highest: int,
     plan: CoalitionPlan,
 ) -> None:
-    """Look anew at the open tasks that the robots that did a task would have come to, or would now."""
+    """Look anew at open tasks to which robots that did one would have come first, or would now."""
     for task in range(len(room.is_open)):
         if not room.is_open[task]:
             continue

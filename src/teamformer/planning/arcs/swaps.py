@@ -5,7 +5,7 @@ from __future__ import annotations
 from teamformer.jit import kernel
 from teamformer.planning.arcs.coalition_choice import THIS_ONE
 from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import ArcProblem, Graph, leave, seats_a_task
+from teamformer.planning.arcs.graph import ArcProblem, Graph, leave
 from teamformer.planning.arcs.judging import (
     COMES_BY,
     LEAVES_BY,
@@ -28,7 +28,7 @@ def swap_heads(
     The trial is begun in any case.
     """
     begin_trial(trial)
-    seats, nodes, most = graph.seats, graph.nodes, seats_a_task(problem, graph)
+    seats, nodes, most = graph.seats, graph.nodes, problem.most[0]
     other = draw_near(problem, random, task)
     if nodes[other].key == nodes[task].key:
         return False

@@ -15,7 +15,7 @@ from teamformer.planning.arcs.coalition_choice import (
     sum_up_picks,
 )
 from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import LAST, MAKESPAN, ArcProblem, Graph, seats_a_task
+from teamformer.planning.arcs.graph import LAST, MAKESPAN, ArcProblem, Graph
 from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
 from teamformer.planning.coalitions.problem import NOBODY, Ticks
 from teamformer.planning.relaxation.insertion import draw_below
@@ -74,7 +74,7 @@ def move_task(
 @kernel
 def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int) -> int:
     """Draw a moment: beside a near task, near its own start, now and then any."""
-    nodes, seats, most = graph.nodes, graph.seats, seats_a_task(problem, graph)
+    nodes, seats, most = graph.nodes, graph.seats, problem.most[0]
     draw = draw_below(random, 100)
     if draw < ANYWHERE:
         return 2 * draw_below(random, graph.total[MAKESPAN])
@@ -121,7 +121,7 @@ def _put(
     cut: int,
 ) -> None:
     """Take a task out of its arcs, and put it into those that were picked."""
-    seats, node, most = graph.seats, graph.nodes[task], seats_a_task(problem, graph)
+    seats, node, most = graph.seats, graph.nodes[task], problem.most[0]
     moved.number[MOVED], moved.number[OLD_KEY], moved.number[OLD_SIZE] = task, node.key, node.taken
     for index in range(node.taken):
         seat = task * most + index
@@ -142,7 +142,7 @@ def take_back(problem: ArcProblem, graph: Graph, moved: Moved) -> None:
     task = moved.number[MOVED]
     if task == NOBODY:
         return
-    node, most = graph.nodes[task], seats_a_task(problem, graph)
+    node, most = graph.nodes[task], problem.most[0]
     node.key, node.taken = moved.number[OLD_KEY], moved.number[OLD_SIZE]
     for index in range(node.taken):
         graph.seats[task * most + index].kind = moved.kinds[index]

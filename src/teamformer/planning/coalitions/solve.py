@@ -24,7 +24,7 @@ from teamformer.planning.coalitions.search.schedule import (
 )
 
 FEWEST_FOR_ARCS = 30
-"""Plans of so many tasks are searched for as graphs of arcs; of fewer as orders, which is better."""
+"""Plans of so many tasks are searched for as graphs of arcs; of fewer, as orders of tasks."""
 
 SHARED_ROUNDS, CENTRAL_ROUNDS = 200_000, 500_000
 """Rounds of a first annealing; reheated ones have half of them."""

@@ -55,7 +55,7 @@ COLDER = 10
 
 def rounds_of_a_second(tasks: int) -> int:
     """Return how many rounds take a second of one core, about."""
-    return 300_000_000 // (180 + tasks)
+    return 440_000_000 // (350 + tasks)
 
 
 class ArcSearch:

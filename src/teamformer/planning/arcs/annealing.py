@@ -61,9 +61,9 @@ def rounds_of_a_second(tasks: int) -> int:
 class ArcSearch:
     """A search: the graph where it stands, the best one since it began, and room to work in."""
 
-    def __init__(self, problem: CoalitionProblem, seed: int, near: int | None = None) -> None:
+    def __init__(self, problem: CoalitionProblem, seed: int) -> None:
         self.problem = problem
-        self.arcs = pose_arcs(problem, near or near_of(len(problem.needs)))
+        self.arcs = pose_arcs(problem, near_of(len(problem.needs)))
         self.graph, self._best = empty_graph(problem), empty_graph(problem)
         self._trial = empty_trial(self.graph)
         most = most_seats(problem)

@@ -58,6 +58,7 @@ class ArcProblem(NamedTuple):
 
     ways: Ticks  # (paces, places, tasks)
     home: Ticks  # (kinds, places)
+    site: Whole  # (places,) the same number for places that lie at the same position
     kinds: Records  # (kinds,) KIND
     origin: Whole  # (robots,) the place where each starts
     kind: Whole  # (robots,)
@@ -106,6 +107,7 @@ def pose_arcs(problem: CoalitionProblem, near: int) -> ArcProblem:
     return ArcProblem(
         ways=problem.ways,
         home=problem.home,
+        site=problem.site,
         kinds=kinds,
         origin=problem.origin,
         kind=problem.kind,
@@ -170,12 +172,12 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
     """Return when a task can start, by when those are free that come to it."""
     node = graph.nodes[task]
     there, comes_apart = 0, False
-    first_place = graph.seats[graph.seats[first_seat].prev].node
+    first_site = problem.site[graph.seats[graph.seats[first_seat].prev].node]
     for seat in range(first_seat, first_seat + node.taken):
         place = graph.seats[graph.seats[seat].prev].node
         pace = problem.kinds[graph.seats[seat].kind].pace
         there = max(there, graph.nodes[place].end + problem.ways[pace, place, task])
-        comes_apart |= place != first_place
+        comes_apart |= problem.site[place] != first_site
     start = max(node.release, there + problem.forming[0] * comes_apart)
     if node.has_links:
         for other in problem.before[task]:

@@ -256,7 +256,8 @@ def _do(
         for index in range(problem.covers[need, cover, part, 1]):
             robot = first[which, index].robot
             plan.coalition[task, size] = robot
-            comes_apart |= room.place[robot] != room.place[plan.coalition[task, 0]]
+            first_place = room.place[plan.coalition[task, 0]]
+            comes_apart |= problem.site[room.place[robot]] != problem.site[first_place]
             there = max(there, first[which, index].comes)
             size += 1
     start = max(start, there + problem.forming[0] * comes_apart)

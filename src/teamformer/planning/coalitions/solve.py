@@ -183,10 +183,6 @@ class _Best:
                 self.makespan = int(schedule.total[MAKESPAN])
                 self._curve.append((time.perf_counter() - self._begun, self.makespan))
 
-    def offer_at(self, plan: CoalitionPlan) -> None:
-        """Take a plan if it is better; what it costs is worked out."""
-        self.offer(plan, int(schedule_of(self._problem, plan).total[COST]))
-
     def stop(self) -> None:
         """Let all searches come to their end."""
         self._is_stopped = True
@@ -270,7 +266,7 @@ def _anneal_for(search: ArcSearch, seconds: float, best: _Best) -> None:
         search.anneal(heat, heat, 0, at_once, at_once)
         if search.cost < cost:
             cost = search.cost
-            best.offer_at(search.best)
+            best.offer(search.best)
         took, now = time.perf_counter() - now, time.perf_counter()
         at_once = max(1, min(2 * at_once, int(at_once * SECONDS_AT_ONCE / max(took, 1e-7))))
 

@@ -8,6 +8,7 @@ from itertools import islice
 
 from teamformer.errors import TeamformerError
 from teamformer.jit import needs_compiling
+from teamformer.planning.arcs.annealing import ArcSearch, anneal_arcs
 from teamformer.planning.coalitions.bounds.makespan import improving_bounds
 from teamformer.planning.coalitions.linked.problem import LinkedProblem, link_problem
 from teamformer.planning.coalitions.linked.search import LinkedSearch, anneal_linked
@@ -64,7 +65,9 @@ def plan_continuous(mission: ContinuousMission, method: str, seconds: float) -> 
 
 def is_compiled(is_linked: bool = False) -> bool:
     """Say whether the search was compiled before, so that nobody has to wait for it."""
-    return not needs_compiling(anneal_linked if is_linked else anneal)
+    if is_linked:
+        return not needs_compiling(anneal_linked)
+    return not (needs_compiling(anneal) or needs_compiling(anneal_arcs))
 
 
 @cache
@@ -87,5 +90,8 @@ def warm_up(is_linked: bool = False) -> None:
     search = CoalitionSearch(problem, 0)
     search.begin_anew()
     search.anneal(1, 1, 0, 10, 10)
+    arcs = ArcSearch(problem, 0)
+    arcs.begin_anew()
+    arcs.anneal(1, 1, 0, 10, 10)
     react(problem)
     list(islice(improving_bounds(problem, lambda: 10), 2))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
+from teamformer.planning.arcs.annealing import ArcSearch, rounds_of_a_second
 from teamformer.planning.coalitions.bounds.makespan import improving_bounds
 from teamformer.planning.coalitions.cp_sat import is_small, solve_exactly
 from teamformer.planning.coalitions.problem import CoalitionProblem
@@ -22,6 +23,9 @@ from teamformer.planning.coalitions.search.schedule import (
     CoalitionPlan,
     Schedule,
 )
+
+FEWEST_FOR_ARCS = 30
+"""Plans of so many tasks are searched for as graphs of arcs; of fewer, as orders of tasks."""
 
 SHARED_ROUNDS, CENTRAL_ROUNDS = 200_000, 500_000
 """Rounds of a first annealing; reheated ones have half of them."""
@@ -40,8 +44,13 @@ HOT, REHEATED, COLD = 28, 56, 280
 SECONDS_AT_ONCE = 0.05
 """Between two looks at the clock."""
 
-PROOF = 0.3
-"""Share of the time that one thread spends on bounds at most, and on CP-SAT again."""
+PROOF, LARGE_PROOF = 0.3, 0.1
+"""Share of the time that one thread spends on bounds at most, and on CP-SAT again; the latter of
+problems that are large enough for arcs, whose bounds hardly rise."""
+
+MANY_TASKS, SECONDS_EACH = 120, 3.0
+"""With fewer tasks than this a search over arcs anneals again after so many seconds; with more it
+anneals once in all the time there is."""
 
 
 class Annealing(NamedTuple):
@@ -81,6 +90,11 @@ class Solution:
         return self.late == 0 and self.makespan <= self.bound
 
 
+def is_for_arcs(problem: CoalitionProblem) -> bool:
+    """Say whether plans of a problem are searched for as graphs of arcs."""
+    return len(problem.needs) >= FEWEST_FOR_ARCS
+
+
 def annealings(tasks: int, rounds: int, reheats: int) -> Iterator[Annealing]:
     """Return the annealings between two fresh starts."""
     share = min(tasks / USUAL_TASKS, USUAL_TASKS / tasks)
@@ -96,12 +110,24 @@ def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
     None if some task cannot be done by all robots together. There is no clock and no fraction in
     it, so that it is the same on every machine.
     """
+    if is_for_arcs(problem):
+        return _plan_by_arcs(problem, seed)
     search = CoalitionSearch(problem, seed)
     for annealing in annealings(len(problem.needs), SHARED_ROUNDS, SHARED_REHEATS):
         if not _begin(search, annealing):
             return None
         leg = search.leg
         search.anneal(leg // annealing.hot, leg // COLD, 0, annealing.rounds, annealing.rounds)
+    return Solution(schedule_of(problem, search.best), 0)
+
+
+def _plan_by_arcs(problem: CoalitionProblem, seed: int) -> Solution | None:
+    """Return the shared plan of a large problem: one annealing of about a second."""
+    search = ArcSearch(problem, seed)
+    if not search.begin_anew():
+        return None
+    rounds = rounds_of_a_second(len(problem.needs))
+    search.anneal(*search.heats, 0, rounds, rounds)
     return Solution(schedule_of(problem, search.best), 0)
 
 
@@ -119,7 +145,8 @@ def solve(
         return None
     best = _Best(problem, begun, shared, begun + time_limit)
     jobs = [partial(_prove_and_search, problem, seed + 1, best)]
-    jobs += [partial(_search, problem, seed + n, best) for n in range(2, workers + 1)]
+    search = _search_arcs if is_for_arcs(problem) else _search
+    jobs += [partial(search, problem, seed + n, best) for n in range(2, workers + 1)]
     with ThreadPoolExecutor(len(jobs)) as pool:
         running = [pool.submit(job) for job in jobs]
         try:
@@ -220,8 +247,35 @@ def _anneal_by_the_clock(search: CoalitionSearch, annealing: Annealing, best: _B
         made, at_once = end, max(1, min(2 * at_once, int(at_once * room / max(seconds, 1e-7))))
 
 
+def _search_arcs(problem: CoalitionProblem, seed: int, best: _Best) -> None:
+    """Anneal once in the time there is, or several times, from the best plan each time."""
+    search, seconds = ArcSearch(problem, seed), best.seconds_left
+    search.begin_at(best.plan)
+    is_large = len(problem.needs) >= MANY_TASKS
+    for left in range(1 if is_large else max(1, round(seconds / SECONDS_EACH)), 0, -1):
+        _anneal_for(search, best.seconds_left / left, best)
+        search.begin_at_best()
+
+
+def _anneal_for(search: ArcSearch, seconds: float, best: _Best) -> None:
+    """Anneal for so many seconds, a few rounds at a time, and offer what is found."""
+    (hot, cold), at_once, cost = search.heats, FEWEST_ROUNDS, search.cost
+    begun = now = time.perf_counter()
+    while now < begun + seconds and not best.is_over:
+        heat = hot + int((cold - hot) * (now - begun) / seconds)
+        search.anneal(heat, heat, 0, at_once, at_once)
+        if search.cost < cost:
+            cost = search.cost
+            best.offer(search.best)
+        took, now = time.perf_counter() - now, time.perf_counter()
+        at_once = max(1, min(2 * at_once, int(at_once * SECONDS_AT_ONCE / max(took, 1e-7))))
+
+
 def _prove_and_search(problem: CoalitionProblem, seed: int, best: _Best) -> None:
     """Work out a bound, prove small problems, and search for the rest of the time."""
+    if is_for_arcs(problem):
+        _raise_bound(problem, best, time.perf_counter() + LARGE_PROOF * best.seconds_left)
+        return _search_arcs(problem, seed, best)
     _raise_bound(problem, best, time.perf_counter() + PROOF * best.seconds_left)
     if is_small(problem) and not best.is_over:
         proof = solve_exactly(problem, best.plan, best.bound, PROOF * best.seconds_left)

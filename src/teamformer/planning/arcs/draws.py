@@ -1,0 +1,75 @@
+"""Where a change begins: a task that the makespan hangs on, or any."""
+
+from __future__ import annotations
+
+from teamformer.jit import kernel
+from teamformer.planning.arcs.graph import LATEST, ArcProblem, Graph
+from teamformer.planning.arcs.judging import COMES_BY, LEAVES_BY, Trial
+from teamformer.planning.coalitions.problem import NOBODY
+from teamformer.planning.relaxation.insertion import draw_below
+from teamformer.rules.arrays import Array
+
+
+@kernel
+def draw_task(problem: ArcProblem, graph: Graph, trial: Trial, random: Array) -> int:
+    """Draw a task, every other time one that the makespan hangs on.
+
+    Of such a task it is noted by which of its seats what the makespan hangs on comes and leaves.
+    """
+    if draw_below(random, 2) == 0:
+        task = _draw_critical(problem, graph, trial, random)
+        if task != NOBODY:
+            return task
+    trial.number[COMES_BY] = trial.number[LEAVES_BY] = NOBODY
+    return draw_below(random, len(problem.near))
+
+
+@kernel
+def _draw_critical(problem: ArcProblem, graph: Graph, trial: Trial, random: Array) -> int:
+    """Draw a task on the way back from the home that is reached last; NOBODY if there is none."""
+    seats, tasks, most = graph.seats, len(problem.near), problem.most[0]
+    leaves_by = seats[len(seats) - len(graph.back) + graph.total[LATEST]].prev
+    drawn, count, task = NOBODY, 0, seats[leaves_by].node
+    while task != NOBODY and task < tasks:
+        comes_by, before = _waited_for(problem, graph, task, task * most)
+        count += 1
+        if draw_below(random, count) == 0:
+            drawn = task
+            trial.number[COMES_BY], trial.number[LEAVES_BY] = comes_by, leaves_by
+        if comes_by == NOBODY:
+            leaves_by, task = NOBODY, before
+        else:
+            leaves_by = seats[comes_by].prev
+            task = seats[leaves_by].node
+    return drawn
+
+
+@kernel
+def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> tuple[int, int]:
+    """Return the seat whose robot came last, or NOBODY and the task that had to end before.
+
+    Both are NOBODY if the task was released last.
+    """
+    nodes, start = graph.nodes, graph.nodes[task].end - graph.nodes[task].duration
+    if nodes[task].has_links:
+        for other in problem.before[task]:
+            if other == NOBODY:
+                break
+            if nodes[other].end == start:
+                return NOBODY, int(other)
+    if nodes[task].release == start:
+        return NOBODY, NOBODY
+    latest, there = NOBODY, -1
+    for seat in range(first_seat, first_seat + nodes[task].taken):
+        place = graph.seats[graph.seats[seat].prev].node
+        pace = problem.kinds[graph.seats[seat].kind].pace
+        comes = nodes[place].end + problem.ways[pace, place, task]
+        if comes > there:
+            latest, there = seat, comes
+    return latest, NOBODY
+
+
+@kernel
+def draw_near(problem: ArcProblem, random: Array, task: int) -> int:
+    """Draw a task near to another."""
+    return problem.near[task, draw_below(random, problem.near.shape[1])]

@@ -1,0 +1,263 @@
+"""Judging a change of arcs: times are worked out anew only as far as they change.
+
+A change is made in place, and a log keeps what was before. Tasks whose arcs in have changed are on
+an agenda, by their keys. The first is taken from it and timed. If it ends at another time than
+before, those that follow it are put on the agenda. A change that is refused is undone from the log;
+after one that is accepted keys and tails are worked out.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.jit import kernel
+from teamformer.planning.arcs.graph import (
+    BACK_SUM,
+    COST,
+    LATE,
+    LATEST,
+    MAKESPAN,
+    ArcProblem,
+    Graph,
+    Records,
+    back_of,
+    cost_of,
+    start_of,
+    tail_of,
+)
+from teamformer.planning.coalitions.problem import NOBODY, Ticks, Whole
+
+ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
+WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
+
+PREV, NEXT, END, BACK = range(4)
+"""What an entry of the log has changed."""
+
+LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY = range(6)
+"""Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
+key of a node whose arcs out have changed: behind it tails still hold; and the seats by which what
+the makespan hangs on comes to the task at hand and leaves it, or NOBODY."""
+
+REFUSED = -1
+
+
+class Trial(NamedTuple):
+    """A change at hand."""
+
+    number: Ticks  # (6,)
+    log: Records  # ENTRY
+    agenda: Records  # (tasks + 1,) WAITING, latest first
+    homes: Whole  # (robots,) homes whose arc in, or its begin, has changed
+    is_listed: Whole  # (robots,) whether a home is among them
+
+
+def empty_trial(graph: Graph) -> Trial:
+    """Return room for a change."""
+    room = 4 * len(graph.seats) + len(graph.nodes) + len(graph.back)
+    return Trial(
+        number=np.zeros(6, np.int64),
+        log=np.zeros(room, ENTRY).view(np.recarray),
+        agenda=np.zeros(len(graph.nodes) + 1, WAITING).view(np.recarray),
+        homes=np.zeros(len(graph.back), np.int32),
+        is_listed=np.zeros(len(graph.back), np.int32),
+    )
+
+
+@kernel
+def begin_trial(trial: Trial) -> None:
+    """Begin a change."""
+    trial.number[LOGGED] = 0
+    trial.number[WAITS] = 0
+    trial.number[HOMES] = 0
+    trial.number[PAST] = -1
+
+
+@kernel
+def record(trial: Trial, what: int, index: int, old: int) -> None:
+    """Write into the log what something was before."""
+    entry = trial.number[LOGGED]
+    trial.log[entry].what = what
+    trial.log[entry].index = index
+    trial.log[entry].old = old
+    trial.number[LOGGED] = entry + 1
+
+
+@kernel
+def connect(graph: Graph, trial: Trial, seat: int, to: int) -> None:
+    """Lead the arc that leaves a seat to another; what comes after it will be timed."""
+    seats, nodes = graph.seats, graph.nodes
+    record(trial, NEXT, seat, seats[seat].next)
+    record(trial, PREV, to, seats[to].prev)
+    seats[seat].next = to
+    seats[to].prev = seat
+    trial.number[PAST] = max(trial.number[PAST], nodes[seats[seat].node].key)
+    follow(graph, trial, to)
+
+
+@kernel
+def follow(graph: Graph, trial: Trial, seat: int) -> None:
+    """Have the task or home of a seat timed."""
+    node = graph.seats[seat].node
+    if node == len(graph.nodes) - 1:
+        robot = seat - (len(graph.seats) - len(graph.back))
+        if not trial.is_listed[robot]:
+            trial.is_listed[robot] = 1
+            trial.homes[trial.number[HOMES]] = robot
+            trial.number[HOMES] += 1
+    elif not graph.nodes[node].is_waiting:
+        wait(graph, trial, node, graph.nodes[node].key)
+
+
+@kernel
+def wait(graph: Graph, trial: Trial, task: int, key: int) -> None:
+    """Put a task on the agenda: it is short, so that room is made by shifting."""
+    agenda, place = trial.agenda, trial.number[WAITS]
+    while place > 0 and agenda[place - 1].key < key:
+        agenda[place].key = agenda[place - 1].key
+        agenda[place].task = agenda[place - 1].task
+        place -= 1
+    agenda[place].key = key
+    agenda[place].task = task
+    trial.number[WAITS] += 1
+    graph.nodes[task].is_waiting = 1
+
+
+@kernel
+def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bool:
+    """Time what has changed; stop if some chain is longer than the limit, and say if none is."""
+    number, nodes, most = trial.number, graph.nodes, problem.most[0]
+    while number[WAITS] > 0:
+        number[WAITS] -= 1
+        task = trial.agenda[number[WAITS]].task
+        node = nodes[task]
+        node.is_waiting = 0
+        start = start_of(problem, graph, task, task * most)
+        end = start + node.duration
+        if end == node.end:
+            continue
+        if node.key > number[PAST] and start + node.tail > limit:
+            return False
+        record(trial, END, task, node.end)
+        node.end = end
+        for seat in range(task * most, task * most + node.taken):
+            follow(graph, trial, graph.seats[seat].next)
+        if node.has_links:
+            for other in problem.after[task]:
+                if other == NOBODY:
+                    break
+                if not nodes[other].is_waiting:
+                    wait(graph, trial, other, nodes[other].key)
+    return True
+
+
+@kernel
+def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
+    """Time the homes, and return what the plan costs now; `total` stays until it is accepted."""
+    number, back, total = trial.number, graph.back, graph.total
+    makespan, back_sum, late = 0, total[BACK_SUM], total[LATE]
+    is_latest_changed = False
+    for index in range(number[HOMES]):
+        robot = trial.homes[index]
+        trial.is_listed[robot] = 0
+        now = back_of(problem, graph, robot)
+        old = back[robot]
+        if now != old:
+            is_latest_changed |= robot == total[LATEST]
+            record(trial, BACK, robot, old)
+            back[robot] = now
+            back_sum += now - old
+            makespan = max(makespan, now)
+    number[HOMES] = 0
+    if not is_latest_changed:
+        makespan = max(makespan, total[MAKESPAN])
+    elif makespan < total[MAKESPAN]:
+        for robot in range(len(back)):
+            makespan = max(makespan, back[robot])
+    for entry in range(number[LOGGED]):
+        if trial.log[entry].what == END:
+            node = graph.nodes[trial.log[entry].index]
+            late += max(0, node.end - node.due) - max(0, trial.log[entry].old - node.due)
+    return cost_of(makespan, back_sum, late, len(back))
+
+
+@kernel
+def undo(graph: Graph, trial: Trial) -> None:
+    """Make all as it was before the change."""
+    number, seats = trial.number, graph.seats
+    for place in range(number[WAITS]):
+        graph.nodes[trial.agenda[place].task].is_waiting = 0
+    for index in range(number[HOMES]):
+        trial.is_listed[trial.homes[index]] = 0
+    for entry in range(number[LOGGED] - 1, -1, -1):
+        index, old = trial.log[entry].index, trial.log[entry].old
+        if trial.log[entry].what == END:
+            graph.nodes[index].end = old
+        elif trial.log[entry].what == NEXT:
+            seats[index].next = old
+        elif trial.log[entry].what == PREV:
+            seats[index].prev = old
+        else:
+            graph.back[index] = old
+
+
+@kernel
+def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
+    """Give tasks the keys of their starts and their tails, from the latest one backwards."""
+    number, nodes, seats = trial.number, graph.nodes, graph.seats
+    total, back = graph.total, graph.back
+    total[COST] = cost
+    is_latest_changed = False
+    for place in range(number[LOGGED]):
+        index, old = trial.log[place].index, trial.log[place].old
+        if trial.log[place].what == END:
+            node = nodes[index]
+            node.key = 2 * (node.end - node.duration) + 1
+            total[LATE] += max(0, node.end - node.due) - max(0, old - node.due)
+        elif trial.log[place].what == BACK:
+            total[BACK_SUM] += back[index] - old
+            is_latest_changed |= index == total[LATEST]
+            if back[index] > total[MAKESPAN]:
+                total[MAKESPAN] = back[index]
+                total[LATEST] = index
+    if is_latest_changed:
+        latest = 0
+        for robot in range(len(back)):
+            if back[robot] > back[latest]:
+                latest = robot
+        total[LATEST] = latest
+        total[MAKESPAN] = back[latest]
+    for place in range(number[LOGGED]):
+        if trial.log[place].what == NEXT:
+            node = seats[trial.log[place].index].node
+            if node < len(problem.near) and not nodes[node].is_waiting:
+                nodes[node].key = 2 * (nodes[node].end - nodes[node].duration) + 1
+                wait(graph, trial, node, -nodes[node].key)
+    hang_tails(problem, graph, trial)
+
+
+@kernel
+def hang_tails(problem: ArcProblem, graph: Graph, trial: Trial) -> None:
+    """Work out the tails of the tasks on the agenda, which has them by falling keys."""
+    number, nodes, seats = trial.number, graph.nodes, graph.seats
+    most, tasks = problem.most[0], len(problem.near)
+    while number[WAITS] > 0:
+        number[WAITS] -= 1
+        task = trial.agenda[number[WAITS]].task
+        node = nodes[task]
+        node.is_waiting = 0
+        tail = tail_of(problem, graph, task, task * most)
+        if tail == node.tail:
+            continue
+        node.tail = tail
+        for seat in range(task * most, task * most + node.taken):
+            other = seats[seats[seat].prev].node
+            if other < tasks and not nodes[other].is_waiting:
+                wait(graph, trial, other, -nodes[other].key)
+        if node.has_links:
+            for other in problem.before[task]:
+                if other == NOBODY:
+                    break
+                if not nodes[other].is_waiting:
+                    wait(graph, trial, other, -nodes[other].key)

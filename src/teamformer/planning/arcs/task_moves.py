@@ -1,0 +1,148 @@
+"""Moving a task to another moment, with a new coalition from the arcs that cross it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from teamformer.jit import kernel
+from teamformer.planning.arcs.coalition_choice import (
+    COMES,
+    LEAVES,
+    PICKS,
+    Choice,
+    choose,
+    gather,
+    sum_up_picks,
+)
+from teamformer.planning.arcs.draws import draw_near
+from teamformer.planning.arcs.graph import LAST, MAKESPAN, ArcProblem, Graph
+from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
+from teamformer.planning.coalitions.problem import NOBODY, Ticks
+from teamformer.planning.relaxation.insertion import draw_below
+from teamformer.rules.arrays import Array
+
+ANYWHERE, NEAR_ITS_START = 5, 50  # percent, one upon the other
+"""How many tasks are moved to any moment, or near to their start; the others beside a near task."""
+
+NEAR = 2
+"""How many legs are near to a start."""
+
+BY_CHAIN = 75  # percent
+"""How often a coalition is picked by its longest chain, not only by when it comes."""
+
+MOVED, OLD_KEY, OLD_SIZE = range(3)
+
+
+class Moved(NamedTuple):
+    """The task that was moved, and what it was before."""
+
+    number: Ticks  # (3,)
+    kinds: Ticks  # (seats,) the kinds of its seats
+
+
+@kernel
+def move_task(
+    problem: ArcProblem,
+    graph: Graph,
+    trial: Trial,
+    choice: Choice,
+    moved: Moved,
+    random: Array,
+    task: int,
+    leg: int,
+    limit: int,
+) -> bool:
+    """Move a task; say if no chain is too long then. The trial is begun in any case."""
+    begin_trial(trial)
+    moved.number[MOVED] = NOBODY
+    node, need = graph.nodes[task], graph.nodes[task].need
+    cut = _draw_cut(problem, graph, random, task, leg)
+    if node.has_links and not _keeps_order(problem, graph, task, cut):
+        return False
+    by_chain = draw_below(random, 100) < BY_CHAIN
+    gather(problem, graph, choice, random, task, cut, trial.number[COMES_BY], by_chain)
+    if not choose(problem, choice, random, need, by_chain):
+        return False
+    sum_up_picks(choice)
+    comes = max(choice.number[COMES], node.release)
+    if comes + choice.number[LEAVES] > limit + leg:
+        return False
+    _put(problem, graph, trial, choice, moved, task, cut)
+    return propagate(problem, graph, trial, limit)
+
+
+@kernel
+def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int) -> int:
+    """Draw a moment: beside a near task, near its own start, now and then any."""
+    nodes, seats, most = graph.nodes, graph.seats, problem.most[0]
+    draw = draw_below(random, 100)
+    if draw < ANYWHERE:
+        return 2 * draw_below(random, graph.total[MAKESPAN])
+    if draw < NEAR_ITS_START:
+        start = nodes[task].end - nodes[task].duration
+        spread = NEAR * leg + 1
+        return 2 * max(1, start - spread + draw_below(random, 2 * spread))
+    other = draw_near(problem, random, task)
+    seat = other * most + draw_below(random, nodes[other].taken)
+    start = nodes[other].end - nodes[other].duration
+    if draw_below(random, 2) == 0:
+        key = nodes[seats[seats[seat].next].node].key
+        least, past = start, nodes[other].end + leg if key == LAST else (key - 1) // 2
+    else:
+        key = nodes[seats[seats[seat].prev].node].key
+        least, past = (key - 1) // 2, start  # -1 for depots
+    return 2 * (least + 1 + draw_below(random, max(1, past - least)))
+
+
+@kernel
+def _keeps_order(problem: ArcProblem, graph: Graph, task: int, cut: int) -> bool:
+    """Say whether a cut lies behind all tasks that come before a task, and before those after."""
+    for other in problem.before[task]:
+        if other == NOBODY:
+            break
+        if graph.nodes[other].key > cut:
+            return False
+    for other in problem.after[task]:
+        if other == NOBODY:
+            break
+        if graph.nodes[other].key < cut:
+            return False
+    return True
+
+
+@kernel
+def _put(
+    problem: ArcProblem,
+    graph: Graph,
+    trial: Trial,
+    choice: Choice,
+    moved: Moved,
+    task: int,
+    cut: int,
+) -> None:
+    """Take a task out of its arcs, and put it into those that were picked."""
+    seats, node, most = graph.seats, graph.nodes[task], problem.most[0]
+    moved.number[MOVED], moved.number[OLD_KEY], moved.number[OLD_SIZE] = task, node.key, node.taken
+    for index in range(node.taken):
+        seat = task * most + index
+        moved.kinds[index] = seats[seat].kind
+        connect(graph, trial, seats[seat].prev, seats[seat].next)
+    node.taken, node.key = choice.number[PICKS], cut
+    for index in range(node.taken):
+        seat, tail = task * most + index, choice.pick[index].seat
+        seats[seat].kind = choice.pick[index].kind
+        head = seats[tail].next
+        connect(graph, trial, tail, seat)
+        connect(graph, trial, seat, head)
+
+
+@kernel
+def take_back(problem: ArcProblem, graph: Graph, moved: Moved) -> None:
+    """Give a task that was moved its key and its robots' kinds again; arcs are undone elsewhere."""
+    task = moved.number[MOVED]
+    if task == NOBODY:
+        return
+    node, most = graph.nodes[task], problem.most[0]
+    node.key, node.taken = moved.number[OLD_KEY], moved.number[OLD_SIZE]
+    for index in range(node.taken):
+        graph.seats[task * most + index].kind = moved.kinds[index]

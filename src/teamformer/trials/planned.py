@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
-from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.errors import Problem, ScenarioError, TeamformerError
 from teamformer.mission.links import is_linked
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
@@ -25,20 +26,12 @@ def plan_mission(mission: Scenario, method: str, seconds: float) -> MissionPlan 
     """Return the plan that a method makes in so many seconds; None if it finds none.
 
     A mission in steps is planned by `central`, for what is to be expected, and the routes are read
-    off its play. Raises `TeamformerError` for a method that does not plan such a mission, and
-    `ScenarioError` for rules that steps do not know.
+    off its play. Raises what `refuse_unplannable` raises.
     """
-    if method not in PLANNERS:
-        raise TeamformerError(f"--method {method} is unknown", f"use {', '.join(PLANNERS)}")
+    refuse_unplannable(mission, method)
     if mission.time == "continuous":
         warm_up(is_linked(mission))
         return plan_continuous(pose_mission(mission), method, seconds)
-    if problems := list(rules_not_played(mission)):
-        raise ScenarioError(problems)
-    if method != "central":
-        raise TeamformerError(
-            f"--method {method} plans missions in continuous time", "leave --method out"
-        )
     trial = run_trial(expected_mission(mission), load_method(method, seconds))
     end, bound = trial.replay.end, trial.replay.lower_bound or 0
     if end.makespan is None:
@@ -61,14 +54,18 @@ def refuse_unplannable(mission: Scenario, method: str) -> None:
     """
     if method not in PLANNERS:
         raise TeamformerError(f"method '{method}' makes no plans", f"use {', '.join(PLANNERS)}")
-    if mission.time == "continuous":
-        return
-    if problems := list(rules_not_played(mission)):
+    if problems := list(rules_not_planned(mission)):
         raise ScenarioError(problems)
-    if method != "central":
+    if mission.time != "continuous" and method != "central":
         raise TeamformerError(
             f"method '{method}' plans missions in continuous time", "in steps use central"
         )
+
+
+def rules_not_planned(mission: Scenario) -> Iterator[Problem]:
+    """Yield what keeps a mission from being planned: in steps, rules that these do not know."""
+    if mission.time != "continuous":
+        yield from rules_not_played(mission)
 
 
 def plan_row(mission: Scenario, made: MissionPlan) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from teamformer.planning.coalitions.routes import MissionPlan, Route
 from teamformer.planning.coalitions.rules import is_compiled
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import load_method
-from teamformer.trials.planned import plan_mission, plan_row, refuse_unplannable
+from teamformer.trials.planned import plan_mission, plan_row, refuse_unplannable, rules_not_planned
 from teamformer.viewer.gantt import write_gantt
 
 LONGEST_TABLE = 40  # robots
@@ -23,7 +23,7 @@ LONGEST_TABLE = 40  # robots
 
 def plan(path: Path, method: str, time_limit: float, page: Path | None, as_json: bool) -> int:
     """Plan a mission and show the plan; return the exit status."""
-    scenario = read_scenario(path)
+    scenario = read_scenario(path, rules_not_planned)
     refuse_unplannable(scenario, method)
     if page is not None:
         prepare_file(page)

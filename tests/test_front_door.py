@@ -1,0 +1,90 @@
+"""What `import teamformer` offers: each example of a docstring runs, and importing is quick."""
+
+from __future__ import annotations
+
+import doctest
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import teamformer
+import teamformer as tf
+from teamformer.api import missions, trials
+from teamformer.policies.scripted.joining import JoinAll
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize("module", [teamformer, missions, trials], ids=lambda m: m.__name__)
+def test_examples_of_docstrings_run(module: object) -> None:
+    result = doctest.testmod(module, extraglobs={"tf": tf})  # type: ignore[arg-type]
+    assert result.attempted > 3
+    assert result.failed == 0
+
+
+def test_every_name_is_there_and_says_what_it_is() -> None:
+    assert 20 <= len(tf.__all__) <= 30
+    for name in tf.__all__:
+        assert getattr(tf, name).__doc__, name
+    assert set(tf.__all__) <= set(dir(tf))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        tf.nothing  # noqa: B018
+
+
+def test_importing_it_loads_nothing_heavy() -> None:
+    code = (
+        "import sys; before = set(sys.modules); import teamformer\n"
+        "print(*sorted(name for name in set(sys.modules) - before if 'teamformer' not in name))"
+    )
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    heavy = {"numpy", "numba", "ortools", "torch", "onnxruntime", "yaml", "rich", "typer"}
+    assert {name.split(".")[0] for name in said.stdout.split()} & heavy == set()
+
+
+def test_a_trial_is_saved_shown_and_checked(tmp_path: Path) -> None:
+    trial = tf.run(tf.load("examples/warehouse.yaml"), method="plan", seed=0)
+    folder = trial.save(tmp_path / "new" / "out")
+    assert {path.name for path in folder.iterdir()} == {"replay.json", "replay.html"}
+    assert tf.check(folder / "replay.json") == trial.check()
+    assert trial.row["makespan"] == trial.makespan == trial.record.end.makespan
+    frame = trial.show(height=400)._repr_html_()
+    assert frame.startswith('<iframe height="400"')
+    assert "<script" not in frame  # all of the page is inside the frame's attribute
+
+
+def test_policies_and_coordinators_play_as_names_do() -> None:
+    class Alone:
+        """Gives each task to all robots, in the order of the file."""
+
+        def update(self, known: tf.Known, plan: tf.Plan | None) -> tf.Plan:
+            tasks = known.possible_tasks
+            return tf.Plan(tasks, tuple(known.robots for _ in tasks))
+
+    mission = tf.setting("4N4T-C4", seed=1)
+    assert tf.run(mission, JoinAll()).makespan == tf.run(mission, "join-all").makespan
+    assert tf.run(mission, Alone()).completed
+    rows = tf.compare(mission, [Alone(), "plan"], seeds=2)
+    assert [(row["method"], row["seed"]) for row in rows] == [
+        *(("Alone", 0), ("Alone", 1)),
+        *(("plan", 0), ("plan", 1)),
+    ]
+
+
+def test_mistakes_are_told() -> None:
+    mission = tf.setting("4N4T-C4")
+    with pytest.raises(tf.TeamformerError, match="generate knows no 'tsks'"):
+        tf.generate(tsks=3)
+    with pytest.raises(tf.TeamformerError, match="method 'best' makes no plans"):
+        tf.plan(mission, method="best")
+    with pytest.raises(tf.TeamformerError, match="there is no method 'quantum'"):
+        tf.run(mission, "quantum")
+    with pytest.raises(tf.TeamformerError, match="'plan' is named twice"):
+        tf.compare(mission, ["plan", "plan"])

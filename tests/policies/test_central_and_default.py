@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from random_worlds import random_world, with_precedence_and_windows, with_surprises
+from small_worlds import make, robot, task
 from teamformer.bench.jobs import Clock
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.model import Scenario
@@ -90,6 +92,18 @@ def test_never_worse_than_the_default(seed: int) -> None:
         if usual.status == "completed":
             assert planned.status == "completed"
             assert planned.steps <= usual.steps
+
+
+def test_where_nobody_is_done_in_time_what_does_most_is_played() -> None:
+    """b does three tasks at 0; a is too slow to reach the joint one, at 1, in seven steps."""
+    slow = replace(robot("a", 3), speed=0.3)
+    tasks = [task("b", 0), task("b", 0), task("b", 0), task("ab", 1)]
+    mission = make([slow, robot("b", 3)], tasks, step_limit=7)
+    for seconds in (0.0, 0.2):
+        end = run_trial(mission, Central(time_limit=seconds)).replay.end
+        usual = run_trial(mission, SharedPlan()).replay.end
+        assert (end.status, usual.status) == ("step limit", "step limit")
+        assert end.tasks_done >= usual.tasks_done > 0
 
 
 def test_where_a_plan_does_not_keep_its_promise_others_are_searched_for() -> None:

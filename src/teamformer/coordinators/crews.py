@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 from teamformer.coordination import Known, Plan
-from teamformer.planning.teams.situation import plan_of, situation_of
+from teamformer.planning.teams.shared_plan import kept_plan, timed_plan
+from teamformer.planning.teams.situation import situation_of
 from teamformer.planning.teams.starts import plan_from_crews
 
 ROUNDS = 1500
@@ -19,10 +21,16 @@ class Crews:
     rounds: int = ROUNDS
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
-        """Return what crews do that are dealt out now, whatever they were before."""
+        """Return what crews do that are dealt out now, or what is left of the plan if it is over
+        sooner, with new tasks at its end.
+        """
         if not known.possible_tasks:
             return Plan(made_from="nothing")
         situation = situation_of(replace(known, open_tasks=known.possible_tasks))
         rounds = self.rounds * len(situation.tasks)
-        found = plan_from_crews(situation.problem, situation.company, rounds)
-        return replace(plan_of(situation, found), made_from="crews")
+        dealt = plan_from_crews(situation.problem, situation.company, rounds)
+        anew = timed_plan(situation, dealt, "crews")
+        if plan is None or not plan.order:
+            return anew
+        kept = timed_plan(situation, kept_plan(situation, plan), "kept")
+        return min(kept, anew, key=attrgetter("makespan"))

@@ -205,12 +205,17 @@ def kept_plan(situation: Situation, old: Plan) -> TeamPlan:
     return complete_plan(situation.problem, *plan_in_numbers(situation, old))
 
 
+def timed_plan(situation: Situation, plan: TeamPlan, start: str) -> Plan:
+    """Return a plan in the numbers of the mission, with the steps in which its tasks are done."""
+    return shared_plan_of(situation, _search_from(situation, plan), start)
+
+
 def ends_of(situation: Situation, plan: Plan) -> dict[int, int]:
     """Return the step in which each task of a plan is done if nothing happens, by task.
 
     Coalitions that lack something are completed by who is nearest.
     """
-    timed = shared_plan_of(situation, _search_from(situation, kept_plan(situation, plan)), "timed")
+    timed = timed_plan(situation, kept_plan(situation, plan), "timed")
     return dict(zip(timed.order, timed.ends, strict=True))
 
 

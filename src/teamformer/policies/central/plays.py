@@ -76,6 +76,7 @@ class Plays:
         self._scenario = self._mission = scenario
         self._played_by, self._script = "", Script()
         self._coordinator: Coordinator | None = None
+        self._tasks_done = -1  # of the best play
         self._curve: list[tuple[float, int]] = []
         self._longest = 0.0  # seconds that a play took
 
@@ -120,6 +121,8 @@ class Plays:
     ) -> None:
         """Play a plan, a policy or a coordinator, and keep what it decides if it is the fastest.
 
+        Until one does all tasks, that is the one that does most.
+
         What is done is noted in `log`. With a `mission` it is played by robots that know no more
         than that: it is the scenario with what is uncertain left open.
 
@@ -143,7 +146,9 @@ class Plays:
         if is_fastest:
             self.makespan = tally.steps
             self._curve.append((self.seconds, tally.steps))
-        if is_fastest or self.makespan is None:
+        does_more = self.makespan is None and tally.tasks_done > self._tasks_done
+        if is_fastest or does_more:
+            self._tasks_done = tally.tasks_done
             self._played_by, self._script, self._mission = name, script, mission
             self._coordinator = _again(player, env)
         self._longest = max(self._longest, self.seconds - begun)

@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 .PHONY: run test kernels types planes test-all fuzz test-real wheel clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
-	$(BIN)/teamformer run examples/warehouse.yaml --html --out out/
+	$(BIN)/teamformer run examples/warehouse.yaml --out out/
 
 test: $(VENV)/dev.stamp  ## everything CI runs
 	$(BIN)/ruff check src tests examples

@@ -8,7 +8,7 @@ import torch
 from random_worlds import random_decision, random_world
 from teamformer.nets.teamformer import Teamformer, TeamformerSettings
 from teamformer.policies.learned.token_features import TASK_FEATURES, TEAM_FEATURES
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.view import View
 

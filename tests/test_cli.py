@@ -44,7 +44,7 @@ def teamformer(*words: str) -> int:
 def test_run_writes_a_record_that_check_accepts(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert teamformer("run", FOUR, "--method", "join-all", "--html", "--out", str(tmp_path)) == 0
+    assert teamformer("run", FOUR, "--method", "join-all", "--out", str(tmp_path)) == 0
     shown = capsys.readouterr().out
     replay = read_replay(tmp_path / "replay.json")
     assert f"all done after {replay.end.makespan} steps" in shown
@@ -60,12 +60,12 @@ def test_run_json_is_one_object_with_every_key(capsys: pytest.CaptureFixture[str
     keys = (
         "scenario method seed completed makespan steps tasks_done tasks robots capabilities joins "
         "splits illegal_decisions planning_seconds decision_seconds simulating_seconds "
-        "total_seconds best_known lower_bound"
+        "compiling_seconds total_seconds best_known lower_bound"
     )
     assert set(keys.split(" ")) <= set(row)
     assert not {"policy", "order", "allocation"} & set(row)
     assert row["method"] == "plan"
-    parts = ("planning_seconds", "decision_seconds", "simulating_seconds")
+    parts = ("planning_seconds", "decision_seconds", "simulating_seconds", "compiling_seconds")
     assert sum(row[part] for part in parts) == pytest.approx(row["total_seconds"], abs=1e-5)
     assert row["completed"] is True
     assert row["makespan"] == row["steps"] >= row["lower_bound"] > 0
@@ -81,8 +81,15 @@ def test_same_seed_same_record(tmp_path: Path) -> None:
     assert records[0] == records[1]
 
 
-def test_step_limit_makes_a_failure(capsys: pytest.CaptureFixture[str]) -> None:
-    assert teamformer("run", FOUR, "--step-limit", "3") == 1
+def with_step_limit(folder: Path, steps: int) -> str:
+    """Return the example as a file of its own with another step limit."""
+    path = folder / "limited.yaml"
+    path.write_text(f"step_limit: {steps}\n{Path(FOUR).read_text(encoding='utf-8')}")
+    return str(path)
+
+
+def test_step_limit_makes_a_failure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert teamformer("run", with_step_limit(tmp_path, 3)) == 1
     assert "not done within the limit of 3 steps" in capsys.readouterr().out
 
 
@@ -102,8 +109,8 @@ def test_a_lost_capability_ends_the_trial_and_names_the_task(
 def test_check_says_what_is_only_claimed_and_compares_the_scenario(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ("--method", "join-all", "--seed", "3", "--step-limit", "900")
-    assert teamformer("run", FOUR, *words, "--out", str(tmp_path)) == 0
+    words = ("--method", "join-all", "--seed", "3", "--out", str(tmp_path))
+    assert teamformer("run", with_step_limit(tmp_path, 900), *words) == 0
     record = str(tmp_path / "replay.json")
     bound = read_replay(tmp_path / "replay.json").lower_bound
     capsys.readouterr()
@@ -205,11 +212,11 @@ def test_generate_makes_a_scenario_that_runs(
         (("run", FOUR, "--seed", "x"), "--seed"),
         (("run", FOUR, "--method", "joinall"), "did you mean 'join-all'?"),
         (("run", FOUR, "--method", "nowhere:Nobody"), "cannot be imported"),
-        (("run", FOUR, "--html"), "--out"),
         (("run", FOUR, "--out", "/proc/none"), "cannot be written"),
         (("run", FOUR, "--out", FOUR), "this is no folder"),
-        (("run", FOUR, "--step-limit", "9999999999"), "use a whole number up to 1,000,000,000"),
-        (("robotarium", SMALL_ROBOTS, "--method", "central"), "plans every step before the start"),
+        (("robotarium", "fly", SMALL_ROBOTS, "--method", "central"), "plans every step before"),
+        (("robotarium", "fly", SMALL_ROBOTS, "--simulator", "x"), "there is no simulator 'x'"),
+        (("robotarium", SMALL_ROBOTS), "No such command"),
         (("bench", "robotarium", "--methods", "central"), "plans every step before the start"),
         (("generate", "-o", "x.yaml", "--grid", "99999x99999"), "9,999,800,001 cells"),
         (("run", FOUR, "--policy", "join-all"), "No such option: --policy"),
@@ -218,12 +225,14 @@ def test_generate_makes_a_scenario_that_runs(
         (("generate", "-o", "x.yaml", "--grid", "ten"), "WIDTHxHEIGHT"),
         (("generate", "-o", "x.yaml", "--robots", "0"), "--robots"),
         (("generate", "-o", "x.yaml", "--grid", "9999x9999"), "99,980,001 cells"),
-        (("generate", "-o", "x.yaml", "--cell", "0.5"), "add --map"),
         (("compare", FOUR, "--methods", "heuristic,heuristic"), "'heuristic' is named twice"),
         (("run", FOUR, "--method", ".mine:X"), "write it as module:Class"),
         (("generate", "-o", "x.yaml", "--requirements", "9"), "requirements is 9"),
         (("check", FOUR), "not"),
         (("view", "nowhere.json"), "there is no such file"),
+        (("export", "nowhere.json", "x.mcap"), "there is no such file"),
+        (("export", "nowhere.json"), "Missing argument"),
+        (("export", "nowhere.json", "x.csv"), "or a folder for tables"),
         (("bench", "sped"), "did you mean 'speed'?"),
         (("fly",), "fly"),
     ],
@@ -511,19 +520,17 @@ def test_a_reader_that_has_seen_enough_is_no_fault(command: str, tmp_path: Path)
         assert read_replay(tmp_path / "out" / "replay.json").end.status == "completed"
 
 
-def test_generate_overwrites_only_by_force(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_generate_overwrites_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "mission.yaml"
     path.write_text("by hand")
     assert teamformer("generate", "-o", str(path)) == 2
-    assert f"error: {path}: there is such a file\nhint: overwrite it with --force" in (
+    assert f"error: {path}: there is such a file\nhint: remove it, or name another" in (
         capsys.readouterr().err
     )
     assert path.read_text() == "by hand"
-    assert teamformer("generate", "-o", str(path), "--force") == 0
     assert teamformer("generate", "--setting", "4N20T-C4", "-o", str(path)) == 2
-    assert teamformer("generate", "--setting", "4N20T-C4", "-o", str(path), "--force") == 0
+    path.unlink()
+    assert teamformer("generate", "--setting", "4N20T-C4", "-o", str(path)) == 0
 
 
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,7 +25,7 @@ CORE = {
     "regions",
     "frame",
 }
-CORE |= {"coordination", "own_code", "jit", "kernels", "whole_files"}
+CORE |= {"coordination", "extras", "own_code", "jit", "kernels", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim", "coordinators"}
 BELOW_COMMANDS = {
     *BELOW_POLICIES,
@@ -42,7 +42,7 @@ SEES = {
     "trials": {*BELOW_POLICIES, "policies"},
     "referee": {*CORE, "scenarios", "sim.replay"},
     "viewer": {"errors", "whole_files"},
-    "export": {*CORE, "sim.replay"},
+    "export": {*CORE, "rules.constants", "sim.replay"},
     "live": {*BELOW_POLICIES, "policies", "trials"},
     "nets": set(),
     "train": {*BELOW_POLICIES, "policies", "trials", "nets"},
@@ -66,7 +66,7 @@ HOMES = {
     "click": ("cli/", "commands/"),
     "rich": ("cli/", "commands/", "bench/"),
     "yaml": ("scenarios/",),
-    "msgspec": ("fleet/", "commands/robots/agent.py"),
+    "msgspec": ("fleet/",),
     "paho": ("fleet/bodies/vda5050.py",),
     "zenoh": ("fleet/transports/zenoh_mesh.py",),
     "matplotlib": (

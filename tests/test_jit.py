@@ -1,4 +1,4 @@
-"""Compiled code is kept until a source that it is made of changes."""
+"""Compiled code is kept until what it was compiled from changes."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ import importlib.util
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable
+from hashlib import sha256
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numba as nb
@@ -16,6 +19,8 @@ import pytest
 
 from teamformer import jit
 from teamformer.kernels import files
+from teamformer.kernels.clock import compiling_seconds, working_seconds
+from teamformer.kernels.stamps import stamp_of
 from teamformer.planning.relaxation import threshold
 
 
@@ -23,38 +28,103 @@ def twice(number: int) -> int:
     return 2 * number
 
 
-@pytest.fixture
-def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a package of three files: top imports middle, which imports low; aside is alone."""
-    (tmp_path / "sim").mkdir()
-    (tmp_path / "sim" / "low.py").write_text("X = 1\n")
-    (tmp_path / "sim" / "middle.py").write_text("from teamformer.sim import (\n    low,\n)\n")
-    (tmp_path / "top.py").write_text("def f():\n    from teamformer.sim.middle import low\n")
-    (tmp_path / "aside.py").write_text("Y = 1\n")
-    monkeypatch.setattr(jit, "ROOT", tmp_path)
-    return tmp_path
+SOURCE = """
+from typing import NamedTuple
+from teamformer.jit import entry, kernel
+import numpy as np
+
+STEP = 2
+TABLE = np.array([1, 2, 3])
+
+class Pair(NamedTuple):
+    one: int
+    other: int
+
+@kernel
+def low(number):
+    return number + STEP
+
+@kernel
+def middle(number):
+    return Pair(low(number), TABLE[0]).one
+
+@entry
+def top(number):
+    \"\"\"Return more than a number.\"\"\"
+    return middle(number) if number < 9 else top(number - 1)
+
+def message():
+    return "no number"
+
+@entry
+def aside(number):
+    return -number
+"""
 
 
-def stamp(path: Path) -> str:
-    for kept in (jit.stamp_of, jit._imported, jit._content):
-        kept.cache_clear()
-    return jit.stamp_of(path)
+def stamps(source: str, folder: Path) -> dict[str, str]:
+    """The stamps of the functions of a module, loaded as a new process would."""
+    path = folder / "sums.py"
+    path.write_text(source)
+    module = load_anew(path)
+    return {name: stamp_of(getattr(module, name)) for name in ("low", "middle", "top", "aside")}
 
 
-def test_a_stamp_changes_with_what_is_imported_however_deep(package: Path) -> None:
-    before = stamp(package / "top.py")
-    assert stamp(package / "top.py") == before
-    (package / "sim" / "low.py").write_text("X = 2\n")
-    assert stamp(package / "top.py") != before
+@pytest.mark.parametrize(
+    ("before", "after", "changed"),
+    [
+        ("number + STEP", "STEP + number", ["low", "middle", "top"]),
+        ("STEP = 2", "STEP = 3", ["low", "middle", "top"]),
+        ("[1, 2, 3]", "[1, 2, 4]", ["middle", "top"]),
+        ("    other: int", "    other: int\n    third: int = 0", ["middle", "top"]),
+        ("number < 9", "number < 8", ["top"]),
+        ("-number", "number", ["aside"]),
+        ("more than a number", "a larger number", []),
+        ("no number", "this is no number", []),
+        ("@kernel\ndef low", "\n\n@kernel\ndef low", []),
+    ],
+)
+def test_a_stamp_changes_with_what_is_compiled_and_with_nothing_else(
+    before: str, after: str, changed: list[str], tmp_path: Path
+) -> None:
+    assert SOURCE.count(before) == 1
+    old, new = stamps(SOURCE, tmp_path), stamps(SOURCE.replace(before, after), tmp_path)
+    assert [name for name in old if old[name] != new[name]] == changed
 
 
-def test_a_stamp_does_not_change_with_other_files(package: Path) -> None:
-    before = stamp(package / "top.py"), stamp(package / "sim" / "low.py")
-    (package / "aside.py").write_text("Y = 2\n")
-    assert (stamp(package / "top.py"), stamp(package / "sim" / "low.py")) == before
-    (package / "sim" / "middle.py").write_text("from teamformer.sim import low  # new\n")
-    assert stamp(package / "sim" / "low.py") == before[1]
-    assert stamp(package / "top.py") != before[0]
+def test_functions_that_are_alike_have_stamps_of_their_own(tmp_path: Path) -> None:
+    assert len(set(stamps(SOURCE, tmp_path).values())) == 4
+
+
+STAMPS_OF_ALL = """
+import importlib, pkgutil
+import teamformer
+from teamformer.kernels.compiler import Entry
+from teamformer.kernels.clock import compiling_seconds, working_seconds
+from teamformer.kernels.stamps import stamp_of
+for part in ("rules", "planning", "sim", "policies"):
+    package = importlib.import_module(f"teamformer.{part}")
+    for found in pkgutil.walk_packages(package.__path__, f"teamformer.{part}."):
+        module = importlib.import_module(found.name)
+        for name, value in sorted(vars(module).items()):
+            if isinstance(value, Entry):
+                print(found.name, name, stamp_of(value))
+"""
+
+
+def test_stamps_are_the_same_in_every_process() -> None:
+    told = [
+        subprocess.run(
+            [sys.executable, "-c", STAMPS_OF_ALL],
+            capture_output=True,
+            text=True,
+            check=True,
+            env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)},
+        ).stdout
+        for seed in ("1", "2")
+    ]
+    assert told[0] == told[1]
+    assert "teamformer.sim.step step_worlds " in told[0]
 
 
 def test_what_was_compiled_and_kept_needs_no_compiling(
@@ -90,8 +160,11 @@ def answer_kernel(path: Path, answer: int) -> Any:
     path.write_text(
         f"from teamformer.jit import entry\n\n@entry\ndef reply():\n    return {answer}\n"
     )
-    for kept in (jit.stamp_of, jit._imported, jit._content):
-        kept.cache_clear()
+    return load_anew(path).reply
+
+
+def load_anew(path: Path) -> ModuleType:
+    """Load a module as a new process would."""
     bytecode = Path(importlib.util.cache_from_source(path))
     bytecode.unlink(missing_ok=True)  # Python knows old from new by size and second only
     spec = importlib.util.spec_from_file_location(path.stem, path)
@@ -99,7 +172,7 @@ def answer_kernel(path: Path, answer: int) -> Any:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.reply
+    return module
 
 
 def killed_at(call: int) -> Callable[[str, str], None]:
@@ -139,6 +212,17 @@ def test_a_torn_file_is_compiled_anew(tmp_path: Path, monkeypatch: pytest.Monkey
         assert answer_kernel(tmp_path / "oracle.py", 1)() == 1
 
 
+@pytest.mark.parametrize("gone", [b"cno_such_module\nType\n.", b"cteamformer\nNoSuchType\n."])
+def test_what_was_kept_for_a_type_that_has_moved_is_compiled_anew(
+    gone: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path / "kept"))
+    assert answer_kernel(tmp_path / "oracle.py", 1)() == 1
+    (kept,) = (tmp_path / "kept").rglob("*.nbc")
+    kept.write_bytes(sha256(gone).digest() + gone)
+    assert answer_kernel(tmp_path / "oracle.py", 1)() == 1
+
+
 def test_what_cannot_be_kept_runs_all_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -152,10 +236,13 @@ def test_what_cannot_be_kept_runs_all_the_same(
 
 CALL = """
 import sys
+import time
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 from teamformer import jit
 from teamformer.kernels import files
+from teamformer.kernels.clock import compiling_seconds, working_seconds
+from teamformer.kernels.stamps import stamp_of
 files.PACKAGED = Path(sys.argv[2])
 from oracle import reply
 print(jit.needs_compiling(reply), reply())
@@ -191,3 +278,17 @@ def test_what_a_wheel_brings_is_not_compiled(tmp_path: Path) -> None:
     built.rename(tmp_path / "compiled" / built.name)
     assert call_anew(tmp_path, "mine") == "False 42"
     assert list((tmp_path / "mine").rglob("*.nbc")) == []
+
+
+def test_compiling_is_told_apart_from_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock of work stands still meanwhile; what is kept is not compiled again."""
+    monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path / "kept"))
+    reply = answer_kernel(tmp_path / "oracle.py", 4)
+    begun, compiled, worked = time.perf_counter(), compiling_seconds(), working_seconds()
+    assert reply() == 4
+    took = compiling_seconds() - compiled
+    assert 0 < took <= time.perf_counter() - begun
+    assert working_seconds() - worked <= time.perf_counter() - begun - took
+    compiled = compiling_seconds()
+    assert answer_kernel(tmp_path / "oracle.py", 4)() == 4
+    assert compiling_seconds() == compiled

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from teamformer.errors import ScenarioError
-from teamformer.grid import Grid
+from teamformer.grid import Grid, Place
 from teamformer.model import (
     MOST_WAITING,
     MOST_WALKING,
@@ -128,7 +128,7 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         {"world": Grid(4, 3, ("....", "....", "...@"))},
         {"world": Grid(4, 3, ("....", "....", "..@."))},
         (*TASK, "at"),
-        "task 'x' is at [3, 2], inside an obstacle; move it",
+        "task 'x' is at [3, 2], inside an obstacle; the nearest free cell is [2, 2]",
     ),
     (
         {"world": Grid(4, 3, ("....", "...@", "..@."))},
@@ -402,3 +402,17 @@ def test_step_limit_has_room_for_late_tasks_and_an_end_for_slow_robots() -> None
     slow = replace(CRATE, duration=10**9)
     late = replace(CRATE, name="y", appears=10**9)
     assert scenario(tasks=(slow, late)).step_limit == 84 + 24 + MOST_WAITING <= 10**9
+
+
+@pytest.mark.parametrize(
+    ("rows", "place", "nearest"),
+    [
+        (("...", ".@.", "..."), (1, 1), (0, 1)),  # of four alike the first
+        (("@@@@", "@@@@", "@@@."), (0, 0), (3, 2)),
+        (("@@@@@", "@@@@@", "@@@@.", ".@@@@"), (0, 0), (0, 3)),  # 3 cells; the other is 4.5 away
+        (("..", ".."), (1, 0), (1, 0)),
+        (("@@", "@@"), (0, 0), None),
+    ],
+)
+def test_the_nearest_free_cell(rows: tuple[str, ...], place: Place, nearest: Place | None) -> None:
+    assert Grid(len(rows[0]), len(rows), rows).nearest_free(place) == nearest

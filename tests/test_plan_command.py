@@ -86,7 +86,7 @@ def test_plans_keep_the_instance_s_own_rules(
 
 
 def test_the_page_shows_every_robot_and_task(imported: Path, tmp_path: Path) -> None:
-    words = ("--method", "plan", "--html", "--out", str(tmp_path / "page"))
+    words = ("--method", "plan", "--out", str(tmp_path / "page"))
     assert teamformer("plan", str(imported), *words) == 0
     page = (tmp_path / "page" / "plan.html").read_text(encoding="utf-8")
     assert all(f">r{n}</text>" in page for n in range(4))
@@ -97,8 +97,8 @@ def test_the_page_shows_every_robot_and_task(imported: Path, tmp_path: Path) -> 
 def test_run_refuses_what_is_only_planned(
     imported: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for verb in ("run", "compare", "robotarium"):
-        assert teamformer(verb, str(imported)) == 2
+    for verb in (("run",), ("compare",), ("robotarium", "fly")):
+        assert teamformer(*verb, str(imported)) == 2
         said = capsys.readouterr().err
         assert "missions in continuous time are not played in steps" in said
         assert f"{imported}:" in said
@@ -137,7 +137,7 @@ def test_plans_in_steps_wait_for_windows_and_tell_who_is_late(
     [
         (("plan", FOUR, "--method", "best"), "method 'best' makes no plans"),
         (("plan", FOUR, "--method", "reactive"), "plans missions in continuous time"),
-        (("plan", FOUR, "--out", "x"), "--out is for the page"),
+        (("plan", FOUR, "--out", FOUR), "this is no folder"),
         (("plan", "nowhere.yaml"), "nowhere.yaml"),
         (("import", "mrta", FOUR, "-o", "x.yaml"), "format 'mrta' is unknown"),
         (("import", "hetero-mrta", FOUR, "-o", "x.yaml"), "this is not whole JSON"),
@@ -211,9 +211,8 @@ def test_sadcher_optima_are_proven(
     number: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = OTHERS / "sadcher" / "three.json"
-    words = ("--number", str(number), "-o", str(tmp_path / "m.yaml"))
-    assert teamformer("import", "sadcher", str(path), *words) == 0
-    row = plan(tmp_path / "m.yaml", capsys, "--time-limit", "20")
+    assert teamformer("import", "sadcher", str(path), "-o", str(tmp_path / "three")) == 0
+    row = plan(tmp_path / "three" / f"three-{number}.yaml", capsys, "--time-limit", "20")
     tree = json.loads(path.read_text())[number]
     assert row["proven"] is True
     assert row["makespan"] == pytest.approx(tree["milp_optimum"], abs=1e-4)

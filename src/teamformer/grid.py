@@ -16,6 +16,9 @@ Place = tuple[float, float]
 LARGEST_MAP = 4_200_000
 """Cells: 2048 x 2048."""
 
+MOST_NEAR = 100
+"""Cells along an axis: where a free cell is looked for."""
+
 FREE = "."
 BLOCKED = "@"
 
@@ -54,6 +57,18 @@ class Grid:
             return False
         return not self.rows or self.rows[int(place[1])][int(place[0])] == FREE
 
+    def nearest_free(self, place: Place) -> Place | None:
+        """Return the nearest free cell, or None if none within `MOST_NEAR` cells is free."""
+        x, y = place
+        found: list[tuple[float, Place]] = []  # with its distance, squared
+        for reach in range(MOST_NEAR + 1):
+            if found and min(found)[0] <= reach * reach:
+                break
+            for beside in _ring(place, reach):
+                if self.is_free(beside):
+                    found.append(((beside[0] - x) ** 2 + (beside[1] - y) ** 2, beside))
+        return min(found)[1] if found else None
+
     def neighbours(self, place: Place) -> Iterator[Place]:
         """Return the free cells that one step leads to."""
         x, y = place
@@ -69,3 +84,11 @@ class Grid:
     def region(self, place: Place) -> int:
         """Return the connected part that a free place lies in; without obstacles there is one."""
         return self.regions.number(int(place[0]), int(place[1])) if self.rows else 0
+
+
+def _ring(middle: Place, reach: int) -> Iterator[Place]:
+    """Yield the cells that are `reach` away along one axis, and no farther along the other."""
+    x, y = middle
+    for along in range(-reach, reach + 1):
+        yield from {(x + along, y - reach), (x + along, y + reach)}
+        yield from {(x - reach, y + along), (x + reach, y + along)}

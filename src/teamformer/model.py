@@ -219,6 +219,11 @@ class Scenario:
             object.__setattr__(self, "step_limit", default_step_limit(self))
 
     @property
+    def seconds_a_step(self) -> float:
+        """Return how long a step takes: on a plane what it says, on a grid one second."""
+        return self.world.step if isinstance(self.world, Plane) else 1.0
+
+    @property
     def starting_teams(self) -> tuple[tuple[int, ...], ...]:
         """Return every starting team, lone robots included, by lowest robot number."""
         together = {robot for team in self.teams for robot in team}

@@ -105,7 +105,7 @@ def test_the_command_writes_rows_and_goes_on(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    words = ("--worlds", str(folder), "--methods", "plan,reactive", "--out", str(out), "--json")
+    words = (str(folder), "--methods", "plan,reactive", "--out", str(out), "--json")
     assert teamformer("bench", "others", *words) == 0
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [(row["instance"], row["method"]) for row in rows] == [
@@ -132,8 +132,8 @@ def test_nothing_to_measure_is_told(tmp_path: Path, capsys: pytest.CaptureFixtur
     with pytest.raises(TeamformerError, match="there is no instance to measure"):
         read_instances([tmp_path])
     assert teamformer("bench", "others") == 2
-    assert "--worlds FOLDER" in capsys.readouterr().err
-    assert teamformer("bench", "others", "--worlds", str(tmp_path / "no")) == 2
+    assert "bench others FOLDER" in capsys.readouterr().err
+    assert teamformer("bench", "others", str(tmp_path / "no")) == 2
     assert "this is no folder" in capsys.readouterr().err
     assert teamformer("bench", "others", "--methods", "best") == 2
     assert "--methods best is unknown here" in capsys.readouterr().err

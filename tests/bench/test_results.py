@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from teamformer import cli
-from teamformer.bench.report.results import write_results
+from teamformer.bench.store import folders_beside
 
 
 def bench(*words: str) -> int:
@@ -44,24 +44,26 @@ def test_the_document_stands_on_the_rows(
     assert "3 of 3" in room  # all proven, long before time is up
 
 
-def test_a_report_needs_a_folder_and_finished_ones_beside(
+def test_a_report_needs_a_folder_and_whole_ones_beside(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     document = str(tmp_path / "results.md")
     assert bench("fig3", "--report", document) == 2
     assert "add --out FOLDER" in capsys.readouterr().err
-    words = ("fig3", "--out", str(tmp_path / "rows"), "--report", document)
-    assert bench(*words, "--beside", str(tmp_path / "none")) == 2
-    assert "there is no such file" in capsys.readouterr().err
+    (tmp_path / "torn").mkdir()
+    (tmp_path / "torn" / "bench.json").write_text("{")
+    assert bench("fig3", "--out", str(tmp_path / "rows"), "--report", document) == 2
+    assert f"{tmp_path / 'torn' / 'bench.json'}: cannot be understood" in capsys.readouterr().err
 
 
-def test_rows_of_several_suites_stand_one_after_the_other(
+def test_rows_of_the_benchmarks_beside_stand_one_after_the_other(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folders = [tmp_path / "fig3", tmp_path / "fig6"]
-    for folder in folders:
-        chosen = ("--trials", "1", "--methods", "join-all", "--workers", "1")
-        assert bench(folder.name, *chosen, "--out", str(folder)) == 0
-    write_results(tmp_path / "results.md", "some command", folders)
+    """An older one of the same suite is not among them."""
+    chosen = ("--trials", "1", "--methods", "join-all", "--workers", "1")
+    for suite, name in (("fig6", "a"), ("fig3", "older"), ("fig3", "newer")):
+        report = ("--report", str(tmp_path / "results.md")) if name == "newer" else ()
+        assert bench(suite, *chosen, "--out", str(tmp_path / name), *report) == 0
+    assert [folder.name for folder in folders_beside(tmp_path / "newer")] == ["a"]
     text = (tmp_path / "results.md").read_text()
     assert text.index("### fig3") < text.index("### fig6")

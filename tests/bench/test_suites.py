@@ -64,6 +64,16 @@ def test_the_paper_is_its_figures() -> None:
     assert ("4N20+20T-C4-nn", "central") not in cells(suite)  # nobody can plan for what appears
 
 
+def test_what_a_suite_leaves_out_can_be_asked_for(tmp_path: Path) -> None:
+    suite = load_suite("paper")
+    assert "central" in {method for _, method in cells(load_suite("fig3"))}
+    assert "central" not in {method for _, method in cells(suite)}
+    assert ("4N4T-C4", "central") in cells(suite, ["central"])
+    (tmp_path / "mine.yaml").write_text("parts: [fig3]\nwithout: [gnn-c4-ppo, centrall]")
+    with pytest.raises(TeamformerError, match="no part has the method 'centrall'"):
+        load_suite(str(tmp_path / "mine.yaml"))
+
+
 def test_the_paper_s_suites_keep_the_paper_s_rules() -> None:
     for name in set(SHIPPED) - {"methods", "missions", "uncertain"}:
         suite = load_suite(name)

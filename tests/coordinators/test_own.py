@@ -65,11 +65,9 @@ def test_run_compare_and_a_fleet_take_it(capsys: pytest.CaptureFixture[str]) -> 
     assert (row["method"], row["status"], row["tasks_done"]) == (NAME, "completed", 14)
     rows = rows_of(capsys, "compare", mission, "--methods", f"{NAME},crews")
     assert [row["makespan"] for row in rows if row["method"] == NAME] == [row["makespan"]]
-    [fleet] = rows_of(
-        capsys, "rehearse", mission, "--method", NAME, "--schedules", "2", "--workers", "1"
-    )
+    [fleet] = rows_of(capsys, "fleet", "rehearse", mission, "--method", NAME, "--schedules", "2")
     assert (fleet["blocked"], fleet["violations"]) == (0, [])
-    [by_plan] = rows_of(capsys, "rehearse", mission, "--schedules", "2", "--workers", "1")
+    [by_plan] = rows_of(capsys, "fleet", "rehearse", mission, "--schedules", "2")
     assert fleet["undisturbed"] != by_plan["undisturbed"]  # it is its plan that they go by
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +13,7 @@ import pytest
 
 from coordinations import COORDINATIONS, method_of
 from small_worlds import make, robot, task
-from teamformer.commands.records.export import Wanted, export
+from teamformer.commands.records.export import export
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
@@ -226,6 +226,8 @@ def test_the_mcap_file_holds_frames_scene_map_and_log(tmp_path: Path) -> None:
     assert b"robot/a" in last
     assert b"robot/=b" not in last  # lost
     assert any(b"=b lost" in data for topic, _, data, _ in found if topic == "/log")
+    scene = next(data for topic, _, data, _ in found if topic == "/mission")
+    assert b"2 x lift" in scene  # what the task needs
 
 
 def test_the_record_becomes_a_scenario_again(tmp_path: Path) -> None:
@@ -233,24 +235,33 @@ def test_the_record_becomes_a_scenario_again(tmp_path: Path) -> None:
 
     record = tmp_path / "replay.json"
     write_replay(two_lifters(), record)
-    assert export(record, Wanted(scenario=tmp_path / "again.yaml"), as_json=False) == 0
+    assert export(record, [tmp_path / "again.yaml"]) == 0
     assert read_scenario(tmp_path / "again.yaml") == two_lifters().scenario
 
 
 def test_export_says_what_it_wrote(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = tmp_path / "replay.json"
     write_replay(replace(two_lifters(), seed=3), record)
-    assert export(record, Wanted(tables=tmp_path / "tables"), as_json=True) == 0
-    files = json.loads(capsys.readouterr().out)["files"]
-    assert [Path(file).name for file in files] == [
-        "robots.csv", "tasks.csv", "events.csv", "gantt.csv",
+    assert export(record, [tmp_path / "tables", tmp_path / "again.yaml"]) == 0
+    files = [Path(line.removeprefix("file: ")) for line in capsys.readouterr().err.splitlines()]
+    assert [file.name for file in files] == [
+        "robots.csv", "tasks.csv", "events.csv", "gantt.csv", "again.yaml",
     ]  # fmt: skip
-    assert all(Path(file).is_file() for file in files)
+    assert all(file.is_file() for file in files)
 
 
-def test_export_of_nothing_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(TeamformerError, match="nothing to write is named"):
-        export(tmp_path / "replay.json", Wanted(), as_json=False)
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("x.csv", "what is to be in this file?"), ("replay.json", "this is the record itself")],
+)
+def test_what_cannot_be_exported_is_refused(name: str, told: str, tmp_path: Path) -> None:
+    record = tmp_path / "replay.json"
+    write_replay(two_lifters(), record)
+    before = record.read_bytes()
+    with pytest.raises(TeamformerError, match=re.escape(told)):
+        export(record, [tmp_path / "good.yaml", tmp_path / name])
+    assert record.read_bytes() == before
+    assert not (tmp_path / "good.yaml").exists()
 
 
 def test_a_gif_shows_every_step(tmp_path: Path) -> None:
@@ -258,9 +269,9 @@ def test_a_gif_shows_every_step(tmp_path: Path) -> None:
     image = pytest.importorskip("PIL.Image", reason="the extra `gif` is not installed")
     record, path = tmp_path / "replay.json", tmp_path / "mission.gif"
     write_replay(two_lifters(), record)
-    assert export(record, Wanted(gif=path), as_json=False) == 0
+    assert export(record, [path]) == 0
     with image.open(path) as film:
-        assert film.size == (5 * 40 + 20, 2 * 40 + 20 + 26)
+        assert film.size == (280, 2 * 40 + 20 + 26)  # wide enough for what the caption says
         assert film.n_frames == 7
         shown = []
         for frame in range(film.n_frames):

@@ -1,4 +1,4 @@
-"""The verbs `rehearse`, `fleet` and `agent`, as a user meets them."""
+"""The verbs of `fleet`, as a user meets them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def mission(tmp_path: Path) -> str:
 
 
 def test_rehearse_sums_up(mission: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert teamformer("rehearse", mission, "--schedules", "4", "--workers", "1", "--json") == 0
+    assert teamformer("fleet", "rehearse", mission, "--schedules", "4", "--json") == 0
     row = json.loads(capsys.readouterr().out)
     assert (row["schedules"], row["blocked"], row["violations"]) == (4, 0, [])
     assert row["ended"] + row["infeasible"] == 4
@@ -48,9 +48,8 @@ def test_one_schedule_becomes_a_page(
     mission: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    rehearse = ("rehearse", mission, "--schedule", "2", "--loss", "0.3", "--out", str(out))
-    assert teamformer(*rehearse) == 0
-    assert "30% of messages are lost" in capsys.readouterr().out
+    assert teamformer("fleet", "rehearse", mission, "--schedule", "3", "--out", str(out)) == 0
+    assert "50% of messages are lost" in capsys.readouterr().out
     assert teamformer("view", str(out / "replay.json")) == 0
     assert (out / "replay.html").stat().st_size > 10_000
 
@@ -59,46 +58,50 @@ def test_check_refuses_what_was_seen_of_a_fleet(
     mission: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    assert teamformer("rehearse", mission, "--schedule", "2", "--out", str(out)) == 0
+    assert teamformer("fleet", "rehearse", mission, "--schedule", "2", "--out", str(out)) == 0
     capsys.readouterr()
     assert teamformer("check", str(out / "replay.json")) == 2
     told = capsys.readouterr()
     assert told.out == ""
     words = " ".join(told.err.split())
     assert "this was seen of a fleet, once a step; check judges the steps of `run`" in words
-    assert "hint: `teamformer rehearse SCENARIO --seed S --schedule K` plays" in words
+    assert "hint: `teamformer fleet rehearse MISSION --seed S --schedule K` plays" in words
 
 
-ADD = ("fleet", "add", "MISSION", "--task")
+ADD = ("fleet", "add", "MISSION")
+SITE = ("--at", "1,0", "--needs")
+NEAR, FAR = (("--connect", f"tcp/{host}:1") for host in ("127.0.0.1", "10.0.0.1"))
+AGENT = ("fleet", "agent", "MISSION")
 
 
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("rehearse", "MISSION", "--loss", "1"), "--loss is 1"),
-        (("rehearse", "MISSION", "--crashes", "4"), "there are 3 robots"),
-        (("rehearse", "MISSION", "--out", "x"), "say which with --schedule K"),
-        (("agent", "MISSION", "--robot", "nobody", "--listen", "tcp/127.0.0.1:1"), "r0, r1, r2"),
-        (("agent", "MISSION", "--robot", "r0"), "has no way to the others"),
-        (("agent", "MISSION", "--robot", "r0", "--listen", "tcp/10.0.0.1:1"), "--key FILE"),
-        (("agent", "MISSION", "--robot", "r0", "--listen", "tls/10.0.0.1:1"), "--tls FOLDER"),
-        (("rehearse", "MISSION", "--method", "central"), "no robot does"),
-        (("rehearse", "MISSION", "--method", "nobody:Nobody"), "nobody"),
-        (("fleet", "MISSION", "--sign", "no-folder"), "r0.pub: cannot be read"),
-        (("fleet", "add", "MISSION"), "needs --task NAME"),
-        ((*ADD, "t0", "--at", "1,0", "--needs", "a"), "has a task 't0' already"),
-        ((*ADD, "t" * 201, "--at", "1,0", "--needs", "a"), "--task has 201 letters"),
-        ((*ADD, " ", "--at", "1,0", "--needs", "a"), "--task has 0 letters"),
-        ((*ADD, "t", "--at", "x", "--needs", "a"), "is no place"),
-        ((*ADD, "t", "--at", "20,0", "--needs", "a"), "--at 20,0 is no free place"),
-        ((*ADD, "t", "--at", "1.5,0", "--needs", "a"), "--at 1.5,0 is no free place"),
-        ((*ADD, "t", "--at", "nan,0", "--needs", "a"), "--at nan,0 is no free place"),
-        ((*ADD, "t", "--at", "1,0", "--needs", "q"), "there is no capability 'q'"),
-        ((*ADD, "t", "--at", "1,0", "--needs", "a:0"), "0 is no count"),
-        ((*ADD, "t", "--at", "1,0", "--needs", "a:\u00b3"), "is no count"),
-        ((*ADD, "t", "--at", "1,0", "--needs", "a:2"), "all robots together cannot do 't'"),
-        ((*ADD, "t", "--at", "1,0", "--needs", "a", "--duration", "2e9"), "is too long"),
-        ((*ADD, "t", "--at", "1,0", "--needs", "a"), "where is the fleet?"),
+        (("rehearse", "MISSION"), "No such command 'rehearse'"),
+        (("fleet", "rehearse", "MISSION", "--out", "x"), "say which with --schedule K"),
+        ((*AGENT, "nobody", "--listen", "tcp/127.0.0.1:1"), "r0, r1, r2"),
+        ((*AGENT, "r0"), "has no way to the others"),
+        ((*AGENT, "r0", "--listen", "tcp/10.0.0.1:1"), "has shared.key with --keys FOLDER"),
+        ((*AGENT, "r0", "--listen", "tls/10.0.0.1:1"), "key.pem with --keys FOLDER"),
+        (("fleet", "rehearse", "MISSION", "--method", "central"), "no robot does"),
+        (("fleet", "rehearse", "MISSION", "--method", "nobody:Nobody"), "nobody"),
+        (("fleet", "start", "MISSION", "--keys", "no-folder"), "no-folder: cannot be read"),
+        ((*ADD, "t"), "Missing option '--at'"),
+        (ADD, "Missing argument 'NAME'"),
+        ((*ADD, "t", *SITE, "a"), "Missing option '--connect'"),
+        ((*ADD, "t", *SITE, "a", *FAR), "has shared.key with --keys FOLDER"),
+        ((*ADD, "t0", *SITE, "a", *NEAR), "has a task 't0' already"),
+        ((*ADD, "t" * 201, *SITE, "a", *NEAR), "the task's name has 201 letters"),
+        ((*ADD, " ", *SITE, "a", *NEAR), "the task's name has 0 letters"),
+        ((*ADD, "t", "--at", "x", "--needs", "a", *NEAR), "is no place"),
+        ((*ADD, "t", "--at", "20,0", "--needs", "a", *NEAR), "--at 20,0 is no free place"),
+        ((*ADD, "t", "--at", "1.5,0", "--needs", "a", *NEAR), "--at 1.5,0 is no free place"),
+        ((*ADD, "t", "--at", "nan,0", "--needs", "a", *NEAR), "--at nan,0 is no free place"),
+        ((*ADD, "t", *SITE, "q", *NEAR), "there is no capability 'q'"),
+        ((*ADD, "t", *SITE, "a:0", *NEAR), "0 is no count"),
+        ((*ADD, "t", *SITE, "a:\u00b3", *NEAR), "is no count"),
+        ((*ADD, "t", *SITE, "a:2", *NEAR), "all robots together cannot do 't'"),
+        ((*ADD, "t", *SITE, "a", "--duration", "2e9", *NEAR), "is too long"),
     ],
     ids=lambda value: value if isinstance(value, str) else value[0],
 )
@@ -110,18 +113,6 @@ def test_misuse_is_told(
 
 
 @pytest.mark.slow
-def test_several_workers_judge_as_one_does(mission: str) -> None:
-    """45 schedules are five batches of eight and a rest."""
-    command = [sys.executable, "-m", "teamformer.cli", "rehearse", mission, "--json"]
-    rows = [
-        json.loads(subprocess.check_output([*command, "--schedules", "45", "--workers", workers]))
-        for workers in ("1", "2", "3")
-    ]
-    assert rows[0] == rows[1] == rows[2]
-    assert rows[0]["schedules"] == 45
-
-
-@pytest.mark.slow
 def test_a_fleet_of_processes_survives_a_kill(tmp_path: Path) -> None:
     """Two of each kind, so that the mission can end without the one that is killed."""
     mission = trio().scenario
@@ -129,7 +120,7 @@ def test_a_fleet_of_processes_survives_a_kill(tmp_path: Path) -> None:
     robots = [*mission.robots, *mission.robots]
     named = tuple(replace(robot, name=f"r{number}") for number, robot in enumerate(robots))
     write_scenario(replace(mission, robots=named), path)
-    command = [sys.executable, "-m", "teamformer.cli", "fleet", str(path), "--json"]
+    command = [sys.executable, "-m", "teamformer.cli", "fleet", "start", str(path), "--json"]
     with subprocess.Popen(
         [*command, "--time-limit", "240"], stdout=-1, stderr=-1, text=True
     ) as fleet:

@@ -11,9 +11,9 @@ from small_worlds import make, robot, task
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.export.events import events
 from teamformer.fleet.messages import Notice, Post
-from teamformer.fleet.mission import Mission, seconds_a_step
+from teamformer.fleet.mission import Mission
 from teamformer.fleet.observer.watch import Watch
-from teamformer.fleet.rehearsal.faults import Faults, Knobs
+from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.record import record_of, team_changes
 from teamformer.fleet.rehearsal.rehearse import faults_of, play, set_stage
@@ -60,8 +60,8 @@ def test_over_a_perfect_network_it_is_who_does_it_in_the_simulator(mission: Miss
 def test_under_faults_it_is_who_did_it(schedule: int) -> None:
     """Schedule 12 of seed 7 had robot 0 do 13 of 16 tasks, since the doers had gone on."""
     scenario = read_scenario(EXAMPLES / "warehouse.yaml")
-    stage = set_stage(Mission(scenario, seconds_a_step(scenario)))
-    faults, trace = faults_of(stage, 7, schedule, Knobs(None, None)), Trace()
+    stage = set_stage(Mission(scenario, scenario.seconds_a_step))
+    faults, trace = faults_of(stage, 7, schedule), Trace()
     rehearsal, outcome, _ = play(stage.mission, stage.plan, faults, trace, stage.method)
     record = record_of(rehearsal, outcome, trace.events, 7)
     assert credited(record) == really_did(rehearsal)
@@ -101,7 +101,7 @@ def test_who_hears_the_fleet_knows_who_did_it(mission: Mission) -> None:
 
 def test_who_hears_a_fleet_of_an_example_knows_who_did_it() -> None:
     scenario = read_scenario(EXAMPLES / "warehouse.yaml")
-    rehearsal = Watched(Mission(scenario, seconds_a_step(scenario)))
+    rehearsal = Watched(Mission(scenario, scenario.seconds_a_step))
     rehearsal.run(300.0)
     rehearsal.watch.step()
     assert credited(rehearsal.watch.record()) == really_did(rehearsal)

@@ -1,4 +1,4 @@
-"""The edges of a process: its facts file, its endpoints and keys, how much others may say."""
+"""The edges of a process: its facts file, and how much others may say."""
 
 from __future__ import annotations
 
@@ -11,14 +11,7 @@ from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.knowledge import Remembered
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.process.facts_file import FactsFile
-from teamformer.fleet.transports.transport import (
-    MOST_A_SECOND,
-    MOST_BYTES_A_SECOND,
-    Sluice,
-    check_endpoints,
-    read_certificates,
-    read_secret,
-)
+from teamformer.fleet.transports.transport import MOST_A_SECOND, MOST_BYTES_A_SECOND, Sluice
 
 KEPT = Remembered(3, (0, 2), (TaskFact(1 << 24, "new", 1.0, 2.0, (1,)),), 12.0)
 
@@ -58,47 +51,6 @@ def test_facts_of_another_robot_are_refused(tmp_path: Path) -> None:
     FactsFile(tmp_path / "facts", 42, 1).write(KEPT)
     with pytest.raises(TeamformerError, match="another mission or robot"):
         FactsFile(tmp_path / "facts", 42, 2).read()
-
-
-@pytest.mark.parametrize("endpoint", ["tcp/127.0.0.1:7447", "tcp/localhost:1", "tcp/[::1]:7"])
-def test_this_machine_needs_no_key(endpoint: str) -> None:
-    check_endpoints([endpoint], b"")
-
-
-def test_tls_needs_certificates_and_no_key(tmp_path: Path) -> None:
-    with pytest.raises(TeamformerError, match="needs certificates"):
-        check_endpoints(["tls/example.org:7447"], b"0123456789abcdef")
-    names = ("ca.pem", "certificate.pem", "key.pem")
-    for name in names:
-        with pytest.raises(TeamformerError, match=f"{name} is absent"):
-            read_certificates(tmp_path)
-        (tmp_path / name).write_text("PEM")
-    check_endpoints(["tls/example.org:7447"], b"", read_certificates(tmp_path))
-
-
-@pytest.mark.parametrize("endpoint", ["tcp/192.168.1.7:7447", "tcp/0.0.0.0:1", "tcp/robot:7"])
-def test_beyond_this_machine_a_key_is_needed(endpoint: str) -> None:
-    check_endpoints([endpoint], b"0123456789abcdef")
-    with pytest.raises(TeamformerError, match="would not be protected"):
-        check_endpoints([endpoint], b"")
-
-
-@pytest.mark.parametrize("endpoint", ["", "7447", "tcp/", "http/localhost:1"])
-def test_what_is_no_endpoint_is_refused(endpoint: str) -> None:
-    with pytest.raises(TeamformerError, match="is no endpoint"):
-        check_endpoints([endpoint], b"0123456789abcdef")
-
-
-def test_a_short_key_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "key"
-    path.write_bytes(b"0123456789abcde\n")
-    with pytest.raises(TeamformerError, match="a key of 15 bytes is too short"):
-        read_secret(path)
-    path.write_bytes(b"0123456789abcdef\n")
-    assert read_secret(path) == b"0123456789abcdef"
-    assert read_secret(None) == b""
-    with pytest.raises(TeamformerError, match="cannot be read"):
-        read_secret(tmp_path / "none")
 
 
 def test_a_sender_may_say_so_much_a_second() -> None:

@@ -16,7 +16,7 @@ from teamformer.fleet.agent.sight import Company, companies, view_of
 from teamformer.fleet.messages import Word
 from teamformer.fleet.methods import policy_of
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
+from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.fleet.rehearsal.trace import Said, Trace, Worked
@@ -122,7 +122,7 @@ def test_where_a_policy_does_nothing_the_plan_does() -> None:
 @pytest.mark.parametrize("name", ["own_policies:Erratic", "own_policies:Parting", "join-fitting"])
 def test_no_policy_breaks_a_promise_or_blocks_under_faults(name: str) -> None:
     for seed in range(4):
-        faults = draw_faults(trio(), 40 + seed, 30.0, Knobs())
+        faults = draw_faults(trio(), 40 + seed, 30.0)
         _, outcome, violations = play(trio(), plan_of(trio()), faults, method=name)
         assert violations == []
         assert outcome.status != "blocked"
@@ -132,7 +132,7 @@ def test_no_policy_breaks_a_promise_or_blocks_under_faults(name: str) -> None:
 @pytest.mark.parametrize("name", ["Erratic", "Alone", "Sociable", "Parting"])
 def test_no_policy_breaks_a_promise_or_blocks_under_many_faults(name: str) -> None:
     for seed in range(60):
-        faults = draw_faults(trio(), 400 + seed, 30.0, Knobs())
+        faults = draw_faults(trio(), 400 + seed, 30.0)
         _, outcome, violations = play(trio(), plan_of(trio()), faults, method=OWN + name)
         assert (violations, outcome.status == "blocked") == ([], False), seed
 

@@ -14,11 +14,12 @@ from typing import Any
 import pytest
 
 from small_worlds import make, robot, task
+from teamformer.export.events import events
 from teamformer.fleet.messages import (
     LIFE,
     LOST,
-    NOBODY,
     OPERATOR,
+    SERVE,
     Beat,
     Body,
     FactsNote,
@@ -35,6 +36,7 @@ from teamformer.fleet.observer.session import ObserverSession
 from teamformer.fleet.observer.silence import Silence
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.process.fleet import free_ports
+from teamformer.rules.constants import NOBODY
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import FLEET, TeamAt
@@ -82,6 +84,21 @@ def test_facts_tell_what_was_done_before_and_what_operators_added() -> None:
     watch.hear(message(FactsNote((99,), (TaskFact(8 << 24, "wall", 99.0, 0.0, (1, 0, 0)),))))
     assert len(watch.tasks) == 3  # what makes no sense is left out
     assert watch.record().end.tasks_done == 2
+
+
+def test_who_does_the_last_task_and_leaves_at_once_has_done_it() -> None:
+    """All leave in the step in which it is heard that 2 did t1; they are lost in the next."""
+    watch = Watch(MISSION)
+    serving = Word(2, 1, 7, 0.0, 2, 1, phase=SERVE)
+    watch.hear(message(Beat(serving, (word(0, 1, 0, 0), word(1, 1, 1, 1))), sender=2))
+    watch.step()
+    gone = [word(robot, LOST + 2, 7, robot) for robot in range(3)]
+    watch.hear(message(Beat(gone[2], (gone[0], gone[1]), news=(1,)), sender=2))
+    last = watch.step()
+    assert (last.done, last.lost) == (((1, 2),), (0, 1))
+    watch.hear(message(Beat(word(2, LOST + 3, 7, 2), news=(0,)), sender=2))
+    assert (watch.step().lost, watch.steps[-1].done) == ((2,), ())  # by nobody that is there
+    list(events(watch.record()))
 
 
 class Loopback:
@@ -236,8 +253,9 @@ def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
     """Nobody answers; whoever started the tests may have Ctrl-C ignored, the child may not."""
     write_scenario(MISSION.scenario, tmp_path / "small.yaml")
     (port, endpoint) = free_ports(2)
-    command = [sys.executable, "-m", "teamformer.cli", "live", str(tmp_path / "small.yaml")]
-    command += ["--fleet", f"tcp/127.0.0.1:{endpoint}", "--port", str(port)]
+    command = [sys.executable, "-m", "teamformer.cli", "fleet", "watch"]
+    command += [str(tmp_path / "small.yaml"), "--connect", f"tcp/127.0.0.1:{endpoint}"]
+    command += ["--port", str(port)]
     with subprocess.Popen(
         [*command, "--out", str(tmp_path)],
         stderr=subprocess.PIPE,

@@ -16,7 +16,8 @@ from teamformer.fleet import operator
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.messages import OPERATOR, PlanNote, TaskFact
 from teamformer.fleet.mission import Mission
-from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Knobs, Order, Spell, draw_faults
+from teamformer.fleet.rehearsal.benchmark import bench_fleet, summarise
+from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.record import record_of
@@ -50,7 +51,7 @@ def test_undisturbed_a_pair_takes_what_it_takes_by_hand() -> None:
 
 
 def test_the_same_seed_gives_the_same_trace() -> None:
-    faults = draw_faults(trio(), 5, 30.0, Knobs(loss=0.4))
+    faults = draw_faults(trio(), 5, 30.0)
     traces = []
     for _ in range(2):
         trace = Trace()
@@ -200,7 +201,7 @@ def test_random_schedules_keep_every_promise() -> None:
     for number, mission in enumerate(small_missions()):
         stage = set_stage(mission)
         for schedule in range(8):
-            verdict = judge(stage, number, Knobs(), schedule)
+            verdict = judge(stage, number, schedule)
             assert verdict.is_good, (number, schedule, verdict)
 
 
@@ -209,7 +210,7 @@ def test_many_random_schedules_keep_every_promise() -> None:
     for number, mission in enumerate(small_missions()):
         stage = set_stage(mission)
         for schedule in range(300):
-            verdict = judge(stage, 100 + number, Knobs(), schedule)
+            verdict = judge(stage, 100 + number, schedule)
             assert verdict.is_good, (number, schedule, verdict)
 
 
@@ -263,9 +264,9 @@ def test_shrinking_takes_away_all_that_is_not_needed() -> None:
 
 def test_a_schedule_is_the_same_whoever_plays_it() -> None:
     stage = set_stage(pair())
-    assert faults_of(stage, 3, 8, Knobs()) == faults_of(stage, 3, 8, Knobs())
-    assert faults_of(stage, 3, 8, Knobs()) != faults_of(stage, 3, 9, Knobs())
-    assert judge(stage, 3, Knobs(), 8) == judge(stage, 3, Knobs(), 8)
+    assert faults_of(stage, 3, 8) == faults_of(stage, 3, 8)
+    assert faults_of(stage, 3, 8) != faults_of(stage, 3, 9)
+    assert judge(stage, 3, 8) == judge(stage, 3, 8)
 
 
 def test_a_robot_is_at_work_in_one_team_at_a_time() -> None:
@@ -274,3 +275,14 @@ def test_a_robot_is_at_work_in_one_team_at_a_time() -> None:
     worked = [event for event in trace.events if isinstance(event, Worked)]
     tasks = {event.task for event in worked}
     assert tasks == {-1, 0, 1, 2, 3, 4}
+
+
+def test_the_benchmark_has_a_row_for_each_world() -> None:
+    settings = ("4N20T-C4", "warehouse-lost")
+    rows = list(bench_fleet(settings, range(5000, 5001)))
+    assert [(row["setting"], row["world_seed"]) for row in rows] == [(s, 5000) for s in settings]
+    for row in rows:
+        assert row["violations"] == []
+        assert row["simulator"] * 0.98 < row["agents"] <= row["lossy"] * 1.01
+    summaries = summarise([*rows, rows[0] | {"agents": None, "world_seed": 5001}])
+    assert [(each["worlds"], each["ended"]) for each in summaries] == [(2, 1), (1, 1)]

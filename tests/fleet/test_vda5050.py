@@ -119,8 +119,9 @@ def test_two_vehicles_do_a_mission(tmp_path: Path) -> None:
             agv = ("node", str(AGV), f"mqtt://127.0.0.1:{broker}", *words)
             stack.enter_context(running(*agv, NODE_PATH=modules))
         for number, robot in enumerate(mission.scenario.robots):
-            command = [sys.executable, "-m", "teamformer.cli", "agent", str(tmp_path / "yard.yaml")]
-            command += ["--robot", robot.name, "--listen", f"tcp/127.0.0.1:{ports[number]}"]
+            command = [sys.executable, "-m", "teamformer.cli", "fleet", "agent"]
+            command += [str(tmp_path / "yard.yaml"), robot.name]
+            command += ["--listen", f"tcp/127.0.0.1:{ports[number]}"]
             body = f"mqtt://127.0.0.1:{broker}/uagv/acme/{robot.name}?map=map"
             command += ["--body", f"vda5050:{body}", "--facts", str(tmp_path / robot.name)]
             if number:

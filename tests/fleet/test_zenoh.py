@@ -13,7 +13,7 @@ import pytest
 
 from teamformer.fleet.messages import EVERYBODY, OPERATOR
 from teamformer.fleet.process.fleet import free_ports
-from teamformer.fleet.transports.transport import Certificates, read_certificates
+from teamformer.fleet.transports.keys import Certificates, read_keys
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
 LIMIT = 30.0
@@ -113,7 +113,7 @@ def make_certificates(folder: Path) -> Certificates | None:
     openssl("req", *curve, *asked, folder=folder)
     signed = ("-CA", "ca.pem", "-CAkey", "ca-key.pem", "-extfile", "names")
     openssl("x509", "-req", "-in", "asked", *signed, "-out", "certificate.pem", folder=folder)
-    return read_certificates(folder)
+    return read_keys(folder).certificates
 
 
 @pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the certificates")

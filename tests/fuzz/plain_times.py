@@ -52,7 +52,7 @@ class Ways:
     def _field(self, there: Place) -> dict[Place, int]:
         field, frontier = {there: 0}, [there]
         for place in frontier:
-            for beside in self._world.neighbours(place):  # type: ignore[union-attr]
+            for beside in self._world.neighbours(place):
                 if beside not in field:
                     field[beside] = field[place] + 1
                     frontier.append(beside)
@@ -96,7 +96,7 @@ def _told(scenario: Scenario, routes: Routes, ways: Ways, start: list[float]) ->
             travel += ways.time(robot, at, tasks[k].at)
             at, free = tasks[k].at, start[k] + tasks[k].duration
         end = robot.at if scenario.ends == "home" else scenario.ends or at
-        home = ways.time(robot, at, end)  # type: ignore[arg-type]
+        home = ways.time(robot, at, end)
         travel, back = travel + home, [*back, free + home]
     over = {k: start[k] + t.duration - t.between[1] for k, t in enumerate(tasks) if t.between}
     late = {k: by for k, by in over.items() if by > 1e-9}
@@ -133,7 +133,7 @@ def all_plans(scenario: Scenario, ways: Ways) -> Iterator[Times]:
 def _is_able(scenario: Scenario, crew: Sequence[int], needs: object) -> bool:
     return all(
         round(sum(scenario.robots[r].can.get(cap, 0) for r in crew) * 1000) >= round(n * 1000)
-        for cap, n in needs.items()  # type: ignore[attr-defined]
+        for cap, n in needs.items()
     )
 
 

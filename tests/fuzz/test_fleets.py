@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from missions import missions
 from schedules import schedules
-from teamformer.fleet.mission import Mission, seconds_a_step
+from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
@@ -33,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 )
 def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) -> None:
     scenario = scenario_from_tree(mission)
-    fleet = Mission(scenario, seconds_a_step(scenario))
+    fleet = Mission(scenario, scenario.seconds_a_step)
     stage = set_stage(fleet)
     assert stage.undisturbed.status != "blocked"
     noted["faults"] = faults = data.draw(schedules(fleet))

@@ -40,7 +40,7 @@ def typed(*words: object) -> int:
 
 @fuzzed(
     12,
-    "run FILE --method {method} --seed {seed} --html --out O, then check, export and view",
+    "run FILE --method {method} --seed {seed} --out O, then check, export and view",
     mission=missions(),
     method=METHODS,
     seed=SEEDS,
@@ -53,11 +53,11 @@ def test_a_good_file_is_run_checked_and_shown(
     words = ("run", file, "--method", method, "--seed", seed)
     robot = mission["robots"][0].get("name", "r1")
     explained = () if "count" in mission["robots"][0] else (f"--explain={robot}",)
-    assert typed(*words, *explained, "--html", "--out", record.parent) in (DONE, NOT_DONE)
+    assert typed(*words, *explained, "--out", record.parent) in (DONE, NOT_DONE)
     assert typed("check", record) == DONE
-    assert typed("export", record, "--csv", folder / "csv", "--scenario", folder / "a.yaml") == DONE
+    assert typed("export", record, folder / "csv", folder / "a.yaml") == DONE
     assert typed("check", record, "--scenario", folder / "a.yaml") == DONE
-    assert typed("view", record, "--out", folder / "page.html") == DONE
+    assert typed("view", record, folder / "page.html") == DONE
 
 
 @fuzzed(3, "compare FILE --seeds 2 --time-limit 0.05", mission=missions())
@@ -78,7 +78,7 @@ def test_a_good_file_is_planned(mission: Any, method: str, folder: Path) -> None
     file = folder / "mission.yaml"
     file.write_text(text_of(mission), encoding="utf-8")
     is_linked = any("starts" in task for task in mission["tasks"])
-    words = ("--method", method, "--time-limit", 0.05, "--html", "--out", folder)
+    words = ("--method", method, "--time-limit", 0.05, "--out", folder)
     assert typed("plan", file, *words) in (DONE, 2 if is_linked else DONE)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import threading
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
@@ -13,6 +14,7 @@ from typing import Any
 import pytest
 
 from live_server import Served, serving, small_mission
+from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge
 from teamformer.sim.replay.reading import read_replay
 
@@ -95,6 +97,56 @@ def test_a_mission_is_played_and_everybody_is_told(served: Served) -> None:
         page.ask(do="speed", speed=3)
         assert other.hear("state")["speed"] in (3, 20)
     assert served.session.mission.steps == 13
+
+
+def test_an_incident_is_told_before_there_is_a_plan_for_it(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The mission waits in the middle of its planning until the page has heard what happened."""
+    is_heard, happen = threading.Event(), served.session.mission.happen
+
+    def wait_and_happen(incident: Any) -> None:
+        assert is_heard.wait(20)
+        happen(incident)
+
+    monkeypatch.setattr(served.session.mission, "happen", wait_and_happen)
+    with Page(served) as page:
+        page.hear("mission")
+        page.ask(do="happen", lost="r2")
+        while not (state := page.hear("state"))["planning"]:
+            pass
+        assert state["planning"] == "step 0: robot r2 lost"
+        is_heard.set()
+        assert page.hear("state")["planning"] == ""
+        incident = page.hear("incident")
+        assert incident["is_loss"]
+        assert incident["leaving"] == ["r2"]
+        page.ask(do="step")
+        assert page.hear("step")["step"]["lost"] == [1]
+
+
+def test_what_cannot_happen_is_refused_before_anything_is_planned(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(served.session.mission, "happen", lambda incident: pytest.fail("planned"))
+    with Page(served) as page:
+        page.hear("mission")
+        page.ask(do="happen", lost="r9")
+        assert page.hear("refused")["text"] == "there is no robot 'r9'"
+
+
+def test_the_lower_bound_is_that_of_a_run(served: Served) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        bound = lower_bound(small_mission())
+        assert page.hear("bound")["lower_bound"] == bound
+        page.ask(do="happen", task={"at": [0, 2], "needs": {"scan": 1}, "duration": 40})
+        assert page.hear("incident")["record"]["lower_bound"] is None
+        told = page.hear("bound")["lower_bound"]
+        assert told == lower_bound(served.session.mission.scenario) > bound
+        page.ask(do="save")
+        record = Path(page.hear("saved")["paths"][0])
+        assert read_replay(record).lower_bound == told
 
 
 def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
@@ -249,7 +301,7 @@ def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
 def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
     import socket
 
-    from teamformer.commands.missions.live import Options, live
+    from teamformer.commands.missions.live import Address, Options, live
     from teamformer.errors import TeamformerError
     from teamformer.scenarios.files import write_scenario
 
@@ -259,7 +311,7 @@ def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        options = Options("join-fitting", 0, port, "127.0.0.1", 4.0, 1.0, tmp_path / "out")
+        options = Options("join-fitting", 0, Address("127.0.0.1", port), tmp_path / "out")
         with pytest.raises(TeamformerError, match=f"127.0.0.1:{port} cannot be used") as error:
             live(path, options)
     assert "--port" in (error.value.hint or "")

@@ -17,14 +17,14 @@ from teamformer.capabilities import covers, total
 from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
-from teamformer.planning.teams.plan import plan_teams
+from teamformer.planning.teams.plan import TeamPlan, plan_teams
 from teamformer.planning.teams.shared_plan import (
     Rounds,
     is_too_large,
     plan_mission,
     rounds_for,
 )
-from teamformer.planning.teams.situation import situation_of
+from teamformer.planning.teams.situation import Situation, situation_of
 from teamformer.planning.teams.starts import plan_from_crews
 from teamformer.planning.teams.threshold_search import ThresholdSearch
 from teamformer.scenarios.generate import Spec, generate
@@ -119,6 +119,15 @@ def test_every_coalition_can_do_its_task(seed: int) -> None:
             )
 
 
+def settled_makespan(situation: Situation, plan: TeamPlan) -> int:
+    """Return the step in which a plan is done, by its exact count."""
+    search = ThresholdSearch(
+        situation.problem, situation.crossings, situation.company, situation.forming_steps
+    )
+    search.begin(plan)
+    return search.makespan
+
+
 def test_a_plan_is_no_worse_than_what_crews_do() -> None:
     """As it begins with their lists, some of them longer searched."""
     rng = np.random.default_rng(7)
@@ -127,11 +136,7 @@ def test_a_plan_is_no_worse_than_what_crews_do() -> None:
         situation = situation_of(start_of(scenario))
         rounds = rounds_for(situation.problem, is_again=False)
         crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
-        search = ThresholdSearch(
-            situation.problem, situation.crossings, situation.company, scenario.forming_steps
-        )
-        search.begin(crews)
-        assert plan_mission(start_of(scenario)).makespan <= search.makespan
+        assert plan_mission(start_of(scenario)).makespan <= settled_makespan(situation, crews)
 
 
 def test_rounds_become_fewer_as_missions_grow() -> None:
@@ -155,6 +160,24 @@ def test_robots_that_are_best_apart_are_planned_from_coalitions() -> None:
     plan = plan_mission(start_of(scenario))
     assert plan.made_from == "coalitions"
     assert sorted(len(crew) for crew in plan.coalitions) == [1, 1, 1, 1, 4]
+
+
+def test_a_large_mission_is_planned_by_one_search_over_graphs_of_arcs() -> None:
+    scenario = generate(
+        Spec(20, 100, 6, requirements=2, world=Grid(30, 30)), np.random.default_rng(0)
+    )
+    known = start_of(scenario)
+    situation = situation_of(known)
+    plan = plan_mission(known)
+    assert plan.made_from == "coalitions"
+    rounds = rounds_for(situation.problem, is_again=False)
+    assert (rounds.coalition, rounds.coalitions) == (900_000, 1)
+    crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
+    assert plan.makespan < settled_makespan(situation, crews)
+    lost = replace(known, teams=known.teams[1:])
+    again = plan_mission(lost, plan)
+    assert sorted(again.order) == list(range(100))
+    assert not any(0 in coalition for coalition in again.coalitions)
 
 
 def test_only_vast_missions_are_too_large() -> None:

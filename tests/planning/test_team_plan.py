@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from plain_teams import slow_ends
 from random_worlds import random_world
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.planning.relaxation.problem import Relaxed, relax
+from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.teams.crossings import no_crossings
-from teamformer.planning.teams.plan import TeamPlan, plan_teams, routes_of
+from teamformer.planning.teams.plan import plan_teams, routes_of
 from teamformer.planning.teams.situation import situation_in_hindsight
 from teamformer.planning.teams.timing import (
     ENDLESS,
@@ -125,38 +126,3 @@ def test_times_are_those_of_a_slow_twin(seed: int) -> None:
     slow = slow_ends(scenario, problem, plan_teams(problem, order, crews))
     assert groups.end[:tasks].tolist() == slow
     assert makespan == max(slow)
-
-
-def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]:
-    """Time a plan with sets: each group is its robots, where they are, and since when."""
-    tasks = len(scenario.tasks)
-    together = [
-        {"robots": set(team), "at": tasks + min(team), "free": 0, "splits": 0}
-        for team in scenario.starting_teams
-    ]
-    end = [0] * tasks
-    for position in plan.order.tolist():
-        crew = set(plan.coalition[position, : plan.size[position]].tolist())
-        arrivals = []
-        for group in together:
-            ours = group["robots"] & crew
-            if not ours:
-                continue
-            group["robots"] -= crew
-            group["splits"] += bool(group["robots"])
-            pace = min(problem.pace[robot] for robot in ours)
-            way = int(problem.steps[pace, problem.cells[position, group["at"]]])
-            arrivals.append(group["free"] + group["splits"] * scenario.forming_steps + way)
-        step, teams = 0, 0
-        while teams != 1 or any(arrival > step for arrival in arrivals):
-            if teams > 1:
-                step, teams = step + 1, (teams + 1) // 2
-            else:
-                step = min(a for a in arrivals if a > step or teams == 0)
-            come = [a for a in arrivals if a <= step]
-            teams += len(come)
-            arrivals = [a for a in arrivals if a > step]
-        end[position] = max(step, int(problem.appears[position]) + 1)
-        end[position] += int(problem.duration[position])
-        together.append({"robots": crew, "at": position, "free": end[position], "splits": 0})
-    return end

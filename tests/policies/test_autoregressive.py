@@ -24,8 +24,8 @@ from teamformer.policies.learned.autoregressive import (
 )
 from teamformer.policies.learned.onnx_sessions import OnnxNetwork
 from teamformer.policies.learned.token_features import Spelled, SpellingCodec
+from teamformer.rules.arrays import Array
 from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.export.autoregressive import export_teamformer
 from teamformer.trials.trial import run_trials
@@ -41,7 +41,6 @@ def exported(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Teamformer, Path]:
     """Return a wild network and the folder that it was exported to."""
-    torch.set_num_threads(1)
     network, folder = wild_network(request.param), tmp_path_factory.mktemp(request.param)
     export_teamformer(network, CAPS, folder)
     return network, folder

@@ -21,8 +21,8 @@ from teamformer.policies.learned.policy import Brain, Learned, rows_of
 from teamformer.policies.learned.relational_features import Relations, relate
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.policies.scripted.joining import JoinAll
+from teamformer.rules.arrays import Array
 from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.evaluation import torch_brain
 from teamformer.train.export.onnx_export import NETWORK_FILE, export_any_fleet
@@ -63,7 +63,6 @@ def two_who_need_each_other() -> Scenario:
 
 
 def test_onnx_equals_torch_over_a_thousand_views(tmp_path: Path) -> None:
-    torch.set_num_threads(1)
     learner = make_learner(TrainSettings(seed=5))
     with torch.no_grad():
         for weights in learner.policy.parameters():

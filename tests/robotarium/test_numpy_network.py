@@ -11,15 +11,16 @@ from teamformer.errors import TeamformerError
 from teamformer.policies.learned.onnx_sessions import OnnxNetwork, shipped
 from teamformer.policies.learned.relational_features import Relations, relate
 from teamformer.policies.learned.shipped import ANY_FLEET
-from teamformer.robotarium.deployment.graphs import Node, read_graph
+from teamformer.robotarium.deployment.graphs import Node
 from teamformer.robotarium.deployment.numpy_network import NumpyNetwork
+from teamformer.robotarium.deployment.onnx_files import read_graph
 from teamformer.robotarium.random_missions import random_mission
 from teamformer.sim.env import TeamFormation
 
 
 def test_the_shipped_network_scores_alike() -> None:
     content = shipped(f"{ANY_FLEET}.onnx")
-    graph = read_graph(shipped(f"{ANY_FLEET}.npz"))
+    graph = read_graph(content)
     assert graph.inputs == Relations._fields
     worlds = [random_mission(20, 5, 10, np.random.default_rng(seed)) for seed in range(3)]
     tokens = relate(TeamFormation(worlds).view())
@@ -29,17 +30,37 @@ def test_the_shipped_network_scores_alike() -> None:
     np.testing.assert_allclose(ours, theirs, rtol=1e-4, atol=1e-4)
 
 
-def test_the_shipped_arrays_are_those_of_the_shipped_network() -> None:
-    numpy_graph = pytest.importorskip("teamformer.train.export.numpy_graph").numpy_graph
-    shipped_graph = read_graph(shipped(f"{ANY_FLEET}.npz"))
-    exported = read_graph(numpy_graph(shipped(f"{ANY_FLEET}.onnx")))
-    assert shipped_graph.nodes == exported.nodes
-    assert shipped_graph.constants.keys() == exported.constants.keys()
-    for name, constant in exported.constants.items():
-        np.testing.assert_array_equal(shipped_graph.constants[name], constant)
+@pytest.mark.parametrize("name", ["teamformer", "teamformer-c4-step", "gnn-c8", "deepset-c4"])
+def test_a_file_is_read_as_the_onnx_package_reads_it(name: str) -> None:
+    onnx = pytest.importorskip("onnx")
+    content = shipped(f"{name}.onnx")
+    graph, theirs = read_graph(content), onnx.load_from_string(content).graph
+    constants = {tensor.name: onnx.numpy_helper.to_array(tensor) for tensor in theirs.initializer}
+    nodes = []
+    for node in theirs.node:
+        values = {a.name: onnx.helper.get_attribute_value(a) for a in node.attribute}
+        if node.op_type == "Constant":
+            constants[node.output[0]] = onnx.numpy_helper.to_array(values["value"])
+            continue
+        plain = {k: v.decode() if isinstance(v, bytes) else v for k, v in values.items()}
+        nodes.append(Node(node.op_type, tuple(node.input), tuple(node.output), plain))
+    assert graph.nodes == tuple(nodes)
+    assert graph.inputs == tuple(v.name for v in theirs.input if v.name not in constants)
+    assert graph.outputs == tuple(value.name for value in theirs.output)
+    assert graph.constants.keys() == constants.keys()
+    for key, constant in constants.items():
+        assert graph.constants[key].dtype == constant.dtype
+        np.testing.assert_array_equal(graph.constants[key], constant)
+
+
+def test_a_file_that_is_cut_off_is_refused() -> None:
+    content = shipped(f"{ANY_FLEET}.onnx")
+    for end in (0, 1, 100, len(content) // 2, len(content) - 1):
+        with pytest.raises(TeamformerError, match="no ONNX file"):
+            read_graph(content[:end])
 
 
 def test_an_unknown_operation_is_refused() -> None:
-    graph = read_graph(shipped(f"{ANY_FLEET}.npz"))
+    graph = read_graph(shipped(f"{ANY_FLEET}.onnx"))
     with pytest.raises(TeamformerError, match="Einsum"):
         NumpyNetwork(replace(graph, nodes=(Node("Einsum", (), (), {}),)))

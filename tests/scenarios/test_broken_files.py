@@ -224,7 +224,7 @@ CASES = [
     ("sensing_radius: 1", "teams: [a]", 10, "team 1 is the text 'a'; write a list"),
     ("sensing_radius: 1", "teams: [[a, b]]", 10, "must start in the same place"),
     ("sensing_radius: 1", "teams: [[a], [a]]", 10, "robot 'a' is in two starting teams; keep one"),
-    ("{grid: [4, 3]}", '{rows: ["....", "....", "...@"]}', 9, "[3, 2], inside an obstacle; move"),
+    ("{grid: [4, 3]}", '{rows: ["....", "....", "...@"]}', 9, "[3, 2], inside an obstacle; the"),
     # what the scenario itself cannot be
     ("name: b", "name: a", 7, "the name 'a' is used twice; rename one"),
     ("needs: [lift, scan]", "needs: [lift, weld]", 9, "'weld', which is not under capabilities"),

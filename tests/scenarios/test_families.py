@@ -10,9 +10,11 @@ import pytest
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.scenarios.families import FAMILIES, INCIDENT_STEPS
+from teamformer.scenarios.families import FAMILIES, INCIDENT_STEPS, about_half_of
 from teamformer.scenarios.named_settings import size_of, world_of
 from teamformer.scenarios.surprises import BREAKDOWN, CALLS, DELAYS, LASTS, SURPRISES, WITHIN
+from teamformer.trials.methods import load_method
+from teamformer.trials.trial import run_trial
 
 WORLDS = 60
 
@@ -58,13 +60,24 @@ def test_the_others_can_do_without_who_is_lost(name: str) -> None:
         assert len(lost) == 1
         (away,) = lost[0].absences
         assert away.back is None
-        assert INCIDENT_STEPS[0] <= away.lost <= INCIDENT_STEPS[1]
+        assert INCIDENT_STEPS[0] <= away.lost <= about_half_of(plain)
         for task in world.tasks:
             for cap, needed in task.needs.items():
                 left = sum(r.can.get(cap, 0) for r in world.robots if r is not lost[0])
                 assert left >= needed
         robots = tuple(replace(robot, absences=()) for robot in world.robots)
         assert replace(world, robots=robots, name=plain.name) == plain
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_a_robot_is_lost_in_the_first_half_of_what_the_shared_plan_takes(name: str) -> None:
+    for seed in range(2):
+        steps = run_trial(world_of(name, seed), load_method("plan"), 0, None).replay.end.makespan
+        assert steps is not None
+        [lost] = [
+            robot.absences for robot in world_of(f"{name}-lost", seed).robots if robot.absences
+        ]
+        assert lost[0].lost <= about_half_of(world_of(name, seed)) <= steps / 2
 
 
 @pytest.mark.parametrize("name", FAMILIES)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.extras import how_to_install
 from teamformer.frame import Frame
 from teamformer.grid import BLOCKED, FREE, Grid
 from teamformer.scenarios.files import (
@@ -328,4 +329,4 @@ def test_without_pillow_a_png_is_refused_with_a_remedy(
     monkeypatch.setitem(sys.modules, "PIL", None)
     with pytest.raises(TeamformerError) as error:
         read_ros_map(path)
-    assert error.value.hint == "pip install 'teamformer[maps]', or convert it to PGM"
+    assert error.value.hint == f"{how_to_install('maps')}, or convert it to PGM"

@@ -15,6 +15,7 @@ from pettingzoo.test import parallel_api_test
 
 from random_worlds import random_world
 from teamformer.errors import TeamformerError
+from teamformer.extras import how_to_install
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.scenarios.generate import Spec
@@ -197,7 +198,7 @@ def test_a_missing_install_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.delitem(sys.modules, "teamformer.sim.multi_agent.parallel_env")
     with pytest.raises(TeamformerError) as caught:
         importlib.import_module("teamformer.sim.multi_agent.parallel_env")
-    assert caught.value.hint == "pip install 'teamformer[env]'"
+    assert caught.value.hint == how_to_install("env")
 
 
 def test_the_future_and_the_distance_cannot_be_seen() -> None:

@@ -71,7 +71,6 @@ def test_where_nobody_has_a_choice_nothing_is_learned() -> None:
 def test_a_network_fitted_to_gains_promises_them_less_the_margin() -> None:
     settings = RolloutImprovementSettings(passes=200, minibatch=64, margin=0.25)
     learner = make_learner(TrainSettings(seed=1))
-    torch.set_num_threads(1)
     fit(learner, tried_by_pairs(), settings, 0.0, torch.Generator().manual_seed(0))
     view = TeamFormation([pair_with_a_task_each_side()]).view()
     scores = learner.policy(*(torch.from_numpy(part) for part in AnyFleetCodec().encode(view)))[0]

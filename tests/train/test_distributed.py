@@ -69,7 +69,8 @@ def test_two_processes_average_and_agree(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_torchrun_trains_one_policy_in_two_processes(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "torch.distributed.run", "--nproc-per-node", "2", "-m"]
-    command += ["teamformer.cli", "train", "--iterations", "2", "--worlds", "16", "--held-out", "2"]
+    (tmp_path / "short.yaml").write_text("iterations: 2\nworlds: 16\nheld_out: 2\n")
+    command += ["teamformer.cli", "train", str(tmp_path / "short.yaml")]
     for name in ("a", "b"):
         done = subprocess.run(
             [*command, "--out", str(tmp_path / name)],

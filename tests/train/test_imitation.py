@@ -16,7 +16,7 @@ from teamformer.nets.actor import OneChoice
 from teamformer.policies.learned.combinations import CombinationCodec
 from teamformer.policies.learned.token_features import SpellingCodec
 from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.learning.demonstrations import Demonstrations, demonstrate
 from teamformer.train.learning.imitation import ImitationSettings, fit
@@ -118,7 +118,6 @@ def test_a_short_training_learns_whom_to_join() -> None:
         ),
     )  # fmt: skip
     learner = make_learner(settings)
-    torch.set_num_threads(1)
     first = learn_by_imitation(learner, settings, 0, 0.0).figures
     for number in range(1, 8):
         last = learn_by_imitation(learner, settings, number, number / 8).figures

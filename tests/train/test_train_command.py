@@ -11,14 +11,19 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.commands.policies.train import TrainOptions, _as_it_was, train
+from teamformer.commands.policies.train import TrainOptions, _begun, train
 from teamformer.errors import TeamformerError
 from teamformer.train.checkpoint import ABOUT, WEIGHTS, TrainingProgress, load, read_about, save
 from teamformer.train.trainer import _described, make_learner
 from teamformer.train.trainer import train as train_on
 from teamformer.train.training_settings import TrainSettings
 
-SHORT = ("--worlds", "4", "--held-out", "1", "--seed", "5")
+
+def short(folder: Path, text: str = "") -> str:
+    """Write settings of a short training into a folder and return their file's name."""
+    path = folder / "short.yaml"
+    path.write_text(f"worlds: 4\nheld_out: 1\nseed: 5\n{text}")
+    return str(path)
 
 
 def start(*words: str) -> subprocess.Popen[str]:
@@ -44,8 +49,9 @@ def test_a_training_that_was_stopped_ends_as_if_it_had_not_been(
     how: signal.Signals, tmp_path: Path
 ) -> None:
     whole, parts = tmp_path / "whole", tmp_path / "parts"
-    start("--out", str(whole), "--iterations", "4", *SHORT).communicate(timeout=200)
-    stopped = start("--out", str(parts), "--iterations", "4", *SHORT)
+    settings = short(tmp_path, "iterations: 4")
+    start(settings, "--out", str(whole)).communicate(timeout=200)
+    stopped = start(settings, "--out", str(parts))
     assert stopped.stdout is not None
     stopped.stdout.readline()  # the header
     stopped.stdout.readline()  # an iteration
@@ -72,9 +78,8 @@ def test_going_on_for_no_time_changes_nothing(tmp_path: Path) -> None:
         tmp_path / "last", learner, _described(settings), TrainingProgress(iteration=1, seconds=5.0)
     )
     before = {path.name: path.read_bytes() for path in (tmp_path / "last").iterdir()}
-    begun = _as_it_was(TrainOptions(resume=tmp_path, minutes=0.0))
-    assert (begun.held_out, begun.worlds, begun.iterations) == (3, 2, 2)
-    resumed = replace(settings, minutes=0.0)
+    resumed, folder = _begun(TrainOptions(resume=tmp_path, minutes=0.0))
+    assert (resumed, folder) == (replace(settings, minutes=0.0), tmp_path)
     trained = train_on(resumed, tmp_path, held_out=())  # an exam of no worlds would fail
     assert {path.name: path.read_bytes() for path in (tmp_path / "last").iterdir()} == before
     assert trained is not learner
@@ -83,7 +88,7 @@ def test_going_on_for_no_time_changes_nothing(tmp_path: Path) -> None:
 def test_a_training_of_no_time_keeps_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert train(TrainOptions(folder=tmp_path / "new", held_out=1, minutes=0.0), as_json=False) == 1
+    assert train(TrainOptions(short(tmp_path), tmp_path / "new", minutes=0.0)) == 1
     assert "no iteration was made; nothing is kept" in capsys.readouterr().err
     assert not (tmp_path / "new" / "last").exists()
 
@@ -119,9 +124,11 @@ def test_what_cannot_be_resumed_is_told(tmp_path: Path, capsys: pytest.CaptureFi
     assert f"{missing}: there is no such folder" in refused(capsys, "--resume", missing)
     assert f"it has no {ABOUT}" in refused(capsys, "--resume", empty)
     assert "leave --seed out" in refused(capsys, "--resume", empty, "--seed", "1")
-    assert "leave --held-out out" in refused(capsys, "--resume", empty, "--held-out", "1")
+    assert "leave SETTINGS out" in refused(capsys, "teamformer", "--resume", empty)
+    assert "leave --out out" in refused(capsys, "--out", empty, "--resume", empty)
+    assert "or one of deepset-c4" in refused(capsys)
     (tmp_path / "last").mkdir()
-    (tmp_path / "last" / ABOUT).write_text('{"format": 2, "settings": {"network": "any"}}')
+    (tmp_path / "last" / ABOUT).write_text('{"format": 2, "settings": {"network": 3}}')
     assert "its settings cannot be read" in refused(capsys, "--resume", empty)
     (tmp_path / "last" / ABOUT).write_text('{"format": 99}')
     assert "checkpoint format 99" in refused(capsys, "--resume", empty)
@@ -130,6 +137,6 @@ def test_what_cannot_be_resumed_is_told(tmp_path: Path, capsys: pytest.CaptureFi
 def test_a_folder_with_other_files_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("mine")
     with pytest.raises(TeamformerError, match=r"thesis\.tex for example") as error:
-        train(TrainOptions(folder=tmp_path), as_json=False)
+        train(TrainOptions("teamformer", tmp_path))
     assert "--out" in error.value.hint
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]

@@ -45,11 +45,6 @@ SHORT = TrainSettings(
 )
 
 
-@pytest.fixture(autouse=True)
-def one_thread() -> None:
-    torch.set_num_threads(1)
-
-
 train = partial(train_and_export, exports=False)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from conftest import Opened
+from browsers import Opened
 from live_server import Served, serving_editor
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
@@ -101,7 +101,8 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     page.click(".row >> text=r1")
     wait_for(opened, "#details", "Why: ")
     assert page.evaluate(f"({BOTTOM})('.lists') <= ({TOP})('.transport')")
-    page.click("text=Lose r1")
+    page.click("text=Lose r1 …")
+    page.click("text=Yes, lose r1")
     wait_for(opened, "#incidents", "15: robot r1 lost")
     page.keyboard.press(" ")
     wait_for(opened, "#mission h2", "Live, over")

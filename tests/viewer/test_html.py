@@ -8,9 +8,11 @@ import json
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 from toy_replays import Tree
 
+from teamformer.viewer.gantt import gantt_page
 from teamformer.viewer.html import replay_page, write_page
 
 
@@ -68,3 +70,35 @@ def test_the_page_names_no_other_place(dock: Tree) -> None:
 def test_write_page_writes_what_replay_page_returns(dock: Tree, tmp_path: Path) -> None:
     write_page(dock, tmp_path / "page.html")
     assert (tmp_path / "page.html").read_text(encoding="utf-8") == replay_page(dock)
+
+
+def test_a_plan_names_tasks_of_no_duration_and_keeps_the_begin_of_long_names() -> None:
+    stops = [
+        {"task": "load", "arrive": 1, "start": 4, "end": 9},
+        {"task": "look", "arrive": 12, "start": 12, "end": 12},
+        {"task": "hidden", "arrive": 12.1, "start": 12.1, "end": 12.1},
+        {"task": "end", "arrive": 12.2, "start": 12.2, "end": 20},
+    ]
+    route = {"robot": "a-van-with-a-long-name", "stops": stops, "back": 20}
+    plan = {"scenario": "s", "makespan": 20, "bound": 0, "proven": False, "late": {}}
+    text = gantt_page({**plan, "routes": [route, {"robot": "b", "stops": [], "back": 0}]})
+    assert "<title>a-van-with-a-long-name</title>a-van-with-a-l…</text>" in text
+    beside = re.findall(r'class="beside" .*?>(.*?)</text>', text)
+    assert beside == []  # the next tasks are too near
+    later = [stops[0], stops[1], {"task": "end", "arrive": 18, "start": 18, "end": 20}]
+    text = gantt_page({**plan, "routes": [route | {"stops": later}]})
+    assert re.findall(r'class="beside" .*?>(.*?)</text>', text) == ["look"]
+
+
+def test_names_of_a_plan_stay_while_its_time_scrolls(browser: Any) -> None:
+    stops = [{"task": "load", "arrive": 1, "start": 4, "end": 9}]
+    route = {"robot": "van", "stops": stops, "back": 20}
+    plan = {"scenario": "s", "makespan": 20, "bound": 0, "proven": False, "late": {}}
+    page = browser.new_page(viewport={"width": 390, "height": 844})
+    page.set_content(gantt_page({**plan, "routes": [route]}))
+    page.locator(".times").evaluate("(times) => (times.scrollLeft = 500)")
+    assert page.locator(".times").evaluate("(times) => times.scrollLeft") == 500
+    box = page.get_by_text("van", exact=True).bounding_box()
+    assert box["x"] >= 0
+    assert box["x"] + box["width"] < page.locator(".times").bounding_box()["x"]
+    page.close()

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from conftest import Opened
+from browsers import Opened
 from live_server import Served, serving, small_mission
 from teamformer.model import Absence
 from teamformer.referee import judge
@@ -69,7 +69,11 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     wait_for(opened, "#incidents", "4: task extra at [3, 2] that needs scan")
     page.click("#tab-robots")
     page.click(".row >> text=r1")
-    page.click("text=Lose r1")
+    page.click("text=Lose r1 …")
+    page.click("text=Keep it")
+    page.click("text=Lose r1 …")
+    assert len(served.session.mission.incidents) == 1  # the task
+    page.click("text=Yes, lose r1")
     wait_for(opened, "#incidents", "4: robot r1 lost")
     wait_for(opened, "#details", "r1 counts for nothing from the next step on")
     assert page.locator("text=Lose r1").count() == 0
@@ -88,6 +92,60 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     assert page.inner_text("#figures").split("\n")[1] == "4 of 4"
 
 
+def test_after_an_incident_the_page_says_what_is_so(browser: Any, tmp_path: Path) -> None:
+    """Nobody is without assignment for a reason that is made up, and who is lost looks lost."""
+    with serving(small_mission(), tmp_path, method="plan") as server:
+        opened = Opened(browser.new_page())
+        page = opened.page
+        page.goto(f"http://{server.address}/")
+        opened.wait_until("window.teamformer !== undefined")
+        wait_for(opened, "#status", "Not started")
+        wait_for(opened, "#figures", "Makespannot yet")
+        assert page.locator("#speed option:checked").inner_text() == "20 steps/s"
+        wait_for(opened, "#details", "3 ready to begin")
+        opened.wait_until("!document.querySelector('#figures').innerText.includes('unknown')")
+        step_to(opened, 3)
+        wait_for(opened, "#status", "Paused")
+        add_a_task(opened)
+        wait_for(opened, "#details", "Is told its next task with the next step")
+        assert "Why: planned anew after step 3: extra appears." in opened.details()
+        assert page.get_attribute("#notice", "class") == "notice plain"
+        page.click("#tab-robots")
+        page.click(".row >> text=r1")
+        page.click("text=Lose r1 …")
+        page.click("text=Yes, lose r1")
+        wait_for(opened, "#details", "Lost")
+        wait_for(opened, "#figures", "Lostr1")
+        wait_for(opened, "#notice", "robot r1 lost")
+        assert page.get_attribute("#notice", "class").strip() == "notice"
+        assert "assignment" not in opened.details()
+        step_to(opened, 4, begun=3)
+        wait_for(opened, "#details", "Lost in step 4")
+        opened.wait_until("document.querySelector('#figures').innerText.endsWith('r1')")
+        assert "r1, r1" not in page.inner_text("#figures")
+        opened.page.keyboard.press("Escape")
+        wait_for(opened, "#details", "about to be told their next task")
+        assert "without assignment" not in opened.details()
+        page.select_option("#speed", "64")
+        page.keyboard.press(" ")
+        wait_for(opened, "#status", "Completed")
+        assert server.session.speed == 64
+        assert opened.errors == []
+        page.close()
+
+
+def add_a_task(opened: Opened) -> None:
+    """Add the task `extra`, and select the robot r2."""
+    page = opened.page
+    opened.click_map(page.evaluate("window.teamformer.pixelOf(3, 2)"))
+    page.fill("[name='cap 1']", "1")
+    page.fill("[name=title]", "extra")
+    page.click("text=Add task")
+    wait_for(opened, "#incidents", "3: task extra at [3, 2] that needs scan")
+    page.click("#tab-robots")
+    page.click(".row >> text=r2")
+
+
 @pytest.mark.parametrize("method", ["plan", "crews"])
 def test_the_page_says_the_method_and_only_a_plan_can_be_made_anew(
     method: str, browser: Any, tmp_path: Path
@@ -99,6 +157,23 @@ def test_the_page_says_the_method_and_only_a_plan_can_be_made_anew(
         assert page.inner_text("#about").startswith(f"Method {method}, seed 0, 3 robots, 3 tasks")
         assert page.locator("text=Plan anew, 10 s").is_visible() == (method == "plan")
         page.close()
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+def test_actions_are_in_sight_beside_the_map(opened: Opened, width: int, height: int) -> None:
+    opened.page.set_viewport_size({"width": width, "height": height})
+    opened.wait_for_a_frame()
+    floor = opened.page.locator(".transport").bounding_box()["y"]
+    for name in ("New task …", "Save"):
+        box = opened.page.get_by_role("button", name=name, exact=True).bounding_box()
+        assert 0 <= box["x"] < width - box["width"]
+        assert box["y"] + box["height"] < floor
+    opened.page.click("text=New task …")
+    add = opened.page.get_by_role("button", name="Add task")
+    add.scroll_into_view_if_needed()
+    box = add.bounding_box()
+    assert box["y"] + box["height"] < floor
+    assert opened.page.locator("#map").bounding_box()["y"] >= 0  # it has not scrolled away
 
 
 def test_one_looks_back_while_the_mission_goes_on(opened: Opened) -> None:
@@ -119,8 +194,13 @@ def test_a_task_in_a_wall_is_refused_in_the_page(opened: Opened, served: Served)
     opened.page.fill("[name='cap 0']", "1")
     opened.page.click("text=Add task")
     wait_for(opened, "#notice", "Not done: task")
-    assert "inside an obstacle; move it" in opened.page.inner_text("#notice")
+    assert "inside an obstacle; the nearest free cell is" in opened.page.inner_text("#notice")
     assert served.session.mission.incidents == []
+    opened.wait_until("document.activeElement?.matches('[name=x][aria-invalid]')")
+    opened.page.fill("[name=x]", "2")
+    opened.page.click("text=Add task")
+    wait_for(opened, "#incidents", "that needs lift")
+    assert opened.page.is_hidden("#new-task")
 
 
 def test_a_server_that_ends_is_told(browser: Any, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay
 
-from conftest import Opener
+from browsers import Opener
 
 
 def test_it_loads_without_errors_and_asks_for_nothing(open_page: Opener, dock: Tree) -> None:

@@ -259,9 +259,29 @@ def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(scripts: An
     tree = two_robots([{"pursued": [[0, 0]]}, {"teams": [[0, 2, 1, None]], "pursued": [[0, 0]]}])
     tree["start"][0] = [0, [0], 1, 1]
     ask = """(tree) => { const history = frames(tree);
-      return [phaseRuns(history, 0), taskOfRun(history, 0, 2)]; }"""
-    runs, named = scripts.evaluate(ask, tree)
-    assert ([(run["phase"], run["from"], run["to"]) for run in runs], named) == ([(0, 0, 2)], 0)
+      return phaseRuns(history, 0); }"""
+    assert scripts.evaluate(ask, tree) == [{"phase": 0, "task": 0, "from": 0, "to": 2}]
+
+
+def test_a_bar_ends_where_the_task_changes_and_tasks_of_no_duration_leave_a_mark(
+    scripts: Any,
+) -> None:
+    """Robot a walks to t, does it in step 2 and walks on to u; b walks with it to u from there."""
+    tree = two_robots([
+        {"teams": [[0, 2, 3, 0]]}, {"teams": [[0, 3, 3, None]], "done": [[0, 0]]},
+        {"teams": [[0, 4, 3, 1]], "joins": [[1, 0]]},
+        {"teams": [[0, 5, 3, None]], "done": [[1, 0]]},
+    ])  # fmt: skip
+    tree["start"][0] = [0, [0], 1, 3]
+    tree["scenario"]["tasks"].append({"name": "u", "at": [5, 3], "needs": ["lift"]})
+    ask = "(tree) => { const h = frames(tree); return [phaseRuns(h, 0), deedsOfRobots(h)]; }"
+    runs, deeds = scripts.evaluate(ask, tree)
+    walks, forms = PHASES.index("walks"), PHASES.index("forms")
+    assert [(run["phase"], run["task"], run["from"], run["to"]) for run in runs] == [
+        (walks, 0, 0, 2), (forms, 1, 2, 3), (walks, 1, 3, 4)
+    ]  # fmt: skip
+    last = {"task": 1, "step": 4}
+    assert deeds == [[{"task": 0, "step": 2}, last], [last]]
 
 
 PHASE_NAMES = ["walking", "waiting", "forming", "serving", "idle", "lost"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay
 
-from conftest import Opened, Opener
+from browsers import Opened, Opener
 
 
 def three_in_one_cell() -> Tree:
@@ -23,6 +23,31 @@ def three_in_one_cell() -> Tree:
         for name, needs in [("unload", ["lift"]), ("inspect", ["scan"]), ("seal", ["lift", "scan"])]
     ]
     return toy_replay(scenario)
+
+
+@pytest.mark.parametrize(
+    ("caps", "width", "shown"),
+    [
+        (["lift", "scan", "weld"], 8, [["30L S"], ["2S W"], ["L 2S", "W"]]),
+        (["c1", "c2", "c3"], 8, [["30c1 c2"], ["2c2 c3"], ["c1 2c2", "c3"]]),
+        (["lift", "scan", "weld"], 60, [None, None, None]),
+    ],
+)
+def test_a_task_shows_its_needs_and_never_their_sum(
+    open_page: Opener, caps: list[str], width: int, shown: list[list[str] | None]
+) -> None:
+    """Where letters do not fit, the pieces of the outline alone show the kinds."""
+    one, two, three = caps
+    needs = [{one: 30, two: 1}, {two: 2, three: 1}, {one: 1, two: 2, three: 1}]
+    robot = {"name": "r", "at": [0, 0], "can": dict.fromkeys(caps, 40)}
+    tasks = [{"name": f"t{n}", "at": [n + 1, 2], "needs": need} for n, need in enumerate(needs)]
+    scenario = small_scenario() | {"world": {"grid": [width, 7]}, "capabilities": caps}
+    opened = open_page(toy_replay(scenario | {"robots": [robot], "tasks": tasks}))
+    asked = [opened.page.evaluate(f"window.teamformer.needs({task}) ?? null") for task in range(3)]
+    assert asked == shown
+    spot = opened.page.evaluate("window.teamformer.taskBox(2)")
+    opened.page.locator("#map").hover(position={"x": spot["x"], "y": spot["y"]})
+    assert f"needs {one}, 2 x {two}, {three}" in opened.page.inner_text("#tip")
 
 
 def test_tasks_in_one_cell_lie_side_by_side_and_can_each_be_clicked(open_page: Opener) -> None:
@@ -83,6 +108,19 @@ def test_help_closes_with_the_key_that_opens_it(open_page: Opener, dock: Tree) -
     assert not opened.page.is_visible("#help-text")
 
 
+def test_a_menu_closes_by_escape_and_by_a_click_elsewhere(open_page: Opener, dock: Tree) -> None:
+    opened = open_page(dock, "#step=3&robot=r2")
+    for close in (
+        lambda: opened.page.keyboard.press("Escape"),
+        lambda: opened.page.click("#details h2"),
+    ):
+        opened.page.click("#menu summary")
+        assert opened.page.is_visible("#open")
+        close()
+        assert not opened.page.is_visible("#open")
+    assert opened.details().startswith("r2")  # what was selected still is
+
+
 def test_the_address_follows_and_leads_back(open_page: Opener, dock: Tree) -> None:
     opened = open_page(dock)
     opened.page.fill("#scrub", "33")
@@ -110,6 +148,78 @@ def test_the_gantt_view_leads_to_robots_and_moments(open_page: Opener, dock: Tre
     opened.page.keyboard.press("ArrowUp")
     opened.wait_until("location.hash === '#step=33&robot=r2&view=gantt'")
     assert "serving" in opened.page.inner_text("#phases")
+
+
+def test_bars_are_named_by_their_own_task_and_tasks_done_are_marked(
+    open_page: Opener, dock: Tree
+) -> None:
+    """r3 is in the team that does seam from 35 to 40; no bar is about two tasks."""
+    opened = open_page(dock, "#view=gantt")
+    row = opened.page.evaluate("window.teamformer.bars(2)")
+    serving = [bar for bar in row["bars"] if bar["phase"] == "serving"]
+    assert [(bar["task"], bar["from"], bar["to"]) for bar in serving] == [("seam", 35, 40)]
+    assert {"task": "seam", "step": 40} in row["marks"]
+    opened.page.select_option("#bars", "task")
+    opened.details()
+    seam = serving[0]
+    x, y = (seam["left"] + seam["right"]) / 2, 24 + 2.5 * row["rowHeight"] - 8
+    colour = opened.page.evaluate(PIXEL_OF_BARS, [x, y])
+    task_colour = opened.page.evaluate("window.teamformer.taskColour(2)")
+    assert colour == opened.page.evaluate(PIXEL_OF_COLOUR, task_colour)
+    opened.page.mouse.move(*centre_of(opened, x, y + 8))
+    opened.wait_until("document.querySelector('#gantt').title.startsWith('r3: serving, seam')")
+    assert opened.errors == []
+
+
+PIXEL_OF_BARS = """([x, y]) => {
+  const canvas = document.querySelector("#gantt"), sharpness = window.devicePixelRatio;
+  const at = canvas.getContext("2d").getImageData(x * sharpness, y * sharpness, 1, 1);
+  return [...at.data];
+}"""
+PIXEL_OF_COLOUR = """(colour) => {
+  const ctx = document.createElement("canvas").getContext("2d");
+  ctx.fillStyle = colour;
+  ctx.fillRect(0, 0, 1, 1);
+  return [...ctx.getImageData(0, 0, 1, 1).data];
+}"""
+
+
+def centre_of(opened: Opened, x: float, y: float) -> tuple[float, float]:
+    box = opened.page.locator("#gantt").bounding_box()
+    return box["x"] + x, box["y"] + y
+
+
+def test_names_and_shares_stay_in_sight_with_100_robots(open_page: Opener) -> None:
+    """Rows keep a height at which names can be read; time is drawn wider and scrolls under them."""
+    opened = open_page(toy_replay(random_scenario(100, 12, 100, 20, 30)), "#view=gantt")
+    row = opened.page.evaluate("window.teamformer.bars(99)")
+    assert row["rowHeight"] >= 13
+    ends = "([x, y]) => " + INK_IN.format(width="90", height="200")
+    opened.page.click("#zoom-in")
+    opened.page.click("#zoom-in")
+    opened.page.evaluate(
+        "() => { const box = document.querySelector('.bars');"
+        " box.scrollLeft = 200; box.scrollTop = 400; }"
+    )
+    opened.details()
+    moved = opened.page.evaluate("window.teamformer.bars(99)")["bars"][0]["left"]
+    assert moved == pytest.approx(row["bars"][0]["left"] - 200)
+    width = opened.page.locator("#gantt").bounding_box()["width"]
+    assert opened.page.evaluate(ends, [0, 40]) > 100  # letters
+    assert opened.page.evaluate(ends, [width - 48, 40]) > 100
+    opened.page.click("#zoom-fit")
+    opened.details()
+    assert opened.page.evaluate("document.querySelector('.bars').scrollLeft") == 0
+
+
+INK_IN = """{{
+  const canvas = document.querySelector("#gantt"), sharpness = window.devicePixelRatio;
+  const [wide, high] = [Math.min({width}, canvas.width - x), {height}];
+  const {{ data }} = canvas.getContext("2d").getImageData(x * sharpness, y * sharpness, wide, high);
+  let dark = 0;
+  for (let at = 0; at < data.length; at += 4) dark += data[at] + data[at + 1] + data[at + 2] < 400;
+  return dark;
+}}"""
 
 
 def test_robots_say_how_they_spend_their_time(open_page: Opener, dock: Tree) -> None:
@@ -215,14 +325,31 @@ def test_a_video_is_saved(open_page: Opener, dock: Tree) -> None:
     assert opened.shown_step() == 61
 
 
-def test_the_phone_shows_the_map_first(open_page: Opener, dock: Tree) -> None:
+SIZES = [(1400, 900), (820, 1180), (390, 844)]
+
+
+@pytest.mark.parametrize(("width", "height"), SIZES)
+def test_map_panel_and_playback_are_in_sight(
+    open_page: Opener, dock: Tree, width: int, height: int
+) -> None:
     opened = open_page(dock, "#robot=r1")
-    opened.page.set_viewport_size({"width": 390, "height": 844})
+    opened.page.set_viewport_size({"width": width, "height": height})
     opened.details()
     box = opened.page.locator("#map").bounding_box()
-    assert box["y"] < 90
-    assert box["height"] >= 400
-    assert opened.page.evaluate("document.documentElement.scrollWidth") == 390
+    assert box["y"] < 110
+    assert box["height"] >= 0.34 * height
+    for selector in ("#details h2", "#scrub", "#play", "#menu summary", "#help"):
+        assert is_in_sight(opened, selector), selector
+    page = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    assert opened.page.evaluate(page) == [width, height]
+
+
+def is_in_sight(opened: Opened, selector: str) -> bool:
+    """Return whether the middle of an element is in the window with nothing over it."""
+    box = opened.page.locator(selector).bounding_box()
+    middle = [box["x"] + box["width"] / 2, box["y"] + box["height"] / 2]
+    found = "([selector, x, y]) => !!document.elementFromPoint(x, y)?.closest(selector)"
+    return bool(opened.page.evaluate(found, [selector, *middle]))
 
 
 def test_on_a_plane_moments_are_in_seconds(open_page: Opener, dock: Tree) -> None:

@@ -16,13 +16,17 @@ from typing import Any, Protocol
 from teamformer.bench.jobs import Job, run_job
 from teamformer.bench.rows import Row
 from teamformer.errors import TeamformerError
-from teamformer.trials.worker_processes import begin_worker, end_workers
+from teamformer.extras import how_to_install
+from teamformer.trials.worker_processes import begin_worker, ending
 
 ANSWERED = 0.1
 """Seconds after which Ctrl-C is answered at the latest."""
 
 AT_HAND = 4
 """Jobs that wait for each worker on a cluster."""
+
+RAY_ADDRESS = "RAY_ADDRESS"
+"""The variable by which Ray is told where its cluster is."""
 
 
 Batches = Generator[list[Row], None, None]
@@ -54,16 +58,15 @@ def run_in_processes(jobs: Sequence[Job], workers: int) -> Batches:
     with _noted_ctrl_c() as pressed:
         pool = ProcessPoolExecutor(workers, context, begin_worker)
         try:
-            with _held_back_ctrl_c():
-                for job in jobs:
-                    pool.submit(run_job, job).add_done_callback(finished.put)
-            for _ in jobs:
-                yield _wait_for(finished, pressed).result()
+            with ending(pool):
+                with _held_back_ctrl_c():
+                    for job in jobs:
+                        pool.submit(run_job, job).add_done_callback(finished.put)
+                for _ in jobs:
+                    yield _wait_for(finished, pressed).result()
         except BrokenProcessPool:
             hint = "was memory short? rows so far are kept: run the same again, fewer --workers"
             raise TeamformerError("a worker process died", hint) from None
-        finally:
-            end_workers(pool)
 
 
 @contextmanager
@@ -105,15 +108,15 @@ def _wait_for(finished: SimpleQueue[Future[list[Row]]], pressed: list[int]) -> F
 
 
 def run_on_ray(jobs: Sequence[Job], workers: int) -> Batches:
-    """Run jobs on a Ray cluster: the one at RAY_ADDRESS, or one started here."""
+    """Run jobs on a Ray cluster: the one at RAY_ADDRESS; if that is `local`, one started here."""
     try:
         import ray
     except ImportError:
-        hint = "pip install 'teamformer[ray]'"
-        raise TeamformerError("--engine ray needs Ray, which is not installed", hint) from None
+        hint = how_to_install("ray")
+        raise TeamformerError(f"{RAY_ADDRESS} needs Ray, which is not installed", hint) from None
     is_ours = not ray.is_initialized()
     if is_ours:
-        here = {} if "RAY_ADDRESS" in os.environ else {"num_cpus": workers}
+        here = {"num_cpus": workers} if os.environ.get(RAY_ADDRESS, "local") == "local" else {}
         ray.init(log_to_driver=False, logging_level="ERROR", include_dashboard=False, **here)
     try:
         yield from _on_cluster(ray, jobs, workers)
@@ -134,4 +137,6 @@ def _on_cluster(ray: Any, jobs: Sequence[Job], workers: int) -> Batches:
         yield from ray.get(finished)
 
 
-ENGINES: dict[str, Engine] = {"local": run_in_processes, "ray": run_on_ray}
+def chosen_engine() -> Engine:
+    """Return the engine: the Ray cluster at RAY_ADDRESS if that is set, else processes here."""
+    return run_on_ray if RAY_ADDRESS in os.environ else run_in_processes

@@ -18,9 +18,9 @@ from teamformer.coordination import Coordinator, Known, Plan, heeded_by
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.protocol import Planner, Policy
+from teamformer.rules.arrays import Array
 from teamformer.scenarios.authors import read_world
 from teamformer.scenarios.named_settings import new_tasks_of, world_of
-from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, Tally
 from teamformer.sim.view import View
 from teamformer.trials.list_schedule import list_schedule
@@ -56,7 +56,8 @@ class Job:
             scenario = world_of(self.setting, seed)
         else:
             scenario = read_world(self.worlds, seed).scenario
-        return replace(scenario, **self.rules)  # type: ignore[arg-type]
+        forming_steps = self.rules.get("forming_steps", scenario.forming_steps)
+        return replace(scenario, forming_steps=forming_steps)
 
 
 class Clock:
@@ -259,12 +260,12 @@ def _with_bars(row: Row, scenario: Scenario) -> Row:
 def rerun_command(job: Job, seed: int) -> str:
     """Return the command that runs this one trial again."""
     options: dict[str, object] = {
-        "worlds": job.worlds,
         "settings": job.setting,
         "methods": job.method,
         "seed": seed,
         "trials": 1,
         "time-limit": f"{job.time_limit:g}" if job.method == "central" else None,
     }
-    said = [f"--{key} {value}" for key, value in options.items() if value is not None]
+    worlds = [] if job.worlds is None else [str(job.worlds)]
+    said = worlds + [f"--{key} {value}" for key, value in options.items() if value is not None]
     return f"teamformer bench {job.suite} {' '.join(said)} --json"

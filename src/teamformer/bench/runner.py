@@ -45,7 +45,6 @@ class Request:
     first_seed: int = 0
     time_limit: float = 10.0
     methods: tuple[str, ...] = ()
-    without: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
     workers: int = 1
     worlds: Mapping[str, Path] = field(default_factory=dict)
@@ -138,15 +137,8 @@ def _check_limit(request: Request, wanted: Sequence[tuple[str, str]], store: Sto
 
 def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tuple[str, str]]:
     """Yield every (setting, method) that can be run; say which cannot, and why."""
-    asked = {method for _, method in cells(request.suite, request.methods)}
-    for method in request.without:
-        if method not in asked:
-            hint = f"there are {', '.join(sorted(asked))}"
-            raise TeamformerError(f"there is no '{method}' to be left out", hint)
     said: set[str] = set()
     for setting, method in cells(request.suite, request.methods, request.settings):
-        if method in request.without:
-            continue
         why = ""
         is_listed = player_of(method).removesuffix(BARE) in (*LISTED, AUTHORS)
         if not is_listed and not request.methods:
@@ -229,7 +221,7 @@ def _authors_rows(request: Request, code: str) -> Iterator[Row]:
 def _order(suite: Suite) -> Callable[[Row], tuple[int, int, str, int]]:
     """Return what rows are put in order by: as the suite has settings and methods."""
     settings = {name: place for place, name in enumerate(suite.settings)}
-    listed = dict.fromkeys(method for _, method in cells(suite))
+    listed = dict.fromkeys(method for _, method in cells(replace(suite, without=())))
     methods = {name: place for place, name in enumerate(listed)}
 
     def key(row: Row) -> tuple[int, int, str, int]:

@@ -143,6 +143,18 @@ def read_folder(folder: Path) -> tuple[BenchmarkDescription, list[Row]]:
     return about, [row for row in map(row_of, lines) if row]
 
 
+def folders_beside(folder: Path) -> list[Path]:
+    """Return the folders of benchmarks of other suites beside a benchmark's folder.
+
+    Raises `TeamformerError` for one that cannot be read.
+    """
+    others = sorted(about.parent for about in folder.resolve().parent.glob(f"*/{ABOUT}"))
+    others = [other for other in others if other != folder.resolve()]
+    suites = {other: read_folder(other)[0].suite for other in others}
+    ours = read_folder(folder)[0].suite if (folder / ABOUT).exists() else ""
+    return [other for other, suite in suites.items() if suite != ours]
+
+
 def lock_folder(folder: Path) -> int:
     """Keep other benchmarks out of a folder until the descriptor that is returned is closed.
 

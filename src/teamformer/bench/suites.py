@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.mission.rules import FORESIGHTS, NEW_TASKS
-from teamformer.scenarios.file_access import read_text
+from teamformer.scenarios.file_access import names_of_shipped, read_shipped_or_own
 from teamformer.scenarios.named_settings import size_of
 from teamformer.scenarios.tree_reader import Reader
 from teamformer.scenarios.yaml.reader import parse
 
-LARGEST_FILE = 1_000_000  # bytes
 KEYS = (
     "about",
     "settings",
     "axes",
     "parts",
     "methods",
+    "without",
     "trials",
     "time_limit",
     "rules",
@@ -32,7 +30,8 @@ KEYS = (
 RULES = ("forming_steps",)
 METHOD_SETTINGS = {"new_tasks": NEW_TASKS, "foresight": FORESIGHTS}
 AXES = ("robots", "tasks", "capabilities")
-OTHERS = ("speed", "robotarium", "others")
+FOLDER = ("bench", "suites")
+OTHERS = ("speed", "robotarium", "fleet", "others")
 """Measured by code of their own."""
 FIGURES = ("drawn", "none")
 
@@ -41,7 +40,8 @@ FIGURES = ("drawn", "none")
 class Suite:
     """A cross product of settings and methods, or several of them (`parts`).
 
-    `methods` of a suite with parts run in each of their settings besides the parts' own. `rules`
+    `methods` of a suite with parts run in each of their settings besides the parts' own, but for
+    those that are in `without`. `rules`
     are fields of every mission, `method_settings` what is set of a method. `axes` are the
     settings of each curve, by what grows along it. `trials` and `time_limit` (seconds that a
     planner may take) hold unless the command line says otherwise.
@@ -51,6 +51,7 @@ class Suite:
     about: str
     settings: tuple[str, ...] = ()
     methods: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
     trials: int = 50
     time_limit: float = 10.0
     rules: Mapping[str, int] = field(default_factory=dict)
@@ -76,8 +77,7 @@ def player_of(method: str) -> str:
 
 def names_of_suites() -> list[str]:
     """Return the suites that come with the package."""
-    folder = files("teamformer").joinpath("bench", "suites")
-    return sorted(file.name.removesuffix(".yaml") for file in folder.iterdir())
+    return names_of_shipped(*FOLDER)
 
 
 def load_suite(name: str) -> Suite:
@@ -86,16 +86,10 @@ def load_suite(name: str) -> Suite:
     Raises `TeamformerError` for an unknown name (with the nearest ones) and for what is wrong in
     a file, by line.
     """
-    if name.endswith((".yaml", ".yml")):
-        return _read(read_text(Path(name), LARGEST_FILE), Path(name).stem, name)
-    known = names_of_suites()
-    if name not in known:
-        known += OTHERS
-        near = " or ".join(f"'{one}'" for one in difflib.get_close_matches(name, known))
-        hint = f"did you mean {near}?" if near else f"there are {', '.join(known)};"
-        raise TeamformerError(f"there is no suite '{name}'", f"{hint} your own is a .yaml file")
-    file = files("teamformer").joinpath("bench", "suites", f"{name}.yaml")
-    return _read(file.read_text(encoding="utf-8"), name, f"{name}.yaml")
+    text, source = read_shipped_or_own(
+        name, FOLDER, "there is no suite", "your own is a .yaml file", OTHERS
+    )
+    return _read(text, Path(source).stem, source)
 
 
 def _read(text: str, name: str, source: str) -> Suite:
@@ -125,6 +119,7 @@ def _read_suite(reader: Reader, value: Any, name: str) -> Suite:
         about=reader.text(("about",), said.get("about", name)),
         settings=tuple(dict.fromkeys(settings)),
         methods=tuple(reader.names(("methods",), said.get("methods", []))),
+        without=_without(reader, said, parts),
         trials=reader.whole(("trials",), said.get("trials", Suite.trials), least=1),
         time_limit=reader.number(("time_limit",), said.get("time_limit", Suite.time_limit)),
         rules=_rules(reader, ("rules",), said.get("rules", {})),
@@ -138,6 +133,17 @@ def _read_suite(reader: Reader, value: Any, name: str) -> Suite:
     if not reader.tree.problems and not (suite.settings and (suite.methods or parts)):
         reader.refuse((), "a suite needs settings and methods, or parts; add them")
     return suite
+
+
+def _without(reader: Reader, said: dict[str, Any], parts: Sequence[Suite]) -> tuple[str, ...]:
+    """Return the methods of parts that are left out."""
+    names = reader.names(("without",), said.get("without", []))
+    known = {method for part in parts for method in part.methods}
+    for number, name in enumerate(names):
+        if name not in known:
+            what = f"no part has the method '{name}'; leave it out of 'without'"
+            reader.refuse(("without", number), what)
+    return tuple(names)
 
 
 def _axes(reader: Reader, value: Any) -> dict[str, tuple[str, ...]]:
@@ -204,6 +210,7 @@ def cells(
         for part in suite.parts or (suite,)
         for setting in part.settings
         for method in methods or (*suite.methods, *part.methods)
+        if methods or method not in suite.without
     ]
     for setting, method in dict.fromkeys(listed):
         if not settings or setting in settings:

@@ -8,7 +8,7 @@ import signal
 import sys
 from types import FrameType
 
-from teamformer.cli import missions, policies, records, robots  # noqa: F401  (registers the verbs)
+from teamformer.cli import fleet, missions, policies, records, robotarium  # noqa: F401  (registers verbs)
 from teamformer.cli.app import app
 from teamformer.errors import ReaderGoneError, TeamformerError
 

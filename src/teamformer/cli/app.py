@@ -15,7 +15,7 @@ app = typer.Typer(
     help="Teams of robots that form, split and share out tasks by themselves.",
 )
 
-ScenarioPath = Annotated[Path, typer.Argument(metavar="SCENARIO", help="a scenario file")]
+MissionPath = Annotated[Path, typer.Argument(metavar="MISSION", help="a mission file")]
 ReplayPath = Annotated[Path, typer.Argument(metavar="REPLAY", help="a replay.json")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 Seed = Annotated[int, typer.Option(min=0, help="of all randomness")]
@@ -25,8 +25,12 @@ Method = Annotated[
         help="how it is solved; see `methods`; else plan, or crews if the mission is too large"
     ),
 ]
-StepLimit = Annotated[int | None, typer.Option(min=1, help="give up after so many steps")]
 TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may plan")]
+Port = Annotated[int, typer.Option(min=1, max=65535)]
+Host = Annotated[
+    str, typer.Option(help="address to serve on; other than loopback, a token is needed")
+]
+Folder = Annotated[Path, typer.Option(help="folder that the record is saved in")]
 
 
 def _show_version(is_wanted: bool) -> None:

@@ -27,30 +27,30 @@ def check(
 @app.command()
 def view(
     replay: ReplayPath,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="the page to write")] = None,
-    as_json: AsJson = False,
+    page: Annotated[
+        Path | None,
+        typer.Argument(metavar="[PAGE]", help="to write; beside the record if not named"),
+    ] = None,
 ) -> None:
     """Write the page of a recorded trial."""
     from teamformer.commands.records.view import view as command
 
-    raise typer.Exit(command(replay, out, as_json))
+    raise typer.Exit(command(replay, page))
 
 
 @app.command()
 def export(
     replay: ReplayPath,
-    mcap: Annotated[Path | None, typer.Option(help="an MCAP file, for Foxglove")] = None,
-    tables: Annotated[
-        Path | None, typer.Option("--csv", help="a folder for tables: robots, tasks, events, Gantt")
-    ] = None,
-    gif: Annotated[Path | None, typer.Option(help="a GIF file, a frame a step")] = None,
-    scenario: Annotated[
-        Path | None, typer.Option(help="the scenario, with all that happened to it")
-    ] = None,
-    as_json: AsJson = False,
+    wanted: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE", help=".mcap, .gif, .yaml (the mission), or a folder"),
+    ],
 ) -> None:
-    """Write a recorded trial for other tools."""
-    from teamformer.commands.records.export import Wanted
+    """Write a recorded trial for other tools: what each file is to be, its ending says.
+
+    .mcap is for Foxglove; .yaml is the mission with all that happened to it; a folder gets CSV
+    tables of robots, tasks, events and the Gantt chart.
+    """
     from teamformer.commands.records.export import export as command
 
-    raise typer.Exit(command(replay, Wanted(mcap, tables, gif, scenario), as_json))
+    raise typer.Exit(command(replay, wanted))

@@ -24,14 +24,17 @@ if TYPE_CHECKING:
     from teamformer.trials.methods import Method
 
 
-def announce_compiling(methods: Iterable[Method] = ()) -> None:
+def announce_compiling(methods: Iterable[Method] = (), mission: Scenario | None = None) -> None:
     """Say that a first run compiles, so that nobody takes the wait for a fault, and compile.
 
-    What these methods need is then compiled, so that no trial's time has it in.
+    What these methods need is then compiled, so that no trial's time has it in; also what they need
+    for a mission that is large, if one is given.
     """
     from teamformer.jit import needs_compiling
+    from teamformer.planning.arcs.annealing import anneal_arcs
     from teamformer.planning.crews.plan import deal_crews
     from teamformer.planning.teams import threshold_search
+    from teamformer.planning.teams.shared_plan import LARGE
     from teamformer.sim.step import step_worlds
 
     wanted = {method.name: method for method in methods}
@@ -55,15 +58,33 @@ def announce_compiling(methods: Iterable[Method] = ()) -> None:
             say("compiling the central planner, on the first run only (half a minute) ...")
     if needed and wanted:
         _compile(wanted.values())
+    is_large = mission is not None and len(mission.tasks) >= LARGE
+    if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(anneal_arcs):
+        say("compiling the search of large missions, on the first run only (half a minute) ...")
+        _search_arcs()
+
+
+def _search_arcs() -> None:
+    """Search over graphs of arcs, as for large missions."""
+    from teamformer.planning.teams.arc_search import plan_from_arcs
+    from teamformer.planning.teams.situation import situation_in_hindsight
+    from teamformer.scenarios.smallest import smallest_scenario
+
+    plan_from_arcs(situation_in_hindsight(smallest_scenario()), rounds=10)
 
 
 def _compile(methods: Iterable[Method]) -> None:
-    """Compile what methods need, by playing the smallest mission, and say how long it took."""
+    """Compile what methods need, by playing the smallest mission, and say how long it took.
+
+    A class of the user's own is not asked about a mission that is not the user's.
+    """
     from teamformer.scenarios.smallest import smallest_scenario
+    from teamformer.trials.methods import load_method
     from teamformer.trials.trial import run_trial
 
     begun = time.perf_counter()
-    for method in methods:
+    ours = [method for method in methods if ":" not in method.name]
+    for method in ours or [load_method("join-all")]:
         run_trial(smallest_scenario(), method)
     say(f"compiled in {time.perf_counter() - begun:.0f} s")
 
@@ -122,6 +143,7 @@ def _compile_everything(smallest: Scenario) -> None:
     walled, plane = Grid(2, 2, ("..", ".@")), Plane(2.0, 1.0)
     worlds = [replace(smallest, world=world) for world in (smallest.world, walled, plane)]
     _play(worlds, [listing.name for listing in METHODS])
+    _search_arcs()
 
 
 if __name__ == "__main__":

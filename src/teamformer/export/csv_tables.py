@@ -9,9 +9,10 @@ from pathlib import Path
 
 from teamformer.capabilities import describe
 from teamformer.export.events import events
-from teamformer.export.moments import NOBODY, PHASES, Moment, moments, seconds_a_step
+from teamformer.export.moments import PHASES, Moment, moments
+from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import NEVER, opening_steps
+from teamformer.sim.replay.task_times import opening_steps
 
 Row = Sequence[object]
 
@@ -64,7 +65,7 @@ def _tasks(replay: Replay) -> Iterable[Row]:
 
 def _events(replay: Replay) -> Iterable[Row]:
     yield ("step", "seconds", "kind", "robots", "task", "text")
-    length = seconds_a_step(replay.scenario)
+    length = replay.scenario.seconds_a_step
     for event in events(replay):
         names = ", ".join(_name(replay, robot) for robot in event.robots)
         task = "" if event.task is None else replay.scenario.tasks[event.task].name
@@ -102,5 +103,9 @@ def _write(path: Path, rows: Iterable[Row]) -> Path:
 
 
 def _harmless(value: object) -> object:
-    """Keep spreadsheets from taking a name for a formula: an apostrophe before what begins one."""
-    return f"'{value}" if isinstance(value, str) and value[:1] in ("=", "+", "-", "@") else value
+    """Keep spreadsheets from taking a name for a formula, by an apostrophe before it.
+
+    What begins with an apostrophe gets one more, so that who takes one away has the name.
+    """
+    is_risky = isinstance(value, str) and value[:1] in ("=", "+", "-", "@", "'")
+    return f"'{value}" if is_risky else value

@@ -10,6 +10,7 @@ from teamformer.capabilities import describe
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import opening_steps
+from teamformer.sim.replay.teams import Teams
 
 
 @dataclass(frozen=True)
@@ -45,34 +46,28 @@ class Event:
 
 def events(replay: Replay) -> Iterator[Event]:
     """Yield the events of a record."""
-    members = {slot: tuple(robots) for slot, robots, _, _ in replay.start}
+    teams = Teams(replay)
     appears: defaultdict[int, list[int]] = defaultdict(list)
     for task, opened in enumerate(opening_steps(replay)):
         appears[opened].append(task)
     for number, step in enumerate(replay.steps, start=1):
         for stay, leave in step.splits:
-            members.pop(min(*stay, *leave))
-            members[min(stay)], members[min(leave)] = tuple(stay), tuple(leave)
+            teams.split(stay, leave)
             yield Event(number, "splits", tuple(sorted((*stay, *leave))))
-        for pair in step.joins:
-            robots = tuple(sorted((*members.pop(pair[0]), *members.pop(pair[1]))))
-            members[min(pair)] = robots
-            yield Event(number, "joins", robots)
+        for one, other in step.joins:
+            yield Event(number, "joins", teams.join(one, other))
         for robot in step.lost:
-            slot = next(slot for slot, robots in members.items() if robot in robots)
-            rest = tuple(mate for mate in members.pop(slot) if mate != robot)
-            if rest:
-                members[min(rest)] = rest
+            teams.lose(robot)
             yield Event(number, "lost", (robot,))
         for robot in step.back:
-            members[robot] = (robot,)
+            teams.bring_back(robot)
             yield Event(number, "back", (robot,))
         for task in step.found:
             yield Event(number, "found", task=task)
         for task in step.shown:
             yield Event(number, "needs", task=task)
         for task, slot in step.done:
-            yield Event(number, "done", members[slot], task)
+            yield Event(number, "done", teams.robots[slot], task)
         for task in appears.get(number, ()):
             yield Event(number, "appears", task=task)
     yield Event(len(replay.steps), replay.end.status)

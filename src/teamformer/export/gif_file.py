@@ -11,13 +11,17 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from teamformer.export.moments import IDLE, LOST, NOBODY, SERVING, Moment, moments, seconds_a_step
+from teamformer.export.moments import IDLE, LOST, SERVING, Moment, moments
 from teamformer.grid import Grid, Place
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import done_steps, opening_steps
 
 WIDEST, HIGHEST = 960, 640
 """Pixels of the map at most."""
+
+LEAST = 280
+"""Pixels of a picture's width, so that the caption says when it is and what is done."""
 
 LARGEST_CELL = 40
 MARGIN = 10
@@ -76,7 +80,7 @@ class _Sheet:
         if self._is_grid:
             self._cell = min(self._cell, LARGEST_CELL)
         self._size = (
-            math.ceil(world.width * self._cell) + 2 * MARGIN,
+            max(LEAST, math.ceil(world.width * self._cell) + 2 * MARGIN),
             math.ceil(world.height * self._cell) + 2 * MARGIN + CAPTION,
         )
         self._opens, self._done = opening_steps(replay), done_steps(replay)
@@ -97,7 +101,8 @@ class _Sheet:
     def _draw_ground(self) -> Image.Image:
         image = Image.new("RGB", self._size, PAPER)
         pen, world = ImageDraw.Draw(image), self._scenario.world
-        corners = (MARGIN, MARGIN, self._size[0] - MARGIN, self._size[1] - MARGIN - CAPTION)
+        right = MARGIN + math.ceil(world.width * self._cell)
+        corners = (MARGIN, MARGIN, right, self._size[1] - MARGIN - CAPTION)
         pen.rectangle(corners, outline=GREY)
         if isinstance(world, Grid) and world.rows:
             for y in range(world.height):
@@ -163,12 +168,12 @@ class _Sheet:
 
     def _caption(self, moment: Moment) -> str:
         done = sum(step <= moment.step for step in self._done.values())
-        length = seconds_a_step(self._scenario)
+        length = self._scenario.seconds_a_step
         when = f"step {moment.step}" if self._is_grid else f"{moment.step * length:g} s"
         lost = sum(slot == NOBODY for slot in moment.team)
-        more = f", {lost} robots lost" if lost else ""
+        more = f", {lost} robot{'s' if lost > 1 else ''} lost" if lost else ""
         name = self._scenario.name[:40]
-        return f"{name}: {when}, {done} of {len(self._scenario.tasks)} tasks done{more}"
+        return f"{when}, {done} of {len(self._scenario.tasks)} tasks done{more}: {name}"
 
 
 def _colour(task: int) -> str:

@@ -24,6 +24,7 @@ from foxglove.messages import (
     FrameTransform,
     FrameTransforms,
     Grid,
+    KeyValuePair,
     LinePrimitive,
     LinePrimitiveLineType,
     Log,
@@ -41,11 +42,13 @@ from foxglove.messages import (
     Vector3,
 )
 
+from teamformer.capabilities import describe
 from teamformer.export.events import Event, events
-from teamformer.export.moments import NOBODY, Moment, moments, seconds_a_step
+from teamformer.export.moments import Moment, moments
 from teamformer.grid import Grid as GridWorld
 from teamformer.grid import Place
 from teamformer.model import Scenario
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import done_steps, opening_steps
 
@@ -64,7 +67,7 @@ def write_mcap(replay: Replay, path: Path) -> int:
     """Write a record as MCAP, over what is there; return how many messages it has."""
     context = foxglove.Context()
     channels = _Channels(context)
-    length = seconds_a_step(replay.scenario)
+    length = replay.scenario.seconds_a_step
     log: defaultdict[int, list[Event]] = defaultdict(list)
     for event in events(replay):
         log[event.step].append(event)
@@ -74,7 +77,7 @@ def write_mcap(replay: Replay, path: Path) -> int:
         for moment in moments(replay):
             time = round(moment.step * length * NANOSECONDS)
             channels.frames(replay.scenario, moment, time)
-            channels.scene(replay.scenario, moment, spans, time)
+            channels.scene(replay.mission, moment, spans, time)
             for event in log.get(moment.step, ()):
                 channels.log(event.text(replay.mission), event.kind == "lost", time)
     return channels.count
@@ -164,9 +167,8 @@ def _tasks(
             size=Vector3(x=0.8 * size, y=0.8 * size, z=0.05 * size),
             color=_colour(number, 0.25 if is_done else 0.9),
         )
-        yield _entity(
-            f"task/{task.name}", time, cubes=[box], texts=[_text(task.name, task.at, size)]
-        )
+        texts, needs = [_text(task.name, task.at, size)], describe(task.needs)
+        yield _entity(f"task/{task.name}", time, cubes=[box], texts=texts, needs=needs)
 
 
 def _robots(scenario: Scenario, moment: Moment, time: int) -> Iterator[SceneEntity]:
@@ -195,6 +197,7 @@ def _entity(
     cylinders: Sequence[CylinderPrimitive] = (),
     lines: Sequence[LinePrimitive] = (),
     texts: Sequence[TextPrimitive] = (),
+    needs: str = "",
 ) -> SceneEntity:
     return SceneEntity(
         timestamp=_timestamp(time),
@@ -204,6 +207,7 @@ def _entity(
         cylinders=list(cylinders),
         lines=list(lines),
         texts=list(texts),
+        metadata=[KeyValuePair(key="needs", value=needs)] if needs else [],
     )
 
 

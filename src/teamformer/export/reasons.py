@@ -9,18 +9,10 @@ from itertools import islice
 
 from teamformer.capabilities import describe, missing, total
 from teamformer.export.events import events
-from teamformer.export.moments import (
-    FORMING,
-    IDLE,
-    LOST,
-    NOBODY,
-    SERVING,
-    WAITING,
-    Moment,
-    moments,
-)
+from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, Moment, moments
 from teamformer.export.plans_in_force import PlansInForce
 from teamformer.model import Scenario
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import opening_steps
 

@@ -17,6 +17,7 @@ from msgspec import DecodeError, Meta, Struct, ValidationError, field
 from msgspec.msgpack import Decoder, Encoder
 
 from teamformer.capabilities import is_exact
+from teamformer.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.fleet.signatures import Signatures
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 PROTOCOL = 1
 """The version of the messages; others are dropped and counted."""
 
-NOBODY = -1
 EVERYBODY = -1
 OPERATOR = -2
 """Who a message is from or to, where it is no robot's number."""

@@ -144,12 +144,3 @@ class Mission:
 def row_of(counts: Counts, capabilities: tuple[str, ...]) -> Row:
     """Return how much there is of each capability."""
     return tuple(exact(counts.get(name, 0)) for name in capabilities)
-
-
-def seconds_a_step(scenario: Scenario, pace: float = 1.0) -> float:
-    """Return how long a step takes: on a plane what it says, on a grid a second; `pace` speeds up.
-
-    Raises nothing; `pace` is positive.
-    """
-    world = scenario.world
-    return (world.step if isinstance(world, Plane) else 1.0) / pace

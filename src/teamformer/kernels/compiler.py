@@ -13,10 +13,12 @@ This leans on how numba is made inside, as `files.py` does; its version is pinne
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 from llvmlite import binding as llvm
 from numba import _dynfunc, types
+from numba.core import event
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
@@ -24,6 +26,8 @@ from numba.core.compiler_machinery import LoweringPass, register_pass
 from numba.core.environment import lookup_environment
 from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
+
+from teamformer.kernels.clock import add_compiling
 
 ENVIRONMENT = "_ZN08NumbaEnv"
 """How the name of a global begins that holds what a function needs of the interpreter."""
@@ -193,3 +197,25 @@ def _widen(kind: Any) -> Any:
     kind = types.unliteral(kind)
     is_short = isinstance(kind, types.Integer) and kind.signed and kind.bitwidth < 64
     return types.int64 if is_short else kind
+
+
+class _CompileTimer(event.Listener):
+    """Tells the clock how long numba compiles; what a function calls is compiled within that."""
+
+    def __init__(self) -> None:
+        self._depth, self._begun = 0, 0.0
+
+    def on_start(self, event: Any) -> None:
+        """Note when compiling begins; numba holds a lock while it compiles."""
+        if self._depth == 0:
+            self._begun = time.perf_counter()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Tell what compiling took."""
+        self._depth -= 1
+        if self._depth == 0:
+            add_compiling(time.perf_counter() - self._begun)
+
+
+event.register("numba:compile", _CompileTimer())

@@ -14,8 +14,9 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
-from collections.abc import Iterator
-from functools import cache
+import sys
+from collections.abc import Callable, Iterator
+from functools import cache, cached_property
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -25,8 +26,9 @@ import numba
 from llvmlite.binding import get_host_cpu_features
 from numba.core.serialize import dumps
 
-IS_CHECKED = bool(numba.core.config.BOUNDSCHECK)  # type: ignore[attr-defined]
-VERSIONS = f"{numba.__version__}, {llvmlite.__version__}, bounds checked: {IS_CHECKED}"
+CHECKED = "checked." if numba.core.config.BOUNDSCHECK else ""  # type: ignore[attr-defined]
+PYTHON = f"py{sys.version_info.major}{sys.version_info.minor}"
+VERSIONS = f"{numba.__version__}, {llvmlite.__version__}"
 DIGITS = 16
 """Of each of the two hashes in a name."""
 
@@ -38,10 +40,17 @@ BASELINE, ABILITIES = "x86-64-v3", ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt
 class KernelFiles:
     """The files of one function; numba asks it for code by the types that it is called with."""
 
-    def __init__(self, folder: Path, name: str, stamp: str) -> None:
-        """`stamp` changes with the sources that the function is made of."""
-        self._folder, self._name = folder, name
-        self._stamp = _digest(f"{VERSIONS}, {stamp}")
+    def __init__(self, folder: Path, name: str, stamp: Callable[[], str]) -> None:
+        """`stamp` returns a text that changes with what the function is compiled from.
+
+        It is asked when code is first wanted. Code that checks every index is kept apart.
+        """
+        self._folder, self._name = folder, f"{name}.{CHECKED}{PYTHON}"
+        self._ask = stamp
+
+    @cached_property
+    def _stamp(self) -> str:
+        return _digest(f"{VERSIONS}, {self._ask()}")
 
     def is_empty(self) -> bool:
         """Say whether nothing is kept that was compiled from the sources as they are."""
@@ -92,7 +101,10 @@ def _read(path: Path, key: Any) -> Any:
     checksum, packed = content[:32], content[32:]
     if sha256(packed).digest() != checksum:  # the machine stopped before it was all on disk
         return None
-    kept_for, code = pickle.loads(packed)
+    try:
+        kept_for, code = pickle.loads(packed)
+    except (ImportError, AttributeError):  # a type in the key has moved to another module since
+        return None
     return code if kept_for == key else None
 
 

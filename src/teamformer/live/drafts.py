@@ -16,7 +16,7 @@ from teamformer.live.comments import rewrite
 from teamformer.mission.rules import rules_of_live_missions
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
-from teamformer.scenarios.maps.formats import read_map
+from teamformer.scenarios.maps.formats import read_coarse_map
 from teamformer.scenarios.tree_reader import INFINITE
 from teamformer.scenarios.tree_writer import world_to_tree
 from teamformer.scenarios.yaml import reader, writer
@@ -33,8 +33,7 @@ EMPTY: Tree = {
 }
 ROS_MAP = re.compile(r"^(image|resolution):", re.MULTILINE)
 """What only the description of a ROS map has at its left edge."""
-MOST_CELLS = 100
-"""Along the longer side of a ROS map, whose pixels are small."""
+
 FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
 
 
@@ -82,7 +81,7 @@ def open_draft(name: str, text: str, beside: Mapping[str, bytes] | None = None) 
             (Path(folder) / Path(other).name).write_bytes(content)
         try:
             if kind == ".map" or ROS_MAP.search(text):
-                return EMPTY | {"name": Path(name).stem, "world": _world_of(_read_map(path))}
+                return EMPTY | {"name": Path(name).stem, "world": _world_of(read_coarse_map(path))}
             scenario = read_scenario(path)
         except TeamformerError as error:
             message = str(error).replace(str(path), name).replace(f"{folder}/", "")
@@ -127,15 +126,6 @@ def _plain(tree: Tree) -> Tree:
     if isinstance(world.get("rows"), str):
         world = world | {"rows": world["rows"].split()}
     return tree | radii | {"world": world}
-
-
-def _read_map(path: Path) -> Grid:
-    """Read a map; one of ROS in cells so large that a page can show them all."""
-    grid = read_map(path)
-    longest = max(grid.width, grid.height)
-    if grid.frame is None or longest <= MOST_CELLS:
-        return grid
-    return read_map(path, grid.frame.cell * math.ceil(longest / MOST_CELLS))
 
 
 def _world_of(grid: Grid) -> Tree:

@@ -65,6 +65,14 @@ def read_files(message: Message) -> dict[str, bytes]:
         raise TeamformerError("'beside' must hold files by name, in base64") from None
 
 
+class TaskRefusedError(TeamformerError):
+    """A new task is wrong; `key` is what of it, as in a file, or empty."""
+
+    def __init__(self, message: str, key: str) -> None:
+        super().__init__(message)
+        self.key = key
+
+
 def read_incident(message: Message, scenario: Scenario) -> Incident:
     """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}` or `{"task": TREE}`.
 
@@ -79,5 +87,6 @@ def read_incident(message: Message, scenario: Scenario) -> Incident:
     try:
         task = scenario_from_tree(tree).tasks[0]
     except ScenarioError as error:
-        raise TeamformerError("; ".join(problem.message for problem in error.problems)) from None
+        text = "; ".join(problem.message for problem in error.problems)
+        raise TaskRefusedError(text, "".join(map(str, error.problems[0].where[2:3]))) from None
     return NewTask(task.at, task.needs, message["task"].get("name", ""), int(task.duration))

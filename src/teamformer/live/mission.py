@@ -17,6 +17,7 @@ from teamformer.errors import TeamformerError
 from teamformer.live.forecasts import Past, replayed
 from teamformer.live.incidents import Happening, Incident, PlanTakenOver
 from teamformer.model import Scenario
+from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.protocol import Planner
 from teamformer.sim.env import Decision, Tally, TeamFormation
 from teamformer.sim.replay.record import Replay, Step
@@ -46,6 +47,7 @@ class Mission:
         self._decisions: list[Decision] = []
         self._env = self._stage(scenario, self._method.coordinator)
         self._recorder = Recorder(self._env)
+        self._bound: int | None = None
 
     @property
     def steps(self) -> int:
@@ -82,11 +84,35 @@ class Mission:
         """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""
         env, recorder, scenario = self._changed(incident)
         self.incidents.append((self.steps, incident))
-        self._env, self._recorder, self.scenario = env, recorder, scenario
+        self._env, self._recorder = env, recorder
+        if scenario is not self.scenario:
+            self.scenario, self._bound = scenario, None
+
+    def scenario_with(self, happening: Happening) -> Scenario:
+        """Return the scenario if something happened now; TeamformerError says why it cannot.
+
+        Nothing is planned or played for it.
+        """
+        if self._method.needs_everything:
+            raise TeamformerError(
+                f"'{self.method_name}' plans with all that the mission says, so that nothing can "
+                "happen to it; run it by another method"
+            )
+        return happening.apply(self.scenario, self._env.truths[0], self.steps)
+
+    def work_out_bound(self) -> int | None:
+        """Return the steps that no plan can beat, as `run` tells them; the record has them then."""
+        scenario = self.scenario
+        if self._bound is None:
+            bound = lower_bound(draw_truth(scenario, self.seed))
+            if self.scenario is not scenario:  # an incident has happened meanwhile
+                return None
+            self._bound = bound
+        return self._bound
 
     def record(self) -> Replay:
         """Return the record so far; that of a mission that still runs is of an interrupted one."""
-        return self._recorder.finish(self.method_name, self.seed, None)
+        return self._recorder.finish(self.method_name, self.seed, self._bound)
 
     def past(self) -> Past:
         """Return the present and how it came about, to play it ahead while the mission goes on."""
@@ -114,12 +140,7 @@ class Mission:
 
     def _changed(self, happening: Happening) -> tuple[TeamFormation, Recorder, Scenario]:
         """Return the mission as it would stand if something happened now."""
-        if self._method.needs_everything:
-            raise TeamformerError(
-                f"'{self.method_name}' plans with all that the mission says, so that nothing can "
-                "happen to it; run it by another method"
-            )
-        scenario = happening.apply(self.scenario, self._env.truths[0], self.steps)
+        scenario = self.scenario_with(happening)
         env = self._stage(scenario, replayed(self._env, self._method.coordinator))
         recorder = Recorder(env)
         happened = [*self.incidents, (self.steps, happening)]

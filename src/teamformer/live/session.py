@@ -18,9 +18,16 @@ from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.live.forecasts import Forecast, forecast
-from teamformer.live.incidents import Happening, Incident, PlanTakenOver, search_plan
+from teamformer.live.incidents import (
+    Happening,
+    Incident,
+    LostRobot,
+    PlanTakenOver,
+    search_plan,
+)
 from teamformer.live.messages import (
     Message,
+    TaskRefusedError,
     read_incident,
     read_message,
     read_search,
@@ -32,6 +39,9 @@ from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import replay_to_tree, step_to_tree, write_replay
 
 MOST_WAITING = 500  # messages that a page may be behind before it is let go
+
+AT_ONCE = 0.3
+"""Seconds within which a step is made without a word; what takes longer is told to be planned."""
 
 Tree = dict[str, Any]
 Moment = tuple[int, int]
@@ -64,6 +74,8 @@ class Session:
         self._forecast: asyncio.Task[None] | None = None
         self._outlook: Tree | None = None  # what the latest forecast said
         self._is_outdated = False  # since more was shown
+        self._bound: asyncio.Task[None] | None = None
+        self._planning = ""  # after what a plan is being made, for as long as it is
         self._search: asyncio.Task[None] | None = None
         self._offer: tuple[Moment, PlanTakenOver] | None = None
 
@@ -91,6 +103,8 @@ class Session:
             watcher.tell(json.dumps({"kind": "forecast"} | self._outlook))
         elif self._forecast is None:
             self._predict()
+        if self._bound is None:
+            self._bound = asyncio.create_task(self._tell_bound())
         return watcher
 
     def leave(self, watcher: Watcher) -> None:
@@ -104,7 +118,8 @@ class Session:
             message = read_message(text)
             await self._do(watcher, message)
         except TeamformerError as error:
-            watcher.tell(json.dumps({"kind": "refused", "text": str(error)}))
+            key = error.key if isinstance(error, TaskRefusedError) else ""
+            watcher.tell(json.dumps({"kind": "refused", "text": str(error), "key": key}))
 
     async def step(self) -> None:
         """Make one step, if there is one, and tell everybody."""
@@ -112,12 +127,18 @@ class Session:
             if not self.mission.is_running:
                 self._pause()
                 return
+            telling = asyncio.get_running_loop().call_later(
+                AT_ONCE, self._tell_planning, f"step {self.mission.steps + 1}"
+            )
             try:
                 await asyncio.to_thread(self.mission.step)
             except TeamformerError as error:  # of a policy that is the user's own
                 self._tell_all("refused", {"text": str(error)})
                 self._pause()
                 return
+            finally:
+                telling.cancel()
+                self._planning_is_over()
             self._tell_all("step", self._news())
         if not self.mission.is_running:
             self._pause()
@@ -129,22 +150,31 @@ class Session:
     async def happen(self, incident: Happening, moment: Moment | None = None) -> None:
         """Let an incident happen and tell everybody; TeamformerError says why it cannot.
 
-        With a `moment` it can at no other.
+        That it has happened is told before robots have planned for it. With a `moment` it can
+        happen at no other.
         """
         async with self.lock:
             if moment not in (None, self._moment()):
                 raise TeamformerError("the mission has gone on since then; plan anew")
-            await asyncio.to_thread(self.mission.happen, incident)
+            self.mission.scenario_with(incident)
             text = f"step {self.mission.steps}: {incident.text()}"
+            self._tell_planning(text)
+            try:
+                await asyncio.to_thread(self.mission.happen, incident)
+            finally:
+                self._planning_is_over()
             record = self._record()
             record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
-            self._tell_all("incident", {"text": text, "record": record} | self._state())
+            news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
+            self._tell_all("incident", news | self._state())
         self._predict()
+        self._bound = asyncio.create_task(self._tell_bound())
 
     def save(self) -> tuple[Path, ...]:
         """Write the record and the scenario with all incidents; return their paths."""
         self.folder.mkdir(parents=True, exist_ok=True)
         record, scenario = self.folder / "replay.json", self.folder / "scenario.yaml"
+        self.mission.work_out_bound()
         write_replay(self.mission.record(), record)
         write_scenario(self.mission.scenario, scenario)
         return record, scenario
@@ -264,6 +294,22 @@ class Session:
             self._outlook = _forecast_to_tree(found)
             self._tell_all("forecast", self._outlook)
 
+    async def _tell_bound(self) -> None:
+        """Work out in the background what no plan can beat; incidents change it."""
+        bound = await asyncio.to_thread(self.mission.work_out_bound)
+        if bound is not None:
+            self._tell_all("bound", {"lower_bound": bound})
+
+    def _tell_planning(self, after: str) -> None:
+        """Tell that a plan is being made, and after what."""
+        self._planning = after
+        self._tell_all("state", self._state())
+
+    def _planning_is_over(self) -> None:
+        if self._planning:
+            self._planning = ""
+            self._tell_all("state", self._state())
+
     def _record(self) -> Tree:
         """Return the record so far as a page reads it: no infinity, which JSON cannot say."""
         tree = replay_to_tree(self.mission.record())
@@ -290,7 +336,15 @@ class Session:
             "speed": self.speed,
             "watchers": len(self.watchers),
             "incidents": [[step, incident.text()] for step, incident in self.mission.incidents],
+            "leaving": self._leaving(),
+            "planning": self._planning,
         }
+
+    def _leaving(self) -> list[str]:
+        """Return the robots that are lost since the latest step, and count for nothing any more."""
+        now = self.mission.steps
+        latest = [incident for step, incident in self.mission.incidents if step == now]
+        return [it.robot for it in latest if isinstance(it, LostRobot)]
 
     def _tell_all(self, kind: str, news: Tree) -> None:
         text = json.dumps({"kind": kind} | news, separators=(",", ":"))

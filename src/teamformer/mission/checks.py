@@ -19,7 +19,7 @@ from teamformer.capabilities import (
     written,
 )
 from teamformer.errors import Problem
-from teamformer.grid import LARGEST_MAP
+from teamformer.grid import LARGEST_MAP, Grid, Place
 from teamformer.mission.places import believed_place, busiest_part, find_region_problems
 from teamformer.mission.rules import find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
@@ -133,7 +133,14 @@ def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
                     world, what, thing.at, within, (key, number, "within")
                 )
             elif not world.is_free(thing.at):
-                yield Problem(where, f"{what} is at [{x}, {y}], inside an obstacle; move it")
+                advice = _way_out(world, thing.at)
+                yield Problem(where, f"{what} is at [{x}, {y}], inside an obstacle; {advice}")
+
+
+def _way_out(world: World, place: Place) -> str:
+    """Return what to do about a place inside an obstacle."""
+    free = world.nearest_free(place) if isinstance(world, Grid) else None
+    return "move it" if free is None else f"the nearest free cell is [{free[0]}, {free[1]}]"
 
 
 def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:

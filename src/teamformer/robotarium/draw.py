@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from teamformer.errors import TeamformerError
+from teamformer.extras import how_to_install
 from teamformer.model import Scenario
 from teamformer.robotarium.mission import Moment
 from teamformer.robotarium.robots.arena import DIAMETER, HEIGHT, MIDDLE, TICK, WIDTH
@@ -97,7 +98,7 @@ def _load_pyplot() -> Any:
         matplotlib.use("Agg")
         from matplotlib import pyplot
     except ImportError:
-        hint = "pip install 'teamformer[plots]'"
+        hint = how_to_install("plots")
         raise TeamformerError("pictures need matplotlib", hint) from None
     return pyplot
 

@@ -15,7 +15,7 @@ from teamformer.robotarium.mission_checks import check_mission
 from teamformer.robotarium.robots.arena import MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Faults, Plant, Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 from teamformer.trials.methods import Player, as_method
 
 Simulator = Literal["plant", "rps"]

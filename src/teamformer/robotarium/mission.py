@@ -23,8 +23,8 @@ from teamformer.robotarium.places import team_places
 from teamformer.robotarium.robots.arena import LONGEST, MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Robots
 from teamformer.robotarium.teams import RobotTeam, teams_of
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, Tally, TeamFormation
 from teamformer.sim.view import View
 

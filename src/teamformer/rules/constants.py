@@ -8,6 +8,9 @@ NOBODY = -1
 FAR = 2**28
 """More steps than anything takes: the time to a place that cannot be reached, or never."""
 
+NEVER = 2**30
+"""A step that never comes: of what is not lost, not back, not known."""
+
 ROUNDING = 1e-9
 """Speeds are binary fractions: ten steps at 0.1 must make one cell."""
 

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Sequence
+from importlib.resources import files
 from pathlib import Path
 
 from teamformer.errors import TeamformerError
+
+LARGEST_SETTINGS = 1_000_000
+"""Bytes of a file of settings."""
 
 
 def read_bytes(path: Path, largest: int, hint: str = "") -> bytes:
@@ -35,3 +41,30 @@ def read_text(path: Path, largest: int, hint: str = "") -> str:
             f"{path}: this is not text: byte {error.start + 1} is no UTF-8",
             "name another file, or save this one as UTF-8",
         ) from None
+
+
+def names_of_shipped(*folder: str) -> list[str]:
+    """Return the names of the YAML files that come with the package in one of its folders."""
+    found = files("teamformer").joinpath(*folder).iterdir()
+    return sorted(file.name.removesuffix(".yaml") for file in found)
+
+
+def read_shipped_or_own(
+    name: str, folder: Sequence[str], missing: str, own: str, others: Sequence[str] = ()
+) -> tuple[str, str]:
+    """Return the text of a YAML file, and what to call it in errors.
+
+    `name` is that of a file which comes with the package in `folder`, or the path of the user's own
+    that ends in .yaml. Raises `TeamformerError` for an unknown name: `missing` says what there is
+    not, the hint the nearest names, `others` among them, and how to name one's `own`.
+    """
+    if name.endswith((".yaml", ".yml")):
+        return read_text(Path(name), LARGEST_SETTINGS), name
+    known = names_of_shipped(*folder)
+    if name not in known:
+        known += others
+        near = " or ".join(f"'{one}'" for one in difflib.get_close_matches(name, known))
+        hint = f"did you mean {near}?" if near else f"there are {', '.join(known)};"
+        raise TeamformerError(f"{missing} '{name}'", f"{hint} {own}")
+    file = files("teamformer").joinpath(*folder, f"{name}.yaml")
+    return file.read_text(encoding="utf-8"), file.name

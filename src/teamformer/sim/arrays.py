@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numba as nb
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[Any]
+from teamformer.rules.arrays import Array
+from teamformer.rules.constants import NEVER
 
-NEVER = 2**30
 LATEST = NEVER - 1
 """The latest step that arrays know; it is later than any step limit."""
 

@@ -5,17 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
-from teamformer.rules.constants import NOBODY
+from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.allocation.assignment import can_do_alone
-from teamformer.sim.arrays import (
-    APPEARED,
-    BROKEN_OFF,
-    COMPLETED,
-    DONE,
-    INFEASIBLE,
-    NEVER,
-    STEP_LIMIT,
-)
+from teamformer.sim.arrays import APPEARED, BROKEN_OFF, COMPLETED, DONE, INFEASIBLE, STEP_LIMIT
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
 from teamformer.sim.surprises.beliefs import expect_end
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import itertools
-import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -13,12 +12,14 @@ from typing import Any
 import numpy as np
 
 from teamformer.coordination import Coordinator, Known, Plan, heeded_by
+from teamformer.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.task_order import order_worlds
-from teamformer.sim.arrays import RUNNING, STATUS_NAMES, Array, Worlds
+from teamformer.sim.arrays import RUNNING, STATUS_NAMES, Worlds
 from teamformer.sim.guidance.guide import Guide
 from teamformer.sim.guidance.known import known_of
 from teamformer.sim.packing import pack_worlds
@@ -250,12 +251,12 @@ class TeamFormation:
 
     def _bring_up_to_date(self, worlds: Worlds) -> None:
         """Have orders and plans made where there is news."""
-        begun = time.perf_counter()
+        begun = working_seconds()
         if self._has_order:
             order_worlds(worlds)
         if self._guide is not None:
             self._guide.update(worlds)
-        self.planning_seconds += time.perf_counter() - begun
+        self.planning_seconds += working_seconds() - begun
 
     def _read(self, decision: Decision) -> tuple[Array, Array]:
         """Return what the teams want and name, as the kernels take it."""

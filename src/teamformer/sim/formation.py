@@ -8,9 +8,8 @@ import numpy as np
 
 from teamformer.jit import kernel
 from teamformer.rules.arrays import Array
-from teamformer.rules.constants import NOBODY
+from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.rules.splitting import fits
-from teamformer.sim.arrays import NEVER
 from teamformer.sim.spatial_index import distance_squared, distance_squared_to, find_near
 
 if TYPE_CHECKING:

@@ -19,22 +19,10 @@ from teamformer.mission.rules import (
 )
 from teamformer.model import Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
-from teamformer.rules.constants import NOBODY
+from teamformer.rules.chance import first_state
+from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.rules.distances import UNREACHABLE, blocked_cells, distance_fields
-from teamformer.sim.arrays import (
-    CELL,
-    COUNT,
-    LATEST,
-    NEVER,
-    ROBOT,
-    RULES,
-    SPOT,
-    START,
-    TASK,
-    TEAM,
-    Worlds,
-)
-from teamformer.sim.surprises.delays import first_luck
+from teamformer.sim.arrays import CELL, COUNT, LATEST, ROBOT, RULES, SPOT, START, TASK, TEAM, Worlds
 from teamformer.truth import expected_needs
 
 
@@ -196,7 +184,7 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
             worlds.absences[w, r, : len(times)] = np.reshape(times, (-1, 2))
         if robot.delays is not None:
             record["delay"] = robot.delays.chance
-            record["luck"] = first_luck(robot.delays.seed or 0)
+            record["luck"] = first_state(robot.delays.seed or 0)
         record["region"] = scenario.world.region(robot.at)
         for name, count in scenario.in_units(robot.can).items():
             worlds.brings[w, r, column[name]] = count

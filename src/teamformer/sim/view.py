@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import fills_gap
-from teamformer.sim.arrays import RUNNING, Array, world_at
+from teamformer.sim.arrays import RUNNING, world_at
 from teamformer.sim.formation import is_in_reach, is_in_same_place
 from teamformer.sim.spatial_index import (
     distance_squared,

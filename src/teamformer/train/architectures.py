@@ -147,10 +147,10 @@ def find_architecture(network: str, capabilities: int | None) -> Architecture:
             f"there is no network '{network}'", f"use {' or '.join(ARCHITECTURES)}"
         )
     if architecture.is_for_any_number and capabilities is not None:
-        hint = "leave --capabilities out, or choose another --network"
+        hint = "leave capabilities out, or choose another network"
         raise TeamformerError(f"network '{network}' serves any number of capabilities", hint)
     if not architecture.is_for_any_number and capabilities is None:
-        hint = "add --capabilities N"
+        hint = "say it with capabilities: N"
         raise TeamformerError(f"network '{network}' is made for a number of capabilities", hint)
     architecture.codec(capabilities)  # refuses numbers that its actions do not allow
     return architecture

@@ -64,8 +64,8 @@ def load(folder: Path, learner: Learner, settings: dict[str, Any]) -> TrainingPr
     """Put a checkpoint into a learner made with the same settings."""
     about = read_about(folder)
     begun = settings | about["settings"]  # an older one lacks what is new
-    if begun != settings:
-        changed = [name for name in settings if begun[name] != settings[name]]
+    changed = [name for name in settings if begun[name] != settings[name]]
+    if changed:
         hint = f"other settings: {', '.join(changed)}; use the same or another folder"
         raise TeamformerError(f"{folder} holds another training", hint)
     tensors = _read_tensors(folder)

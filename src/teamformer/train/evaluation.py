@@ -15,7 +15,7 @@ from teamformer.policies.learned.policy import Brain, Learned
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 from teamformer.sim.env import Tally, TeamFormation
 
 

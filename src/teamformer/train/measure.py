@@ -18,9 +18,9 @@ from teamformer.policies.learned.policy import Learned
 from teamformer.policies.protocol import Guarded, Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
+from teamformer.rules.arrays import Array
 from teamformer.scenarios.generate import generate
 from teamformer.scenarios.named_settings import spec_of
-from teamformer.sim.arrays import Array
 from teamformer.train.checkpoint import load_policy_weights, read_about
 from teamformer.train.evaluation import torch_brain
 from teamformer.train.trainer import make_learner

@@ -21,7 +21,7 @@ def run_session(settings: TrainSettings, folder: Path, on_report: Callable[[Repo
     Started by torchrun, all processes train one policy; only the first one reports.
     """
     if settings.device == "cuda" and not torch.cuda.is_available():
-        raise TeamformerError("torch finds no CUDA device", "use --device cpu")
+        raise TeamformerError("torch finds no CUDA device", "write device: cpu")
     torch.set_num_threads(1)
     architecture = settings.architecture
     worlds = selection_worlds(settings.held_out, architecture.selection(settings.capabilities))

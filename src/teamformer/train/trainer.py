@@ -134,7 +134,8 @@ def _keep(
 ) -> None:
     """Write a checkpoint; the first process does."""
     if distributed.rank() == 0:
-        save(folder, learner, _described(settings), progress)
+        said = _described(settings) | {"device": settings.device}
+        save(folder, learner, said, progress)
 
 
 def _export(folder: Path, learner: Learner, settings: TrainSettings) -> None:

@@ -13,6 +13,7 @@ from teamformer.train.learning.rollout_improvement import RolloutImprovementSett
 from teamformer.train.training_worlds import Mixture, imitation_mixture
 
 ITERATIONS, NO_LIMIT = 60, 10**9
+DEVICES = ("cpu", "cuda")
 
 
 @dataclass(frozen=True)

@@ -75,16 +75,16 @@ def _is_coordinator(player: Any) -> TypeGuard[Coordinator]:
     return hasattr(player, "update")
 
 
-SETTINGS = ("new_tasks", "foresight")
-"""What a suite may set of a method."""
-
-
 def with_settings(method: Method, settings: Mapping[str, str]) -> Method:
-    """Return a method with some of `SETTINGS` changed, as suites of benchmarks do.
+    """Return a method with its `new_tasks` or `foresight` changed, as suites of benchmarks do.
 
     A shared plan sends scouts only with the foresight `scouting`.
     """
-    changed = replace(method, **settings)  # type: ignore[arg-type]
+    changed = replace(
+        method,
+        new_tasks=settings.get("new_tasks", method.new_tasks),
+        foresight=settings.get("foresight", method.foresight),
+    )
     if isinstance(changed.coordinator, SharedPlan):
         scouts = changed.foresight == "scouting"
         return replace(changed, coordinator=replace(changed.coordinator, scouts=scouts))

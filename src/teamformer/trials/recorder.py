@@ -11,8 +11,8 @@ from teamformer.capabilities import covers
 from teamformer.mission.checks import totals_by_region
 from teamformer.mission.rules import FORESIGHTS
 from teamformer.plane import Plane
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import Array
 from teamformer.sim.env import Tally, TeamFormation
 from teamformer.sim.replay.record import (
     Ending,

@@ -36,6 +36,7 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
         "planning_seconds": round(trial.planning_seconds, 6),
         "decision_seconds": round(trial.decision_seconds, 6),
         "simulating_seconds": round(trial.simulating_seconds, 6),
+        "compiling_seconds": round(trial.compiling_seconds, 6),
         "total_seconds": round(trial.total_seconds, 6),
         "best_known": best_known,
         "lower_bound": replay.lower_bound,

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from teamformer.coordination import Coordinator
+from teamformer.kernels.clock import compiling_seconds, working_seconds
 from teamformer.model import Scenario
 from teamformer.policies.central.plays import CentralPlan
 from teamformer.policies.protocol import Planner
@@ -25,21 +26,24 @@ class Trial:
     """A finished trial: its record, and what the clock said (which the record never holds).
 
     The seconds are apart: `planning_seconds` are of plans and orders, `decision_seconds` of
-    the policy, `simulating_seconds` of all else. `is_interrupted` says that Ctrl-C was pressed, be
-    it in the very last step.
+    the policy, `compiling_seconds` of compiling, in a first run, and `simulating_seconds` of all
+    else in `total_seconds`. `is_interrupted` says that Ctrl-C was pressed, be it in the very last
+    step.
     """
 
     replay: Replay
     planning_seconds: float
     decision_seconds: float
     total_seconds: float
+    compiling_seconds: float = 0.0
     is_interrupted: bool = False
     plan: CentralPlan | None = None  # where the central planner decided
 
     @property
     def simulating_seconds(self) -> float:
-        """Return the seconds that neither planning nor deciding took."""
-        return max(0.0, self.total_seconds - self.planning_seconds - self.decision_seconds)
+        """Return the seconds that neither planning, deciding nor compiling took."""
+        told = self.planning_seconds + self.decision_seconds + self.compiling_seconds
+        return max(0.0, self.total_seconds - told)
 
 
 def run_trial(
@@ -58,7 +62,7 @@ def run_trial(
     `lower_bound` is what is known of the mission; a planner that has proven more raises it.
     `on_step` is called after each step, for a display of progress.
     """
-    method, begun = as_method(player), time.perf_counter()
+    method, begun, compiled = as_method(player), time.perf_counter(), compiling_seconds()
     planning = deciding = 0.0
     is_interrupted = False
     truth = draw_truth(mission, seed)
@@ -69,9 +73,9 @@ def run_trial(
         recorder = Recorder(env)
         while env.is_running[0]:
             view = env.view()
-            asked = time.perf_counter()
+            asked = working_seconds()
             decision = decide(env, method, view)
-            deciding += time.perf_counter() - asked
+            deciding += working_seconds() - asked
             env.step(decision)
             recorder.step()
             if on_step is not None:
@@ -83,8 +87,15 @@ def run_trial(
         recorder = Recorder(env)
     plan = next(iter(method.policy.plans), None) if isinstance(method.policy, Planner) else None
     replay = recorder.finish(method.name, seed, _best_bound(lower_bound, plan))
-    seconds = (planning + env.planning_seconds, deciding, time.perf_counter() - begun)
-    return Trial(replay, *seconds, is_interrupted, plan)
+    return Trial(
+        replay,
+        planning_seconds=planning + env.planning_seconds,
+        decision_seconds=deciding,
+        total_seconds=time.perf_counter() - begun,
+        compiling_seconds=compiling_seconds() - compiled,
+        is_interrupted=is_interrupted,
+        plan=plan,
+    )
 
 
 def run_trials(
@@ -154,6 +165,6 @@ def _best_bound(known: int | None, plan: CentralPlan | None) -> int | None:
 
 
 def _seconds(work: Callable[[], None]) -> float:
-    begun = time.perf_counter()
+    begun = working_seconds()
     work()
-    return time.perf_counter() - begun
+    return working_seconds() - begun

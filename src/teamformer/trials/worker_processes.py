@@ -6,7 +6,9 @@ import multiprocessing
 import os
 import signal
 import threading
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from multiprocessing.connection import wait
 from typing import Any
 
@@ -20,7 +22,21 @@ def begin_worker() -> None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
 
 
-def end_workers(pool: ProcessPoolExecutor) -> None:
+@contextmanager
+def ending(pool: ProcessPoolExecutor) -> Iterator[None]:
+    """Let processes leave by themselves when all is done; end them if it is given up before.
+
+    To end a process that is about to leave by itself would close pipes that are written to.
+    """
+    try:
+        yield
+    except BaseException:
+        _end_all(pool)
+        raise
+    pool.shutdown()
+
+
+def _end_all(pool: ProcessPoolExecutor) -> None:
     """End all processes, whatever they are at."""
     pool.shutdown(wait=False, cancel_futures=True)
     for child in multiprocessing.active_children():

@@ -5,20 +5,27 @@ from __future__ import annotations
 import base64
 import hashlib
 import html
+import math
 from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 ROW, BAR, LABEL, WIDTH, TOP = 26, 16, 110, 1100, 34
 """Sizes in pixels: of a row, a bar, the robots' names, the time, the axis."""
 
+LETTER, LONGEST_NAME = 7, 15
+"""Pixels of a letter, and letters of a robot's name that there is room for."""
+
 STYLE = """
 body{font:14px/1.4 system-ui,sans-serif;margin:24px;color:#1d2733;background:#fff}
 h1{font-size:20px;margin:0 0 4px}p{margin:0 0 16px;color:#4a5766}
-svg{max-width:100%;min-width:760px;height:auto}.chart{overflow-x:auto}
+.chart{display:flex}.chart>svg{flex:none}.times{flex:1;min-width:0;overflow-x:auto}
+svg{display:block}
 text{font:12px system-ui,sans-serif;fill:#1d2733}
 .way{stroke:#9aa7b5;stroke-width:2}.wait{fill:#e3e8ee}.grid{stroke:#e3e8ee}
 .bound{stroke:#b3402a;stroke-dasharray:4 3}.task text{fill:#fff;font-size:11px}
+.beside{font-size:10px}
 .late rect{stroke:#b3402a;stroke-width:3}
 @media(prefers-color-scheme:dark){body{background:#12181f;color:#dfe6ee}text{fill:#dfe6ee}
 p{color:#9aa7b5}.wait{fill:#2a3542}.grid{stroke:#2a3542}}
@@ -39,8 +46,8 @@ def gantt_page(plan: Mapping[str, Any]) -> str:
         f'<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
         f"style-src 'sha256-{style}'\">"
         '<meta name="viewport" content="width=device-width">'
-        f"<title>{name}, plan</title><style>{STYLE}</style></head><body>"
-        f"<h1>{name}</h1><p>{html.escape(_summary(plan))}</p>{_drawing(plan)}</body></html>\n"
+        f"<title>{name}, plan</title><style>{STYLE}</style></head><body><main>"
+        f"<h1>{name}</h1><p>{html.escape(_summary(plan))}</p>{_drawing(plan)}</main></body></html>\n"
     )
 
 
@@ -58,20 +65,35 @@ def _summary(plan: Mapping[str, Any]) -> str:
 
 
 def _drawing(plan: Mapping[str, Any]) -> str:
+    """Return the robots' names and, beside them, what scrolls in narrow windows: the time."""
     routes: Sequence[Mapping[str, Any]] = plan["routes"]
     height = TOP + ROW * len(routes) + 8
     scale = WIDTH / max(plan["makespan"], 1e-9)
     tasks = sorted({stop["task"] for route in routes for stop in route["stops"]})
     hue = {task: round(360 * n * 0.618034) % 360 for n, task in enumerate(tasks)}
-    parts = [*_axis(plan, scale, height)]
+    names, parts = [], [*_axis(plan, scale, height)]
     for number, route in enumerate(routes):
-        parts += _row(route, TOP + ROW * number, scale, hue, plan["late"])
-    width = LABEL + WIDTH + 24
+        y = TOP + ROW * number
+        names.append(_name(str(route["robot"]), y))
+        parts += _row(route, y, scale, hue, plan["late"])
+    left = LABEL - 8  # half of the axis's first number is left of the time's beginning
+    width = LABEL + WIDTH + 24 - left
     return (
-        '<div class="chart"><svg role="img" aria-label="Gantt chart of the plan" '
+        f'<div class="chart"><svg role="img" aria-label="Robots" width="{left}" '
+        f'height="{height}">{"".join(names)}</svg>'
+        '<div class="times" tabindex="0" role="group" aria-label="Time">'
+        '<svg role="img" aria-label="Gantt chart of the plan" '
         f'width="{width}" height="{height}" '
-        f'viewBox="0 0 {width} {height}">{"".join(parts)}</svg></div>'
+        f'viewBox="{left} 0 {width} {height}">{"".join(parts)}</svg></div></div>'
     )
+
+
+def _name(robot: str, y: int) -> str:
+    """Return a robot's name left of its row, cut where it is long."""
+    name = html.escape(robot if len(robot) <= LONGEST_NAME else f"{robot[: LONGEST_NAME - 1]}…")
+    title = "" if len(robot) <= LONGEST_NAME else f"<title>{html.escape(robot)}</title>"
+    middle = y + ROW / 2
+    return f'<text x="{LABEL - 10}" y="{middle + 4}" text-anchor="end">{title}{name}</text>'
 
 
 def _axis(plan: Mapping[str, Any], scale: float, height: int) -> list[str]:
@@ -107,16 +129,27 @@ def _row(
 ) -> list[str]:
     """Return a robot's row: lines for ways, pale bars for waits, bars for tasks."""
     middle = y + ROW / 2
-    name = html.escape(str(route["robot"]))
-    parts = [f'<text x="{LABEL - 8}" y="{middle + 4}" text-anchor="end">{name}</text>']
+    parts: list[str] = []
     free = 0.0
-    for stop in route["stops"]:
+    stops = route["stops"]
+    for stop, after in zip_longest(stops, stops[1:]):
         parts.append(_way(free, stop["arrive"], middle, scale))
         if stop["start"] > stop["arrive"]:
             parts.append(_bar(stop["arrive"], stop["start"], y, scale, 'class="wait"'))
         parts.append(_task(stop, y, scale, hue[stop["task"]], stop["task"] in late))
+        begins = math.inf if after is None else min(after["arrive"], after["start"])
+        parts.append(_name_beside(stop, (begins - stop["end"]) * scale, y, scale))
         free = stop["end"]
     return [*parts, _way(free, route["back"], middle, scale)]
+
+
+def _name_beside(stop: Mapping[str, Any], room: float, y: int, scale: float) -> str:
+    """Return a task's name above the way that follows, if its bar is too short for it."""
+    width = LETTER * len(str(stop["task"]))
+    if (stop["end"] - stop["start"]) * scale > width or width + 6 > room:
+        return ""
+    x, name = LABEL + stop["end"] * scale + 5, html.escape(str(stop["task"]))
+    return f'<text class="beside" x="{x:.1f}" y="{y + ROW / 2 - 3}">{name}</text>'
 
 
 def _way(begin: float, end: float, y: float, scale: float) -> str:
@@ -138,7 +171,7 @@ def _task(stop: Mapping[str, Any], y: int, scale: float, hue: int, is_late: bool
     bar = _bar(stop["start"], stop["end"], y, scale, f'fill="hsl({hue},45%,38%)"')
     width = (stop["end"] - stop["start"]) * scale
     label = ""
-    if width > 7 * len(str(stop["task"])):
+    if width > LETTER * len(str(stop["task"])):
         x = LABEL + stop["start"] * scale + width / 2
         label = f'<text x="{x:.1f}" y="{y + ROW / 2 + 4}" text-anchor="middle">{name}</text>'
     marked = "task late" if is_late else "task"

@@ -27,7 +27,14 @@ SCRIPTS = (
     *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
     *("draw/teams", "draw/groups", "draw/extras", "draw/names", "draw/map"),
     *("panel/dom", "panel/chips", "panel/waiting", "panel/inspector", "panel/rows", "panel/lists"),
-    *("panel/header", "panel/playback", "panel/timeline", "panel/gantt", "panel/files"),
+    *(
+        "panel/header",
+        "panel/playback",
+        "panel/timeline",
+        "panel/bars",
+        "panel/gantt",
+        "panel/files",
+    ),
     *("panel/controls", "player", "companion", "app", "look"),
 )
 """The scripts of every page in the order in which they are put together."""

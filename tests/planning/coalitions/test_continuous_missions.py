@@ -16,8 +16,7 @@ from teamformer.planning.coalitions.mission import pose_mission
 from teamformer.planning.coalitions.problem import CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.routes import MissionPlan
 from teamformer.planning.coalitions.rules import PLANNERS, plan_continuous
-from teamformer.planning.coalitions.search.annealing import schedule_of
-from teamformer.planning.coalitions.search.schedule import COST, MAKESPAN, empty_plan
+from teamformer.planning.coalitions.schedule import COST, MAKESPAN, empty_plan, schedule_of
 from teamformer.planning.coalitions.solve import Solution, _Best, plan_together
 
 POLICIES = pytest.mark.parametrize("policy", PLANNERS)

@@ -24,7 +24,7 @@ from teamformer.planning.coalitions.linked.schedule import plan_of
 from teamformer.planning.coalitions.linked.search import LinkedSearch
 from teamformer.planning.coalitions.linked.solve import plan_linked, solve_linked
 from teamformer.planning.coalitions.problem import CoalitionProblem, pose_problem
-from teamformer.planning.coalitions.search.schedule import CoalitionPlan
+from teamformer.planning.coalitions.schedule import CoalitionPlan
 
 SEEDS = range(4)
 WEIGHTS = (3, 1, 2, 4, 5)

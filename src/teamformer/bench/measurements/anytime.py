@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from teamformer.bench.rows import Row
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 
 POINTS = 200
 """Times at which a curve is drawn."""

@@ -12,8 +12,8 @@ from teamformer.grid import Grid
 from teamformer.policies.learned.autoregressive import Speller, shipped_speller
 from teamformer.policies.learned.token_features import SpellingCodec
 from teamformer.policies.scripted.joining import JoinAll
+from teamformer.rules.arrays import Array
 from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.arrays import Array
 from teamformer.sim.env import TeamFormation
 
 NETWORK = "teamformer-c100-full"

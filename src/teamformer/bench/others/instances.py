@@ -15,6 +15,7 @@ from teamformer.scenarios.imports import import_missions
 Published = dict[str, float]
 """Makespans by method."""
 
+HINT = "name folders of them: teamformer bench others FOLDER"
 NUMBER = re.compile(r"\d+(\.\d*)?(e-?\d+)?")
 SUMMARY = "best_known"
 """A column that only repeats the best of the others."""
@@ -46,18 +47,19 @@ def read_instances(folders: Sequence[Path]) -> list[Instance]:
     """
     names = [folder.resolve().name for folder in folders]
     if len(set(names)) < len(names):
-        raise TeamformerError("two of the folders have one name", "name each once with --worlds")
+        raise TeamformerError("two of the folders have one name", "name each once")
     found = [one for folder in folders for one in _instances_in(folder)]
     if not found:
         raise TeamformerError(
-            "there is no instance to measure", "name folders of them with --worlds FOLDER"
+            "there is no instance to measure",
+            HINT,
         )
     return found
 
 
 def _instances_in(folder: Path) -> Iterator[Instance]:
     if not folder.is_dir():
-        raise TeamformerError(f"{folder}: this is no folder", "name folders with --worlds FOLDER")
+        raise TeamformerError(f"{folder}: this is no folder", HINT)
     tables = _read_tables(folder)
     for path in sorted(folder.iterdir(), key=_natural):
         if path.is_dir() and (path / "graph.yaml").is_file():

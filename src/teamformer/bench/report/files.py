@@ -9,6 +9,7 @@ from teamformer.bench.report.tables import EXPLANATION, summary_csv, summary_tab
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import on_shared_worlds, summarise
+from teamformer.extras import how_to_install
 from teamformer.trials.methods import BARE
 from teamformer.whole_files import write_whole
 
@@ -32,7 +33,7 @@ def write_report(
     try:
         from teamformer.bench.report.figures import draw_anytime, draw_suite
     except ImportError:
-        say("no figures: they need matplotlib; pip install 'teamformer[plots]'")
+        say(f"no figures: they need matplotlib; {how_to_install('plots')}")
         return
     drawn = [row for row in rows if not row.method.endswith(BARE)]
     yield from draw_suite(suite, summarise(on_shared_worlds(drawn)), folder)

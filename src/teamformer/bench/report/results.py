@@ -242,7 +242,7 @@ def _beside_the_authors(rows: Sequence[Row]) -> str:
     methods = ("heuristic", "join-all", "teamformer")
     table = [[setting, *_beside(evidence, setting, methods)] for setting in settings]
     if not table:
-        return "Not measured: `teamformer bench authors --worlds FILE` reads such worlds.\n"
+        return "Not measured: `teamformer bench authors FILE` reads such worlds.\n"
     headers = ["setting", "worlds", AUTHORS, "it failed", *methods]
     return markdown(headers, table, words=1)
 

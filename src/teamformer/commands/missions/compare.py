@@ -10,9 +10,11 @@ from rich.text import Text
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, print_json, say, wide
-from teamformer.commands.missions.run import plan_line, read_mission, watch_trial
+from teamformer.commands.missions.run import plan_line, watch_trial
 from teamformer.errors import TeamformerError
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
+from teamformer.scenarios.files import read_scenario
 from teamformer.trials.comparison import Bars, Comparison, Failure, compare_methods
 from teamformer.trials.methods import Method, load_method
 from teamformer.trials.rows import percent_over
@@ -36,7 +38,6 @@ def compare(
     path: Path,
     names: Sequence[str],
     seeds: int,
-    step_limit: int | None,
     time_limit: float,
     as_json: bool,
 ) -> int:
@@ -44,9 +45,9 @@ def compare(
 
     A trial that fails is a row that says why. Where all do, the first error is raised.
     """
-    mission = read_mission(path, step_limit)
+    mission = read_scenario(path, rules_not_played)
     methods = [load_method(name, time_limit) for name in names]
-    announce_compiling(methods)
+    announce_compiling(methods, mission)
     compared = compare_methods(mission, methods, seeds, _run_one)
     trials, failures = compared.trials, compared.failures
     if trials[-1].is_interrupted:

@@ -1,4 +1,4 @@
-"""`teamformer generate`: a random scenario in a file."""
+"""`teamformer generate`: a random mission in a file."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from teamformer.commands.console import prepare_file, print_json, say
+from teamformer.commands.console import prepare_file, say
 from teamformer.errors import TeamformerError
 from teamformer.grid import LARGEST_MAP, Grid
 from teamformer.model import Scenario, World
@@ -15,7 +15,7 @@ from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
 from teamformer.scenarios.generate import Spec
 from teamformer.scenarios.generate import generate as generate_scenario
-from teamformer.scenarios.maps.formats import read_map
+from teamformer.scenarios.maps.formats import read_coarse_map
 from teamformer.scenarios.named_settings import world_of
 
 
@@ -24,43 +24,35 @@ def generate(
     grid: str | None,
     plane: str | None,
     map_path: Path | None,
-    cell: float | None,
     seed: int,
     path: Path,
-    as_json: bool,
 ) -> int:
-    """Write a random scenario; return the exit status."""
+    """Write a random mission; return the exit status."""
     prepare_file(path)
-    world = _world(grid, plane, map_path, cell)
+    world = _world(grid, plane, map_path)
     name = f"{spec.robots} robots, {spec.tasks} tasks, seed {seed}"
     spec = Spec(**{**vars(spec), "world": world})
     scenario = generate_scenario(spec, np.random.default_rng(seed), name)
-    return _write(scenario, path, as_json)
+    return _write(scenario, path)
 
 
-def generate_setting(setting: str, seed: int, path: Path, as_json: bool) -> int:
+def generate_setting(setting: str, seed: int, path: Path) -> int:
     """Write a world that a benchmark runs on; return the exit status."""
     prepare_file(path)
-    return _write(world_of(setting, seed), path, as_json)
+    return _write(world_of(setting, seed), path)
 
 
-def _write(scenario: Scenario, path: Path, as_json: bool) -> int:
+def _write(scenario: Scenario, path: Path) -> int:
     write_scenario(scenario, path)
-    if as_json:
-        robots, tasks = len(scenario.robots), len(scenario.tasks)
-        print_json({"file": str(path), "robots": robots, "tasks": tasks})
-    else:
-        say(f"scenario: {path}")
+    say(f"mission: {path}")
     return 0
 
 
-def _world(grid: str | None, plane: str | None, map_path: Path | None, cell: float | None) -> World:
+def _world(grid: str | None, plane: str | None, map_path: Path | None) -> World:
     if sum(given is not None for given in (grid, plane, map_path)) > 1:
         raise TeamformerError("--grid, --plane and --map exclude each other; give one")
-    if cell is not None and map_path is None:
-        raise TeamformerError("--cell is the size of a map's cells", "add --map FILE")
     if map_path is not None:
-        return read_map(map_path, cell)
+        return read_coarse_map(map_path)
     if plane is not None:
         width, height = _size("--plane", plane, r"\d{1,5}(?:\.\d{1,3})?", "3.2x2.0")
         return Plane(width, height)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import chosen_method
-from teamformer.commands.robots.rehearse import require_extra, signatures_in
 from teamformer.errors import TeamformerError
-from teamformer.mission.rules import rules_of_live_missions, rules_of_simulated_missions
+from teamformer.extras import require
+from teamformer.mission.rules import rules_of_live_missions
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.smallest import smallest_scenario
@@ -28,15 +28,19 @@ if TYPE_CHECKING:
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 
-@dataclass(frozen=True)
-class FleetAt:
-    """Where a running fleet is heard: the endpoint of one of its agents."""
+SPEED = 4.0
+"""Steps a second at first; the page changes it."""
 
-    endpoint: str
-    pace: float
-    key: Path | None
-    tls: Path | None
-    sign: Path | None
+TIME_LIMIT = 10.0
+"""Seconds that a method may plan."""
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where a page is served."""
+
+    host: str = "127.0.0.1"
+    port: int = 8765
 
 
 @dataclass(frozen=True)
@@ -45,12 +49,8 @@ class Options:
 
     method: str | None
     seed: int
-    port: int
-    host: str
-    speed: float
-    time_limit: float
+    address: Address
     folder: Path
-    fleet: FleetAt | None = None
 
 
 def live(path: Path | None, options: Options) -> int:
@@ -58,32 +58,22 @@ def live(path: Path | None, options: Options) -> int:
 
     What was done by then is saved.
     """
-    try:
-        import teamformer.live.server  # noqa: F401
-    except ImportError as error:
-        raise TeamformerError(
-            f"live needs starlette, uvicorn and websockets ({error})",
-            "pip install 'teamformer[live]'",
-        ) from None
+    require("live", "starlette", "uvicorn", "websockets")
     prepare_folder(options.folder)
-    _check_port(options.host, options.port)
-    if options.fleet is None:
-        session, name = _prepare(path, options)
-        _serve(session, name, options)
-        return 0
-    with contextlib.closing(_observe(path, options.fleet, options.folder)) as onlooker:
-        _serve(onlooker, "fleet", options)
+    check_address(options.address)
+    session, name = _prepare(path, options)
+    serve_page(session, name, options.address)
     return 0
 
 
-def _serve(session: Session | Workshop | ObserverSession, name: str, options: Options) -> None:
+def serve_page(session: Session | Workshop | ObserverSession, name: str, at: Address) -> None:
     """Serve a mission's page until Ctrl-C, and save."""
     from teamformer.live.server import Doors, make_app, serve
     from teamformer.viewer.html import live_page
 
-    token = None if options.host in LOOPBACK else secrets.token_urlsafe(16)
-    doors = Doors(_names(options.host, options.port), token)
-    address = f"http://{_bracketed(options.host)}:{options.port}/"
+    token = None if at.host in LOOPBACK else secrets.token_urlsafe(16)
+    doors = Doors(_names(at.host, at.port), token)
+    address = f"http://{_bracketed(at.host)}:{at.port}/"
     if token is not None:
         address += f"?token={token}"
 
@@ -99,7 +89,7 @@ def _serve(session: Session | Workshop | ObserverSession, name: str, options: Op
 
     app = make_app(session, lambda: live_page(name), doors, save)
     with contextlib.suppress(KeyboardInterrupt):
-        serve(app, options.host, options.port, tell)
+        serve(app, at.host, at.port, tell)
 
 
 def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, str]:
@@ -110,43 +100,16 @@ def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, s
 
     scenario = None if path is None else read_scenario(path, rules_of_live_missions)
     name = options.method
-    announce_compiling([chosen_method(name, scenario or smallest_scenario(), options.time_limit)])
+    chosen = chosen_method(name, scenario or smallest_scenario(), TIME_LIMIT)
+    announce_compiling([chosen], scenario)
 
     def start(mission: Scenario) -> Mission:
-        chosen = chosen_method(name, mission, options.time_limit).name
-        return Mission(mission, lambda: load_method(chosen, options.time_limit), options.seed)
+        chosen = chosen_method(name, mission, TIME_LIMIT).name
+        return Mission(mission, lambda: load_method(chosen, TIME_LIMIT), options.seed)
 
     if scenario is None:
-        return Workshop(start, options.folder, options.speed), "editor"
-    return Session(start(scenario), options.folder, options.speed), scenario.name
-
-
-def _observe(path: Path | None, fleet: FleetAt, folder: Path) -> ObserverSession:
-    """Return the session of a running fleet."""
-    require_extra("zenoh")
-    from teamformer.fleet.messages import OPERATOR, Post
-    from teamformer.fleet.mission import Mission, seconds_a_step
-    from teamformer.fleet.observer.session import ObserverSession
-    from teamformer.fleet.observer.watch import Watch
-    from teamformer.fleet.transports.transport import (
-        check_endpoints,
-        read_certificates,
-        read_secret,
-    )
-    from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
-
-    if path is None:
-        raise TeamformerError("which mission is the fleet on?", "name its scenario file")
-    scenario = read_scenario(path, rules_of_simulated_missions)
-    mission = Mission(scenario, seconds_a_step(scenario, fleet.pace))
-    secret, certificates = read_secret(fleet.key), read_certificates(fleet.tls)
-    check_endpoints([fleet.endpoint], secret, certificates)
-    signatures = signatures_in(fleet.sign, mission, OPERATOR)
-    post = Post(mission.number, mission.robots, secret, signatures)
-    transport = ZenohTransport(  # last: a process ends only once it is closed
-        mission.number, OPERATOR, None, [fleet.endpoint], certificates=certificates
-    )
-    return ObserverSession(Watch(mission), transport, post, folder, say)
+        return Workshop(start, options.folder, SPEED), "editor"
+    return Session(start(scenario), options.folder, SPEED), scenario.name
 
 
 def _names(host: str, port: int) -> frozenset[str]:
@@ -158,8 +121,9 @@ def _bracketed(host: str) -> str:
     return f"[{host}]" if ":" in host else host
 
 
-def _check_port(host: str, port: int) -> None:
-    """Make sure that the port is free; suggest one that is."""
+def check_address(at: Address) -> None:
+    """Raise `TeamformerError` if the port is not free, and suggest one that is."""
+    host, port = at.host, at.port
     with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

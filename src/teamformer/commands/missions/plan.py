@@ -8,7 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.commands.compiling import announce_compiling
-from teamformer.commands.console import out, prepare_file, print_json, say
+from teamformer.commands.console import out, prepare_folder, print_json, say
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
 from teamformer.planning.coalitions.routes import MissionPlan, Route
@@ -21,21 +21,21 @@ from teamformer.viewer.gantt import write_gantt
 LONGEST_TABLE = 40  # robots
 
 
-def plan(path: Path, method: str, time_limit: float, page: Path | None, as_json: bool) -> int:
-    """Plan a mission and show the plan; return the exit status."""
+def plan(path: Path, method: str, time_limit: float, folder: Path | None, as_json: bool) -> int:
+    """Plan a mission and show the plan, in a folder as a page too; return the exit status."""
     scenario = read_scenario(path, rules_not_planned)
     refuse_unplannable(scenario, method)
-    if page is not None:
-        prepare_file(page)
+    if folder is not None:
+        prepare_folder(folder)
     _announce(scenario, method)
     made = plan_mission(scenario, method, time_limit)
     if made is None:
         say(f"no plan was found for {scenario.name}; a longer --time-limit may find one")
         return 1
     row = plan_row(scenario, made)
-    if page is not None:
-        write_gantt(row, page)
-        say(f"page: {page}")
+    if folder is not None:
+        write_gantt(row, folder / "plan.html")
+        say(f"page: {folder / 'plan.html'}")
     if as_json:
         print_json(row)
     else:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections import defaultdict
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 
 from rich.table import Table
@@ -31,6 +29,7 @@ from teamformer.policies.central.plays import CentralPlan
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import lateness
+from teamformer.sim.replay.teams import completions
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.methods import DEFAULT, Method, default_for, load_method
 from teamformer.trials.rows import best_known, result_row, seconds_of
@@ -54,20 +53,12 @@ def chosen_method(name: str | None, mission: Scenario, time_limit: float) -> Met
     return load_method(name, time_limit)
 
 
-def read_mission(path: Path, step_limit: int | None) -> Scenario:
-    """Read a mission in steps; a step limit other than None takes the place of its own."""
-    mission = read_scenario(path, rules_not_played)
-    return mission if step_limit is None else replace(mission, step_limit=step_limit)
-
-
 def run(
     path: Path,
     method_name: str | None,
     seed: int,
-    step_limit: int | None,
     time_limit: float,
     folder: Path | None,
-    with_page: bool,
     as_json: bool,
     explained: str | None = None,
 ) -> int:
@@ -75,12 +66,12 @@ def run(
 
     `explained` is the name of a robot whose story is told too.
     """
-    mission = read_mission(path, step_limit)
+    mission = read_scenario(path, rules_not_played)
     robot = None if explained is None else _robot_number(mission, explained)
     method = chosen_method(method_name, mission, time_limit)
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling([method])
+    announce_compiling([method], mission)
     with ended_like_ctrl_c():
         trial = watch_trial(mission, method, seed)
     story = [] if robot is None else list(story_lines(trial.replay, robot))
@@ -94,7 +85,7 @@ def run(
             if robot is not None:
                 out.print(_story_table(story))
     if folder is not None:
-        _write(trial.replay, folder, with_page)
+        _write(trial.replay, folder)
     return 0 if trial.replay.end.status == "completed" else 1
 
 
@@ -146,14 +137,13 @@ def _improvements(plan: CentralPlan) -> str:
     return f"plans found: {found}{first}"
 
 
-def _write(replay: Replay, folder: Path, with_page: bool) -> None:
+def _write(replay: Replay, folder: Path) -> None:
+    from teamformer.viewer.html import write_page
+
     write_replay(replay, folder / "replay.json")
     say(f"record: {folder / 'replay.json'}")
-    if with_page:
-        from teamformer.viewer.html import write_page
-
-        write_page(replay_to_tree(replay), folder / "replay.html")
-        say(f"page:   {folder / 'replay.html'}")
+    write_page(replay_to_tree(replay), folder / "replay.html")
+    say(f"page:   {folder / 'replay.html'}")
 
 
 def _show(trial: Trial) -> None:
@@ -174,9 +164,11 @@ def _show(trial: Trial) -> None:
         f"{end.tasks_done} of {len(scenario.tasks)} tasks, {end.joins} joins, {end.splits} splits, "
         f"{end.illegal_decisions} illegal decisions"
     )
+    compiled = trial.compiling_seconds
+    compiling = f", compiling {compiled:.2f} s" if compiled else ""
     out.print(
         f"planning {trial.planning_seconds:.2f} s, deciding {trial.decision_seconds:.2f} s, "
-        f"simulating {trial.simulating_seconds:.2f} s"
+        f"simulating {trial.simulating_seconds:.2f} s{compiling}"
     )
 
 
@@ -235,23 +227,3 @@ def _names(scenario: Scenario, robots: Sequence[int]) -> str:
     shown = robots if len(robots) <= MOST_NAMES else robots[: MOST_NAMES - 1]
     names = ", ".join(scenario.robots[robot].name for robot in shown)
     return names if shown is robots else f"{names} and {len(robots) - len(shown)} more"
-
-
-def completions(replay: Replay) -> list[tuple[int, int, tuple[int, ...]]]:
-    """Return (step, task, robots) of every task done, from the record alone."""
-    members = {slot: set(robots) for slot, robots, _, _ in replay.start}
-    found: list[tuple[int, int, tuple[int, ...]]] = []
-    for number, step in enumerate(replay.steps, start=1):
-        for stay, leave in step.splits:
-            members.pop(min(*stay, *leave))
-            members[min(stay)], members[min(leave)] = set(stay), set(leave)
-        for joiner, partner in step.joins:
-            members[min(joiner, partner)] = members.pop(joiner) | members.pop(partner)
-        lost = set(step.lost)
-        if lost:
-            left = defaultdict(set, {min(m - lost): m - lost for m in members.values() if m - lost})
-            members = dict(left)
-        for robot in step.back:
-            members[robot] = {robot}
-        found += [(number, task, tuple(sorted(members[slot]))) for task, slot in step.done]
-    return found

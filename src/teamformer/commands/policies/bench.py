@@ -12,14 +12,14 @@ from tempfile import TemporaryDirectory
 from rich.table import Table
 from rich.text import Text
 
-from teamformer.bench.executors import ENGINES
+from teamformer.bench.executors import chosen_engine
 from teamformer.bench.jobs import ready_method
 from teamformer.bench.report.files import write_report
 from teamformer.bench.report.results import write_results
 from teamformer.bench.report.tables import cells_of, headers_for
 from teamformer.bench.rows import Row
 from teamformer.bench.runner import AUTHORS, Request, fitting_cells, run_benchmark
-from teamformer.bench.store import Store, read_folder
+from teamformer.bench.store import Store, folders_beside
 from teamformer.bench.suites import Suite, load_suite, player_of
 from teamformer.bench.summary import Summary, summarise
 from teamformer.commands.compiling import announce_compiling
@@ -47,14 +47,11 @@ class BenchOptions:
     seed: int = 0
     time_limit: float | None = None
     methods: tuple[str, ...] = ()
-    without: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
     worlds: tuple[Path, ...] = ()
     workers: int = 1
-    engine: str = "local"
     folder: Path | None = None
     results: Path | None = None
-    beside: tuple[Path, ...] = ()
 
 
 def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
@@ -67,9 +64,8 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
         return bench_others(*parts, as_json)
     if suite_name == "robotarium":
         return _fly_missions(options, as_json)
-    if options.engine not in ENGINES:
-        hint = f"there are {', '.join(ENGINES)}"
-        raise TeamformerError(f"there is no engine '{options.engine}'", hint)
+    if suite_name == "fleet":
+        return _rehearse_worlds(options, as_json)
     request = _request(load_suite(suite_name), options)
     if options.folder is not None:
         prepare_folder(options.folder)
@@ -82,7 +78,8 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
         say(f"interrupted{kept if options.folder else ''}")
         return 1
     if options.results is not None and options.folder is not None:
-        write_results(options.results, _command_line(), (options.folder, *options.beside))
+        folders = (options.folder, *folders_beside(options.folder))
+        write_results(options.results, _command_line(), folders)
         say(f"written: {options.results}")
     _show(rows, as_json)
     return 0
@@ -94,7 +91,7 @@ def _measure(request: Request, options: BenchOptions) -> list[Row]:
     with place as folder, Store(Path(folder), request.about, say) as store:
         announce_compiling(_to_compile(request))
         with Counting("trials") as counting:
-            run_benchmark(request, store, ENGINES[options.engine], say, counting.update)
+            run_benchmark(request, store, chosen_engine(), say, counting.update)
         rows = list(store.rows.values())
         if options.folder is not None:
             for path in write_report(request.suite, rows, options.folder, say):
@@ -114,8 +111,7 @@ def _prepare_results(options: BenchOptions) -> None:
         raise TeamformerError("--report needs a folder for the rows", "add --out FOLDER")
     if options.results is not None:
         prepare_file(options.results)
-    for folder in options.beside:
-        read_folder(folder)
+    folders_beside(options.folder)
 
 
 def _command_line() -> str:
@@ -126,7 +122,8 @@ def _request(suite: Suite, options: BenchOptions) -> Request:
     worlds = {path: read_worlds(path)[0].setting for path in _files(options.worlds)}
     settings = options.settings or tuple(worlds.values())
     if suite.name == "authors" and not worlds:
-        raise TeamformerError("the suite 'authors' needs its worlds", "add --worlds FILE")
+        hint = "name their files: teamformer bench authors FILE"
+        raise TeamformerError("the suite 'authors' needs its worlds", hint)
     for setting in settings:
         if setting not in suite.settings:
             hint = f"it has {', '.join(suite.settings)}"
@@ -138,7 +135,6 @@ def _request(suite: Suite, options: BenchOptions) -> Request:
         first_seed=options.seed,
         time_limit=limit,
         methods=options.methods,
-        without=options.without,
         settings=settings,
         workers=options.workers,
         worlds={setting: path.resolve() for path, setting in worlds.items()},
@@ -180,6 +176,13 @@ def _fly_missions(options: BenchOptions, as_json: bool) -> int:
 
     method = options.methods[0] if options.methods else "plan"
     return fly_missions(options.trials or 100, method, options.seed, options.folder, as_json)
+
+
+def _rehearse_worlds(options: BenchOptions, as_json: bool) -> int:
+    from teamformer.commands.robots.bench_fleet import rehearse_worlds
+
+    asked = (options.settings, options.trials or 6, options.seed, options.folder)
+    return rehearse_worlds(*asked, as_json)
 
 
 def _measure_speed(as_json: bool) -> int:

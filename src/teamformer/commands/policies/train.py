@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.commands.compiling import announce_compiling
-from teamformer.commands.console import ended_like_ctrl_c, prepare_folder, print_json, say
-from teamformer.errors import TeamformerError
+from teamformer.commands.console import ended_like_ctrl_c, prepare_folder, say
+from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.extras import how_to_install
 
 if TYPE_CHECKING:
     from teamformer.train.evaluation import Score
@@ -22,43 +23,26 @@ OURS = {"last", "best", "tensorboard"}
 
 @dataclass(frozen=True)
 class TrainOptions:
-    """What the command line says; with `resume`, that folder says what it says nothing of."""
+    """What the command line says; with `resume`, that folder says all but the minutes."""
 
-    network: str = "any"
-    capabilities: int | None = None
-    iterations: int | None = None
-    minutes: float | None = None
-    worlds: int = 256
-    held_out: int = 48
-    method: str | None = None
-    reward: str = "mission"
-    seed: int = 0
-    device: str = "cpu"
+    settings: str | None = None
     folder: Path | None = None
     resume: Path | None = None
-
-    @property
-    def place(self) -> Path:
-        """Return the folder that the training goes to."""
-        made_for = "" if self.capabilities is None else f"-c{self.capabilities}"
-        name = f"{self.network}{made_for}-{self.seed}"
-        return self.resume or self.folder or Path("runs", name)
+    minutes: float | None = None
+    seed: int | None = None
 
 
-def train(options: TrainOptions, as_json: bool) -> int:
+def train(options: TrainOptions) -> int:
     """Train, printing a row for each iteration; return the exit status."""
     _refuse_without_torch()
     from teamformer.train.session import run_session
 
-    folder = options.place
-    if options.resume is not None:
-        options = _as_it_was(options)
-    settings = _settings(options)
+    settings, folder = _begun(options) if options.resume is not None else _new(options)
     _prepare(folder)
     announce_compiling()
     try:
         with ended_like_ctrl_c():
-            table = _Table(as_json)
+            table = _Table()
             is_first = run_session(settings, folder, table.show)
     except KeyboardInterrupt:
         say(_how_to_go_on(folder))
@@ -71,6 +55,49 @@ def train(options: TrainOptions, as_json: bool) -> int:
     if is_first:
         say(f"the policy is in {folder}; run it with --method {folder}")
     return 0
+
+
+def _new(options: TrainOptions) -> tuple[TrainSettings, Path]:
+    """Return the settings that are asked for, and the folder that the training goes to.
+
+    Raises `TeamformerError` if none are named, and for what is wrong with them.
+    """
+    from teamformer.train.settings_files import load_settings, names_of_settings
+
+    if options.settings is None:
+        hint = f"name a file of your own, or one of {', '.join(names_of_settings())}"
+        raise TeamformerError("which settings?", hint)
+    settings = load_settings(options.settings)
+    if options.minutes is not None:
+        settings = replace(settings, minutes=options.minutes)
+    if options.seed is not None:
+        settings = replace(settings, seed=options.seed)
+    name = f"{Path(options.settings).stem}-{settings.seed}"
+    return settings, options.folder or Path("runs", name)
+
+
+def _begun(options: TrainOptions) -> tuple[TrainSettings, Path]:
+    """Return the settings that the training to be resumed began with, and its folder.
+
+    The time that it may take is new. Raises `TeamformerError` for what is no training.
+    """
+    from teamformer.train.checkpoint import read_about
+    from teamformer.train.settings_files import settings_of
+
+    folder = options.resume
+    assert folder is not None
+    given = {"SETTINGS": options.settings, "--out": options.folder, "--seed": options.seed}
+    for name, value in given.items():
+        if value is not None:
+            raise TeamformerError(f"--resume goes on as it was begun; leave {name} out")
+    if not folder.is_dir():
+        raise TeamformerError(f"{folder}: there is no such folder", "begin one with --out")
+    about = read_about(folder / "last")
+    try:
+        settings = settings_of(about["settings"], str(folder / "last"))
+    except (KeyError, ScenarioError):
+        raise TeamformerError(f"{folder / 'last'}: its settings cannot be read") from None
+    return replace(settings, minutes=options.minutes), folder
 
 
 def _prepare(folder: Path) -> None:
@@ -93,73 +120,24 @@ def _how_to_go_on(folder: Path) -> str:
     )
 
 
-def _as_it_was(options: TrainOptions) -> TrainOptions:
-    """Return the options that the training to be resumed began with; the limits are new."""
-    from teamformer.train.checkpoint import read_about
-
-    folder = options.place
-    if not folder.is_dir():
-        raise TeamformerError(f"{folder}: there is no such folder", "begin one with --out")
-    try:
-        begun = read_about(folder / "last")["settings"]
-        return replace(
-            options,
-            network=begun["network"],
-            capabilities=begun["capabilities"],
-            iterations=begun["iterations"],
-            worlds=begun["worlds"],
-            held_out=begun.get("held_out", options.held_out),  # which older ones do not say
-            method=begun["method"],
-            reward="team" if begun["mission_reward"] is None else "mission",
-            seed=begun["seed"],
-        )
-    except (KeyError, TypeError):
-        raise TeamformerError(f"{folder / 'last'}: its settings cannot be read") from None
-
-
 def _refuse_without_torch() -> None:
     try:
         import_module("teamformer.train.trainer")
     except ModuleNotFoundError as error:
-        hint = "pip install 'teamformer[train]'"
+        hint = how_to_install("train")
         raise TeamformerError(f"training needs {error.name}, which is missing", hint) from None
-
-
-def _settings(options: TrainOptions) -> TrainSettings:
-    from teamformer.train.learning.reward_streams import MissionReward, TeamReward
-    from teamformer.train.training_settings import TrainSettings
-
-    return TrainSettings(
-        network=options.network,
-        capabilities=options.capabilities,
-        seed=options.seed,
-        iterations=options.iterations,
-        minutes=options.minutes,
-        worlds=options.worlds,
-        held_out=options.held_out,
-        method=options.method,
-        mission_reward=MissionReward() if options.reward == "mission" else None,
-        team_reward=TeamReward() if options.reward == "team" else None,
-        device=options.device,
-    )
 
 
 class _Table:
     """Rows as they come, one for each iteration, with the exam's where there was one."""
 
-    def __init__(self, as_json: bool) -> None:
-        self._as_json = as_json
+    def __init__(self) -> None:
         self.rows = 0
         self._has_bars = False
 
     def show(self, report: Report) -> None:
         """Print a report."""
-        from teamformer.train.tensorboard import figures
-
         self.rows += 1
-        if self._as_json:
-            print_json({"iteration": report.progress.iteration, **figures(report)})
-            return
         if self.rows % 20 == 1:
             print(_header(report))
         if report.score is not None and not self._has_bars:

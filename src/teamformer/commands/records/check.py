@@ -68,7 +68,7 @@ def _refuse_fleets(replay: Replay, path: Path) -> None:
         raise TeamformerError(
             f"{path}: this was seen of a fleet, once a step; check judges the steps of `run`, "
             "and a fleet's robots walk and join in between",
-            "`teamformer rehearse SCENARIO --seed S --schedule K` plays a rehearsal again "
+            "`teamformer fleet rehearse MISSION --seed S --schedule K` plays a rehearsal again "
             "and judges its promises",
         )
 

@@ -1,76 +1,68 @@
-"""`teamformer export`: a record for other people's tools, or as a scenario again."""
+"""`teamformer export`: a record for other people's tools, or as a mission again."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
-from teamformer.commands.console import prepare_file, prepare_folder, print_json, say
+from teamformer.commands.console import prepare_file, prepare_folder, say
 from teamformer.errors import TeamformerError
+from teamformer.extras import require
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import Replay
 
-
-@dataclass(frozen=True)
-class Wanted:
-    """Where to write what; None is not asked for."""
-
-    mcap: Path | None = None
-    tables: Path | None = None
-    gif: Path | None = None
-    scenario: Path | None = None
+HINT = "name .mcap for Foxglove, .gif, .yaml for the mission, or a folder for tables"
 
 
-def export(record: Path, wanted: Wanted, as_json: bool) -> int:
-    """Write what was asked for; return the exit status."""
-    if wanted == Wanted():
-        raise TeamformerError(
-            "nothing to write is named",
-            "add --mcap FILE, --csv FOLDER, --gif FILE or --scenario FILE",
-        )
+def export(record: Path, wanted: Sequence[Path]) -> int:
+    """Write a record into each of the files wanted, as its ending says; return the exit status.
+
+    `.mcap` and `.gif` are as named, `.yaml`, `.yml` and `.json` the mission with all that happened
+    to it, and a name without an ending is a folder for CSV tables. Raises `TeamformerError` for
+    other endings, before anything is written.
+    """
+    for path in wanted:
+        if path.resolve() == record.resolve():
+            raise TeamformerError(f"{path}: this is the record itself", "name another file")
+        _prepare(path)
     replay = read_replay(record)
-    written: list[Path] = []
-    if wanted.tables is not None:
-        from teamformer.export.csv_tables import write_tables
-
-        prepare_folder(wanted.tables)
-        written += write_tables(replay, wanted.tables)
-    if wanted.scenario is not None:
-        prepare_file(wanted.scenario)
-        write_scenario(replay.scenario, wanted.scenario)
-        written.append(wanted.scenario)
-    if wanted.mcap is not None:
-        prepare_file(wanted.mcap)
-        written.append(_write_mcap(replay, wanted.mcap))
-    if wanted.gif is not None:
-        prepare_file(wanted.gif)
-        written.append(_write_gif(replay, wanted.gif))
-    if as_json:
-        print_json({"files": [str(path) for path in written]})
-    for path in written:
-        say(f"file: {path}")
+    for path in wanted:
+        for written in _write(replay, path):
+            say(f"file: {written}")
     return 0
 
 
-def _write_mcap(replay: Replay, path: Path) -> Path:
-    try:
+def _prepare(path: Path) -> None:
+    """Make sure that a file can be written."""
+    ending = path.suffix.lower()
+    if path.is_dir() or not ending:
+        prepare_folder(path)
+        return
+    if ending not in (".mcap", ".gif", ".yaml", ".yml", ".json"):
+        raise TeamformerError(f"{path}: what is to be in this file?", HINT)
+    if ending == ".mcap":
+        require("mcap", "foxglove")
+    if ending == ".gif":
+        require("gif", "PIL")
+    prepare_file(path)
+
+
+def _write(replay: Replay, path: Path) -> Sequence[Path]:
+    """Write one of the files wanted, or a folder's; return what was written."""
+    ending = path.suffix.lower()
+    if path.is_dir():
+        from teamformer.export.csv_tables import write_tables
+
+        return write_tables(replay, path)
+    if ending == ".mcap":
         from teamformer.export.mcap_file import write_mcap
-    except ImportError as error:
-        raise TeamformerError(
-            f"--mcap needs foxglove-sdk, which is not there ({error})",
-            "pip install 'teamformer[mcap]'",
-        ) from None
-    write_mcap(replay, path)
-    return path
 
-
-def _write_gif(replay: Replay, path: Path) -> Path:
-    try:
+        write_mcap(replay, path)
+    elif ending == ".gif":
         from teamformer.export.gif_file import write_gif
-    except ImportError as error:
-        raise TeamformerError(
-            f"--gif needs Pillow, which is not there ({error})", "pip install 'teamformer[gif]'"
-        ) from None
-    write_gif(replay, path)
-    return path
+
+        write_gif(replay, path)
+    else:
+        write_scenario(replay.scenario, path)
+    return [path]

@@ -1,4 +1,4 @@
-"""`teamformer rehearse`: the fleet's own agents under many random schedules of faults."""
+"""`teamformer fleet rehearse`: the fleet's own agents under many random schedules of faults."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import os
 from collections import Counter
 from dataclasses import dataclass
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from statistics import fmean
 from typing import Any
@@ -19,10 +18,8 @@ from teamformer.commands.console import (
     print_json,
     say,
 )
+from teamformer.commands.robots.mesh import check_method, read_fleet_mission
 from teamformer.errors import TeamformerError
-from teamformer.mission.rules import rules_of_simulated_missions
-from teamformer.model import Scenario
-from teamformer.scenarios.files import read_scenario
 
 MOST_SHOWN = 10
 """Failing schedules that are told one by one."""
@@ -34,28 +31,22 @@ class Options:
 
     schedules: int
     seed: int
-    loss: float | None
-    crashes: int | None
     schedule: int | None
     folder: Path | None
-    workers: int | None
     method: str = "plan"
 
 
 def rehearse(path: Path, options: Options, as_json: bool) -> int:
     """Rehearse, judge and sum up; return 0 if every promise was kept and nothing blocked."""
-    require_extra()
-    from teamformer.fleet.mission import Mission, seconds_a_step
+    mission = read_fleet_mission(path)
     from teamformer.fleet.rehearsal.rehearse import set_stage
 
-    scenario = read_scenario(path, rules_of_simulated_missions)
     if options.folder is not None:
         if options.schedule is None:
             raise TeamformerError("--out is for one schedule", "say which with --schedule K")
         prepare_folder(options.folder)
-    _check(scenario, options)
     check_method(options.method)
-    stage = set_stage(Mission(scenario, seconds_a_step(scenario)), options.method)
+    stage = set_stage(mission, options.method)
     if stage.undisturbed.status == "blocked":
         names = ", ".join(stage.undisturbed.blocked_tasks)
         raise TeamformerError(f"undisturbed, the fleet never does {names}", "report this mission")
@@ -64,51 +55,14 @@ def rehearse(path: Path, options: Options, as_json: bool) -> int:
     return _play_many(stage, options, as_json)
 
 
-def require_extra(*libraries: str) -> None:
-    """Say what to install where a library of the fleet's is missing."""
-    for library in ("msgspec", *libraries):
-        if find_spec(library) is None:
-            raise TeamformerError(
-                f"the fleet needs a library that is not installed: {library}",
-                "pip install 'teamformer[fleet]'",
-            )
-
-
-def signatures_in(folder: Path | None, mission: Any, who: int | None) -> Any:
-    """Return the keys in a folder for a robot, or OPERATOR; none without a folder."""
-    if folder is None:
-        return None
-    require_extra("cryptography")
-    from teamformer.fleet.signatures import read_signatures
-
-    return read_signatures(folder, mission.scenario, mission.number, who)
-
-
-def check_method(name: str) -> None:
-    """Refuse a method by which no robot could decide."""
-    from teamformer.fleet.methods import policy_of
-
-    policy_of(name, 0)
-
-
-def _check(scenario: Scenario, options: Options) -> None:
-    if options.loss is not None and not 0 <= options.loss < 1:
-        raise TeamformerError(f"--loss is {options.loss:g}", "use 0 or more, and less than 1")
-    robots = len(scenario.robots)
-    if options.crashes is not None and options.crashes > robots:
-        raise TeamformerError(f"--crashes is {options.crashes}", f"there are {robots} robots")
-
-
 def _play_many(stage: Any, options: Options, as_json: bool) -> int:
-    from teamformer.fleet.rehearsal.faults import Knobs
     from teamformer.fleet.rehearsal.rehearse import Verdict, judge_many
 
-    knobs = Knobs(options.loss, options.crashes)
-    workers = options.workers or os.cpu_count() or 1
+    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     verdicts: list[Verdict] = []
     with ended_like_ctrl_c(), Counting("schedules") as progress:
         schedules = range(options.schedules)
-        for verdict in judge_many(stage, options.seed, knobs, schedules, workers):
+        for verdict in judge_many(stage, options.seed, schedules, workers or 1):
             verdicts.append(verdict)
             progress.update(len(verdicts), options.schedules)
     bad = [verdict for verdict in verdicts if not verdict.is_good]
@@ -177,13 +131,12 @@ def _show(row: dict[str, Any], bad: list[Any], options: Options) -> None:
 
 def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> int:
     """Play one schedule again, and write its record where asked."""
-    from teamformer.fleet.rehearsal.faults import Knobs
     from teamformer.fleet.rehearsal.record import record_of
     from teamformer.fleet.rehearsal.rehearse import faults_of, play
     from teamformer.fleet.rehearsal.trace import Trace
     from teamformer.sim.replay.writing import write_replay
 
-    faults = faults_of(stage, options.seed, schedule, Knobs(options.loss, options.crashes))
+    faults = faults_of(stage, options.seed, schedule)
     trace = Trace(with_messages=options.folder is not None)
     rehearsal, outcome, violations = play(stage.mission, stage.plan, faults, trace, stage.method)
     if options.folder is not None:
@@ -207,12 +160,11 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
 
 def _shrink(stage: Any, options: Options, schedule: int) -> None:
     """Tell the smallest schedule that still fails."""
-    from teamformer.fleet.rehearsal.faults import Knobs
     from teamformer.fleet.rehearsal.rehearse import fails, faults_of
     from teamformer.fleet.rehearsal.shrink import shrink
 
     say(f"looking for a smaller one than schedule {schedule} ...")
-    faults = faults_of(stage, options.seed, schedule, Knobs(options.loss, options.crashes))
+    faults = faults_of(stage, options.seed, schedule)
     fails_so = partial(fails, method=stage.method)
     mission, faults = shrink(stage.mission, faults, fails_so)
     names = ", ".join(task.name for task in mission.tasks)

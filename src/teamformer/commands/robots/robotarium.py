@@ -1,4 +1,4 @@
-"""`teamformer robotarium`: a mission of small real robots, simulated, drawn, or made to upload."""
+"""`teamformer robotarium`: missions of small real robots, simulated, drawn, or made to upload."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rich.table import Table
 from rich.text import Text
 
@@ -18,7 +17,7 @@ from teamformer.commands.console import Counting, out, prepare_folder, print_jso
 from teamformer.commands.missions.run import chosen_method
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
-from teamformer.robotarium.benchmark import bench_robotarium, count_missions, summarise
+from teamformer.robotarium.benchmark import ROUGH, bench_robotarium, count_missions, summarise
 from teamformer.robotarium.experiment import Experiment, run_experiment
 from teamformer.robotarium.mission_checks import find_problems
 from teamformer.robotarium.robots.arena import TICK
@@ -28,34 +27,28 @@ from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.trials.methods import Method, load_method
 from teamformer.whole_files import write_whole
 
-DEPLOYED_BY_DEFAULT = "teamformer"
-NOISE = (0.002, np.deg2rad(1.0))  # metres and radians
+SEED = 0
+"""Of what is deployed: where its robots face at first."""
 
 
 @dataclass(frozen=True)
-class RobotariumOptions:
-    """What the command line says."""
+class FlightOptions:
+    """What the command line says of a flight."""
 
     method: str | None = None
     seed: int = 0
     simulator: str = "plant"
-    delay: float = 0.0
     has_noise: bool = False
     folder: Path | None = None
 
-    def weather(self) -> Weather:
-        """Return delay and noise."""
-        blur, turn_blur = NOISE if self.has_noise else (0.0, 0.0)
-        return Weather(self.delay, blur, turn_blur)
 
-
-def robotarium(path: Path, options: RobotariumOptions, as_json: bool) -> int:
+def fly(path: Path, options: FlightOptions, as_json: bool) -> int:
     """Fly a mission, write its pictures and show what came of it; return the exit status."""
     scenario = read_scenario(path, find_problems)
     if options.simulator not in ("plant", "rps"):
         raise TeamformerError(f"there is no simulator '{options.simulator}'", "use plant or rps")
-    if options.simulator == "rps" and (options.delay or options.has_noise):
-        raise TeamformerError("rps has neither delay nor noise", "use --simulator plant")
+    if options.simulator == "rps" and options.has_noise:
+        raise TeamformerError("rps has no noise", "use --simulator plant")
     method = _decentralised(options.method, scenario)
     film: Any = None
     if options.folder is not None:
@@ -69,7 +62,7 @@ def robotarium(path: Path, options: RobotariumOptions, as_json: bool) -> int:
         method,
         options.seed,
         "rps" if options.simulator == "rps" else "plant",
-        options.weather(),
+        ROUGH if options.has_noise else Weather(),
         watch=None if film is None else film.watch,
     )
     if options.folder is not None:
@@ -92,32 +85,25 @@ def _decentralised(name: str | None, mission: Scenario) -> Method:
     return method
 
 
-def deploy(
-    path: Path, options: RobotariumOptions, verifies: bool, python: str, as_json: bool
-) -> int:
-    """Write the folder to upload, and run it if asked; return the exit status."""
+def deploy(path: Path, folder: Path, method: str, python: str | None) -> int:
+    """Write the folder to upload, and run it by a Python, if one is named; return the exit status.
+
+    That is 1 if the folder does not do what the plant does here.
+    """
     from teamformer.robotarium.deployment.folder import deploy as write
     from teamformer.robotarium.deployment.folder import verify
 
-    scenario, folder = read_scenario(path, find_problems), options.folder
-    if folder is None:
-        raise TeamformerError("where is the folder to go?", "add -o FOLDER")
+    scenario = read_scenario(path, find_problems)
     prepare_folder(folder)
-    name = options.method or DEPLOYED_BY_DEFAULT
-    files = write(scenario, name, options.seed, folder)
+    files = write(scenario, method, SEED, folder)
     main = files[0]
     say(f"written: {len(files)} files in {folder}; upload all and mark {main.name} as main")
-    if not verifies:
-        if as_json:
-            print_json({"folder": str(folder), "files": [file.name for file in files]})
+    if python is None:
         return 0
-    expected = run_experiment(scenario, load_method(name), options.seed).row()
+    expected = run_experiment(scenario, load_method(method), SEED).row()
     found = verify(folder, python)
+    _show_comparison(found, expected)
     is_same = all(found[key] == expected[key] for key in COMPARED)
-    if as_json:
-        print_json({"folder": str(folder), "same_as_plant": is_same, **found})
-    else:
-        _show_comparison(found, expected)
     return 0 if is_same and found["status"] == "completed" else 1
 
 

@@ -17,7 +17,6 @@ from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.messages import (
     EVERYBODY,
     HERE,
-    NOBODY,
     OPERATOR,
     SERVE,
     WALK,
@@ -33,6 +32,7 @@ from teamformer.fleet.messages import (
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import Planner
 from teamformer.grid import Place
+from teamformer.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.fleet.agent.leading import Leading

@@ -21,10 +21,11 @@ from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.agent.planning import PlanKeeper
 from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.sight import Company, companies, nearest_first, view_of
-from teamformer.fleet.messages import EVERYBODY, NOBODY, READY, LeadNote, Notice, Word
+from teamformer.fleet.messages import EVERYBODY, READY, LeadNote, Notice, Word
 from teamformer.fleet.mission import Mission
 from teamformer.grid import Place
 from teamformer.policies.protocol import Policy
+from teamformer.rules.constants import NOBODY
 
 PATIENCE = 30.0
 """Seconds, besides a walk across the map, in which something must get done under a policy."""

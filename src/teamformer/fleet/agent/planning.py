@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 
 from teamformer.fleet.agent.knowledge import Knowledge
 from teamformer.fleet.agent.membership import Membership
-from teamformer.fleet.messages import NOBODY, SERVE, PlanNote
+from teamformer.fleet.messages import SERVE, PlanNote
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import Planner, Situation
+from teamformer.rules.constants import NOBODY
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from collections.abc import Iterable
 
 from teamformer.fleet.agent.knowledge import Knowledge
 from teamformer.fleet.agent.membership import Membership
-from teamformer.fleet.messages import HERE, MOST_RELAYED, NOBODY, READY, SERVE, WALK, Word
+from teamformer.fleet.messages import HERE, MOST_RELAYED, READY, SERVE, WALK, Word
+from teamformer.rules.constants import NOBODY
 
 SURE = 0.75
 """The part of a promise that is relied on: clocks drift."""

@@ -14,9 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.fleet.agent.knowledge import Knowledge
-from teamformer.fleet.messages import NOBODY, SERVE, Word
+from teamformer.fleet.messages import SERVE, Word
 from teamformer.grid import Place
 from teamformer.plane import Plane
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.view import NEAREST_TEAMS, NEXT_TASKS, View, make_view
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from teamformer.fleet.messages import NOBODY
 from teamformer.grid import Place
+from teamformer.rules.constants import NOBODY
 
 
 class Command(NamedTuple):

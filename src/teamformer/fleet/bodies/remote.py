@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Protocol
 
 from msgspec import DecodeError, Struct, ValidationError
@@ -34,6 +35,12 @@ class Line(Protocol):
     def send_body(self, key: str, data: bytes) -> None:
         """Send an order or a report."""
 
+    def listen_to_body(self, key: str) -> None:
+        """Take what is sent under a key from now on."""
+
+    def receive_body(self) -> Sequence[bytes]:
+        """Return what has come."""
+
 
 encode = Encoder().encode
 decode_order = Decoder(Order).decode
@@ -48,6 +55,7 @@ class RemoteBody:
         self._command = Command()
         self._sent = float("-inf")
         self._report: Report | None = None
+        line.listen_to_body(f"reports/{robot}")
 
     def command(self, command: Command) -> None:
         """Send a command, again and again."""
@@ -56,7 +64,13 @@ class RemoteBody:
             self._command, self._sent = command, now
             self._line.send_body("orders", encode(Order(self._robot, *command)))
 
-    def take(self, data: bytes) -> None:
+    def report(self) -> Report | None:
+        """Return the newest report that has come; None before the first."""
+        for data in self._line.receive_body():
+            self._take(data)
+        return self._report
+
+    def _take(self, data: bytes) -> None:
         """Take in a report; an older one is left."""
         try:
             report = Report(*decode_report(data))
@@ -64,10 +78,6 @@ class RemoteBody:
             return
         if self._report is None or report.number >= self._report.number:
             self._report = report
-
-    def report(self) -> Report | None:
-        """Return the newest report; None before the first."""
-        return self._report
 
     def close(self) -> None:
         """Stop."""

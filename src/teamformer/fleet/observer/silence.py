@@ -42,5 +42,5 @@ class Silence:
         why = f" (what came was refused: {self._fault})" if self._fault else ""
         return (
             f"no robot has been heard for {SILENCE:g} s{why}; does the fleet run, and are its "
-            "scenario, endpoint, --pace, --key, --tls and --sign the same here?"
+            "scenario, endpoint and --keys the same here?"
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-from teamformer.fleet.messages import NOBODY, SERVE, Beat, FactsNote, Message, TaskFact, Word
+from teamformer.fleet.messages import SERVE, Beat, FactsNote, Message, TaskFact, Word
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.record import (
     Deed,
@@ -17,6 +17,7 @@ from teamformer.fleet.rehearsal.record import (
 from teamformer.grid import Grid, Place
 from teamformer.model import Task
 from teamformer.plane import DECIMALS
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import FLEET, Ending, Replay, Step, TeamAt
 
 STAYS = 3
@@ -88,8 +89,16 @@ class Watch:
         return True
 
     def step(self) -> Step:
-        """Write down what has changed since the last step, and return it."""
-        gone = {robot for robot, word in self.words.items() if word.is_lost}
+        """Write down what has changed since the last step, and return it.
+
+        Losses come first in a step: who has done something in it is lost in the next. What was done
+        is told once there is anybody who may have done it.
+        """
+        deeds = [self._deed(key) for key in self._news]
+        busy = {robot for deed in deeds for robot in deed.robots} - self._lost
+        gone = {robot for robot, word in self.words.items() if word.is_lost} - busy
+        if len(gone) == self.mission.robots:
+            deeds = []
         lost, back = sorted(gone - self._lost), sorted(self._lost - gone)
         self._lost = gone
         said = {
@@ -97,7 +106,6 @@ class Watch:
             for robot in range(self.mission.robots)
             if robot not in gone  # who is back is alone at first
         }
-        deeds = [self._deed(key) for key in self._news]
         places, teams, doers = teams_shown(said, [deed for deed in deeds if deed.robots])
         before = self._teams | {robot: (robot,) for robot in back}
         splits, joins = team_changes(before, teams, lost)
@@ -109,7 +117,7 @@ class Watch:
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
         self._shown = shown
         done = tuple((deed.task, self._who(deed, teams)) for deed in deeds)
-        self._news = []
+        self._news = [] if teams else self._news
         made = Step(joins, splits, tuple(lost), tuple(back), rows, done)
         self.steps.append(made)
         return made

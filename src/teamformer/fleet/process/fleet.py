@@ -7,26 +7,21 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
-
-from msgspec.msgpack import encode
 
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.world import Done
-from teamformer.fleet.messages import NOBODY
 from teamformer.fleet.methods import PLAN, planner_of
 from teamformer.fleet.mission import Mission
+from teamformer.fleet.process.local_agent import MODULE, Start, write_start
 from teamformer.fleet.process.world_server import WorldServer
+from teamformer.fleet.transports.keys import read_keys
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
-from teamformer.scenarios.files import write_scenario
-
-if TYPE_CHECKING:
-    from teamformer.fleet.signatures import Signatures
+from teamformer.rules.constants import NOBODY
 
 PATIENCE = 10.0
 """Seconds that agents have to leave in order before they are ended."""
@@ -44,42 +39,45 @@ class FleetResult:
 
 
 class LocalFleet:
-    """Starts the processes, and holds the world until the mission ends."""
+    """Starts the processes, and holds the world until the mission ends.
+
+    `keys` is the folder of the fleet's keys, if its messages are to be protected. `drop` is the
+    part of incoming messages that each agent throws away, for trials. Raises `TeamformerError` for
+    keys that cannot be used.
+    """
 
     def __init__(
         self,
         mission: Mission,
-        pace: float,
-        drop: float,
-        folder: Path,
         tell: Callable[[str], None],
-        more: Sequence[str] = (),
-        signatures: Signatures | None = None,
         method: str = PLAN,
+        keys: Path | None = None,
+        drop: float = 0.0,
     ) -> None:
-        self._method = method
-        self._mission, self._pace, self._drop = mission, pace, drop
-        self._folder, self._tell = folder, tell
-        self._more = tuple(more)  # that agents are told besides
-        self._signatures = signatures
+        self._mission, self._tell = mission, tell
+        self._method, self._drop = method, drop
+        self._folder = keys
+        self._keys = read_keys(keys)
+        self._signatures = self._keys.signatures(mission, None)
         self._agents: list[subprocess.Popen[bytes]] = []
-        self._commands: list[list[str]] = []  # that start them
+        self._place = Path()  # the folder that tells agents all they have to know
 
     def run(self, seconds: float) -> FleetResult:
         """Run until all is done or so many seconds have passed."""
         robots = self._mission.scenario.robots
         plan = first_plan(self._mission, planner_of(self._method))
         with TemporaryDirectory(prefix="teamformer-fleet-") as temporary:
-            scenario, ship = Path(temporary) / "mission.json", Path(temporary) / "plan"
-            write_scenario(self._mission.scenario, scenario)
-            ship.write_bytes(encode(plan.note))
-            endpoints = [f"tcp/127.0.0.1:{port}" for port in free_ports(len(robots) + 1)]
+            endpoints = tuple(f"tcp/127.0.0.1:{port}" for port in free_ports(len(robots) + 1))
+            keys = None if self._folder is None else str(self._folder)
+            self._place = Path(temporary)
+            start = Start(plan.note, endpoints, self._method, self._drop, keys)
+            write_start(self._place, self._mission.scenario, start)
             transport = ZenohTransport(self._mission.number, NOBODY, endpoints[-1], ())
             try:
-                server = WorldServer(self._mission, transport, b"", self._signatures)
+                secret = self._keys.secret
+                server = WorldServer(self._mission, transport, secret, self._signatures)
                 self._tell(f"world at {endpoints[-1]}")
                 for number in range(len(robots)):
-                    self._commands.append(self._command(number, scenario, ship, endpoints))
                     self._agents.append(self._start(number))
                 return self._hold(server, seconds)
             finally:
@@ -88,24 +86,11 @@ class LocalFleet:
 
     def _start(self, robot: int) -> subprocess.Popen[bytes]:
         """Start an agent, or start it anew, and say which process it is."""
-        nowhere = subprocess.DEVNULL
-        agent = subprocess.Popen(self._commands[robot], stdin=nowhere, stdout=nowhere)
+        command, nowhere = [sys.executable, "-m", MODULE], subprocess.DEVNULL
+        command += [str(self._place), str(robot)]
+        agent = subprocess.Popen(command, stdin=nowhere, stdout=nowhere)
         self._tell(f"agent {self._mission.scenario.robots[robot].name} pid {agent.pid}")
         return agent
-
-    def _command(
-        self, robot: int, scenario: Path, ship: Path, endpoints: Sequence[str]
-    ) -> list[str]:
-        """Return what starts an agent; it dials the world and all agents before it."""
-        name = self._mission.scenario.robots[robot].name
-        command = [sys.executable, "-m", "teamformer.cli", "agent", str(scenario)]
-        command += ["--robot", name, "--body", "sim", "--listen", endpoints[robot]]
-        command += ["--plan", str(ship), "--pace", repr(self._pace), "--drop", repr(self._drop)]
-        command += ["--facts", str(self._folder / f"facts-{robot}")]
-        command += ["--method", self._method, *self._more]
-        for endpoint in (endpoints[-1], *endpoints[:robot]):
-            command += ["--connect", endpoint]
-        return command
 
     def _hold(self, server: WorldServer, seconds: float) -> FleetResult:
         mission, world = self._mission, server.world

@@ -145,8 +145,8 @@ class AgentProcess:
         if self._is_to_tell(fault):
             hint = {
                 "another mission": "; do all robots have the same scenario file?",
-                "bad seal": "; do all robots have the same key?",
-                "not signed": "; do all robots have --sign?",
+                "bad seal": "; do all robots have the same shared.key in --keys?",
+                "not signed": "; do all robots have NAME.pub files in --keys?",
                 "bad signature": "; somebody speaks for another, or has another key",
                 "forged word": "; somebody tells what another never said",
             }

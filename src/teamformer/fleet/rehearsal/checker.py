@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from teamformer.fleet.messages import HERE, NOBODY, READY, TaskFact
+from teamformer.fleet.messages import HERE, READY, TaskFact
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.trace import (
     Accepted,
@@ -30,6 +30,7 @@ from teamformer.fleet.rehearsal.trace import (
     Worked,
 )
 from teamformer.grid import Grid, Place
+from teamformer.rules.constants import NOBODY
 
 DRIFT = 0.06
 """The part of a promise by which clocks may differ."""

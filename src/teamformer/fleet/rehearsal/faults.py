@@ -135,18 +135,10 @@ def cut_sides(cut: Cut) -> tuple[frozenset[int], frozenset[int]]:
     return cut.senders, cut.receivers
 
 
-@dataclass(frozen=True)
-class Knobs:
-    """What a user asks for; None leaves it to chance."""
-
-    loss: float | None = None
-    crashes: int | None = None
-
-
-def draw_faults(mission: Mission, seed: int, span: float, knobs: Knobs = Knobs()) -> Faults:
+def draw_faults(mission: Mission, seed: int, span: float) -> Faults:
     """Draw a schedule; `span` is about how long the mission takes undisturbed, in seconds."""
     rng = random.Random(seed)
-    network = _draw_network(rng, mission, knobs)
+    network = _draw_network(rng, mission)
     robots = range(mission.robots)
     return replace(
         network,
@@ -155,20 +147,20 @@ def draw_faults(mission: Mission, seed: int, span: float, knobs: Knobs = Knobs()
         lag=tuple(rng.uniform(0, 1.5) if rng.random() < 0.15 else 0.0 for _ in robots),
         stutter=rng.uniform(0.02, 0.3) if rng.random() < 0.2 else 0.0,
         cuts=tuple(_draw_cuts(rng, mission.robots, span)) if rng.random() < 0.5 else (),
-        crashes=tuple(_draw_crashes(rng, mission, span, knobs.crashes)),
+        crashes=tuple(_draw_crashes(rng, mission, span)),
         pauses=tuple(_draw_spells(rng, mission.robots, span, (5, 30), 0.0, 0.35)),
         stuck=tuple(_draw_spells(rng, mission.robots, span, (5, 40), 0.3, 0.25)),
         orders=tuple(_draw_orders(rng, mission, span)) if rng.random() < 0.3 else (),
     )
 
 
-def _draw_network(rng: random.Random, mission: Mission, knobs: Knobs) -> Faults:
+def _draw_network(rng: random.Random, mission: Mission) -> Faults:
     loss = rng.choice((0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)) if rng.random() < 0.6 else 0.0
     delay = rng.choice((0.1, 0.3, 1.0, 3.0)) if rng.random() < 0.4 else 0.0
     across = max(mission.scenario.world.width, mission.scenario.world.height)
     return Faults(
         seed=rng.getrandbits(32),
-        loss=loss if knobs.loss is None else knobs.loss,
+        loss=loss,
         twice=rng.choice((0.1, 0.5)) if rng.random() < HARD else 0.0,
         delay=delay,
         late=rng.uniform(0.05, 0.6) if delay else 0.0,
@@ -194,16 +186,24 @@ def _draw_cuts(rng: random.Random, robots: int, span: float) -> Iterator[Cut]:
             yield Cut(everybody - side, side, begin, end)
 
 
-def _draw_crashes(
-    rng: random.Random, mission: Mission, span: float, number: int | None
-) -> Iterator[Crash]:
-    for robot, at in enumerate(mission.scenario.robots):
-        for away in at.absences:
-            back = None if away.back is None else (away.back - 1) * mission.step
-            yield Crash(robot, (away.lost - 1) * mission.step, back, keeps_facts=True)
+def losses_of(mission: Mission) -> tuple[Crash, ...]:
+    """Return what befalls robots by the mission's file, where they are lost and back."""
+    return tuple(
+        Crash(
+            robot,
+            (away.lost - 1) * mission.step,
+            None if away.back is None else (away.back - 1) * mission.step,
+            keeps_facts=True,
+        )
+        for robot, at in enumerate(mission.scenario.robots)
+        for away in at.absences
+    )
+
+
+def _draw_crashes(rng: random.Random, mission: Mission, span: float) -> Iterator[Crash]:
+    yield from losses_of(mission)
     robots = [r for r, at in enumerate(mission.scenario.robots) if not at.absences]
-    if number is None:
-        number = rng.randint(1, max(1, mission.robots // 2)) if rng.random() < 0.5 else 0
+    number = rng.randint(1, max(1, mission.robots // 2)) if rng.random() < 0.5 else 0
     for robot in rng.sample(robots, min(number, len(robots))):
         begin = rng.uniform(0, span)
         is_back = rng.random() < 0.6

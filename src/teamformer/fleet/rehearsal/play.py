@@ -14,7 +14,7 @@ from teamformer.fleet.agent.knowledge import Remembered
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.world import NEVER, FleetWorld
-from teamformer.fleet.messages import NOBODY, OPERATOR, Beat, Message, Notice, Post
+from teamformer.fleet.messages import OPERATOR, Beat, Message, Notice, Post
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.planner import Planner
@@ -34,6 +34,7 @@ from teamformer.fleet.rehearsal.trace import (
     Walked,
     Worked,
 )
+from teamformer.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.fleet.agent.leading import MakePolicy

@@ -1,8 +1,9 @@
 """Turns the trace of a rehearsal into a record that `view` shows: one step of it a step of time.
 
 Robots that say they are in one team, and are in one place, are drawn as a team. Those that did a
-task are drawn as one to the end of the step, though they may have gone on. Operators' tasks are
-tasks that appear.
+task are drawn as one to the end of the step, though they may have gone on. If some of them did
+another task with others in the same step, that is drawn in the next. Operators' tasks are tasks
+that appear.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from teamformer.fleet.messages import NOBODY
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
@@ -19,6 +19,7 @@ from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent, Walked
 from teamformer.grid import Grid, Place
 from teamformer.model import Absence, Scenario, Task
 from teamformer.plane import DECIMALS
+from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import FLEET, HEARD, Ending, Replay, Step, TeamAt
 
 Teams = dict[int, tuple[int, ...]]
@@ -49,7 +50,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(scenario.robots))
     lost = {robot: step for robot, step in ends if step is not None}
     rows = teller.tell(sorted(events, key=lambda event: event.at), steps, lost)
-    is_complete = outcome.status == "ended"
+    is_complete, steps = outcome.status == "ended", len(rows)
     return Replay(
         scenario=scenario,
         method=FLEET,
@@ -88,19 +89,27 @@ def _scenario_of(rehearsal: Rehearsal) -> tuple[Scenario, dict[int, int]]:
     ]
     number = {task.key: task.key for task in mission.tasks}
     number |= {order.task.key: len(mission.tasks) + k for k, order in enumerate(orders)}
+    busy_until: dict[int, int] = {}
+    for done in rehearsal.world.done.values():
+        for robot in done.robots:
+            step = math.ceil(done.at / mission.step - 1e-9)
+            busy_until[robot] = max(step, busy_until.get(robot, 0))
     robots = tuple(
-        replace(robot, absences=_lost_at(faults, k, mission.step))
+        replace(robot, absences=_lost_at(faults, k, mission.step, busy_until.get(k, 0)))
         for k, robot in enumerate(whole.robots)
     )
     scenario = replace(whole, tasks=(*whole.tasks, *added), robots=robots, teams=())
     return scenario, number
 
 
-def _lost_at(faults: Faults, robot: int, step: float) -> tuple[Absence, ...]:
-    """Return when a robot breaks down for good, if it does."""
+def _lost_at(faults: Faults, robot: int, step: float, busy_until: int) -> tuple[Absence, ...]:
+    """Return when a robot breaks down for good, if it does.
+
+    That comes first in a step: who did something in it before, is lost in the next.
+    """
     for crash in faults.crashes:
         if crash.robot == robot and crash.back is None:
-            return (Absence(1 + math.floor(crash.at / step)),)
+            return (Absence(max(1 + math.floor(crash.at / step), busy_until + 1)),)
     return ()
 
 
@@ -120,9 +129,11 @@ class _Teller:
 
     def tell(self, events: Sequence[Event], steps: int, lost: dict[int, int]) -> list[Step]:
         """Return what changed in each step."""
-        rows, position = [], 0
-        for step in range(1, steps + 1):
-            done, heard = list[Deed](), set()
+        rows, position, step = [], 0, 0
+        waiting: list[Deed] = []
+        while step < steps or waiting:
+            step += 1
+            heard = set()
             while position < len(events) and events[position].at <= step * self._step + 1e-9:
                 event = events[position]
                 position += 1
@@ -131,9 +142,10 @@ class _Teller:
                 elif isinstance(event, Said):
                     self._says[event.robot] = (event.team, event.goal)
                 elif isinstance(event, Finished):
-                    done.append(self._deeds[event.task])
+                    waiting.append(self._deeds[event.task])
                 elif isinstance(event, Sent) and event.kind in HEARD:
                     heard.add((event.sender, event.receiver, event.kind))
+            done, waiting = _at_once(waiting)
             row = self._row(step, [r for r, at in lost.items() if at == step], done)
             rows.append(replace(row, heard=tuple(sorted(heard))))
         return rows
@@ -168,6 +180,22 @@ class _Teller:
         if self._is_grid:
             return (to_x, to_y) if part >= 1 else (x, y)
         return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
+
+
+def _at_once(deeds: Sequence[Deed]) -> tuple[list[Deed], list[Deed]]:
+    """Return the deeds that one step can show, and those that come in the next.
+
+    A robot is in one team in a step: what it did with others than before waits for the next.
+    """
+    now, later = list[Deed](), list[Deed]()
+    for deed in deeds:
+        robots = set(deed.robots)
+        is_clear = all(
+            robots == set(other.robots) or robots.isdisjoint(other.robots)
+            for other in (*now, *later)
+        )
+        (now if is_clear else later).append(deed)
+    return now, later
 
 
 def teams_shown(

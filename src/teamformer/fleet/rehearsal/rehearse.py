@@ -13,11 +13,11 @@ from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
 from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.checker import Checker
-from teamformer.fleet.rehearsal.faults import Faults, Knobs, draw_faults
+from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Trace
-from teamformer.trials.worker_processes import begin_worker, end_workers
+from teamformer.trials.worker_processes import begin_worker, ending
 
 SLACK = 300.0
 """Seconds beyond the time that the slowest robot takes alone for every task, one by one."""
@@ -89,37 +89,35 @@ def deadline(mission: Mission, faults: Faults) -> float:
     return faults.over + max(task.appears for task in tasks) + SLACK + 2 * walks
 
 
-def faults_of(stage: Stage, seed: int, schedule: int, knobs: Knobs) -> Faults:
+def faults_of(stage: Stage, seed: int, schedule: int) -> Faults:
     """Return the faults of a schedule, by number."""
     span = stage.undisturbed.makespan or stage.undisturbed.end
-    return draw_faults(stage.mission, seed * 1_000_003 + schedule, span, knobs)
+    return draw_faults(stage.mission, seed * 1_000_003 + schedule, span)
 
 
-def judge(stage: Stage, seed: int, knobs: Knobs, schedule: int) -> Verdict:
+def judge(stage: Stage, seed: int, schedule: int) -> Verdict:
     """Play and judge a schedule by its number."""
-    faults = faults_of(stage, seed, schedule, knobs)
+    faults = faults_of(stage, seed, schedule)
     _, outcome, violations = play(stage.mission, stage.plan, faults, method=stage.method)
     return Verdict(schedule, outcome, tuple(violations), faults.kinds)
 
 
 def judge_many(
-    stage: Stage, seed: int, knobs: Knobs, schedules: Iterable[int], workers: int
+    stage: Stage, seed: int, schedules: Iterable[int], workers: int
 ) -> Iterator[Verdict]:
     """Judge schedules in several processes, in order."""
-    one = partial(judge, stage, seed, knobs)
+    one = partial(judge, stage, seed)
     if workers == 1:
         yield from map(one, schedules)
         return
     numbers = iter(schedules)
     batches = iter(lambda: tuple(islice(numbers, BATCH)), ())
     pool = ProcessPoolExecutor(workers, initializer=begin_worker)
-    try:
+    with ending(pool):
         going = deque(pool.submit(_judge_all, one, b) for b in islice(batches, AHEAD * workers))
         while going:
             yield from going.popleft().result()
             going.extend(pool.submit(_judge_all, one, b) for b in islice(batches, 1))
-    finally:
-        end_workers(pool)
 
 
 def _judge_all(one: Callable[[int], Verdict], schedules: Sequence[int]) -> list[Verdict]:

@@ -13,7 +13,7 @@ import zenoh
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.messages import EVERYBODY, LARGEST, OPERATOR
-from teamformer.fleet.transports.transport import Certificates
+from teamformer.fleet.transports.keys import Certificates
 
 MOST_WAITING = 5_000
 """Messages that wait to be taken; beyond that the oldest are lost."""

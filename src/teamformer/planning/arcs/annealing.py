@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+
 import numpy as np
 
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.coalition_choice import Choice, empty_choice
 from teamformer.planning.arcs.draws import draw_task
 from teamformer.planning.arcs.graph import (
-    BACK_SUM,
     COST,
-    LATE,
+    MAKESPAN,
+    REPLACE,
+    RIDE,
+    SLACK,
+    SWAP,
     ArcProblem,
     Graph,
+    StepRules,
     empty_graph,
+    is_in_steps,
     lay,
     most_seats,
     near_of,
     pose_arcs,
     read_off,
+    time_anew,
 )
+from teamformer.planning.arcs.in_steps.members import replace_member, ride
 from teamformer.planning.arcs.judging import (
     Trial,
     accept,
@@ -29,28 +39,33 @@ from teamformer.planning.arcs.judging import (
 )
 from teamformer.planning.arcs.start import first_plan
 from teamformer.planning.arcs.swaps import swap_heads
-from teamformer.planning.arcs.task_moves import Moved, move_task, take_back
-from teamformer.planning.coalitions.problem import CoalitionProblem
-from teamformer.planning.coalitions.search.annealing import SLACKS, STEPS
-from teamformer.planning.coalitions.search.schedule import (
-    LATENESS,
-    SPREAD,
-    CoalitionPlan,
-    empty_plan,
-)
-from teamformer.planning.relaxation.insertion import draw_below
+from teamformer.planning.arcs.task_moves import MOVED, Moved, move_task, take_back
+from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem
+from teamformer.planning.coalitions.schedule import CoalitionPlan, empty_plan
 from teamformer.rules.arrays import Array
-
-SWAPS = 40  # percent
-"""How many of the changes swap the heads of two arcs; the others move a task."""
-
+from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
 COOLING, MOST_COOLING = 30, 100
 """Annealings begin at what a task takes a robot on average, divided by the first of these and a
 tenth of the tasks, and by the second at most."""
 
+FEW_TASKS, HOTTER = 30, 8
+"""With fewer tasks than the first of these it is divided by the second: one moved task changes more
+of a small plan, so that more has to get worse before it gets better."""
+
 COLDER = 10
 """They end at so many times less."""
+
+ROUNDS_EACH, FEW_ANNEALINGS = 9_000, 2
+"""The shared plan of few tasks takes so many rounds for each task, so many times."""
+
+FEWEST_ROUNDS, SECONDS_AT_ONCE = 200, 0.05
+"""Rounds before the first look at the clock, and seconds between two looks."""
+
+
+def has_few_tasks(tasks: int) -> bool:
+    """Say whether a problem of so many tasks is so small that it is searched hotter."""
+    return tasks < FEW_TASKS
 
 
 def rounds_of_a_second(tasks: int) -> int:
@@ -58,15 +73,25 @@ def rounds_of_a_second(tasks: int) -> int:
     return 440_000_000 // (350 + tasks)
 
 
+def shared_annealings(tasks: int) -> list[int]:
+    """Return how many rounds each annealing of the shared plan of so many tasks has."""
+    if has_few_tasks(tasks):
+        return [ROUNDS_EACH * tasks] * FEW_ANNEALINGS
+    return [rounds_of_a_second(tasks)]
+
+
 class ArcSearch:
     """A search: the graph where it stands, the best one since it began, and room to work in."""
 
-    def __init__(self, problem: CoalitionProblem, seed: int) -> None:
+    def __init__(
+        self, problem: CoalitionProblem, seed: int, steps: StepRules | None = None
+    ) -> None:
         self.problem = problem
-        self.arcs = pose_arcs(problem, near_of(len(problem.needs)))
-        self.graph, self._best = empty_graph(problem), empty_graph(problem)
+        near = near_of(len(problem.needs)) if steps is None else steps.near
+        self.arcs = pose_arcs(problem, near, steps)
+        self.graph, self._best = empty_graph(problem, steps), empty_graph(problem, steps)
         self._trial = empty_trial(self.graph)
-        most = most_seats(problem)
+        most = most_seats(problem, steps)
         self._choice = empty_choice(self.arcs, most)
         self._moved = Moved(np.zeros(3, np.int64), np.zeros(most, np.int64))
         self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)
@@ -90,7 +115,9 @@ class ArcSearch:
     @property
     def heats(self) -> tuple[int, int]:
         """Return where an annealing begins and ends: with more tasks it may be colder."""
-        hot = self.leg // min(MOST_COOLING, COOLING + len(self.problem.needs) // 10)
+        tasks = len(self.problem.needs)
+        usual = min(MOST_COOLING, COOLING + tasks // 10)
+        hot = self.leg // (HOTTER if has_few_tasks(tasks) else usual)
         return hot, hot // COLDER
 
     @property
@@ -103,6 +130,25 @@ class ArcSearch:
         """Make the rounds from `begin` to `end` of so many, from `hot` to `cold`."""
         parts = (self.graph, self._best, self._trial, self._choice, self._moved, self.random)
         anneal_arcs(self.arcs, *parts, SLACKS, self.leg, hot, cold, begin, end, rounds)
+
+    def anneal_for(
+        self,
+        seconds: float,
+        heats: tuple[int, int],
+        is_over: Callable[[], bool],
+        offer: Callable[[], None],
+    ) -> None:
+        """Anneal for so many seconds, and call `offer` whenever a better plan is found."""
+        (hot, cold), at_once, cost = heats, FEWEST_ROUNDS, self.cost
+        begun = now = time.perf_counter()
+        while now < begun + seconds and not is_over():
+            heat = hot + int((cold - hot) * (now - begun) / seconds)
+            self.anneal(heat, heat, 0, at_once, at_once)
+            if self.cost < cost:
+                cost = self.cost
+                offer()
+            took, now = time.perf_counter() - now, time.perf_counter()
+            at_once = max(1, min(2 * at_once, int(at_once * SECONDS_AT_ONCE / max(took, 1e-7))))
 
     @property
     def cost(self) -> int:
@@ -130,6 +176,8 @@ def copy_graph(graph: Graph, into: Graph) -> None:
         into.back[index] = graph.back[index]
     for index in range(len(graph.total)):
         into.total[index] = graph.total[index]
+    for index in range(len(graph.comes)):
+        into.comes[index] = graph.comes[index]
 
 
 @entry
@@ -150,18 +198,21 @@ def anneal_arcs(
     rounds: int,
 ) -> None:
     """Make changes; keep those that are better or, while it is hot, a bit worse."""
-    robots, total = len(graph.back), graph.total
+    total, habits = graph.total, problem.habits
     is_best, must_copy = False, False
     for turn in range(begin, end):
         temperature = hot + (cold - hot) * turn // rounds
         slack = temperature * slacks[draw_below(random, len(slacks))] // STEPS
         allowed = total[COST] + slack
-        limit = allowed - total[BACK_SUM] // (SPREAD * robots) - LATENESS * total[LATE]
-        limit += temperature // 8
+        limit = allowed - (total[COST] - total[MAKESPAN]) + temperature // 8 + habits[SLACK]
         task = draw_task(problem, graph, trial, random)
-        is_swap = draw_below(random, 100) < SWAPS
-        if is_swap:
+        what, moved.number[MOVED] = draw_below(random, 100), NOBODY
+        if what < habits[SWAP]:
             is_short = swap_heads(problem, graph, trial, random, task, limit)
+        elif what < habits[SWAP] + habits[REPLACE]:
+            is_short = replace_member(problem, graph, trial, choice, moved, random, task, limit)
+        elif what < habits[SWAP] + habits[REPLACE] + habits[RIDE]:
+            is_short = ride(problem, graph, trial, moved, random, task, limit)
         else:
             is_short = move_task(problem, graph, trial, choice, moved, random, task, leg, limit)
         cost = sum_up_trial(problem, graph, trial) if is_short else 0
@@ -171,14 +222,24 @@ def anneal_arcs(
         if is_kept:
             accept(problem, graph, trial, cost)
             is_best = cost < best.total[COST]
-            if is_best:
-                best.total[COST] = cost
         else:
             undo(graph, trial)
-            if not is_swap:
-                take_back(problem, graph, moved)
+            take_back(problem, graph, moved)
             if must_copy:
-                copy_graph(graph, best)
+                write_down(problem, graph, best)
                 is_best, must_copy = False, False
     if is_best:
-        copy_graph(graph, best)
+        write_down(problem, graph, best)
+
+
+@kernel
+def write_down(problem: ArcProblem, graph: Graph, best: Graph) -> None:
+    """Overwrite the best plan with one that is better.
+
+    In steps what was timed as it changed may be a bit off, so that all is timed anew before.
+    """
+    if is_in_steps(graph):
+        time_anew(problem, graph)
+        if graph.total[COST] >= best.total[COST]:
+            return
+    copy_graph(graph, best)

@@ -12,9 +12,10 @@ import numpy as np
 
 from teamformer.jit import kernel
 from teamformer.planning.arcs.graph import ArcProblem, Graph, Records, leave
+from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.coalitions.problem import NEVER, NOBODY, Ticks, Whole
-from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
+from teamformer.rules.chance import draw_below
 
 BLINK = 16
 """Every so many arcs one is overlooked, so that the search does not always see the same."""
@@ -45,15 +46,19 @@ CANDIDATE = np.dtype(
     ]
 )
 
-PICKS, TYPES, COMES, LEAVES, BANNED = range(5)
+PICKS, TYPES, COMES, LEAVES, BANNED, FELLOWS_FROM, FELLOWS_TO = range(7)
 """Numbers of a choice: robots picked, types found, when the last of those picked comes, the longest
-chain that leaves, and the seat whose arc out is not to be picked."""
+chain that leaves, the seat whose arc out is not to be picked, and in steps between which nodes the
+group is that the task was offered to, or NOBODY."""
+
+TOGETHER = 6 * TICKS
+"""How much sooner a robot that comes with a group is taken to come in steps."""
 
 
 class Choice(NamedTuple):
     """Room to choose a coalition in."""
 
-    number: Ticks  # (5,)
+    number: Ticks  # (7,)
     candidates: Records  # (types, most) CANDIDATE, best first
     found: Whole  # (types,) how many there are
     types: Whole  # (types,) those of which there are any
@@ -66,7 +71,7 @@ def empty_choice(problem: ArcProblem, seats: int) -> Choice:
     types = len(problem.counts)
     most = int(problem.useful.max(initial=1))
     return Choice(
-        number=np.zeros(5, np.int64),
+        number=np.full(7, NOBODY, np.int64),
         candidates=np.zeros((types, most), CANDIDATE).view(np.recarray),
         found=np.zeros(types, np.int32),
         types=np.zeros(types, np.int32),
@@ -91,6 +96,7 @@ def gather(
     One of the robots that do the task now is not among them, so that something changes.
     """
     nodes, seats, most = graph.nodes, graph.seats, problem.most[0]
+    need = nodes[task].need
     for index in range(choice.number[TYPES]):
         choice.found[choice.types[index]] = 0
     choice.number[TYPES] = 0
@@ -102,6 +108,8 @@ def gather(
         other = task if index < 0 else problem.near[task, index]
         is_before = nodes[other].key < cut
         for seat in range(other * most, other * most + nodes[other].taken):
+            if problem.useful[need, problem.kinds[seats[seat].kind].type] == 0:
+                continue
             if index < 0:
                 tail, head = seats[seat].prev, seats[seat].next
             elif is_before:
@@ -119,6 +127,8 @@ def gather(
     for _ in range(min(robots, DEPOTS)):
         robot = robot + 1 if robot + 1 < robots else 0
         tail = len(seats) - 2 * robots + problem.mixed[robot]
+        if problem.useful[need, problem.kinds[seats[tail].kind].type] == 0:
+            continue
         head = seats[tail].next
         if seats[head].node == task:
             head = seats[head].next
@@ -142,11 +152,13 @@ def _consider(
     kind = seats[tail].kind
     which = problem.kinds[kind].type
     keeps = problem.useful[nodes[task].need, which]
-    if keeps == 0 or tail == choice.number[BANNED]:
+    if tail == choice.number[BANNED]:
         return
     place, pace = seats[tail].node, problem.kinds[kind].pace
     way = problem.ways[pace, place, task]
     comes = nodes[place].end + way
+    if place == choice.number[FELLOWS_FROM] and seats[head].node == choice.number[FELLOWS_TO]:
+        comes -= TOGETHER
     found, best = choice.found[which], choice.candidates[which]
     if found == keeps and best[found - 1].score <= comes:
         return
@@ -249,6 +261,21 @@ def _add(choice: Choice, which: int, place: int) -> None:
     picks = choice.number[PICKS]
     _copy(choice.candidates[which], place, choice.pick, picks)
     choice.number[PICKS] = picks + 1
+
+
+@kernel
+def pick_seat(
+    problem: ArcProblem, graph: Graph, choice: Choice, task: int, tail: int, head: int
+) -> None:
+    """Pick the robot whose arc leads from one seat to another, whatever it brings."""
+    kind, place = graph.seats[tail].kind, graph.seats[tail].node
+    pick = choice.pick[choice.number[PICKS]]
+    pick.seat, pick.kind = tail, kind
+    pick.comes = graph.nodes[place].end + problem.ways[problem.kinds[kind].pace, place, task]
+    pick.leaves = leave(problem, graph, kind, task, head)
+    for cap in range(len(choice.lacking)):
+        choice.lacking[cap] -= problem.counts[problem.kinds[kind].type, cap]
+    choice.number[PICKS] += 1
 
 
 @kernel

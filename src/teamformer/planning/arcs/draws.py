@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
-from teamformer.planning.arcs.graph import LATEST, ArcProblem, Graph
+from teamformer.planning.arcs.graph import LATEST, ArcProblem, Graph, is_in_steps
 from teamformer.planning.arcs.judging import COMES_BY, LEAVES_BY, Trial
 from teamformer.planning.coalitions.problem import NOBODY
-from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
+from teamformer.rules.chance import draw_below
 
 
 @kernel
@@ -61,9 +61,13 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
         return NOBODY, NOBODY
     latest, there = NOBODY, -1
     for seat in range(first_seat, first_seat + nodes[task].taken):
-        place = graph.seats[graph.seats[seat].prev].node
-        pace = problem.kinds[graph.seats[seat].kind].pace
-        comes = nodes[place].end + problem.ways[pace, place, task]
+        tail = graph.seats[seat].prev
+        if is_in_steps(graph):
+            comes = graph.comes[tail]
+        else:
+            place = graph.seats[tail].node
+            pace = problem.kinds[graph.seats[seat].kind].pace
+            comes = nodes[place].end + problem.ways[pace, place, task]
         if comes > there:
             latest, there = seat, comes
     return latest, NOBODY
@@ -71,5 +75,7 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
 
 @kernel
 def draw_near(problem: ArcProblem, random: Array, task: int) -> int:
-    """Draw a task near to another."""
+    """Draw a task near to another; the task itself if it is the only one."""
+    if problem.near.shape[1] == 0:
+        return task
     return problem.near[task, draw_below(random, problem.near.shape[1])]

@@ -6,6 +6,9 @@ another, to another task or home. Routes are read off at the end by following th
 
 Start times are the order of the graph. A task's key is twice its start and one more; depots come
 before all keys, homes after. Every arc leads from a lower to a higher key, so there is no circle.
+
+Missions in continuous time and missions in steps differ in when a task starts and when those who
+leave it are at their next one: `in_steps` has that for the latter.
 """
 
 from __future__ import annotations
@@ -17,9 +20,10 @@ import numpy.typing as npt
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.covers import list_covers
+from teamformer.planning.arcs.in_steps.meeting import find_way, plan_ways, start_in_steps
 from teamformer.planning.arcs.near import near_tasks
 from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
-from teamformer.planning.coalitions.search.schedule import LATENESS, SPREAD, CoalitionPlan
+from teamformer.planning.coalitions.schedule import LATENESS, SPREAD, CoalitionPlan
 
 if TYPE_CHECKING:
     from teamformer.rules.arrays import Array
@@ -35,13 +39,15 @@ NODE = np.dtype(
         ("duration", np.int64),
         ("release", np.int64),
         ("due", np.int64),
+        ("first", np.int32),  # of its seats
         ("taken", np.int32),  # how many of its seats are
         ("need", np.int32),  # which of the different needs
-        ("is_waiting", np.int32),  # whether it is on the agenda
+        ("is_waiting", np.int32),  # whether it is on the agenda: 0, or what is to be worked out
         ("has_links", np.int32),  # whether it comes before or after other tasks
     ]
 )
 SEAT = np.dtype([("prev", np.int32), ("next", np.int32), ("node", np.int32), ("kind", np.int32)])
+WAY = np.dtype([("to", np.int64), ("key", np.int64), ("pace", np.int64), ("comes", np.int64)])
 
 FIRST, LAST = -1, NEVER
 """The keys of depots and homes."""
@@ -49,8 +55,16 @@ FIRST, LAST = -1, NEVER
 FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 40, 7
 """How many tasks are near to each: every seventh within these limits."""
 
-MAKESPAN, COST, BACK_SUM, LATE, LATEST = range(5)
+MAKESPAN, COST, BACK_SUM, LATE, LATEST, END_SUM = range(6)
 """What is known of a graph as a whole; LATEST is the home that is reached last."""
+
+SWAP, REPLACE, RIDE, ANYWHERE, IN_PLACE, BUNDLE, SMOOTH, SLACK = range(8)
+"""Habits of a search: how many percent of the changes are swaps, replacements, riders; of the moves
+how many are to any moment, in place, or try a bundle; how many percent the mean end of tasks weighs
+in steps; by how many ticks chains may be longer than allowed."""
+
+CONTINUOUS = (40, 0, 0, 5, 0, 0, 0, 0)
+"""The habits in continuous time."""
 
 
 class ArcProblem(NamedTuple):
@@ -73,6 +87,9 @@ class ArcProblem(NamedTuple):
     after: Whole  # (tasks, most) the tasks that each must have ended before, then NOBODY
     forming: Ticks  # (1,)
     most: Ticks  # (1,) seats of each task
+    habits: Whole  # (8,)
+    passed: Whole  # (ways + 1,) of in steps: where the tasks of each way begin in `passes`
+    passes: Whole  # tasks that take time and lie on a way, from the place on
 
 
 class Graph(NamedTuple):
@@ -81,7 +98,11 @@ class Graph(NamedTuple):
     nodes: Records  # (places + 1,) NODE: tasks, depots by place, and one for all homes
     seats: Records  # (tasks * most + 2 * robots,) SEAT
     back: Ticks  # (robots,) when each home is reached
-    total: Ticks  # (5,)
+    total: Ticks  # (6,)
+    comes: Ticks  # (seats,) in steps: when who leaves a seat is at the next; empty in other time
+    order: Whole  # (tasks,) in steps: the tasks by their keys, when all was timed
+    ways: Records  # (seats of a node,) WAY, room for the ways that lead from a node
+    there: Ticks  # (seats of a node,) room for the steps in which groups are there
 
 
 def near_of(tasks: int) -> int:
@@ -89,7 +110,18 @@ def near_of(tasks: int) -> int:
     return min(tasks - 1, max(FEWEST_NEAR, min(MOST_NEAR, tasks // NEAR_SHARE)))
 
 
-def pose_arcs(problem: CoalitionProblem, near: int) -> ArcProblem:
+class StepRules(NamedTuple):
+    """What a mission in steps has beside its coalition problem; robots of a team are in a row."""
+
+    ready: Ticks  # (places - tasks,) when the robots at each depot are free
+    near: int  # how many tasks are near to each
+    riders: int  # how many robots more than it needs come to a task at most
+    habits: tuple[int, ...]
+    passed: Whole  # (ways + 1,) as in ArcProblem
+    passes: Whole
+
+
+def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = None) -> ArcProblem:
     """Return a coalition problem as one of arcs; `near` tasks are near to each.
 
     Robots are of a type if they bring the same; of a kind if they are as fast and go home to the
@@ -121,7 +153,10 @@ def pose_arcs(problem: CoalitionProblem, near: int) -> ArcProblem:
         before=problem.before,
         after=problem.after,
         forming=problem.forming,
-        most=np.array([most_seats(problem)]),
+        most=np.array([most_seats(problem, steps)]),
+        habits=np.array(CONTINUOUS if steps is None else steps.habits, np.int32),
+        passed=np.zeros(1, np.int32) if steps is None else steps.passed,
+        passes=np.zeros(0, np.int32) if steps is None else steps.passes,
     )
 
 
@@ -138,38 +173,64 @@ def _different_needs(problem: CoalitionProblem) -> tuple[Whole, npt.NDArray[np.i
     return np.ascontiguousarray(needs, np.int32), number.ravel()
 
 
-def most_seats(problem: CoalitionProblem) -> int:
-    """Return how many robots a coalition has at most, if none of them is to spare."""
-    return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1)))
+def most_seats(problem: CoalitionProblem, steps: StepRules | None = None) -> int:
+    """Return how many robots come to a task at most: none to spare, and riders in steps."""
+    riders = 0 if steps is None else steps.riders
+    return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1) + riders))
 
 
-def empty_graph(problem: CoalitionProblem) -> Graph:
+def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:
     """Return a graph without arcs.
 
-    What takes no time takes a tick here, so that all that follows upon something starts later.
+    In continuous time what takes no time takes a tick, so that all that follows starts later.
     """
     tasks, places, robots = len(problem.needs), problem.ways.shape[1], len(problem.counts)
     nodes = np.zeros(places + 1, NODE).view(np.recarray)
     nodes.key[tasks:places] = FIRST
     nodes.key[places:] = LAST
     nodes.due[:] = NEVER
-    nodes.duration[:tasks] = np.maximum(problem.duration, 1)
+    nodes.duration[:tasks] = np.maximum(problem.duration, 1 if steps is None else 0)
     nodes.release[:tasks], nodes.due[:tasks] = problem.release, problem.due
     nodes.need[:tasks] = _different_needs(problem)[1]
     linked = (problem.before[:, 0] != NOBODY) | (problem.after[:, 0] != NOBODY)
     nodes.has_links[:tasks] = linked
-    most = most_seats(problem)
+    most = most_seats(problem, steps)
+    nodes.first[:tasks] = np.arange(tasks) * most
+    if steps is not None:
+        nodes.end[tasks:places] = steps.ready
+        nodes.taken[tasks:places] = np.bincount(problem.origin - tasks)
+        nodes.first[tasks:places] = tasks * most + np.searchsorted(
+            problem.origin, np.arange(tasks, places)
+        )
     seats = np.zeros(tasks * most + 2 * robots, SEAT).view(np.recarray)
     seats.node[: tasks * most] = np.repeat(np.arange(tasks), most)
     seats.node[tasks * most : tasks * most + robots] = problem.origin
     seats.node[tasks * most + robots :] = places
     seats.kind[tasks * most :] = np.tile(problem.kind, 2)
-    return Graph(nodes, seats, np.zeros(robots, np.int64), np.zeros(5, np.int64))
+    widest = max(most, int(nodes.taken.max(initial=0))) + 1
+    return Graph(
+        nodes,
+        seats,
+        back=np.zeros(robots, np.int64),
+        total=np.zeros(6, np.int64),
+        comes=np.zeros(0 if steps is None else len(seats), np.int64),
+        order=np.arange(tasks, dtype=np.int32),
+        ways=np.zeros(widest, WAY).view(np.recarray),
+        there=np.zeros(widest, np.int64),
+    )
+
+
+@kernel
+def is_in_steps(graph: Graph) -> bool:
+    """Say whether a graph is of a mission in steps."""
+    return len(graph.comes) > 0
 
 
 @kernel
 def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> int:
     """Return when a task can start, by when those are free that come to it."""
+    if is_in_steps(graph):
+        return start_in_steps(problem, graph, task, first_seat)
     node = graph.nodes[task]
     there, comes_apart = 0, False
     first_site = problem.site[graph.seats[graph.seats[first_seat].prev].node]
@@ -223,9 +284,13 @@ def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
 
 
 @kernel
-def cost_of(makespan: int, back_sum: int, late: int, robots: int) -> int:
-    """Return what a plan costs, in ticks."""
-    return makespan + back_sum // (SPREAD * robots) + LATENESS * late
+def cost_of(
+    problem: ArcProblem, graph: Graph, makespan: int, back_sum: int, end_sum: int, late: int
+) -> int:
+    """Return what a plan costs, in ticks: late robots or, in steps, late tasks add to it."""
+    if is_in_steps(graph):
+        return makespan + end_sum * problem.habits[SMOOTH] // (100 * len(problem.near))
+    return makespan + back_sum // (SPREAD * len(graph.back)) + LATENESS * late
 
 
 @entry
@@ -237,42 +302,68 @@ def lay(problem: ArcProblem, graph: Graph, plan: CoalitionPlan, at: Array) -> No
         at[robot] = tasks * most + robot
     for position in range(tasks):
         task = plan.order[position]
-        nodes[task].taken = plan.size[task]
+        nodes[task].taken, nodes[task].key = plan.size[task], 2 * position + 1
         for index in range(plan.size[task]):
             robot, seat = plan.coalition[task, index], task * most + index
             seats[seat].kind = problem.kind[robot]
             seats[seat].prev, seats[at[robot]].next = at[robot], seat
             at[robot] = seat
-        start = start_of(problem, graph, task, task * most)
-        nodes[task].end, nodes[task].key = start + nodes[task].duration, 2 * start + 1
     for robot in range(robots):
         home = tasks * most + robots + robot
         seats[home].prev, seats[at[robot]].next = at[robot], home
-        graph.back[robot] = back_of(problem, graph, robot)
-    for position in range(tasks - 1, -1, -1):
-        task = plan.order[position]
-        nodes[task].tail = tail_of(problem, graph, task, task * most)
-    sum_up(graph)
+    time_anew(problem, graph)
+    if len(problem.passes) > 0:
+        time_anew(problem, graph)  # now that it is known what is still to be done when
 
 
 @kernel
-def sum_up(graph: Graph) -> None:
+def time_anew(problem: ArcProblem, graph: Graph) -> None:
+    """Work out all times of a graph, and the order of its tasks, from the order that it has."""
+    nodes, order, tasks = graph.nodes, graph.order, len(problem.near)
+    for index in range(tasks):
+        task, gap = order[index], index
+        while gap > 0 and nodes[order[gap - 1]].key > nodes[task].key:
+            order[gap] = order[gap - 1]
+            gap -= 1
+        order[gap] = task
+    for depot in range(tasks, problem.ways.shape[1]):
+        _send(problem, graph, depot)
+    for task in order:
+        start = start_of(problem, graph, task, nodes[task].first)
+        nodes[task].end, nodes[task].key = start + nodes[task].duration, 2 * start + 1
+        _send(problem, graph, task)
+    for robot in range(len(graph.back)):
+        graph.back[robot] = back_of(problem, graph, robot)
+    for index in range(tasks - 1, -1, -1):
+        nodes[order[index]].tail = tail_of(problem, graph, order[index], nodes[order[index]].first)
+    sum_up(problem, graph)
+
+
+@kernel
+def _send(problem: ArcProblem, graph: Graph, node: int) -> None:
+    """Note, in steps, when those who leave a node are at their next ones."""
+    if is_in_steps(graph):
+        count, record = plan_ways(problem, graph, node), graph.nodes[node]
+        for seat in range(record.first, record.first + record.taken):
+            way = find_way(graph, graph.seats[graph.seats[seat].next].node, count)
+            graph.comes[seat] = graph.ways[way].comes
+
+
+@kernel
+def sum_up(problem: ArcProblem, graph: Graph) -> None:
     """Work out the makespan and the cost of a graph whose times are known."""
-    total, back, late = graph.total, graph.back, 0
+    total, back, late, end_sum = graph.total, graph.back, 0, 0
     latest, back_sum = 0, 0
     for robot in range(len(back)):
         back_sum += back[robot]
         if back[robot] > back[latest]:
             latest = robot
-    for node in range(len(graph.nodes)):
-        late += max(0, graph.nodes[node].end - graph.nodes[node].due)
-    total[LATEST], total[MAKESPAN], total[BACK_SUM], total[LATE] = (
-        latest,
-        back[latest],
-        back_sum,
-        late,
-    )
-    total[COST] = cost_of(back[latest], back_sum, late, len(back))
+    for task in range(len(problem.near)):
+        late += max(0, graph.nodes[task].end - graph.nodes[task].due)
+        end_sum += graph.nodes[task].end
+    total[LATEST], total[MAKESPAN] = latest, back[latest]
+    total[BACK_SUM], total[END_SUM], total[LATE] = back_sum, end_sum, late
+    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, late)
 
 
 @entry

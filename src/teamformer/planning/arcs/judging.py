@@ -16,6 +16,7 @@ from teamformer.jit import kernel
 from teamformer.planning.arcs.graph import (
     BACK_SUM,
     COST,
+    END_SUM,
     LATE,
     LATEST,
     MAKESPAN,
@@ -24,16 +25,21 @@ from teamformer.planning.arcs.graph import (
     Records,
     back_of,
     cost_of,
+    is_in_steps,
     start_of,
     tail_of,
 )
+from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways
 from teamformer.planning.coalitions.problem import NOBODY, Ticks, Whole
 
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
 
-PREV, NEXT, END, BACK = range(4)
+PREV, NEXT, END, BACK, COMES = range(5)
 """What an entry of the log has changed."""
+
+ARRIVING, PARTING = 1, 2
+"""What is to be worked out of a node on the agenda: its start, or in steps also who leaves when."""
 
 LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY = range(6)
 """Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
@@ -55,7 +61,7 @@ class Trial(NamedTuple):
 
 def empty_trial(graph: Graph) -> Trial:
     """Return room for a change."""
-    room = 4 * len(graph.seats) + len(graph.nodes) + len(graph.back)
+    room = 5 * len(graph.seats) + len(graph.nodes) + len(graph.back)
     return Trial(
         number=np.zeros(6, np.int64),
         log=np.zeros(room, ENTRY).view(np.recarray),
@@ -94,6 +100,11 @@ def connect(graph: Graph, trial: Trial, seat: int, to: int) -> None:
     seats[to].prev = seat
     trial.number[PAST] = max(trial.number[PAST], nodes[seats[seat].node].key)
     follow(graph, trial, to)
+    if is_in_steps(graph):
+        node = seats[seat].node
+        if not nodes[node].is_waiting:
+            wait(graph, trial, node, nodes[node].key)
+        nodes[node].is_waiting = PARTING
 
 
 @kernel
@@ -121,27 +132,34 @@ def wait(graph: Graph, trial: Trial, task: int, key: int) -> None:
     agenda[place].key = key
     agenda[place].task = task
     trial.number[WAITS] += 1
-    graph.nodes[task].is_waiting = 1
+    graph.nodes[task].is_waiting = ARRIVING
 
 
 @kernel
 def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bool:
     """Time what has changed; stop if some chain is longer than the limit, and say if none is."""
-    number, nodes, most = trial.number, graph.nodes, problem.most[0]
+    number, nodes = trial.number, graph.nodes
     while number[WAITS] > 0:
         number[WAITS] -= 1
         task = trial.agenda[number[WAITS]].task
         node = nodes[task]
+        is_parting = node.is_waiting == PARTING
         node.is_waiting = 0
-        start = start_of(problem, graph, task, task * most)
-        end = start + node.duration
-        if end == node.end:
+        start, end = 0, node.end
+        if task < len(problem.near):
+            start = start_of(problem, graph, task, node.first)
+            end = start + node.duration
+        if end == node.end and not is_parting:
             continue
         if node.key > number[PAST] and start + node.tail > limit:
             return False
-        record(trial, END, task, node.end)
-        node.end = end
-        for seat in range(task * most, task * most + node.taken):
+        if end != node.end:
+            record(trial, END, task, node.end)
+            node.end = end
+        if is_in_steps(graph):
+            _send_on(problem, graph, trial, task)
+            continue
+        for seat in range(node.first, node.first + node.taken):
             follow(graph, trial, graph.seats[seat].next)
         if node.has_links:
             for other in problem.after[task]:
@@ -153,10 +171,30 @@ def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bo
 
 
 @kernel
+def _send_on(problem: ArcProblem, graph: Graph, trial: Trial, node: int) -> None:
+    """Work out when those who leave a node are at their next ones, and have those timed.
+
+    What starts in the same step has its turn after the node, which may have changed.
+    """
+    nodes, record_of = graph.nodes, graph.nodes[node]
+    count, step = plan_ways(problem, graph, node), (record_of.end - record_of.duration) // TICKS
+    for seat in range(record_of.first, record_of.first + record_of.taken):
+        head = graph.seats[seat].next
+        to = graph.seats[head].node
+        comes = graph.ways[find_way(graph, to, count)].comes
+        if comes != graph.comes[seat]:
+            record(trial, COMES, seat, graph.comes[seat])
+            graph.comes[seat] = comes
+        elif to < len(nodes) - 1 and (nodes[to].end - nodes[to].duration) // TICKS > step:
+            continue
+        follow(graph, trial, head)
+
+
+@kernel
 def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
     """Time the homes, and return what the plan costs now; `total` stays until it is accepted."""
     number, back, total = trial.number, graph.back, graph.total
-    makespan, back_sum, late = 0, total[BACK_SUM], total[LATE]
+    makespan, back_sum, late, end_sum = 0, total[BACK_SUM], total[LATE], total[END_SUM]
     is_latest_changed = False
     for index in range(number[HOMES]):
         robot = trial.homes[index]
@@ -178,8 +216,9 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
     for entry in range(number[LOGGED]):
         if trial.log[entry].what == END:
             node = graph.nodes[trial.log[entry].index]
+            end_sum += node.end - trial.log[entry].old
             late += max(0, node.end - node.due) - max(0, trial.log[entry].old - node.due)
-    return cost_of(makespan, back_sum, late, len(back))
+    return cost_of(problem, graph, makespan, back_sum, end_sum, late)
 
 
 @kernel
@@ -198,6 +237,8 @@ def undo(graph: Graph, trial: Trial) -> None:
             seats[index].next = old
         elif trial.log[entry].what == PREV:
             seats[index].prev = old
+        elif trial.log[entry].what == COMES:
+            graph.comes[index] = old
         else:
             graph.back[index] = old
 
@@ -214,6 +255,7 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
         if trial.log[place].what == END:
             node = nodes[index]
             node.key = 2 * (node.end - node.duration) + 1
+            total[END_SUM] += node.end - old
             total[LATE] += max(0, node.end - node.due) - max(0, old - node.due)
         elif trial.log[place].what == BACK:
             total[BACK_SUM] += back[index] - old

@@ -12,9 +12,9 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.graph import ArcProblem, Graph, Records
+from teamformer.planning.coalitions.first_plan import draw_plan
 from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
-from teamformer.planning.coalitions.search.annealing import CoalitionSearch
-from teamformer.planning.coalitions.search.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.coalitions.schedule import CoalitionPlan, empty_plan
 
 PRICES = (0, 100, 200, 350, 500, 800)
 """What a tick that a robot waits costs if its type has most to do, in thousandths of a tick."""
@@ -71,9 +71,10 @@ def empty_dispatch(problem: CoalitionProblem, arcs: ArcProblem) -> Dispatch:
 def balance(problem: ArcProblem, graph: Graph, room: Dispatch, rounds: int) -> None:
     """Choose covers so that the loads of types are as even as can be; leave them in `room.load`."""
     tasks, total, way = len(problem.near), 0, 0
-    for task in range(tasks):
-        way += problem.ways[0, task, problem.near[task, problem.near.shape[1] // 2]]
-    way //= tasks
+    if tasks > 1:
+        for task in range(tasks):
+            way += problem.ways[0, task, problem.near[task, problem.near.shape[1] // 2]]
+        way //= tasks
     for task in range(tasks):
         total += graph.nodes[task].duration + way
     scale = max(1, total // tasks)
@@ -143,7 +144,8 @@ def dispatch(
     for which in range(len(room.load)):
         highest = max(highest, room.load[which])
     for robot in range(robots):
-        room.place[robot], room.free[robot] = problem.origin[robot], 0
+        room.place[robot] = problem.origin[robot]
+        room.free[robot] = graph.nodes[problem.origin[robot]].end
     for task in range(tasks):
         room.is_open[task] = 1
         for which in range(len(room.load)):
@@ -313,9 +315,9 @@ def first_plan(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> Coa
     Where covers are not listed, tasks are planned in a random order, each by who is there first.
     """
     if not arcs.listed.all():
-        search = CoalitionSearch(problem, 0)
-        search.begin_anew()
-        return search.best
+        drawn = draw_plan(problem, 0)
+        assert drawn is not None, "the caller has seen that every task has an able coalition"
+        return drawn
     tasks = len(problem.needs)
     room, plan, best = empty_dispatch(problem, arcs), empty_plan(problem), empty_plan(problem)
     balance(arcs, graph, room, BALANCINGS)

@@ -15,8 +15,8 @@ from teamformer.planning.arcs.judging import (
     propagate,
 )
 from teamformer.planning.coalitions.problem import NOBODY
-from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
+from teamformer.rules.chance import draw_below
 
 
 @kernel

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from teamformer.jit import kernel
 from teamformer.planning.arcs.coalition_choice import (
     COMES,
+    FELLOWS_FROM,
     LEAVES,
     PICKS,
     Choice,
@@ -15,14 +16,23 @@ from teamformer.planning.arcs.coalition_choice import (
     sum_up_picks,
 )
 from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import LAST, MAKESPAN, ArcProblem, Graph
+from teamformer.planning.arcs.graph import (
+    ANYWHERE,
+    BUNDLE,
+    IN_PLACE,
+    LAST,
+    MAKESPAN,
+    ArcProblem,
+    Graph,
+)
+from teamformer.planning.arcs.in_steps.bundles import draw_group, pick_group
 from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
 from teamformer.planning.coalitions.problem import NOBODY, Ticks
-from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
+from teamformer.rules.chance import draw_below
 
-ANYWHERE, NEAR_ITS_START = 5, 50  # percent, one upon the other
-"""How many tasks are moved to any moment, or near to their start; the others beside a near task."""
+NEAR_ITS_START = 45  # percent
+"""How many tasks are moved near to their start; the others beside a near task or to any moment."""
 
 NEAR = 2
 """How many legs are near to a start."""
@@ -56,13 +66,19 @@ def move_task(
     begin_trial(trial)
     moved.number[MOVED] = NOBODY
     node, need = graph.nodes[task], graph.nodes[task].need
-    cut = _draw_cut(problem, graph, random, task, leg)
+    choice.number[FELLOWS_FROM] = cut = NOBODY
+    if problem.habits[BUNDLE] > 0 and draw_below(random, 100) < problem.habits[BUNDLE]:
+        cut = draw_group(problem, graph, choice, random, task)
+    is_picked = cut != NOBODY and pick_group(problem, graph, choice, task)
+    if cut == NOBODY:
+        cut = _draw_cut(problem, graph, random, task, leg)
     if node.has_links and not _keeps_order(problem, graph, task, cut):
         return False
-    by_chain = draw_below(random, 100) < BY_CHAIN
-    gather(problem, graph, choice, random, task, cut, trial.number[COMES_BY], by_chain)
-    if not choose(problem, choice, random, need, by_chain):
-        return False
+    if not is_picked:
+        by_chain = draw_below(random, 100) < BY_CHAIN
+        gather(problem, graph, choice, random, task, cut, trial.number[COMES_BY], by_chain)
+        if not choose(problem, choice, random, need, by_chain):
+            return False
     sum_up_picks(choice)
     comes = max(choice.number[COMES], node.release)
     if comes + choice.number[LEAVES] > limit + leg:
@@ -75,10 +91,12 @@ def move_task(
 def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int) -> int:
     """Draw a moment: beside a near task, near its own start, now and then any."""
     nodes, seats, most = graph.nodes, graph.seats, problem.most[0]
-    draw = draw_below(random, 100)
-    if draw < ANYWHERE:
+    draw, habits = draw_below(random, 100), problem.habits
+    if draw < habits[ANYWHERE]:
         return 2 * draw_below(random, graph.total[MAKESPAN])
-    if draw < NEAR_ITS_START:
+    if draw < habits[ANYWHERE] + habits[IN_PLACE]:
+        return nodes[task].key - 1
+    if draw < habits[ANYWHERE] + habits[IN_PLACE] + NEAR_ITS_START:
         start = nodes[task].end - nodes[task].duration
         spread = NEAR * leg + 1
         return 2 * max(1, start - spread + draw_below(random, 2 * spread))
@@ -122,10 +140,8 @@ def _put(
 ) -> None:
     """Take a task out of its arcs, and put it into those that were picked."""
     seats, node, most = graph.seats, graph.nodes[task], problem.most[0]
-    moved.number[MOVED], moved.number[OLD_KEY], moved.number[OLD_SIZE] = task, node.key, node.taken
-    for index in range(node.taken):
-        seat = task * most + index
-        moved.kinds[index] = seats[seat].kind
+    remember(graph, moved, task)
+    for seat in range(node.first, node.first + node.taken):
         connect(graph, trial, seats[seat].prev, seats[seat].next)
     node.taken, node.key = choice.number[PICKS], cut
     for index in range(node.taken):
@@ -134,6 +150,15 @@ def _put(
         head = seats[tail].next
         connect(graph, trial, tail, seat)
         connect(graph, trial, seat, head)
+
+
+@kernel
+def remember(graph: Graph, moved: Moved, task: int) -> None:
+    """Note the key of a task and the kinds of its robots before they change."""
+    node = graph.nodes[task]
+    moved.number[MOVED], moved.number[OLD_KEY], moved.number[OLD_SIZE] = task, node.key, node.taken
+    for index in range(node.taken):
+        moved.kinds[index] = graph.seats[node.first + index].kind
 
 
 @kernel

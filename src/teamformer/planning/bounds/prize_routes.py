@@ -8,14 +8,12 @@ collect is no less than what the best route without a second visit does.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from teamformer.jit import allocating_kernel, entry
-
-Array = npt.NDArray[Any]
+from teamformer.rules.arrays import Array
 
 NOTHING = -1
 """The worth of what cannot be done in time."""

@@ -12,15 +12,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.planning.bounds.prize_routes import Stops, make_stops
 from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR, ROUNDING
-
-Array = npt.NDArray[Any]
 
 
 class Kind(NamedTuple):

@@ -12,10 +12,8 @@ in whole numbers.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from teamformer.grid import Grid
 from teamformer.model import Scenario
@@ -24,9 +22,8 @@ from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look
 from teamformer.planning.bounds.robot_kinds import robot_kinds, size_of_kinds
 from teamformer.planning.bounds.route_mix import RouteMix
 from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
-
-Array = npt.NDArray[Any]
 
 MEMORIES = (1, 3, 5, 7)
 """How many places a stop remembers: the more, the fewer routes come back, and the slower."""

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[Any]
+from teamformer.rules.arrays import Array
 
 MOST = 4.0
 """The share is bounded, so that there is a best mix before any route is known."""

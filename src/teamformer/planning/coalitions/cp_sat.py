@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem, Ticks
-from teamformer.planning.coalitions.search.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.coalitions.schedule import CoalitionPlan, empty_plan
 from teamformer.planning.relaxation.cp_sat import make_solver
 
 if TYPE_CHECKING:

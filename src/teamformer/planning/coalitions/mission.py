@@ -27,7 +27,7 @@ from teamformer.planning.coalitions.linked.problem import (
 from teamformer.planning.coalitions.linked.solve import LinkedSolution
 from teamformer.planning.coalitions.problem import NEVER, CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.routes import MissionPlan
-from teamformer.planning.coalitions.search.schedule import LATENESS, SPREAD, CoalitionPlan
+from teamformer.planning.coalitions.schedule import LATENESS, SPREAD, CoalitionPlan
 from teamformer.planning.coalitions.solve import Solution
 from teamformer.planning.coalitions.times import Clock, release_of, time_mission
 from teamformer.planning.relaxation.problem import count_table

@@ -13,24 +13,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem
-from teamformer.planning.coalitions.search.annealing import is_ready, schedule_of
-from teamformer.planning.coalitions.search.coalition_choice import arrival, cover, give_way
-from teamformer.planning.coalitions.search.schedule import (
+from teamformer.planning.coalitions.coalition_choice import arrival, cover, empty_desk, give_way
+from teamformer.planning.coalitions.first_plan import is_ready
+from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.coalitions.schedule import (
     COST,
     copy_plan,
     empty_plan,
     empty_schedule,
+    schedule_of,
     sum_up,
     time_one,
 )
-from teamformer.planning.coalitions.search.window import REFUSED, empty_desk
 from teamformer.planning.coalitions.solve import Solution
-from teamformer.planning.relaxation.insertion import draw_below
+from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.planning.coalitions.search.schedule import CoalitionPlan, Schedule
-    from teamformer.planning.coalitions.search.window import Desk
+    from teamformer.planning.coalitions.coalition_choice import Desk
+    from teamformer.planning.coalitions.schedule import CoalitionPlan, Schedule
 
 FUTURES = 20
 """How often the rest is played out for each task that a robot may take."""
@@ -65,7 +65,7 @@ def _react(
 
     `best` is the best future seen so far: its beginning is what was decided.
     """
-    tasks, least = len(schedule.rank), REFUSED
+    tasks, least = len(schedule.rank), NEVER
     for robot in range(len(problem.origin)):
         schedule.last[0, robot] = problem.origin[robot]
     _take_back(schedule, 0)
@@ -78,7 +78,7 @@ def _react(
             if not _helps(problem, schedule, robot, task):
                 continue
             for _ in range(most):
-                if _call(problem, schedule, desk, robot, task, position) == REFUSED:
+                if _call(problem, schedule, desk, robot, task, position) == NEVER:
                     return False
                 _do(problem, schedule, desk, task, position)
                 cost = _play_out(problem, schedule, desk, position + 1, noise)
@@ -124,16 +124,14 @@ def _helps(problem: CoalitionProblem, schedule: Schedule, robot: int, task: int)
 def _call(
     problem: CoalitionProblem, schedule: Schedule, desk: Desk, robot: int, task: int, position: int
 ) -> int:
-    """Pick a coalition around a robot; return when it is there, REFUSED if there is none."""
-    desk.span[0] = desk.span[1] = position
-    desk.clock[0] += 1
+    """Pick a coalition around a robot; return when it is there, NEVER if there is none."""
     desk.pick[0], desk.picks[0] = robot, 1
-    if not cover(problem, schedule, desk, task):
-        return REFUSED
-    give_way(problem, schedule, desk, task, 0)
+    if not cover(problem, schedule, desk, task, position):
+        return NEVER
+    give_way(problem, schedule, desk, task, position)
     start = 0
     for seat in range(desk.picks[0]):
-        start = max(start, arrival(problem, schedule, desk, desk.pick[seat], task))
+        start = max(start, arrival(problem, schedule, desk.pick[seat], task, position))
     return start
 
 
@@ -171,7 +169,7 @@ def _play_out(
     tasks = len(schedule.rank)
     for position in range(begin, tasks):
         robot = _first_free(problem, schedule, position)
-        best, least = NOBODY, REFUSED
+        best, least = NOBODY, NEVER
         for task in range(tasks):
             if _helps(problem, schedule, robot, task):
                 start = _call(problem, schedule, desk, robot, task, position)
@@ -179,7 +177,7 @@ def _play_out(
                 if start < least:
                     best, least = task, start
         if best == NOBODY:
-            return REFUSED
+            return NEVER
         _call(problem, schedule, desk, robot, best, position)
         _do(problem, schedule, desk, best, position)
     sum_up(problem, schedule)

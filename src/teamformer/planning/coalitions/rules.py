@@ -10,6 +10,7 @@ from teamformer.errors import TeamformerError
 from teamformer.jit import needs_compiling
 from teamformer.planning.arcs.annealing import ArcSearch, anneal_arcs
 from teamformer.planning.coalitions.bounds.makespan import improving_bounds
+from teamformer.planning.coalitions.first_plan import draw_plan
 from teamformer.planning.coalitions.linked.problem import LinkedProblem, link_problem
 from teamformer.planning.coalitions.linked.search import LinkedSearch, anneal_linked
 from teamformer.planning.coalitions.linked.solve import LinkedSolution, plan_linked, solve_linked
@@ -17,7 +18,6 @@ from teamformer.planning.coalitions.mission import ContinuousMission, refuse_no_
 from teamformer.planning.coalitions.problem import CoalitionProblem, pose_problem
 from teamformer.planning.coalitions.reactive import react
 from teamformer.planning.coalitions.routes import MissionPlan
-from teamformer.planning.coalitions.search.annealing import CoalitionSearch, anneal
 from teamformer.planning.coalitions.solve import Solution, plan_together, solve
 
 Planner = Callable[[CoalitionProblem, float], Solution | None]
@@ -67,7 +67,7 @@ def is_compiled(is_linked: bool = False) -> bool:
     """Say whether the search was compiled before, so that nobody has to wait for it."""
     if is_linked:
         return not needs_compiling(anneal_linked)
-    return not (needs_compiling(anneal) or needs_compiling(anneal_arcs))
+    return not needs_compiling(anneal_arcs)
 
 
 @cache
@@ -87,11 +87,9 @@ def warm_up(is_linked: bool = False) -> None:
         linked.begin_anew()
         linked.anneal(1, 1, 0, 10, 10)
         return
-    search = CoalitionSearch(problem, 0)
+    search = ArcSearch(problem, 0)
     search.begin_anew()
     search.anneal(1, 1, 0, 10, 10)
-    arcs = ArcSearch(problem, 0)
-    arcs.begin_anew()
-    arcs.anneal(1, 1, 0, 10, 10)
+    draw_plan(problem, 0)
     react(problem)
     list(islice(improving_bounds(problem, lambda: 10), 2))

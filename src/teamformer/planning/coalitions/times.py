@@ -12,7 +12,7 @@ from teamformer.mission.links import cost_of, groups_of
 from teamformer.mission.rules import latest_end
 from teamformer.model import Scenario
 from teamformer.planning.coalitions.routes import MissionPlan, Route, Stop
-from teamformer.planning.coalitions.search.schedule import CoalitionPlan
+from teamformer.planning.coalitions.schedule import CoalitionPlan
 
 Times = npt.NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.crews.evaluation import walk_list
 from teamformer.planning.crews.moves import change_lists
 from teamformer.planning.crews.routes import gather_parties, replace_list
-from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
+from teamformer.rules.chance import draw_below
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.sorting import sort_indices
 

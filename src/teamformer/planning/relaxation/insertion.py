@@ -21,6 +21,7 @@ from teamformer.planning.relaxation.plan import (
     serve,
 )
 from teamformer.planning.relaxation.problem import Relaxed, least_brought
+from teamformer.rules.chance import draw, draw_below, first_state
 from teamformer.rules.constants import FAR, NOBODY
 
 if TYPE_CHECKING:
@@ -74,25 +75,8 @@ def empty_desk(problem: Relaxed, seed: int) -> Desk:
         best=np.zeros(robots, np.int32),
         spare=np.zeros(caps, np.int32),
         is_versatile=np.array([problem.counts.sum(axis=1).max() > 1]),
-        random=np.array([(seed * 2654435769 + 88172645463325252) % 2**64], np.uint64),
+        random=np.array([first_state(seed)]),
     )
-
-
-@kernel
-def draw(random: Array) -> float:
-    """Return a random number from 0 to 1 and step the state on (xorshift64, Marsaglia 2003)."""
-    state = random[0]
-    state ^= state << np.uint64(13)
-    state ^= state >> np.uint64(7)
-    state ^= state << np.uint64(17)
-    random[0] = state
-    return np.float64(state >> np.uint64(11)) / 9007199254740992.0
-
-
-@kernel
-def draw_below(random: Array, count: int) -> int:
-    """Return a random whole number from 0 to count - 1."""
-    return int(draw(random) * count)
 
 
 @allocating_kernel

@@ -9,10 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from teamformer.jit import allocating_kernel, kernel
-from teamformer.planning.relaxation.insertion import draw, draw_below, insert_task
+from teamformer.planning.relaxation.insertion import insert_task
 from teamformer.planning.relaxation.plan import hang_tasks, start_tasks
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.rules.arrays import Array
+from teamformer.rules.chance import draw, draw_below
 
 if TYPE_CHECKING:
     from teamformer.planning.relaxation.insertion import Desk

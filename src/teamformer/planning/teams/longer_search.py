@@ -16,7 +16,9 @@ from teamformer.planning.teams.solve import (
     from_best,
     from_coalitions,
     improve,
+    improve_by_arcs,
     is_able,
+    is_for_arcs,
     start_search,
 )
 
@@ -53,10 +55,11 @@ def search_longer(
     coalitions = from_coalitions(problem, best, seed)
     other = start_search(situation, seed + 1)
     with ThreadPoolExecutor(2) as pool:
-        work = [
-            pool.submit(improve, best, search, begun + seconds, from_best(best)),
-            pool.submit(improve, best, other, begun + seconds, coalitions),
-        ]
+        if is_for_arcs(problem):
+            first = pool.submit(improve_by_arcs, best, situation, begun + seconds, seed)
+        else:
+            first = pool.submit(improve, best, search, begun + seconds, from_best(best))
+        work = [first, pool.submit(improve, best, other, begun + seconds, coalitions)]
         try:
             while wait(work, timeout=LOOK).not_done and not is_over():
                 pass

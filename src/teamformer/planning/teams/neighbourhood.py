@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from teamformer.jit import kernel
-from teamformer.planning.relaxation.insertion import draw, draw_below
 from teamformer.planning.relaxation.plan import Array
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.teams.plan import TeamPlan
+from teamformer.rules.chance import draw, draw_below
 from teamformer.rules.constants import NOBODY
 
 LONGEST_STRETCH = 4

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from teamformer.coordination import Known, Plan
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
+from teamformer.planning.teams.arc_search import plan_from_arcs
 from teamformer.planning.teams.plan import TeamPlan
 from teamformer.planning.teams.situation import Situation, plan_of, situation_of
 from teamformer.planning.teams.starts import complete_plan, plan_from_coalitions, plan_from_crews
@@ -30,6 +31,9 @@ CLEARLY = 16
 HOPELESS = 4
 """Crews are not searched from at all if they take a quarter longer to begin with."""
 
+GLANCE = 20
+"""A brief search over graphs of arcs is so much shorter."""
+
 CREW_SEARCHES = (8, 20)
 """How long crews are looked for again where they are, in tenths of the first time."""
 
@@ -45,21 +49,25 @@ MOST_AT_ONCE = 10_000_000
 SMALLEST_GAIN = 50
 """The part of the steps left that a new plan must gain for anybody to turn round: a fiftieth."""
 
-LARGE = 60
-"""From so many tasks on more time is taken to find coalitions."""
+LARGE = 100
+"""Missions of so many tasks are searched once over graphs of arcs, and not on from there."""
+
+ARC_ROUNDS, ROUNDS_TIMES_TASKS = 900_000, 210_000_000
+"""Rounds over graphs of arcs; what is made of these times tasks at most, as rounds take longer."""
 
 BRIEF = 4
 """A brief search is so much shorter, and begins with one plan of each kind."""
 
 
 class Rounds(NamedTuple):
-    """How long to search: for lists of crews, each time without forming counted, and with.
+    """How long to search: for lists of crews, for coalitions each time, and over orders of tasks.
 
-    `coalitions` is how often it is searched without, where crews are not clearly better.
+    `coalitions` is how often they are searched for where crews are not clearly better: in a large
+    mission once, over graphs of arcs, else with forming not counted.
     """
 
     crews: int
-    relaxed: int
+    coalition: int
     team: int
     coalitions: int
 
@@ -67,19 +75,27 @@ class Rounds(NamedTuple):
 def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     """Return the rounds for a mission of a size: fixed, as a clock would not be the same for all.
 
-    A second or two of one core for 16 robots and 60 tasks, a fifth of that when planned again; some
-    ten seconds for 100 robots and 300 tasks.
+    A second of one core for 16 robots and 60 tasks, a fifth of that when planned again; some three
+    seconds for 100 robots and 300 tasks.
     """
     tasks, needs = len(problem.appears), int(most_in_coalitions(problem).sum())
     crews = 1500 * tasks
-    relaxed = 130_000 * max(tasks, LARGE) // (LARGE * (tasks + 10 * needs // tasks))
-    relaxed = min(3 * tasks * tasks // 2, relaxed)
     team = min(100 * tasks * tasks, max(60_000, 1000 * tasks), 120_000)
     team = min(team, 15_000_000 // tasks)  # what timing a plan takes grows so
     team = min(team, 1_200_000_000 // (needs * problem.needs.shape[1]))
+    if tasks >= LARGE:
+        coalition, coalitions = min(ARC_ROUNDS, ROUNDS_TIMES_TASKS // tasks), 1
+    else:
+        coalition, coalitions = relaxed_rounds(problem), 3 if is_again else 6
     if is_again:
-        return Rounds(crews // 5, 1 + relaxed // 5, team // 5, 3)
-    return Rounds(crews, relaxed, team, 6)
+        return Rounds(crews // 5, 1 + coalition // 5, team // 5, coalitions)
+    return Rounds(crews, coalition, team, coalitions)
+
+
+def relaxed_rounds(problem: Relaxed) -> int:
+    """Return how long coalitions are searched for with forming not counted."""
+    tasks, needs = len(problem.appears), int(most_in_coalitions(problem).sum())
+    return min(3 * tasks * tasks // 2, 130_000 // (tasks + 10 * needs // tasks))
 
 
 def is_too_large(scenario: Scenario) -> bool:
@@ -101,21 +117,11 @@ def plan_mission(known: Known, old: Plan | None = None, is_brief: bool = False) 
     rounds = rounds_for(situation.problem, old is not None)
     if is_brief:
         rounds = rounds._replace(crews=rounds.crews // BRIEF, team=rounds.team // BRIEF)
-    kept: Plan | None = None
-    entered: list[_Entered] = []
+    old_plan: _Entered | None = None
     if old is not None:
-        search = _search_from(situation, kept_plan(situation, old))
-        kept = shared_plan_of(situation, search, "kept")
-        entered.append(_Entered("old plan", search))
-    fresh = list(_first_searches(situation, rounds, known.step))
-    entered += fresh
-    _run(entered, rounds.team // FIRST_LAP)
-    if not is_brief:
-        is_better = _are_crews_better(fresh, known.step)
-        more = list(_more_searches(situation, rounds, is_better))
-        _run(more, rounds.team // FIRST_LAP)
-        entered += more
-    chosen, search = _race(entered, rounds)
+        old_plan = _Entered("old plan", _search_from(situation, kept_plan(situation, old)))
+    kept = None if old_plan is None else shared_plan_of(situation, old_plan.search, "kept")
+    chosen, search = _search(situation, rounds, known.step, old_plan, is_brief)
     best = shared_plan_of(situation, search, chosen)
     if kept is not None:
         left = kept.makespan - known.step
@@ -152,20 +158,68 @@ def _race(entered: list[_Entered], rounds: Rounds) -> _Entered:
     return min(entered, key=_cost_of)
 
 
-def _first_searches(situation: Situation, rounds: Rounds, step: int) -> Iterator[_Entered]:
-    """Return a search from a plan of each kind; from crews only if there is hope."""
-    problem = situation.problem
-    crews = plan_from_crews(problem, situation.company, rounds.crews)
+def _search(
+    situation: Situation, rounds: Rounds, step: int, old: _Entered | None, is_brief: bool
+) -> _Entered:
+    """Return the best search from all starts, which race; of a large mission only if crews lead."""
+    fresh = list(_first_searches(situation, rounds, step, old))
+    entered = fresh if old is None else [old, *fresh]
+    first = min(entered, key=_cost_of)
+    if len(situation.tasks) >= LARGE and first.name != CREWS:
+        return first
+    _run(entered, rounds.team // FIRST_LAP)
+    if not is_brief:
+        more = list(_more_searches(situation, rounds, _are_crews_better(fresh, step)))
+        _run(more, rounds.team // FIRST_LAP)
+        entered = [*entered, *more]
+    return _race(entered, rounds)
+
+
+def _first_searches(
+    situation: Situation, rounds: Rounds, step: int, old: _Entered | None
+) -> Iterator[_Entered]:
+    """Return a search from a plan of each kind; from crews only if there is hope.
+
+    In a large mission there may be no hope for coalitions either, as a brief search tells.
+    """
+    crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
     entered = _Entered(CREWS, _search_from(situation, crews))
-    relaxed = plan_from_coalitions(problem, rounds.relaxed)
-    if relaxed is None:
+    if len(situation.tasks) >= LARGE:
+        brief = rounds._replace(coalition=rounds.coalition // GLANCE)
+        other = _enter_coalitions(situation, brief, old=old)
+        if other is None or _is_hopeless(other, entered, step):
+            yield entered
+            return
+    other = _enter_coalitions(situation, rounds, old=old)
+    if other is None:
         yield entered
         return
-    other = _Entered(COALITIONS, _search_from(situation, relaxed))
-    most = other.steps_left(step) * (HOPELESS + 1) // HOPELESS
-    if entered.steps_left(step) <= most:
+    if not _is_hopeless(entered, other, step):
         yield entered
     yield other
+
+
+def _is_hopeless(entered: _Entered, other: _Entered, step: int) -> bool:
+    """Say whether a search begins so far behind another that nobody need run it."""
+    return entered.steps_left(step) > other.steps_left(step) * (HOPELESS + 1) // HOPELESS
+
+
+def _enter_coalitions(
+    situation: Situation, rounds: Rounds, seed: int = 0, old: _Entered | None = None
+) -> _Entered | None:
+    """Return a search from coalitions; None if none were found."""
+    found = _find_coalitions(situation, rounds, seed, old)
+    return None if found is None else _Entered(COALITIONS, _search_from(situation, found))
+
+
+def _find_coalitions(
+    situation: Situation, rounds: Rounds, seed: int, old: _Entered | None
+) -> TeamPlan | None:
+    """Return a plan from one search for coalitions; of a large mission beginning at the old one."""
+    if len(situation.tasks) < LARGE:
+        return plan_from_coalitions(situation.problem, rounds.coalition, seed)
+    start = None if old is None else old.search.best
+    return plan_from_arcs(situation, rounds.coalition, seed, start)
 
 
 def _are_crews_better(fresh: list[_Entered], step: int) -> bool:
@@ -187,9 +241,9 @@ def _more_searches(
             yield _Entered(CREWS, _search_from(situation, crews))
     else:
         for seed in range(1, rounds.coalitions):
-            relaxed = plan_from_coalitions(situation.problem, rounds.relaxed, seed)
-            if relaxed is not None:
-                yield _Entered(COALITIONS, _search_from(situation, relaxed))
+            entered = _enter_coalitions(situation, rounds, seed)
+            if entered is not None:
+                yield entered
 
 
 def _search_from(situation: Situation, start: TeamPlan) -> ThresholdSearch:
@@ -208,15 +262,6 @@ def kept_plan(situation: Situation, old: Plan) -> TeamPlan:
 def timed_plan(situation: Situation, plan: TeamPlan, start: str) -> Plan:
     """Return a plan in the numbers of the mission, with the steps in which its tasks are done."""
     return shared_plan_of(situation, _search_from(situation, plan), start)
-
-
-def ends_of(situation: Situation, plan: Plan) -> dict[int, int]:
-    """Return the step in which each task of a plan is done if nothing happens, by task.
-
-    Coalitions that lack something are completed by who is nearest.
-    """
-    timed = timed_plan(situation, kept_plan(situation, plan), "timed")
-    return dict(zip(timed.order, timed.ends, strict=True))
 
 
 def plan_in_numbers(situation: Situation, plan: Plan) -> tuple[list[int], list[list[int]]]:

@@ -9,12 +9,14 @@ from itertools import count
 
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.schedule import Schedule
+from teamformer.planning.teams.arc_search import LESS_HOT, TeamArcs
 from teamformer.planning.teams.initial import crew_plans
 from teamformer.planning.teams.plan import TeamPlan, plan_teams
-from teamformer.planning.teams.shared_plan import HOT, rounds_for
+from teamformer.planning.teams.shared_plan import HOT, LARGE, relaxed_rounds, rounds_for
 from teamformer.planning.teams.situation import Situation
 from teamformer.planning.teams.starts import plan_from_coalitions
 from teamformer.planning.teams.threshold_search import ThresholdSearch
+from teamformer.rules.constants import FAR
 
 Starts = Iterator[tuple[TeamPlan, float]]
 """Plans to search from, one after another, and how hot each search begins, in steps."""
@@ -101,7 +103,7 @@ def from_best(best: BestPlan) -> Starts:
 
 def from_coalitions(problem: Relaxed, best: BestPlan, seed: int) -> Starts:
     """Begin at coalitions that are good where joining is free and at the best plan, by turns."""
-    rounds = rounds_for(problem, is_again=False).relaxed
+    rounds = relaxed_rounds(problem)
     for turn, (plan, hot) in enumerate(from_best(best)):
         relaxed = plan_from_coalitions(problem, rounds, seed + turn)
         if relaxed is not None:
@@ -121,6 +123,26 @@ def improve(best: BestPlan, search: ThresholdSearch, deadline: float, starts: St
         search.begin(start)
         _search_once(best, search, deadline, min(rounds, left), hot)
         left -= rounds
+
+
+def improve_by_arcs(best: BestPlan, situation: Situation, deadline: float, seed: int) -> None:
+    """Anneal once over graphs of arcs until the deadline, from the best plan, and offer what is
+    found.
+    """
+    arcs, timed = TeamArcs(situation, seed), start_search(situation, seed)
+
+    def offer() -> None:
+        timed.begin(arcs.best)
+        best.offer(timed)
+
+    arcs.begin_at(best.plan)
+    (hot, cold), seconds = arcs.heats, deadline - time.perf_counter()
+    arcs.search.anneal_for(seconds, (hot // LESS_HOT, cold), lambda: best.is_over, offer)
+
+
+def is_for_arcs(problem: Relaxed) -> bool:
+    """Say whether graphs of arcs are searched: of large missions that nobody is lost in."""
+    return len(problem.appears) >= LARGE and int(problem.lost.min()) >= FAR
 
 
 def _search_once(

@@ -9,8 +9,8 @@ import numpy as np
 from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import count_table
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 
 

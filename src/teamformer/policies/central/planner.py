@@ -22,6 +22,8 @@ from teamformer.planning.teams.solve import (
     from_best,
     from_coalitions,
     improve,
+    improve_by_arcs,
+    is_for_arcs,
     plan_from_schedule,
     start_search,
 )
@@ -172,7 +174,10 @@ def _improve(
         relaxing = pool.submit(_relax_and_search, scenario, situation, best, deadline, seed)
         work: list[Future[None]] = [bounding]
         if workers > 1:  # begins when the bound is through
-            work.append(pool.submit(improve, best, search, deadline, from_best(best)))
+            if is_for_arcs(situation.problem):
+                work.append(pool.submit(improve_by_arcs, best, situation, deadline, seed))
+            else:
+                work.append(pool.submit(improve, best, search, deadline, from_best(best)))
         try:
             solution = relaxing.result()
             for done in work:

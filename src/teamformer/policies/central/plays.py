@@ -17,8 +17,8 @@ from teamformer.policies.central.players import Player, decision_of, is_coordina
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import NEVER, Array
+from teamformer.rules.arrays import Array
+from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.env import TeamFormation
 
 Script = list[dict[int, tuple[Array, int]]]

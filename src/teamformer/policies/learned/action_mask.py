@@ -8,8 +8,8 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.policies.learned.token_features import NEVER_FITS, Spelled
+from teamformer.rules.arrays import Array
 from teamformer.rules.coverage import are_equal
-from teamformer.sim.arrays import Array
 
 EDIT, FULL = "edit", "full"
 

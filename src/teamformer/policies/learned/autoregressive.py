@@ -11,7 +11,7 @@ from teamformer.policies.learned.action_mask import EDIT, FULL, Next, complete, 
 from teamformer.policies.learned.onnx_sessions import OnnxNetwork, read_network, shipped
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.token_features import Spelled, SpellingCodec
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 
 ENCODER_FILE, STEP_FILE = "network.onnx", "step.onnx"
 ENCODER_INPUTS = Spelled._fields[:7]

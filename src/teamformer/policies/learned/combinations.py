@@ -16,8 +16,8 @@ from teamformer.jit import entry, kernel
 from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.token_features import TASK_FEATURES, TEAM_FEATURES, SpellingCodec
+from teamformer.rules.arrays import Array
 from teamformer.rules.splitting import anybody_fits
-from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
 
 MOST_CAPABILITIES = 10
@@ -52,7 +52,7 @@ class CombinationCodec:
 
     def __init__(self, capabilities: int) -> None:
         if capabilities > MOST_CAPABILITIES:
-            hint = "use --network teamformer, whose actions grow with their number only"
+            hint = "use network: teamformer, whose actions grow with their number only"
             raise TeamformerError(
                 f"{capabilities} capabilities make {2 ** (capabilities + 1)} actions; "
                 f"{MOST_CAPABILITIES} are possible",

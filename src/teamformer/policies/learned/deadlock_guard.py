@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import allocating_kernel, entry, kernel
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import Array
 from teamformer.sim.view import NEXT_TASKS, View
 
 BASE_PATIENCE = 30  # steps

@@ -12,10 +12,10 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.policies.scripted.join_fitting import JoinFitting
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import are_equal
 from teamformer.rules.splitting import anybody_fits
-from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
 
 TEAMS, TASKS = 9, 4

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from teamformer.errors import TeamformerError
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 
 
 class OnnxNetwork:

@@ -28,8 +28,8 @@ from teamformer.policies.learned.macro_actions import (
     scripted_counts,
 )
 from teamformer.policies.scripted.pairing import pair_by_slot
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
 
 OWN_FEATURES, TEAM_FEATURES = len(Own), len(Team)

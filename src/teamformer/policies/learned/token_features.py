@@ -19,8 +19,8 @@ from teamformer.policies.learned.feature_layout import (
     TaskToken,
 )
 from teamformer.policies.scripted.pairing import pair_by_slot
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import Array
 from teamformer.sim.view import View
 
 TEAM_FEATURES, TASK_FEATURES = max(SeenToken) + 1, max(TaskToken) + 1

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.robotarium.control.barrier import POINT, Barrier, Solver
 from teamformer.robotarium.robots.arena import points_ahead
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from teamformer.errors import TeamformerError
+from teamformer.extras import how_to_install
 from teamformer.robotarium.control.barrier import Solver
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 
 OPTIMAL = 1  # daqp's exit flag
 
@@ -18,7 +19,7 @@ def with_daqp() -> Solver:
     try:
         import daqp
     except ImportError:
-        hint = "pip install 'teamformer[robotarium]'"
+        hint = how_to_install("robotarium")
         raise TeamformerError("the safety filter needs daqp", hint) from None
 
     def solve(wanted: Array, rows: Array, bounds: Array) -> Array | None:

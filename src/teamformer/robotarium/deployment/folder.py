@@ -19,7 +19,8 @@ import numpy as np
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.policies.learned.onnx_sessions import shipped
-from teamformer.robotarium.deployment.graphs import Graph, read_graph
+from teamformer.robotarium.deployment.graphs import Graph
+from teamformer.robotarium.deployment.onnx_files import read_graph
 from teamformer.robotarium.experiment import start_poses
 from teamformer.robotarium.mission_checks import check_mission
 from teamformer.trials.methods import DEFAULT, STAND_IN
@@ -74,7 +75,7 @@ def deploy(mission: Scenario, name: str, seed: int, folder: Path) -> list[Path]:
     texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", _flat(module)).replace("MAKER", maker)
     contents: dict[str, str | bytes] = {**texts}
     if name == NETWORK:
-        graph = read_graph(shipped(f"{NETWORK}.npz"))
+        graph = read_graph(shipped(f"{NETWORK}.onnx"))
         contents["tf_graph.py"] = _graph_text(graph)
         contents[WEIGHTS] = _as_npy(_weights(graph))
     for old in _earlier_files(folder):
@@ -91,7 +92,7 @@ def _earlier_files(folder: Path) -> list[Path]:
     for path in found:
         if not (is_ours and (path.name in (MAIN, WEIGHTS) or OURS.fullmatch(path.name))):
             what = f"{folder}: holds what is no deployment's, {path.name} for example"
-            raise TeamformerError(what, "name an empty folder with -o")
+            raise TeamformerError(what, "name an empty folder")
     return found
 
 

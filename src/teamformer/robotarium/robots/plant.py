@@ -23,7 +23,7 @@ from teamformer.robotarium.robots.arena import (
     separations,
     wheel_speeds,
 )
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 
 ROUNDING = 1e-9
 

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from teamformer.errors import TeamformerError
+from teamformer.extras import how_to_install
 from teamformer.robotarium.robots.plant import Faults
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 
 
 def load_robotarium() -> Any:
@@ -25,7 +26,7 @@ def load_robotarium() -> Any:
         matplotlib.use("Agg")  # it imports pyplot, window or not
         from rps.robotarium import Robotarium
     except ImportError:
-        hint = "pip install 'teamformer[rps]'"
+        hint = how_to_install("rps")
         raise TeamformerError("the official simulator is not installed", hint) from None
     return Robotarium
 

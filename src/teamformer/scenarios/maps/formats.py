@@ -24,6 +24,7 @@ LARGEST_MOVINGAI = 10_000_000  # bytes
 LARGEST_DESCRIPTION = 100_000  # bytes
 
 MOVINGAI_FREE = ".GS"  # ground, grass and swamp; trees, water and walls are not
+MOST_CELLS = 100  # a side
 HINT = "write the name as it is seen from the folder of the scenario"
 
 
@@ -36,6 +37,18 @@ def read_map(path: Path, cell: float | None = None) -> Grid:
     if cell is not None:
         raise TeamformerError(f"{path}: a .map file has its cells already; remove 'cell'")
     return read_movingai(path)
+
+
+def read_coarse_map(path: Path) -> Grid:
+    """Read a map as `read_map` does, but one of ROS in cells so large that a page can show them.
+
+    That is at most 100 cells a side.
+    """
+    grid = read_map(path)
+    longest = max(grid.width, grid.height)
+    if grid.frame is None or longest <= MOST_CELLS:
+        return grid
+    return read_map(path, grid.frame.cell * math.ceil(longest / MOST_CELLS))
 
 
 def read_movingai(path: Path) -> Grid:

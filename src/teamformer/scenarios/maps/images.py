@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.errors import TeamformerError
+from teamformer.extras import how_to_install
 from teamformer.scenarios.file_access import read_bytes
 
 LARGEST_FILE = 64_000_000  # bytes
@@ -43,7 +44,7 @@ def _read_png(path: Path, data: bytes) -> Image:
     try:
         from PIL import Image as Decoder
     except ModuleNotFoundError:
-        hint = "pip install 'teamformer[maps]', or convert it to PGM"
+        hint = f"{how_to_install('maps')}, or convert it to PGM"
         raise TeamformerError(f"{path}: a PNG image needs Pillow", hint) from None
     try:
         with Decoder.open(BytesIO(data), formats=("PNG",)) as image:

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import covers, helps
-from teamformer.sim.arrays import Array, World
+from teamformer.sim.arrays import World
 from teamformer.sim.motion import travel, travel_between
 from teamformer.sim.spatial_index import find_near
 

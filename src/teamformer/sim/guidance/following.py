@@ -12,9 +12,10 @@ from __future__ import annotations
 from typing import Any
 
 from teamformer.jit import entry, kernel
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import find_earliest_tasks
-from teamformer.sim.arrays import RUNNING, Array, World, Worlds, world_at
+from teamformer.sim.arrays import RUNNING, World, Worlds, world_at
 from teamformer.sim.formation import choose_stayers, is_in_reach
 from teamformer.sim.guidance.parts import Parts
 from teamformer.sim.spatial_index import stands_at

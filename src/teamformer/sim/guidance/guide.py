@@ -13,8 +13,9 @@ from teamformer.capabilities import covers, total
 from teamformer.coordination import NEWS, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import FOUND, RUNNING, START, Array, Worlds
+from teamformer.sim.arrays import FOUND, RUNNING, START, Worlds
 from teamformer.sim.guidance.following import follow_plans
 from teamformer.sim.guidance.known import known_of
 from teamformer.sim.guidance.parts import Parts

@@ -1,12 +1,10 @@
-"""The plans of a batch of worlds as arrays; imports nothing, as compiled code is kept by this."""
+"""The plans of a batch of worlds as arrays; few imports, as compiled code is kept by this."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numpy.typing as npt
-
-Array = npt.NDArray[Any]
+from teamformer.rules.arrays import Array
 
 
 class Parts(NamedTuple):

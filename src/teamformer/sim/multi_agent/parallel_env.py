@@ -7,12 +7,14 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from teamformer.errors import TeamformerError
+from teamformer.extras import how_to_install
 from teamformer.mission.arrivals import most_tasks
 from teamformer.mission.checks import LARGEST_COUNT
 from teamformer.model import Scenario
-from teamformer.rules.constants import NOBODY
+from teamformer.rules.arrays import Array
+from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.arrays import NEVER, RUNNING, Array
+from teamformer.sim.arrays import RUNNING
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.multi_agent.action_spaces import (
     count_actions,
@@ -27,7 +29,7 @@ try:
     from gymnasium import spaces
     from pettingzoo import ParallelEnv
 except ImportError as error:
-    hint = "pip install 'teamformer[env]'"
+    hint = how_to_install("env")
     raise TeamformerError("PettingZoo and Gymnasium are not installed", hint) from error
 
 Observation = dict[str, Array]

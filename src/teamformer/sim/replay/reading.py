@@ -69,7 +69,7 @@ def read_replay(path: Path) -> Replay:
             f"{path}: this is a folder", f"name the file in it: {path / 'replay.json'}"
         )
     try:
-        text = read_text(path, LARGEST_FILE, "`teamformer run SCENARIO --out DIR` writes one")
+        text = read_text(path, LARGEST_FILE, "`teamformer run MISSION --out DIR` writes one")
     except TeamformerError as error:
         raise ReplayError(str(error), error.hint) from None
     return replay_from_tree(_parse(text, str(path)), str(path))

@@ -32,13 +32,6 @@ class TaskAt(NamedTuple):
     y: float
 
 
-class Crew(NamedTuple):
-    """A part of the fleet, and the open tasks that are its to do, in order."""
-
-    robots: tuple[int, ...]
-    tasks: tuple[int, ...]
-
-
 class SharedPlanMade(NamedTuple):
     """A shared plan: why it was made, and who does each open task, in the order then."""
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from teamformer.mission.rules import latest_end, opening_step
+from teamformer.rules.constants import NEVER
 from teamformer.sim.replay.record import Replay
-
-NEVER = 2**30
 
 
 def done_steps(replay: Replay) -> dict[int, int]:

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from teamformer.nets.critic import Critic
-from teamformer.sim.arrays import Array
+from teamformer.rules.arrays import Array
 from teamformer.train.learning.rollout import Rollout
 
 

@@ -17,7 +17,8 @@ from teamformer.model import Scenario
 from teamformer.policies.learned.codec import ImitatingCodec
 from teamformer.policies.learned.policy import rows_of
 from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.sim.arrays import COMPLETED, Array
+from teamformer.rules.arrays import Array
+from teamformer.sim.arrays import COMPLETED
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
 from teamformer.train.learning.rollout import Chooser

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import Array, Worlds, world_at
+from teamformer.sim.arrays import Worlds, world_at
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World

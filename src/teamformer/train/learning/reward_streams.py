@@ -12,8 +12,8 @@ from typing import Protocol
 
 import numpy as np
 
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import Array
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.reward import Reward
 from teamformer.sim.view import View

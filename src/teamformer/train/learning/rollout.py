@@ -13,7 +13,8 @@ from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.policy import rows_of
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.sim.arrays import COMPLETED, INFEASIBLE, Array
+from teamformer.rules.arrays import Array
+from teamformer.sim.arrays import COMPLETED, INFEASIBLE
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.learning.global_state import GlobalState, global_state_of
 from teamformer.train.learning.reward_streams import TrainingReward

@@ -10,7 +10,7 @@ class App {
     player.changed = (isNewStep) => this.show(isNewStep);
     this.restUntil = 0;
     this.options = { lines: true, trails: false, order: false, names: true, rings: "team" };
-    this.options.messages = true;
+    Object.assign(this.options, { messages: true, bars: "phase" });
     this.view = "map";
     this.map = new TrialMap(this, byId("map"));
     this.lists = new Lists(this);
@@ -81,6 +81,11 @@ class App {
     return Math.max(this.history.last, this.companion.lastStep());
   }
 
+  // How a mission stands that is not over; of a record there is nothing to add.
+  statusText() {
+    return "";
+  }
+
   scene() {
     return this.sceneAt(Math.min(this.player.step, this.history.last));
   }
@@ -121,6 +126,17 @@ class App {
   look(view) {
     this.view = view;
     this.show(true);
+  }
+
+  // Closer to the map, or more pixels for each step.
+  zoom(factor) {
+    if (this.view === "gantt") this.gantt.zoom(factor);
+    else this.map.zoom(factor);
+  }
+
+  fitView() {
+    if (this.view === "gantt") this.gantt.fitAll();
+    else this.map.fit();
   }
 
   go(step) {

@@ -22,11 +22,44 @@ function lookInto(app) {
       })),
     taskColour: (task) => taskColour(task, app.map.isDark),
     robotSpot: (robot) => robotSpot(app.map.shown, robot),
+    needs: (task) => needsThatFit(app.map.shown, task, taskBox(app.map.shown, task).half)?.lines,
     taskBox: (task) => taskBox(app.map.shown, task),
     pixelOf: (x, y) => ({ x: app.map.shown.camera.x(x), y: app.map.shown.camera.y(y) }),
     detail: () => app.map.shown.detail,
     groups: () => app.map.shown.groups.map(({ x, y, count }) => ({ x, y, count })),
+    told: () => toldOf(app.history),
+    bars: (robot) => ganttRow(app, robot),
     besideStep: () => app.companion.scene().step,
     framesDrawn: () => app.map.frames,
   });
+}
+
+// A robot's row of the Gantt view, once that has been drawn: bars, with what they are about, and marks.
+function ganttRow({ gantt, history }, robot) {
+  const nameOf = (task) => (task === NOBODY ? "" : taskName(history.scenario, task));
+  const place = (step) => gantt.x(step);
+  return {
+    bars: gantt.runs[robot].map(({ phase, task, from, to }) => ({
+      ...{ phase: PHASE_NAMES[PHASES[phase]], task: nameOf(task), from, to },
+      ...{ left: place(from), right: place(to) },
+    })),
+    marks: gantt.deeds[robot].map(({ task, step }) => ({ task: nameOf(task), step })),
+    rowHeight: gantt.rowHeight(),
+  };
+}
+
+// Who did what and when: [step, what, the robots' names, the task's name].
+function toldOf({ scenario, doneAt, doers, events }) {
+  const namesOf = (robots) => robots.map((robot) => robotName(scenario, robot)).join(", ");
+  const lines = [];
+  doers.forEach((robots, task) => {
+    if (doneAt[task] < Infinity) {
+      lines.push([doneAt[task], "done", namesOf(robots), taskName(scenario, task)]);
+    }
+  });
+  for (const { step, kind, robot, task } of events) {
+    if (kind === "appears") lines.push([step, kind, "", taskName(scenario, task)]);
+    if (kind === "lost" || kind === "back") lines.push([step, kind, namesOf([robot]), ""]);
+  }
+  return lines;
 }

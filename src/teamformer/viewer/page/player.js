@@ -74,9 +74,14 @@ class Player {
     this.go(this.step + steps);
   }
 
+  // The next speed up or down of those offered.
   faster(by) {
-    const at = SPEEDS.indexOf(this.speed) + by;
-    this.speed = SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, at))];
+    const nearest = SPEEDS.findLastIndex((speed) => speed <= this.speed);
+    this.goAt(SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, nearest + by))]);
+  }
+
+  goAt(speed) {
+    this.speed = speed;
     this.changed(true);
   }
 }

@@ -5,20 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
-from teamformer.planning.coalitions.problem import NOBODY
-from teamformer.planning.coalitions.search.coalition_choice import (
+from teamformer.planning.coalitions.coalition_choice import (
     count_short,
     draw_short,
     drop_spare,
     is_picked,
 )
-from teamformer.planning.relaxation.insertion import draw_below
+from teamformer.planning.coalitions.problem import NOBODY
+from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:
+    from teamformer.planning.coalitions.coalition_choice import Desk
     from teamformer.planning.coalitions.linked.problem import LinkedProblem
     from teamformer.planning.coalitions.linked.schedule import LinkedSchedule
     from teamformer.planning.coalitions.problem import CoalitionProblem
-    from teamformer.planning.coalitions.search.window import Desk
 
 RELOCATIONS, MOVES, REPLACEMENTS, EXCHANGES = 40, 60, 75, 85  # percent, one upon the other
 """How many changes move a group and replace a member of it, move a group, replace a member, or

@@ -23,7 +23,7 @@ from teamformer.planning.coalitions.linked.problem import (
     LinkedProblem,
 )
 from teamformer.planning.coalitions.problem import NOBODY, Ticks, Whole
-from teamformer.planning.coalitions.search.schedule import CoalitionPlan, copy_row, released
+from teamformer.planning.coalitions.schedule import CoalitionPlan, copy_row, released
 
 
 class LinkedSchedule(NamedTuple):

@@ -9,6 +9,7 @@ from __future__ import annotations
 from random import Random
 
 from teamformer.jit import entry
+from teamformer.planning.coalitions.coalition_choice import Desk, empty_desk
 from teamformer.planning.coalitions.linked.first_plan import construct
 from teamformer.planning.coalitions.linked.moves import NO_CHANGE, change
 from teamformer.planning.coalitions.linked.problem import LinkedProblem
@@ -18,10 +19,8 @@ from teamformer.planning.coalitions.linked.schedule import (
     empty_linked_schedule,
     time_linked,
 )
-from teamformer.planning.coalitions.search.annealing import SLACKS, STEPS
-from teamformer.planning.coalitions.search.window import Desk, empty_desk
-from teamformer.planning.relaxation.insertion import draw_below
 from teamformer.rules.arrays import Array
+from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
 UNTIMED = -1
 """What a plan costs before its times are worked out."""

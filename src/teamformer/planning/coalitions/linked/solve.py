@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from teamformer.planning.coalitions.linked.problem import LinkedProblem
 from teamformer.planning.coalitions.linked.schedule import LinkedSchedule, plan_of
 from teamformer.planning.coalitions.linked.search import LinkedSearch
-from teamformer.planning.coalitions.search.schedule import CoalitionPlan
+from teamformer.planning.coalitions.schedule import CoalitionPlan
 
 SHARED_ROUNDS, CENTRAL_ROUNDS = 50_000, 100_000
 """Rounds of an annealing of twenty tasks; of as many more as there are tasks more."""

@@ -200,19 +200,16 @@ function drawProgress(view, task, { x, y, half }) {
   ctx.setLineDash([]);
 }
 
-// Short labels of what is needed, where there is room; otherwise how much.
+const SMALLEST_TEXT = 7; // pixels
+const MOST_NAMED = 9; // kinds of needs
+
+// What is needed, each kind with its amount, where there is room; else how many kinds. The list is
+// in the panel and under the pointer.
 function drawNeeds(view, task, { x, y, half }) {
-  if (half < 9) return;
   const { ctx, theme } = view;
-  const needs = hiddenNeeds(view, task).length
-    ? view.scenario.tasks[task].sure
-    : needsAt(view.history, task, view.scene.step);
-  const lines = needsLines(view.labels, needs, half);
-  if (hiddenNeeds(view, task).length) lines[lines.length - 1] += " ?";
-  const wanted = Math.min(15, half * (lines.length > 1 ? 0.5 : 0.62));
-  ctx.font = `600 ${wanted}px ${theme.font}`;
-  const widest = Math.max(...lines.map((line) => ctx.measureText(line).width));
-  const size = wanted * Math.min(1, (half * 1.3) / widest);
+  const fit = needsThatFit(view, task, half);
+  if (!fit) return;
+  const { lines, size } = fit;
   ctx.font = `600 ${size}px ${theme.font}`;
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
@@ -222,11 +219,42 @@ function drawNeeds(view, task, { x, y, half }) {
   });
 }
 
-function needsLines(labels, needs, half) {
-  if (needs.length > 4 || half < 14) return [String(sumCounts(needs))];
-  const parts = needs.map(([cap, count]) => (count !== 1 ? `${count}${labels[cap]}` : labels[cap]));
-  if (parts.length < 3) return [parts.join(" ")];
-  return [parts.slice(0, 2).join(" "), parts.slice(2).join(" ")];
+// Lines of text about a task's needs and the size at which they fit into its square; null if none do.
+function needsThatFit({ ctx, theme, scenario, labels, history, scene }, task, half) {
+  const isOpen = history.shownAt[task] > scene.step;
+  const needs = isOpen ? scenario.tasks[task].sure : needsAt(history, task, scene.step);
+  const mark = isOpen ? " ?" : "";
+  for (const lines of [needsLines(scenario, labels, needs), kindsLines(needs)]) {
+    if (!lines) continue;
+    const marked = [...lines.slice(0, -1), lines.at(-1) + mark];
+    const wanted = Math.min(15, (half * 1.45) / Math.max(2.4, 1.15 * marked.length));
+    ctx.font = `600 ${wanted}px ${theme.font}`;
+    const widest = Math.max(...marked.map((line) => ctx.measureText(line).width));
+    const size = wanted * Math.min(1, (half * 1.5) / widest);
+    if (size >= SMALLEST_TEXT) return { lines: marked, size };
+  }
+  return null;
+}
+
+// Labels with amounts, such as `30L S`, in about as many lines as columns; null if there are too many.
+function needsLines({ capabilities }, labels, needs) {
+  if (!needs.length || needs.length > MOST_NAMED) return null;
+  const parts = needs.map(([cap, count]) => {
+    const label = needLabel(capabilities[cap], labels[cap]);
+    return count === 1 ? label : `${count}${label}`;
+  });
+  const columns = parts.length < 3 ? 2 : Math.ceil(Math.sqrt(parts.length));
+  const rows = Array.from({ length: Math.ceil(parts.length / columns) }, (_, row) => row);
+  return rows.map((row) => parts.slice(row * columns, (row + 1) * columns).join(" "));
+}
+
+// A label that is a number looks like an amount: it takes the first letter of its name along.
+function needLabel(name, label) {
+  return /^\d/.test(label) ? `${/\p{L}/u.exec(name)?.[0] ?? "#"}${label}` : label;
+}
+
+function kindsLines(needs) {
+  return needs.length > 1 ? [String(needs.length), "kinds"] : null;
 }
 
 const FADE_STEPS = 3;

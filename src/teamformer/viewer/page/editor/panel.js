@@ -11,7 +11,7 @@ class EditorPanel {
     this.tools = new Map(Object.entries(TOOLS).map(([name, text]) => [name, this.toolButton(name, text)]));
     this.world = element("form", { class: "world" });
     this.thing = element("form", { id: "thing", hidden: "" });
-    this.problems = element("ul", { class: "problems", id: "problems", role: "status", "aria-label": "Problems" });
+    this.problems = element("ul", { class: "problems", id: "problems", "aria-label": "Problems" });
     this.file = element("input", { type: "text", id: "file-name", value: "mission.yaml", "aria-label": "File name" });
     box.replaceChildren(
       element("h2", {}, "Draw a mission"),
@@ -26,7 +26,7 @@ class EditorPanel {
         act("Save", () => app.ask({ do: "save", name: this.file.value.trim(), scenario: app.draft.tree })),
         act("Run", () => app.ask({ do: "run", scenario: app.draft.tree })),
       ),
-      this.problems,
+      element("div", { role: "status" }, this.problems),
       this.world,
       this.thing,
     );

@@ -32,17 +32,23 @@ class LiveApp extends App {
     if (kind === "mission") this.reopen(message.record);
     if (kind === "step") this.take(message);
     if (kind === "incident") this.change(message);
+    if (kind === "bound") this.learnBound(message.lower_bound);
     if ("is_playing" in message) this.takeState(message);
     if (["forecast", "what_if", "offer"].includes(kind)) this.panel.tell(message);
     if (kind === "searching") this.panel.searching(message);
     if (kind === "saved") notify(savedText(message), "good");
-    if (kind === "refused") notify(`Not done: ${message.text}.`);
+    if (kind === "refused") this.refuse(message);
   }
 
   // The whole mission so far, after the line was down.
   reopen(record) {
     this.load(record);
     this.showAll();
+  }
+
+  refuse({ text, key }) {
+    notify(`Not done: ${text}.`);
+    this.panel.keepForm(key);
   }
 
   // A step; one that does not follow the last is of a line that broke, and is told anew.
@@ -53,27 +59,54 @@ class LiveApp extends App {
     (history.replay.plans ??= []).push(...plans);
     this.steps.push(step);
     history.grow(step, end);
+    history.leaving = []; // the step says that they are lost
     this.follow();
     if (end) notify(noticeText(history));
   }
 
   // An incident changes what is known; of the past, only what the latest step led to.
-  change({ record, text }) {
+  change({ record, text, is_loss: isLoss }) {
     const { selection, options } = this;
     const steps = this.steps.slice(0, -record.steps.length || undefined).concat(record.steps);
     this.load({ ...record, steps });
     Object.assign(this, { selection, options });
     showHeader(this);
     this.follow();
-    notify(`Incident in ${text}.`, "good");
+    this.panel.taskIsAdded();
+    notify(`Incident in ${text}.`, isLoss ? "" : "plain");
   }
 
-  takeState({ is_playing, speed, watchers, incidents, is_fleet = false, warning = "" }) {
-    const { player } = this;
-    this.state = { watchers, incidents, isFleet: is_fleet, warning };
-    Object.assign(player, { isPlaying: is_playing, speed });
+  // No plan can beat it, as worked out while the page was there already.
+  learnBound(bound) {
+    this.history.lowerBound = bound;
+    this.timeline.draw();
+    this.show(true);
+  }
+
+  takeState(state) {
+    const { is_playing, speed, watchers, incidents, leaving = [], planning = "" } = state;
+    const { is_fleet = false, warning = "" } = state;
+    this.tellPlanning(planning);
+    this.state = { watchers, incidents, isFleet: is_fleet, warning, planning };
+    const { robots } = this.history.scenario;
+    this.history.leaving = leaving.map((name) => robots.findIndex((robot) => robot.name === name));
+    Object.assign(this.player, { isPlaying: is_playing, speed });
     this.panel.show();
     this.show(true);
+  }
+
+  // What has happened is shown before the plan for it is there.
+  tellPlanning(planning) {
+    if (planning) notify(`${capitalised(planning)}; planning …`, "plain");
+    else if (this.state.planning) notify("");
+  }
+
+  // How a mission stands that is not over; a record's own word for that is another.
+  statusText() {
+    const { player, history } = this;
+    if (!player.isFollowing || history.end.status !== "running") return "";
+    if (player.isPlaying) return "running";
+    return history.last ? "paused" : "not started";
   }
 
   follow() {
@@ -117,10 +150,29 @@ class LiveApp extends App {
       element(
         "div",
         { class: "acts" },
-        act(words, () => this.ask({ do: "happen", ...incident }), `${isGone ? "back" : "lose"} ${robot}`),
+        ...(isGone ? [act(words, () => this.ask({ do: "happen", ...incident }), `back ${robot}`)] : this.askBeforeLoss(robot, words, incident)),
         act(weighing, () => this.panel.weigh(incident), `weigh ${robot}`),
       ),
     ];
+  }
+
+  // A loss cannot be undone in this step, so it takes a second click, elsewhere than the first.
+  askBeforeLoss(robot, words, incident) {
+    const doubt = (one) => () => {
+      this.doubted = one;
+      this.show(true);
+    };
+    if (this.doubted !== robot) return [act(`${words} …`, doubt(robot), `lose ${robot}`)];
+    const lose = () => {
+      this.doubted = null;
+      this.ask({ do: "happen", ...incident });
+    };
+    return [act("Keep it", doubt(null), `lose ${robot}`), act(`Yes, ${words[0].toLowerCase()}${words.slice(1)}`, lose, `yes ${robot}`)];
+  }
+
+  select(selection) {
+    this.doubted = null;
+    super.select(selection);
   }
 
   // The address names the step only while one looks back.

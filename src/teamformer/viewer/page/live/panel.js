@@ -1,5 +1,8 @@
 // The panel of a live mission: how it stands, what it will come to, what happened, a new task.
 
+// The field of the form for each key of a task in a file.
+const FIELDS_OF_KEYS = { at: "[name=x]", needs: ".needs", name: "[name=title]", duration: "[name=duration]" };
+
 class MissionPanel {
   constructor(app, box) {
     this.app = app;
@@ -27,11 +30,12 @@ class MissionPanel {
     const isOn = player.isPlaying;
     const running = state.isFleet ? "The fleet" : isOn ? "Live" : "Live, paused";
     const status = history.end.status === "running" ? running : "Live, over";
+    const doing = state.planning ? ", planning …" : "";
     const pages = state.watchers > 1 ? `, ${state.watchers} pages` : "";
     this.planAnew.hidden = history.replay.method !== "plan" || history.end.status !== "running";
     this.head.replaceChildren(
       element("span", { class: `pulse ${isOn && !state.warning ? "on" : ""}` }),
-      `${status}${this.app.isCutOff ? ", connection lost" : pages}`,
+      `${status}${this.app.isCutOff ? ", connection lost" : doing || pages}`,
     );
     if (state.isFleet) this.outlook.textContent = state.warning; // which robots are not heard
     const items = state.incidents.map(([step, text]) =>
@@ -139,11 +143,27 @@ class MissionPanel {
 
   submit(event) {
     event.preventDefault();
+    this.isAdding = true;
     this.app.ask({ do: "happen", task: this.task() });
-    this.close();
+  }
+
+  // The form stays until its task is in the mission.
+  taskIsAdded() {
+    if (this.isAdding) this.close();
+  }
+
+  // A task that is refused can be mended; the field of the file's key that is wrong is marked.
+  keepForm(key) {
+    this.isAdding = false;
+    if (this.form.hidden) return;
+    for (const field of this.form.elements) field.removeAttribute("aria-invalid");
+    const field = this.form.querySelector(FIELDS_OF_KEYS[key] ?? "none");
+    field?.setAttribute("aria-invalid", "true");
+    field?.focus();
   }
 
   close() {
+    this.isAdding = false;
     this.form.hidden = true;
     this.form.replaceChildren();
     this.answer.textContent = "";

@@ -63,9 +63,7 @@ class LivePlayer extends Player {
     else this.go(this.step + steps);
   }
 
-  faster(by) {
-    const nearest = SPEEDS.findLastIndex((speed) => speed <= this.speed);
-    const speed = SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, nearest + by))];
+  goAt(speed) {
     this.say({ do: "speed", speed });
   }
 }

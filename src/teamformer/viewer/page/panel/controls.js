@@ -8,25 +8,33 @@ function connectControls(app) {
   click("step-on", () => player.stepBy(1));
   click("event-back", () => app.goToNextEvent(-1));
   click("event-on", () => app.goToNextEvent(1));
-  click("zoom-in", () => map.zoom(1.4));
-  click("zoom-out", () => map.zoom(1 / 1.4));
-  click("zoom-fit", () => map.fit());
+  click("zoom-in", () => app.zoom(1.4));
+  click("zoom-out", () => app.zoom(1 / 1.4));
+  click("zoom-fit", () => app.fitView());
   click("help", () => byId("help-text").showModal());
   click("start", () => player.toggle());
   for (const name of SWITCHES) click(name, () => app.toggle(name));
   for (const view of VIEWS) click(`view-${view}`, () => app.look(view));
-  byId("rings").append(
-    ...Object.entries(RINGS).map(([value, name]) => element("option", { value }, name)),
-  );
-  byId("rings").addEventListener("change", ({ target }) => {
-    app.options.rings = target.value;
-    app.show(true);
-  });
+  connectChoice(app, "rings", RINGS);
+  connectChoice(app, "bars", BARS);
   byId("scrub").addEventListener("input", (event) => app.go(Number(event.target.value)));
   connectSpeed(player);
   document.addEventListener("click", leaveButton);
+  document.addEventListener("click", ({ target }) => {
+    if (!byId("menu").contains(target)) byId("menu").open = false;
+  });
   document.addEventListener("keydown", (event) => pressKey(app, event));
   connectPointer(app, map.canvas);
+}
+
+// A list of choices for an option of that name.
+function connectChoice(app, name, choices) {
+  const options = Object.entries(choices).map(([value, text]) => element("option", { value }, text));
+  byId(name).append(...options);
+  byId(name).addEventListener("change", ({ target }) => {
+    app.options[name] = target.value;
+    app.show(true);
+  });
 }
 
 // After a click with the mouse the space bar is for playing, not for the button once more.
@@ -35,11 +43,8 @@ function leaveButton(event) {
 }
 
 function connectSpeed(player) {
-  const select = byId("speed");
-  select.append(...SPEEDS.map((speed) => element("option", { value: speed }, `${speed} steps/s`)));
-  select.addEventListener("change", () =>
-    player.faster(SPEEDS.indexOf(Number(select.value)) - SPEEDS.indexOf(player.speed)),
-  );
+  byId("speed").append(...SPEEDS.map(speedOption));
+  byId("speed").addEventListener("change", ({ target }) => player.goAt(Number(target.value)));
 }
 
 const KEYS = {
@@ -53,8 +58,8 @@ const KEYS = {
   "+": (app) => app.player.faster(1),
   "=": (app) => app.player.faster(1),
   "-": (app) => app.player.faster(-1),
-  f: (app) => app.map.fit(),
-  F: (app) => app.map.fit(),
+  f: (app) => app.fitView(),
+  F: (app) => app.fitView(),
   Escape: (app) => app.select({}),
   g: (app) => app.look(app.view === "gantt" ? "map" : "gantt"),
   G: (app) => app.look(app.view === "gantt" ? "map" : "gantt"),
@@ -71,6 +76,7 @@ function toggleHelp() {
 function pressKey(app, event) {
   const at = event.target;
   if (byId("help-text").open && event.key === "?") return toggleHelp();
+  if (byId("menu").open && event.key === "Escape") return (byId("menu").open = false);
   const isTyping =
     at.matches("input:not([type=range]), textarea, select") || document.querySelector("dialog[open]");
   const isPressing = event.key === " " && at.closest("button, summary");
@@ -187,7 +193,8 @@ function tipLines(app, { robot, task, group }) {
   const team = teamOfRobot(app.scene(), robot);
   const can = describeCounts(scenario, scenario.robots[robot].can, 5);
   const title = `${robotName(scenario, robot)} (${can})`;
-  if (!team) return [title, `lost ${describeWhen(scenario.world, absenceAt(history, robot, app.player.step).from)}`];
+  const { step } = app.player;
+  if (!team || isLeaving(history, robot, step)) return [title, describeLoss(history, robot, step)];
   const who = team.robots.length > 1 ? `in ${nameOfTeam(scenario, team)}, which ` : "";
   return [title, who + describeDoing(scenario, team, app.player.step)];
 }

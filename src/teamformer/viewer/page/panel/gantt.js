@@ -1,29 +1,24 @@
 // The Gantt view: robots down, time across, what each does, and which share of it is idle.
 
 const ROW_HEIGHT = 22; // pixels; less where there are many robots
-const LEAST_ROW_HEIGHT = 7;
+const LEAST_ROW_HEIGHT = 13; // names can be read
 const NAME_WIDTH = 96;
 const SHARE_WIDTH = 54;
 const AXIS_HEIGHT = 24;
-const NAMED_ROWS_FROM = 12; // pixels a row
+const STEP_WIDTH_MOST = 60; // pixels a step
 
-const PHASE_COLOURS = {
-  walks: "accent",
-  waits: "wait",
-  forms: "form",
-  serves: "good",
-  idle: "line",
-  lost: "bad",
-};
 class Gantt {
   constructor(app, canvas) {
     this.app = app;
     this.canvas = canvas;
+    this.factor = 1; // how many times as wide as its box the time is drawn
     this.box = canvas.parentElement.parentElement;
     this.box.addEventListener("scroll", () => this.app.redraw());
     new ResizeObserver(() => this.app.redraw()).observe(this.box);
     canvas.addEventListener("click", (event) => this.click(event));
+    canvas.addEventListener("pointermove", (event) => this.point(event));
     canvas.addEventListener("keydown", (event) => this.press(event));
+    canvas.addEventListener("wheel", (event) => this.turn(event), { passive: false });
   }
 
   // Another record, or another length of this one.
@@ -38,16 +33,60 @@ class Gantt {
     if (!by) return;
     event.preventDefault();
     const { length } = this.app.history.scenario.robots;
-    const robot = (this.app.selection.robot ?? -1) + by;
-    this.app.select({ robot: Math.max(0, Math.min(length - 1, robot)) });
+    const robot = Math.max(0, Math.min(length - 1, (this.app.selection.robot ?? -1) + by));
+    this.reveal(robot);
+    this.app.select({ robot });
   }
 
   click({ offsetX, offsetY }) {
     const { app } = this;
-    const robot = Math.floor((offsetY + this.box.scrollTop - AXIS_HEIGHT) / this.rowHeight());
-    if (robot >= 0 && robot < app.history.scenario.robots.length) app.selection = { robot };
+    const robot = this.robotAt(offsetY);
+    if (robot !== null) app.selection = { robot };
     if (offsetX >= NAME_WIDTH) app.go(this.stepAt(offsetX));
     app.show(true);
+  }
+
+  // What is under the pointer, as the browser shows titles.
+  point({ offsetX, offsetY }) {
+    const robot = this.robotAt(offsetY);
+    const isBar = robot !== null && offsetX >= NAME_WIDTH && this.runs;
+    this.canvas.title = isBar ? describeBar(this, robot, Math.ceil(this.timeAt(offsetX))) : "";
+  }
+
+  // The wheel scrolls; with Ctrl, or two fingers, time is drawn wider.
+  turn(event) {
+    if (!event.ctrlKey) return;
+    event.preventDefault();
+    this.zoom(Math.exp(-event.deltaY * 0.01), event.offsetX);
+  }
+
+  // Draw time wider or narrower; what is at a pixel, else at the moment shown, stays where it is.
+  zoom(by, at = this.x(this.app.player.time)) {
+    const time = this.timeAt(at);
+    const most = (STEP_WIDTH_MOST * this.app.player.last) / this.room();
+    this.factor = Math.max(1, Math.min(Math.max(1, most), this.factor * by));
+    this.fit();
+    this.box.scrollLeft += this.x(time) - at;
+    this.app.redraw();
+  }
+
+  // All of the time in sight.
+  fitAll() {
+    this.factor = 1;
+    this.app.redraw();
+  }
+
+  reveal(robot) {
+    const [top, row] = [robot * this.rowHeight(), this.rowHeight()];
+    const high = this.box.clientHeight - AXIS_HEIGHT;
+    const { scrollTop } = this.box;
+    if (top < scrollTop) this.box.scrollTop = top;
+    else if (top + row > scrollTop + high) this.box.scrollTop = top + row - high;
+  }
+
+  robotAt(y) {
+    const robot = Math.floor((y + this.box.scrollTop - AXIS_HEIGHT) / this.rowHeight());
+    return y >= AXIS_HEIGHT && robot < this.app.history.scenario.robots.length ? robot : null;
   }
 
   rowHeight() {
@@ -56,22 +95,37 @@ class Gantt {
   }
 
   x(step) {
-    return NAME_WIDTH + (step / Math.max(1, this.app.player.last)) * this.timeWidth();
+    const part = step / Math.max(1, this.app.player.last);
+    return NAME_WIDTH + part * this.timeWidth() - this.box.scrollLeft;
+  }
+
+  // Pixels that there are for time, and that all of it takes.
+  room() {
+    return this.box.clientWidth - NAME_WIDTH - SHARE_WIDTH - 6;
   }
 
   timeWidth() {
-    return this.width - NAME_WIDTH - SHARE_WIDTH - 6;
+    return this.room() * this.factor;
+  }
+
+  timeAt(x) {
+    const part = (x + this.box.scrollLeft - NAME_WIDTH) / this.timeWidth();
+    return Math.max(0, Math.min(this.app.player.last, part * this.app.player.last));
   }
 
   stepAt(x) {
-    const part = (x - NAME_WIDTH) / this.timeWidth();
-    return Math.max(0, Math.min(this.app.player.last, Math.round(part * this.app.player.last)));
+    return Math.round(this.timeAt(x));
+  }
+
+  stepsInSight() {
+    return { from: this.timeAt(NAME_WIDTH), to: this.timeAt(this.width - SHARE_WIDTH) };
   }
 
   draw() {
     const { history, map } = this.app;
     this.work();
     this.fit();
+    this.follow();
     const ctx = this.canvas.getContext("2d");
     ctx.setTransform(this.sharpness, 0, 0, this.sharpness, 0, 0);
     ctx.fillStyle = map.theme.ground;
@@ -87,13 +141,14 @@ class Gantt {
     this.showLegend();
   }
 
-  // Runs and shares are worked out once for each length of the record.
+  // Runs, deeds and shares are worked out once for each length of the record.
   work() {
     const { history } = this.app;
     if (this.runs && this.madeFor === history.last) return;
     this.madeFor = history.last;
     this.shares = phaseShares(history, history.last);
     this.runs = history.scenario.robots.map((_, robot) => phaseRuns(history, robot));
+    this.deeds = deedsOfRobots(history);
   }
 
   fit() {
@@ -106,49 +161,27 @@ class Gantt {
     this.canvas.style.width = `${this.width}px`;
     this.canvas.style.height = `${this.height}px`;
     const rows = this.app.history.scenario.robots.length * this.rowHeight();
-    this.canvas.parentElement.style.height = `${Math.max(this.height, AXIS_HEIGHT + rows + 4)}px`;
+    const { style } = this.canvas.parentElement;
+    style.height = `${Math.max(this.height, AXIS_HEIGHT + rows + 4)}px`;
+    style.width = this.factor === 1 ? "" : `${this.width + this.timeWidth() - this.room()}px`;
+  }
+
+  // While it plays, the moment shown stays in sight.
+  follow() {
+    if (!this.app.player.isPlaying || this.factor === 1) return;
+    const x = this.x(this.app.player.time);
+    if (x < NAME_WIDTH || x > this.width - SHARE_WIDTH) this.box.scrollLeft += x - NAME_WIDTH - 20;
   }
 
   drawRow(ctx, robot, top, row) {
-    const { history, map, selection } = this.app;
-    const { theme } = map;
-    const gap = row > 10 ? 2 : 1;
+    const { map, selection } = this.app;
     if (selection.robot === robot) {
-      ctx.fillStyle = theme.soft;
+      ctx.fillStyle = map.theme.soft;
       ctx.fillRect(0, top, this.width, row);
     }
-    for (const { phase, from, to } of this.runs[robot]) {
-      const name = PHASES[phase];
-      ctx.fillStyle = theme[PHASE_COLOURS[name]];
-      ctx.globalAlpha = name === "lost" ? 0.25 : 1;
-      const [left, right] = [this.x(from), this.x(to)];
-      ctx.fillRect(left, top + gap / 2, Math.max(0.75, right - left - 0.4), row - gap);
-      ctx.globalAlpha = 1;
-      if (row >= NAMED_ROWS_FROM && right - left > 34) this.nameRun(ctx, robot, top, row, from, to);
-    }
-    if (row < NAMED_ROWS_FROM) return;
-    ctx.font = `12px ${theme.font}`;
-    ctx.textBaseline = "middle";
-    ctx.fillStyle = theme.ink;
-    ctx.textAlign = "right";
-    ctx.fillText(clipped(ctx, robotName(history.scenario, robot), NAME_WIDTH - 14), NAME_WIDTH - 8, top + row / 2);
-    ctx.fillStyle = theme.muted;
-    ctx.fillText(percent(this.shares[robot][IDLE]), this.width - 10, top + row / 2);
-  }
-
-  // The task that the run is about, where it is a wait or a service and there is room.
-  nameRun(ctx, robot, top, row, from, to) {
-    const { history, map } = this.app;
-    const phase = PHASES[phasesIn(history, to)[robot]];
-    if (phase !== "serves" && phase !== "waits" && phase !== "walks") return;
-    const task = taskOfRun(history, robot, to);
-    if (task === NOBODY) return;
-    ctx.font = `11px ${map.theme.font}`;
-    ctx.textAlign = "left";
-    ctx.textBaseline = "middle";
-    ctx.fillStyle = map.theme.surface;
-    const text = clipped(ctx, taskName(history.scenario, task), this.x(to) - this.x(from) - 8);
-    ctx.fillText(text, this.x(from) + 4, top + row / 2 + 0.5);
+    drawBarsOfRow(ctx, this, robot, top, row);
+    drawMarksOfRow(ctx, this, robot, top, row);
+    drawEndsOfRow(ctx, this, robot, top, row);
   }
 
   drawAxis(ctx) {
@@ -165,8 +198,9 @@ class Gantt {
     const length = player.last * unit;
     const every = SPACINGS.find((step) => (step / length) * this.timeWidth() >= 46) ?? length;
     for (let mark = 0; mark <= length + 1e-9; mark += every) {
-      const text = Number(mark.toFixed(2)) + (world.isPlane ? " s" : "");
-      ctx.fillText(text, this.x(mark / unit), AXIS_HEIGHT / 2);
+      const x = this.x(mark / unit);
+      if (x < NAME_WIDTH - 1 || x > this.width - SHARE_WIDTH) continue;
+      ctx.fillText(Number(mark.toFixed(2)) + (world.isPlane ? " s" : ""), x, AXIS_HEIGHT / 2);
     }
     ctx.textAlign = "right";
     ctx.fillText("idle", this.width - 10, AXIS_HEIGHT / 2);
@@ -175,28 +209,26 @@ class Gantt {
 
   drawNow(ctx) {
     const x = this.x(this.app.player.time);
+    if (x < NAME_WIDTH - 1 || x > this.width - SHARE_WIDTH + 1) return;
     ctx.fillStyle = this.app.map.theme.ink;
     ctx.fillRect(x - 0.75, AXIS_HEIGHT - 4, 1.5, this.height);
   }
 
   // The colours, and the fleet's mean shares; also what those hear who see no bars.
   showLegend() {
+    const { map, options } = this.app;
     const means = PHASES.map(
       (_, phase) => this.shares.reduce((sum, row) => sum + row[phase], 0) / this.shares.length,
     );
+    const isByTask = options.bars === "task";
     const items = PHASES.map((name, phase) => {
-      const colour = this.app.map.theme[PHASE_COLOURS[name]];
+      const isOwn = name === "idle" || name === "lost";
+      const colour = isByTask && !isOwn ? map.theme.ink : map.theme[PHASE_COLOURS[name]];
       const dot = element("span", { class: "dot", colour });
+      if (isByTask) dot.style.opacity = STRENGTHS[name];
       return element("li", {}, dot, `${PHASE_NAMES[name]} ${percent(means[phase])}`);
     });
-    byId("phases").replaceChildren(...items);
+    const diamond = element("span", { class: "diamond" });
+    byId("phases").replaceChildren(...items, element("li", {}, diamond, "a task done"));
   }
-}
-
-// A text cut so that it fits into so many pixels.
-function clipped(ctx, text, width) {
-  if (ctx.measureText(text).width <= width) return text;
-  let end = text.length;
-  while (end > 0 && ctx.measureText(`${text.slice(0, end)}…`).width > width) end--;
-  return end > 1 ? `${text.slice(0, end)}…` : "";
 }

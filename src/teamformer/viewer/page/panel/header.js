@@ -65,13 +65,17 @@ function showFigures(app) {
   const shortSpan = (steps) => (world.isPlane ? describeSpan(world, steps) : String(steps));
   byId("figures").replaceChildren(
     figure("Tasks done", String(done), ` of ${history.doneAt.length}`),
-    figure("Makespan", makespan === null ? "none" : shortSpan(makespan), ratioText(history)),
+    figure("Makespan", makespan === null ? noMakespan(history) : shortSpan(makespan), ratioText(history)),
     figure("Lower bound", bound === null ? "unknown" : shortSpan(bound), ""),
     ...lostFigure(history, player.step),
   );
-  const status = statusAt(history, player.step);
+  const status = app.statusText() || statusAt(history, player.step);
   byId("status").textContent = capitalised(status);
   byId("status").className = `status ${status.replaceAll(" ", "-")}`;
+}
+
+function noMakespan({ end }) {
+  return end.status === "running" ? "not yet" : "none";
 }
 
 // How the trial ended is said once its end is shown.
@@ -81,7 +85,8 @@ function statusAt(history, step) {
 }
 
 function lostFigure(history, step) {
-  const lost = robotsLostAt(history, step);
+  const leaving = (history.leaving ?? []).filter((robot) => isLeaving(history, robot, step));
+  const lost = [...robotsLostAt(history, step), ...leaving];
   return lost.length ? [figure("Lost", listRobots(history.scenario, lost), "")] : [];
 }
 

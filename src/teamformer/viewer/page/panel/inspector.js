@@ -11,7 +11,8 @@ function detailsOf(app) {
   if (task !== undefined) return taskDetails(app, task);
   if (cap !== undefined) return capabilityDetails(app, cap);
   if (robot === undefined) return overview(app);
-  return app.selectedTeam() ? teamDetails(app, app.selectedTeam(), robot) : lostDetails(app, robot);
+  const isGone = !app.selectedTeam() || isLeaving(app.history, robot, app.player.step);
+  return isGone ? lostDetails(app, robot) : teamDetails(app, app.selectedTeam(), robot);
 }
 
 const ACTIVITIES = {
@@ -19,22 +20,25 @@ const ACTIVITIES = {
   waits: "waiting",
   serves: "at work",
   done: "just done",
+  told: "about to be told their next task",
   idle: "without assignment",
 };
 
 function overview(app) {
   const scene = app.scene();
   const counts = new Map();
-  for (const team of scene.teams.values()) {
+  const view = { history: app.history, scene };
+  const teams = [...scene.teams.values()].filter((team) => !isLeavingTeam(view, team));
+  for (const team of teams) {
     counts.set(team.activity, (counts.get(team.activity) ?? 0) + 1);
   }
   const parts = Object.keys(ACTIVITIES)
     .filter((activity) => counts.has(activity))
-    .map((activity) => `${counts.get(activity)} ${ACTIVITIES[activity]}`);
+    .map((activity) => `${counts.get(activity)} ${scene.step || activity !== "told" ? ACTIVITIES[activity] : "ready to begin"}`);
   const hint =
     "Click a team or a task, on the map or in the lists, to see what it does and waits for.";
   return [
-    element("h2", {}, `${plural(scene.teams.size, "team")} ${describeAt(app.history.scenario.world, scene.step)}`),
+    element("h2", {}, `${plural(teams.length, "team")} ${describeAt(app.history.scenario.world, scene.step)}`),
     lead(parts.join(", ") || "Nobody is left"),
     element("p", { class: "muted" }, hint),
   ];
@@ -86,10 +90,9 @@ function delayText({ history }, robot) {
 function lostDetails(app, robot) {
   const { history, player } = app;
   const name = robotName(history.scenario, robot);
-  const { from } = absenceAt(history, robot, player.step);
   return [
     heading(app, mark("mark", app.map.theme.lost), name),
-    lead(`Lost ${describeWhen(history.scenario.world, from)}`),
+    lead(capitalised(describeLoss(history, robot, player.step))),
     ...(app.actionsFor?.(robot) ?? []),
     ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
   ];

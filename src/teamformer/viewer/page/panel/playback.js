@@ -11,10 +11,22 @@ function showPlayback(app) {
   );
   byId("scrub").value = String(player.step);
   byId("scrub").setAttribute("aria-valuetext", `step ${player.step} of ${player.last}`);
-  byId("speed").value = String(player.speed);
+  showSpeed(player.speed);
   byId("play").classList.toggle("on", player.isPlaying);
   byId("play").setAttribute("aria-label", player.isPlaying ? "Pause" : "Play");
   showStart(app);
+}
+
+// A speed that is none of those offered was chosen on the command line: it is offered, too.
+function showSpeed(speed) {
+  const select = byId("speed");
+  const isOffered = [...select.options].some(({ value }) => Number(value) === speed);
+  if (!isOffered) select.append(speedOption(speed));
+  select.value = String(speed);
+}
+
+function speedOption(speed) {
+  return element("option", { value: speed }, `${speed} steps/s`);
 }
 
 // Before anything has been played: how to start.
@@ -28,9 +40,11 @@ function showSwitches(app) {
   for (const name of SWITCHES) byId(name).setAttribute("aria-pressed", String(app.options[name]));
   byId("messages").hidden = !app.history.hasMessages;
   byId("rings").value = app.options.rings;
+  byId("bars").value = app.options.bars;
   for (const view of VIEWS) {
     byId(`view-${view}`).setAttribute("aria-pressed", String(app.view === view));
     byId(`stage-${view}`).hidden = app.view !== view;
+    for (const node of document.querySelectorAll(`.of-${view}`)) node.hidden = app.view !== view;
   }
 }
 

@@ -21,6 +21,7 @@ function frames(recorded) {
     services: scenario.tasks.map(() => []), // [{slot, from, to}], steps; `to` is open till it ends
     doneAt: scenario.tasks.map(() => Infinity),
     doneBy: scenario.tasks.map(() => NOBODY),
+    doers: scenario.tasks.map(() => []), // the robots of the team that did it
     shownAt: scenario.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
     foundAt: scenario.tasks.map(({ within }) => (within ? Infinity : 0)),
     moves: [], // {step, task, at} of tasks that are believed elsewhere from then on
@@ -271,6 +272,15 @@ function isLost(history, robot, step) {
   return absenceAt(history, robot, step) !== undefined;
 }
 
+// Whether a robot of a live mission counts for nothing from the next step on.
+function isLeaving({ leaving = [], last }, robot, step) {
+  return step >= last && leaving.includes(robot);
+}
+
+function isLeavingTeam({ history, scene }, team) {
+  return team.robots.every((robot) => isLeaving(history, robot, scene.step));
+}
+
 function robotsLostAt(history, step) {
   return [...history.absences.keys()].filter((robot) => isLost(history, robot, step));
 }
@@ -288,8 +298,14 @@ function recordCompletions(history, state, change, step) {
   for (const [task, slot] of change.done ?? []) {
     history.doneAt[task] = step;
     history.doneBy[task] = slot;
-    history.events.push({ step, kind: "done", task, slot, size: sizeOf(state, slot) });
+    history.doers[task] = robotsOfTeam(state, slot);
+    history.events.push({ step, kind: "done", task, slot, size: history.doers[task].length });
   }
+}
+
+// What teams pursued in a step whose assignments neither before nor after it say so: news took them back.
+function pursuedIn({ replay }, step) {
+  return new Map(replay.steps[step - 1].pursued ?? []);
 }
 
 function sizeOf(state, slot) {

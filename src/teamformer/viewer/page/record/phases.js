@@ -13,47 +13,71 @@ const [WALKS, WAITS, FORMS, SERVES, IDLE, LOST] = PHASES.keys();
 
 // By robot, what it did in one step: `phasesIn(history, 1)` is about the first.
 function phasesIn(history, step) {
-  history.phases ??= [];
-  for (let made = history.phases.length; made < step; made++) {
-    history.phases.push(workOutPhases(history, made + 1));
-  }
-  return history.phases[step - 1];
+  return workIn(history, step).phases;
 }
 
-function workOutPhases(history, step) {
+// By robot, the task that it was about in one step, or NOBODY.
+function pursuitsIn(history, step) {
+  return workIn(history, step).pursuits;
+}
+
+function workIn(history, step) {
+  history.work ??= [];
+  for (let made = history.work.length; made < step; made++) {
+    history.work.push(workOut(history, made + 1));
+  }
+  return history.work[step - 1];
+}
+
+function workOut(history, step) {
   const [before, after] = [history.at(step - 1), history.at(step)];
-  const forming = slotsForming(after, history.replay.steps[step - 1]);
-  const serving = slotsServing(history, step);
-  const pursued = pursuedIn(history, step);
-  return Uint8Array.from(after.team, (slot, robot) => {
+  const forming = robotsForming(before, history.replay.steps[step - 1]);
+  const serving = slotsServing(history, after, step);
+  const pursuits = pursuitsFrom(history, before, after, step);
+  const phases = Uint8Array.from(after.team, (slot, robot) => {
     if (slot === NOBODY || before.team[robot] === NOBODY) return LOST;
-    if (forming.has(slot)) return FORMS;
+    if (forming.has(robot)) return FORMS;
     if (serving.has(slot)) return SERVES;
     const [was, is] = [placeOf(before, robot), placeOf(after, robot)];
     if (was.x !== is.x || was.y !== is.y) return WALKS;
-    const task = before.task[before.team[robot]];
-    const assigned = pursued.get(slot) ?? (after.task[slot] === NOBODY ? task : after.task[slot]);
-    if (assigned === NOBODY) return IDLE;
-    const { at } = sitesAt(history, step)[assigned];
+    if (pursuits[robot] === NOBODY) return IDLE;
+    const { at } = sitesAt(history, step)[pursuits[robot]];
     return isSamePlace(history.scenario.world, [is.x, is.y], at) ? WAITS : WALKS;
+  });
+  return { phases, pursuits };
+}
+
+// What a robot's team heads for after a step; where the step has ended that, or news has taken it
+// back, what it headed for before, or what the record says.
+function pursuitsFrom(history, before, after, step) {
+  const pursued = pursuedIn(history, step);
+  return Int32Array.from(after.team, (slot, robot) => {
+    if (slot === NOBODY) return NOBODY;
+    if (pursued.has(slot)) return pursued.get(slot);
+    if (after.task[slot] !== NOBODY) return after.task[slot];
+    return before.team[robot] === NOBODY ? NOBODY : before.task[before.team[robot]];
   });
 }
 
-// What teams pursued in a step whose assignments neither before nor after it say so: news took them back.
-function pursuedIn({ replay }, step) {
-  return new Map(replay.steps[step - 1].pursued ?? []);
+// Also those whose team lost its lowest robot in the same step, and goes by another since.
+function robotsForming(before, { splits = [], joins = [] }) {
+  const forming = new Set(splits.flat(2));
+  if (!joins.length) return forming;
+  const parted = { ...before, team: before.team.slice() };
+  for (const part of splits.flat()) for (const robot of part) parted.team[robot] = Math.min(...part);
+  const slots = new Set(joins.flat());
+  parted.team.forEach((slot, robot) => slots.has(slot) && forming.add(robot));
+  return forming;
 }
 
-function slotsForming(after, { splits = [], joins = [] }) {
-  const robots = [...splits.flat(2), ...joins.map((pair) => Math.min(...pair))];
-  return new Set(robots.map((robot) => after.team[robot]));
-}
-
-// A service that began at the end of a step takes the steps after it, up to the one that ends it.
-function slotsServing(history, step) {
+// A service that began at the end of a step takes the steps after it, up to the one that ends it;
+// whoever has joined those that began it serves with them.
+function slotsServing(history, after, step) {
   const slots = new Set();
   for (const services of history.services) {
-    for (const { slot, from, to } of services) if (from < step && step <= to) slots.add(slot);
+    for (const { robots, from, to } of services) {
+      if (from < step && step <= to) for (const robot of robots) slots.add(after.team[robot]);
+    }
   }
   return slots;
 }
@@ -62,28 +86,27 @@ function percent(part) {
   return `${Math.round(100 * part)}%`;
 }
 
-// The task that a robot's team is about after a step, or NOBODY.
-function taskOfRobot(history, robot, step) {
-  const state = history.at(step);
-  return state.team[robot] === NOBODY ? NOBODY : state.task[state.team[robot]];
-}
-
-// The same at the end of a run of one phase, also where the last step has taken it back.
-function taskOfRun(history, robot, to) {
-  const slot = history.at(to).team[robot];
-  return pursuedIn(history, to).get(slot) ?? taskOfRobot(history, robot, to - 1);
-}
-
-// The runs of one phase in a robot's time: [{phase, from, to}], `from` excluded.
+// The runs of one phase for one task in a robot's time: [{phase, task, from, to}], `from` excluded.
 function phaseRuns(history, robot) {
   const runs = [];
   for (let step = 1; step <= history.last; step++) {
     const phase = phasesIn(history, step)[robot];
+    const task = pursuitsIn(history, step)[robot];
     const run = runs.at(-1);
-    if (run?.phase === phase) run.to = step;
-    else runs.push({ phase, from: step - 1, to: step });
+    if (run?.phase === phase && run.task === task) run.to = step;
+    else runs.push({ phase, task, from: step - 1, to: step });
   }
   return runs;
+}
+
+// The tasks that each robot has done, by robot: [{task, step}] in their order.
+function deedsOfRobots({ scenario, doers, doneAt }) {
+  const deeds = scenario.robots.map(() => []);
+  doers.forEach((robots, task) => {
+    for (const robot of robots) deeds[robot].push({ task, step: doneAt[task] });
+  });
+  for (const row of deeds) row.sort((one, other) => one.step - other.step || one.task - other.task);
+  return deeds;
 }
 
 // The part of the steps up to one that each robot spent in each phase, by robot and phase.

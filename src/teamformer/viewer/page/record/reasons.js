@@ -3,6 +3,7 @@
 // The reason for what a team does after a step, as a sentence without its end.
 function reasonFor(history, team, step) {
   if (team.justDone !== NOBODY) return "";
+  if (team.activity === "told") return step === 0 ? "" : planText(history, step);
   if (team.assigned === NOBODY && !team.service) return reasonForRest(history, team, step);
   if (team.service) return "it brings all that the task needs, and stays until that is done";
   return [reasonForTask(history, team, step), planText(history, step)].filter(Boolean).join("; ");
@@ -61,7 +62,10 @@ function reasonForRest(history, team, step) {
   const plan = sharedPlanAt(history, step);
   const isWanted = ([task, robots]) =>
     doneAt[task] > step && robots.some((robot) => team.robots.includes(robot));
-  if (plan && ![...plan.coalitions].some(isWanted)) return "the plan has nothing left for it";
+  if (plan) {
+    const [next] = [...plan.coalitions].filter(isWanted);
+    return next ? `the plan has it do ${taskName(scenario, next[0])} next` : "the plan has nothing left for it";
+  }
   const useful = open.filter((task) => needsAt(history, task, step).some(([cap]) => team.counts.has(cap)));
   if (!useful.length) return "no open task needs what it brings";
   const names = useful.slice(0, MANY).map((task) => taskName(scenario, task));
@@ -76,6 +80,7 @@ function planText(history, step) {
   const reasons = sharedPlanAt(history, step)?.reasons ?? [];
   const taken = reasons.includes("taken over") ? "a longer search was taken over" : "";
   const causes = [causesIn(history, made), taken].filter(Boolean).join(", ") || reasons.join(", ");
+  if (made === 0) return "";
   const when = describeMoment(history.scenario.world, made);
   return `planned anew ${history.scenario.world.isPlane ? "at" : "after"} ${when}${causes ? `: ${causes}` : ""}`;
 }

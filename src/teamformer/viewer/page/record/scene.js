@@ -13,6 +13,7 @@ function sceneAt(history, step) {
     team.site = sites[team.assigned] ?? null;
     team.activity = activityOf(history.scenario.world, team);
   }
+  tellWhoAwaitsAPlan(history, step, [...teams.values()]);
   return { step, state, teams, assignedTo: groupByTask(teams) };
 }
 
@@ -44,7 +45,37 @@ function describeGoal(history, step, team, service, done) {
   team.isMet = team.goal !== NOBODY && team.missing.length === 0;
 }
 
-// What a team is about, in one word: serves, done, waits, walks or idle.
+// Some teams have no assignment only until the next step: the mission begins, or news has taken all
+// assignments back. Where the record goes on, it says which of them are idle all the same.
+function tellWhoAwaitsAPlan(history, step, teams) {
+  const idle = teams.filter(({ activity }) => activity === "idle");
+  if (!idle.length || !isPlannedAnew(history, step)) return;
+  const isOver = step >= history.last;
+  if (isOver && history.end.status !== "running") return;
+  const isAbout = isOver ? () => true : whoIsAboutATask(history, step + 1);
+  for (const team of idle) if (team.robots.some(isAbout)) team.activity = "told";
+}
+
+// Returns what says of a robot whether it has a task in a step.
+function whoIsAboutATask(history, step) {
+  const after = history.at(step);
+  const [pursued, done] = [pursuedIn(history, step), doneIn(history, step)];
+  return (robot) => {
+    const slot = after.team[robot];
+    return slot !== NOBODY && (after.task[slot] !== NOBODY || pursued.has(slot) || done.has(slot));
+  };
+}
+
+// Whether a plan or an order is made after a step, before anybody goes on.
+function isPlannedAnew({ replay, events }, step) {
+  if (step === 0) return true;
+  const kept = [replay.orders, replay.plans];
+  if (kept.some((rows) => rows?.some(([made]) => made === step))) return true;
+  const kinds = ["appears", "lost", "back", "found", "shown"];
+  return events.some((event) => event.step === step && kinds.includes(event.kind));
+}
+
+// What a team is about, in one word: serves, done, waits, walks or idle; and told, see `tellWhoAwaitsAPlan`.
 function activityOf(world, team) {
   if (team.service) return "serves";
   if (team.justDone !== NOBODY) return "done";

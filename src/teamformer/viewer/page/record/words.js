@@ -1,6 +1,7 @@
 // Everything that the page says about robots, teams and tasks, as plain text.
 
 const MANY = 3; // names written out
+const MANY_NEEDS = 12; // kinds of needs written out
 
 function robotName(scenario, robot) {
   return scenario.robots[robot].name;
@@ -59,6 +60,8 @@ function describeDoing(scenario, team, step) {
     }
     case "done":
       return `has just done ${name}`;
+    case "told":
+      return step === 0 ? "is ready to begin" : "is told its next task with the next step";
     case "idle":
       return "has no assignment";
     case "waits":
@@ -89,9 +92,9 @@ function describeDuration(world, { duration, lasts }) {
 // What a task needs, and what it may need while nobody knows.
 function describeNeeds(history, task, step) {
   const { scenario, shownAt } = history;
-  if (shownAt[task] <= step) return describeCounts(scenario, needsAt(history, task, step), 5);
+  if (shownAt[task] <= step) return describeCounts(scenario, needsAt(history, task, step), MANY_NEEDS);
   const { sure, mayNeed } = scenario.tasks[task];
-  return `${describeCounts(scenario, sure, 5)}, may need ${describeChances(scenario, mayNeed)}`;
+  return `${describeCounts(scenario, sure, MANY_NEEDS)}, may need ${describeChances(scenario, mayNeed)}`;
 }
 
 function describeChances(scenario, mayNeed) {
@@ -116,6 +119,13 @@ function describeShares(history, robot, step) {
   const parts = [...steps].filter(([, count]) => count).sort(([, a], [, b]) => b - a);
   const text = parts.map(([name, count]) => `${PHASE_NAMES[name]} ${percent(count / step)}`);
   return text.join(", ") || "not yet begun";
+}
+
+// Since when a robot is lost.
+function describeLoss(history, robot, step) {
+  const absence = absenceAt(history, robot, step);
+  if (!absence) return "lost";
+  return `lost ${describeWhen(history.scenario.world, absence.from)}`;
 }
 
 function describeLateness({ scenario, doneAt }, task) {

@@ -1,0 +1,113 @@
+"""Flags of the verbs of `fleet`, where every robot has a mind of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from teamformer.cli.app import AsJson, Folder, Host, MissionPath, Port, Seed, app
+
+fleet = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    help="Every robot a mind of its own, no server; needs the extra `fleet`.",
+)
+app.add_typer(fleet, name="fleet")
+
+FleetMethod = Annotated[str, typer.Option(help="plan, or who forms teams; see `methods`")]
+Keys = Annotated[
+    Path | None, typer.Option(help="folder of the fleet's keys: shared, certificates, NAME.pub")
+]
+Connect = Annotated[str, typer.Option(help="the endpoint of an agent: tcp/127.0.0.1:7447")]
+
+
+@fleet.command()
+def start(
+    mission: MissionPath,
+    method: FleetMethod = "plan",
+    keys: Keys = None,
+    time_limit: Annotated[float, typer.Option(min=1, help="seconds until it gives up")] = 3600.0,
+    as_json: AsJson = False,
+) -> None:
+    """Run every robot as a process of its own on this machine, with simulated bodies."""
+    from teamformer.commands.robots.start import Options
+    from teamformer.commands.robots.start import start as command
+
+    raise typer.Exit(command(mission, Options(time_limit, method, keys), as_json))
+
+
+@fleet.command()
+def add(
+    mission: MissionPath,
+    name: Annotated[str, typer.Argument(metavar="NAME", help="the new task's name")],
+    at: Annotated[str, typer.Option(metavar="X,Y", help="its place")],
+    needs: Annotated[str, typer.Option(help="such as lift:12.5,scan")],
+    connect: Connect,
+    duration: Annotated[float, typer.Option(min=0, help="steps that it takes")] = 0.0,
+    keys: Keys = None,
+) -> None:
+    """Add a task to a running fleet."""
+    from teamformer.commands.robots.add import NewTask
+    from teamformer.commands.robots.add import add as command
+    from teamformer.commands.robots.mesh import FleetAt
+
+    new = NewTask(name, at, needs, duration)
+    raise typer.Exit(command(mission, new, FleetAt(connect, keys)))
+
+
+@fleet.command()
+def agent(
+    mission: MissionPath,
+    robot: Annotated[str, typer.Argument(metavar="ROBOT", help="whose mind it is, by name")],
+    body: Annotated[str, typer.Option(help="sim, vda5050:URL or module:Class")] = "sim",
+    listen: Annotated[str | None, typer.Option(help="own endpoint: tcp/127.0.0.1:7447")] = None,
+    connect: Annotated[
+        list[str] | None, typer.Option(help="endpoint of another; again for more")
+    ] = None,
+    keys: Keys = None,
+    facts: Annotated[Path | None, typer.Option(help="file of what must not be forgotten")] = None,
+    method: FleetMethod = "plan",
+) -> None:
+    """Run the mind of one robot, over Zenoh from peer to peer."""
+    from teamformer.commands.robots.agent import Options
+    from teamformer.commands.robots.agent import agent as command
+
+    options = Options(robot, body, listen, tuple(connect or ()), keys, facts, method)
+    raise typer.Exit(command(mission, options))
+
+
+@fleet.command()
+def rehearse(
+    mission: MissionPath,
+    schedules: Annotated[int, typer.Option(min=1, help="schedules of faults")] = 100,
+    seed: Seed = 0,
+    schedule: Annotated[int | None, typer.Option(min=0, help="play only this one")] = None,
+    out: Annotated[Path | None, typer.Option(help="folder for its replay.json")] = None,
+    method: FleetMethod = "plan",
+    as_json: AsJson = False,
+) -> None:
+    """Try the fleet's own agents under random faults, faster than real time."""
+    from teamformer.commands.robots.rehearse import Options
+    from teamformer.commands.robots.rehearse import rehearse as command
+
+    options = Options(schedules, seed, schedule, out, method)
+    raise typer.Exit(command(mission, options, as_json))
+
+
+@fleet.command()
+def watch(
+    mission: MissionPath,
+    connect: Connect,
+    keys: Keys = None,
+    port: Port = 8765,
+    host: Host = "127.0.0.1",
+    out: Folder = Path("out/live"),
+) -> None:
+    """Watch a running fleet in the browser, and add tasks; needs the extra `live` too."""
+    from teamformer.commands.missions.live import Address
+    from teamformer.commands.robots.mesh import FleetAt
+    from teamformer.commands.robots.watch import watch as command
+
+    raise typer.Exit(command(mission, FleetAt(connect, keys), Address(host, port), out))

@@ -1,0 +1,55 @@
+"""Flags of the verbs of `robotarium`: missions of small real robots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from teamformer.cli.app import AsJson, Method, MissionPath, Seed, app
+
+robotarium = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    help="Missions in Robotarium's arena; needs the extra `robotarium`.",
+)
+app.add_typer(robotarium, name="robotarium")
+
+
+@robotarium.command()
+def fly(
+    mission: MissionPath,
+    method: Method = None,
+    seed: Seed = 0,
+    simulator: Annotated[str, typer.Option(help="plant, ours, or rps, the official one")] = "plant",
+    noise: Annotated[
+        bool, typer.Option("--noise", help="robots obey 66 ms late, and see 2 mm and 1 degree off")
+    ] = False,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="folder for pictures")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Fly a mission in a simulated arena."""
+    from teamformer.commands.robots.robotarium import FlightOptions
+    from teamformer.commands.robots.robotarium import fly as command
+
+    options = FlightOptions(method, seed, simulator, noise, out)
+    raise typer.Exit(command(mission, options, as_json))
+
+
+@robotarium.command()
+def deploy(
+    mission: MissionPath,
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="to upload")],
+    method: Annotated[str, typer.Option(help="who forms teams along the paper's order")] = (
+        "teamformer"
+    ),
+    verify: Annotated[
+        str | None,
+        typer.Option(metavar="PYTHON", help="run it by this Python, on the official simulator"),
+    ] = None,
+) -> None:
+    """Write the folder that the testbed takes."""
+    from teamformer.commands.robots.robotarium import deploy as command
+
+    raise typer.Exit(command(mission, folder, method, verify))

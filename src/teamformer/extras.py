@@ -1,0 +1,37 @@
+"""Libraries that not everybody has installed: what to type to have them."""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+from teamformer.errors import TeamformerError
+
+
+def how_to_install(*extras: str) -> str:
+    """Return the command that installs extras of this package, for the folder one stands in.
+
+    In a clone of the repository that is an editable install by the Python that runs.
+    """
+    named = f"[{','.join(extras)}]"
+    root = Path(__file__).resolve().parents[2]
+    if not (root / "pyproject.toml").is_file():
+        return f"pip install 'teamformer{named}'"
+    pip, here = Path(sys.executable).with_name("pip"), Path.cwd()
+    shown = pip.relative_to(here) if pip.is_relative_to(here) else pip
+    return f"{shown} install -e '{os.path.relpath(root)}{named}'"
+
+
+def require(extra: str, *libraries: str) -> None:
+    """Raise `TeamformerError` with what to install if a library of an extra is missing."""
+    for library in libraries:
+        if find_spec(library) is None:
+            raise missing(extra, library)
+
+
+def missing(extra: str, library: str) -> TeamformerError:
+    """Return the error for a library of an extra that is not installed."""
+    what = f"this needs a library that is not installed: {library}"
+    return TeamformerError(what, how_to_install(extra))

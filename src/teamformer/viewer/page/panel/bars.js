@@ -1,0 +1,127 @@
+// A row of the Gantt view: a robot's name, its bars, a mark for each task that it did, its idle share.
+
+const NAMED_FROM = 34; // pixels of a bar
+const MARK = 4; // pixels from the middle of a mark to its edge
+const DARK = "#1b1400"; // ink on the colour of waiting, in both themes
+
+const PHASE_COLOURS = {
+  walks: "accent",
+  waits: "wait",
+  forms: "form",
+  serves: "good",
+  idle: "line",
+  lost: "bad",
+};
+
+// How strong a phase is drawn in the colour of its task.
+const STRENGTHS = { walks: 0.5, waits: 0.25, forms: 0.75, serves: 1, idle: 1, lost: 0.25 };
+
+// What bars may be coloured by.
+const BARS = { phase: "What they do", task: "Tasks" };
+
+function drawBarsOfRow(ctx, gantt, robot, top, row) {
+  const { from, to } = gantt.stepsInSight();
+  for (const run of gantt.runs[robot]) {
+    if (run.to >= from && run.from <= to) drawBar(ctx, gantt, run, top, row);
+  }
+}
+
+function drawBar(ctx, gantt, run, top, row) {
+  const gap = row > 10 ? 2 : 1;
+  const [left, right] = [gantt.x(run.from), gantt.x(run.to)];
+  const { colour, strength, ink } = paintOf(gantt.app, run);
+  ctx.fillStyle = colour;
+  ctx.globalAlpha = strength;
+  ctx.fillRect(left, top + gap / 2, Math.max(0.75, right - left - 0.6), row - gap);
+  ctx.globalAlpha = 1;
+  nameBar(ctx, gantt, run, top + row / 2, ink);
+}
+
+// The colour of a bar, how strong it is, and the ink of its name.
+function paintOf({ map, options }, { phase, task }) {
+  const name = PHASES[phase];
+  const { theme, isDark } = map;
+  if (options.bars === "task" && task !== NOBODY && name !== "lost") {
+    const strength = STRENGTHS[name];
+    return { colour: taskColour(task, isDark), strength, ink: strength > 0.6 ? theme.surface : theme.ink };
+  }
+  const strength = name === "lost" ? STRENGTHS.lost : 1;
+  return { colour: theme[PHASE_COLOURS[name]], strength, ink: name === "waits" ? DARK : theme.surface };
+}
+
+// The task that a bar is about, where there is room; it stays in sight with a part of its bar.
+function nameBar(ctx, gantt, { phase, task, from, to }, middle, ink) {
+  const name = PHASES[phase];
+  if (task === NOBODY || name === "idle" || name === "lost") return;
+  const left = Math.max(gantt.x(from), NAME_WIDTH);
+  const room = Math.min(gantt.x(to), gantt.width - SHARE_WIDTH) - left;
+  if (room <= NAMED_FROM) return;
+  ctx.font = `11px ${gantt.app.map.theme.font}`;
+  ctx.textAlign = "left";
+  ctx.textBaseline = "middle";
+  ctx.fillStyle = ink;
+  const text = clipped(ctx, taskName(gantt.app.history.scenario, task), room - 12);
+  ctx.fillText(text, left + 7, middle + 0.5);
+}
+
+// A diamond in the task's colour where the robot had done it; those of one step stand side by side.
+function drawMarksOfRow(ctx, gantt, robot, top, row) {
+  const { theme, isDark } = gantt.app.map;
+  const half = Math.min(MARK, row * 0.32);
+  let [last, beside] = [-1, 0];
+  for (const { task, step } of gantt.deeds[robot]) {
+    beside = step === last ? beside + 1 : 0;
+    last = step;
+    const [x, y] = [gantt.x(step) - beside * half * 1.6, top + row / 2];
+    ctx.beginPath();
+    ctx.moveTo(x, y - half);
+    ctx.lineTo(x + half, y);
+    ctx.lineTo(x, y + half);
+    ctx.lineTo(x - half, y);
+    ctx.closePath();
+    ctx.fillStyle = taskColour(task, isDark);
+    ctx.strokeStyle = theme.surface;
+    ctx.lineWidth = 1.5;
+    ctx.stroke();
+    ctx.fill();
+  }
+}
+
+// On a ground of their own, so that bars pass under them.
+function drawEndsOfRow(ctx, gantt, robot, top, row) {
+  const { history, map, selection } = gantt.app;
+  const { theme } = map;
+  ctx.fillStyle = selection.robot === robot ? theme.soft : theme.ground;
+  ctx.fillRect(0, top, NAME_WIDTH - 4, row);
+  ctx.fillRect(gantt.width - SHARE_WIDTH, top, SHARE_WIDTH, row);
+  ctx.font = `${Math.min(12, row - 1)}px ${theme.font}`;
+  ctx.textBaseline = "middle";
+  ctx.textAlign = "right";
+  ctx.fillStyle = theme.ink;
+  const name = clipped(ctx, robotName(history.scenario, robot), NAME_WIDTH - 14);
+  ctx.fillText(name, NAME_WIDTH - 8, top + row / 2);
+  ctx.fillStyle = theme.muted;
+  ctx.fillText(percent(gantt.shares[robot][IDLE]), gantt.width - 10, top + row / 2);
+}
+
+// What a robot did in a step, in words.
+function describeBar(gantt, robot, step) {
+  const { history } = gantt.app;
+  const { scenario } = history;
+  const run = gantt.runs[robot].find(({ from, to }) => from < step && step <= to);
+  if (!run) return robotName(scenario, robot);
+  const about = run.task === NOBODY ? "" : `, ${taskName(scenario, run.task)}`;
+  const [from, to] = [run.from, run.to].map((it) => describeMoment(scenario.world, it));
+  const done = gantt.deeds[robot].filter((deed) => deed.step > run.from && deed.step <= run.to);
+  const deeds = done.map(({ task, step: at }) => `${taskName(scenario, task)} done ${describeWhen(scenario.world, at)}`);
+  const name = robotName(scenario, robot);
+  return [`${name}: ${PHASE_NAMES[PHASES[run.phase]]}${about}, ${from} to ${to}`, ...deeds].join("\n");
+}
+
+// A text cut so that it fits into so many pixels.
+function clipped(ctx, text, width) {
+  if (ctx.measureText(text).width <= width) return text;
+  let end = text.length;
+  while (end > 0 && ctx.measureText(`${text.slice(0, end)}…`).width > width) end--;
+  return end > 1 ? `${text.slice(0, end)}…` : "";
+}

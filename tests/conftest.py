@@ -1,0 +1,15 @@
+"""How every process of the suite runs: one thread each, and stopped by Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+# Two processes with two threads each on two cores wait for one another: ten times as long. Said
+# before any of these libraries is loaded, and for the processes that tests start, too.
+for library in ("OMP", "OPENBLAS", "MKL"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+# A job of the background ignores Ctrl-C, as some CI does, and so would what its tests start.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

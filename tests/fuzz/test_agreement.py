@@ -1,0 +1,371 @@
+"""Page, record, tables, MCAP, GIF and terminal agree on who did what and when."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from importlib.resources import files
+from io import StringIO
+from pathlib import Path
+from queue import Queue
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+
+from browsers import Opened, chromium
+from live_server import serving
+from methods import METHODS
+from missions import SEEDS, continuous_missions, missions
+from schedules import schedules
+from teamformer.commands.console import out
+from teamformer.fleet.mission import Mission
+from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.rehearse import play, set_stage
+from teamformer.fleet.rehearsal.trace import Trace
+from teamformer.grid import Grid
+from teamformer.live.incidents import LostRobot
+from teamformer.scenarios.files import scenario_from_tree, write_scenario
+from teamformer.scenarios.generate import Spec, generate
+from teamformer.scenarios.named_settings import world_of
+from teamformer.sim.replay.writing import write_replay
+from test_verbs import typed
+from texts import text_of
+from told import (
+    PAGE_SCRIPTS,
+    TOLD_BY_PAGE,
+    Bar,
+    Line,
+    bars_of,
+    captions_agree,
+    embedded,
+    end_of,
+    harmless,
+    in_tables,
+    lines_of_plan,
+    logged,
+    losses_of,
+    needs_in,
+    needs_told_by_record,
+    routes_in_page,
+    routes_told,
+    sentence,
+    sorted_needs,
+    table_of,
+    told_by_events,
+    told_by_mcap,
+    told_by_record,
+    told_by_tables,
+    told_by_terminal,
+)
+from watching import fuzzed, noted
+
+DONE, NOT_DONE = 0, 1
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("agreement")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def page(browser: Any) -> Any:
+    """An empty page with the scripts that read a record."""
+    sources = files("teamformer.viewer") / "page"
+    page = browser.new_page()
+    texts = [(sources / f"{name}.js").read_text(encoding="utf-8") for name in PAGE_SCRIPTS]
+    page.add_script_tag(content="\n".join(texts))
+    return page
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What there is of a mission in a folder; `terminal` is what `run` printed, if it ran."""
+
+    folder: Path
+    terminal: str = ""
+    with_gif: bool = True
+
+
+def assert_all_agree(page: Any, outputs: Outputs) -> list[Line]:
+    """Write every output of the record in a folder, and compare what they tell; return that."""
+    folder, record = outputs.folder, outputs.folder / "replay.json"
+    files = [folder, folder / "record.mcap"]
+    files += [folder / "record.gif"] if outputs.with_gif else []
+    assert typed("export", record, *files) == DONE
+    assert typed("view", record, folder / "replay.html") == DONE
+    tree = json.loads(record.read_text(encoding="utf-8"))
+    lines = told_by_record(tree)
+    steps, ended = len(tree["steps"]), (tree["end"]["status"], tree["end"]["makespan"])
+
+    assert told_by_events(folder) == in_tables(lines)
+    assert told_by_tables(folder, steps) == in_tables(lines)
+    assert end_of(folder) == ended[0]
+    _compare_page(page, tree, lines, folder)
+    _compare_mcap(tree, lines, folder)
+    if outputs.with_gif:
+        assert captions_agree(folder / "record.gif", tree, lines)
+    if outputs.terminal:
+        _compare_terminal(tree, lines, outputs.terminal)
+    return lines
+
+
+def _compare_page(page: Any, tree: Any, lines: list[Line], folder: Path) -> None:
+    held = embedded(folder / "replay.html")
+    assert held == tree
+    told = page.evaluate(TOLD_BY_PAGE, held)
+    done = [line for line in lines if line.kind == "done"]
+    assert sorted(Line(*line) for line in told["lines"]) == lines
+    assert told["end"] == [tree["end"]["status"], tree["end"]["makespan"], len(done)]
+    assert sorted(Bar(*map(_in_table, bar)) for bar in told["bars"]) == sorted(bars_of(folder))
+    assert told["marks"] == told["stories"]  # what is marked on a robot's row, and its history
+    assert Counter(text.split(" done by ")[0] for text in told["said"]) == Counter(
+        line.task for line in done
+    )
+    needs = sorted_needs(needs_told_by_record(tree))
+    assert sorted_needs(dict(told["needs"])) == sorted_needs(needs_in(folder)) == needs
+
+
+def _in_table(value: Any) -> Any:
+    return harmless(value) if isinstance(value, str) else value
+
+
+def _compare_mcap(tree: Any, lines: list[Line], folder: Path) -> None:
+    plane = tree["scenario"]["world"]
+    length = plane.get("step", 1) if "plane" in plane else 1
+    seen = told_by_mcap(folder / "record.mcap")
+    told = Counter((round(line.step * length * 1e9), sentence(line)) for line in lines)
+    assert told <= seen.log
+    assert Counter((at, harmless(text)) for at, text in seen.log.elements()) == logged(folder)
+    names, lost = {robot["name"] for robot in tree["scenario"]["robots"]}, set[str]()
+    for step in range(len(tree["steps"]) + 1):
+        lost |= {it.robots for it in lines if (it.step, it.kind) == (step, "lost")}
+        lost -= {it.robots for it in lines if (it.step, it.kind) == (step, "back")}
+        assert seen.there[round(step * length * 1e9)] == names - lost
+    assert sorted_needs(seen.needs).items() <= sorted_needs(needs_in(folder)).items()
+
+
+def _compare_terminal(tree: Any, lines: list[Line], text: str) -> None:
+    table, verdict, lost = told_by_terminal(text)
+    if table:  # of more than forty tasks there is none
+        assert sorted(table) == table_of(lines, needs_told_by_record(tree))
+    assert lost == losses_of(tree)
+    end = tree["end"]
+    assert {
+        "completed": f"all done after {end['makespan']} steps",
+        "infeasible": f"given up at step {end['steps']}",
+        "step limit": f"not done within the limit of {end['steps']} steps",
+    }[end["status"]] in verdict
+
+
+def outputs_of_run(file: Path, folder: Path, method: str, seed: int, with_gif: bool) -> Outputs:
+    """Run a mission as a person does; return what came of it."""
+    with out.capture() as printed:
+        status = typed("run", file, "--method", method, "--seed", seed, "--out", folder)
+    assert status in (DONE, NOT_DONE)
+    return Outputs(folder, printed.get(), with_gif)
+
+
+@fuzzed(
+    24,
+    "run FILE --method {method} --seed {seed} --html --out O, and export every kind",
+    mission=missions(),
+    method=METHODS,
+    seed=SEEDS,
+)
+def test_outputs_of_simulated_missions_agree(
+    mission: Any, method: str, seed: int, folder: Path, page: Any
+) -> None:
+    file = folder / "mission.yaml"
+    file.write_text(text_of(mission), encoding="utf-8")
+    assert_all_agree(page, outputs_of_run(file, folder, method, seed, with_gif=seed % 4 == 0))
+
+
+@pytest.mark.parametrize(
+    ("setting", "method"),
+    [("warehouse-lost", "plan"), ("moving-arrivals", "crews"), ("real-all", "heuristic")],
+)
+def test_outputs_of_missions_that_people_have_agree(
+    setting: str, method: str, tmp_path: Path, page: Any
+) -> None:
+    write_scenario(world_of(setting, 1), tmp_path / "mission.yaml")
+    with_gif = setting == "warehouse-lost"  # the others are long
+    outputs = outputs_of_run(tmp_path / "mission.yaml", tmp_path, method, 0, with_gif)
+    lines = assert_all_agree(page, outputs)
+    assert len([line for line in lines if line.kind == "done"]) >= 14
+    assert {line.kind for line in lines} > {"done"}
+
+
+@fuzzed(
+    7, "fleet rehearse FILE, with the faults below", mission=missions(is_plain=True), data=st.data()
+)
+def test_outputs_of_rehearsals_agree(
+    mission: Any, data: st.DataObject, folder: Path, page: Any
+) -> None:
+    """And with what the bodies of the robots really did."""
+    scenario = scenario_from_tree(mission)
+    fleet = Mission(scenario, scenario.seconds_a_step)
+    stage = set_stage(fleet)
+    noted["faults"] = faults = data.draw(schedules(fleet))
+    trace = Trace(with_messages=True)
+    rehearsal, outcome, _ = play(fleet, stage.plan, faults, trace)
+    record = record_of(rehearsal, outcome, trace.events, faults.seed)
+    write_replay(record, folder / "replay.json")
+    lines = assert_all_agree(page, Outputs(folder, with_gif=False))
+    names = [robot.name for robot in record.scenario.robots]
+    really = sorted(
+        (rehearsal.world.tasks[key].name, tuple(names[robot] for robot in done.robots))
+        for key, done in rehearsal.world.done.items()
+    )
+    told = sorted((line.task, line.robots) for line in lines if line.kind == "done")
+    assert told == [(task, ", ".join(who)) for task, who in really]
+
+
+@fuzzed(6, "plan FILE --method plan --out FOLDER, and with --json", mission=continuous_missions())
+def test_outputs_of_continuous_plans_agree(mission: Any, folder: Path) -> None:
+    file, words = folder / "mission.yaml", ("--method", "plan", "--time-limit", 5)
+    file.write_text(text_of(mission), encoding="utf-8")
+    with out.capture() as printed:
+        status = typed("plan", file, *words, "--out", folder)
+    if status == 2:  # its starts are linked: that only `central` plans
+        return
+    with redirect_stdout(StringIO()) as text:
+        assert typed("plan", file, *words, "--json") == status == DONE
+    row = json.loads(text.getvalue())
+    shown = [" ".join(line.split()) for line in printed.get().splitlines()]
+    assert shown[0].startswith(" ".join(f"{row['scenario']}: over at {row['makespan']:g}".split()))
+    begin = shown.index("robot tasks: start to end back") + 1
+    assert shown[begin : begin + len(row["routes"])] == lines_of_plan(row)
+    assert routes_in_page(folder / "plan.html") == routes_told(row)
+
+
+FEW, MANY = range(3), range(3, 20)
+"""Live sessions that are tried every day, and the others."""
+
+
+@pytest.mark.parametrize(
+    "number", [*FEW, *(pytest.param(number, marks=pytest.mark.slow) for number in MANY)]
+)
+def test_outputs_of_live_sessions_agree(
+    number: int, browser: Any, page: Any, tmp_path: Path
+) -> None:
+    """And with what the page of the mission shows that has been open all the time."""
+    pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
+    from websockets.sync.client import connect
+
+    rng = np.random.default_rng(number)
+    grid = Grid(9, 7)
+    scenario = generate(Spec(5, 7, 3, requirements=2, world=grid), rng)
+    method = ("plan", "join-fitting", "crews")[number % 3]
+    with serving(scenario, tmp_path, speed=200.0, method=method) as server:
+        watching = Opened(browser.new_page())
+        watching.page.goto(f"http://{server.address}/")
+        watching.wait_until("window.teamformer !== undefined", 30)
+        uri = f"ws://{server.address}/socket"
+        with connect(uri, origin=f"http://{server.address}") as line:  # type: ignore[arg-type]
+            for message in _script(rng, [robot.name for robot in scenario.robots], grid):
+                if message["do"] in ("step", "play") and not server.session.mission.is_running:
+                    continue
+                line.send(json.dumps(message))
+                _wait_for_answer(line, message["do"])
+        watching.wait_until("document.querySelector('#status').textContent !== 'Running'", 60)
+        watching.wait_until(f"window.teamformer.last === {server.session.mission.steps}", 60)
+        shown = sorted(Line(*told) for told in watching.page.evaluate("window.teamformer.told()"))
+        incidents = [it for _, it in server.session.mission.incidents]
+        watching.page.close()
+    lines = assert_all_agree(page, Outputs(tmp_path, with_gif=False))
+    assert shown == lines
+    lost = Counter(line.kind for line in lines)["lost"]
+    assert lost == sum(isinstance(it, LostRobot) for it in incidents)
+    assert len(incidents) >= 2
+
+
+def _script(rng: np.random.Generator, robots: list[str], grid: Grid) -> Iterator[dict[str, Any]]:
+    """Return what a page asks for: steps, tasks, a robot lost and back, and to play to the end."""
+    lost = str(rng.choice(robots))
+    for what in ("task", "lost", "task", "back", "task"):
+        for _ in range(int(rng.integers(1, 4))):
+            yield {"do": "step"}
+        if what == "task":
+            at = [int(rng.integers(grid.width)), int(rng.integers(grid.height))]
+            yield {"do": "happen", "task": {"at": at, "needs": {f"c{rng.integers(1, 4)}": 1}}}
+        else:
+            yield {"do": "happen", what: lost}
+    yield {"do": "play"}
+    yield {"do": "save"}
+
+
+def _wait_for_answer(line: Any, asked: str) -> None:
+    """Wait until the server has done what it was asked for, or has refused."""
+    kinds = {"step": "step", "happen": "incident", "play": "step", "save": "saved"}
+    while True:
+        heard = json.loads(line.recv(timeout=30))
+        if heard["kind"] == "refused":
+            return
+        if heard["kind"] == kinds[asked] and (asked != "play" or "end" in heard):
+            return
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(5))
+def test_outputs_of_fleets_agree(number: int, page: Any, tmp_path: Path) -> None:
+    """What an onlooker heard of processes, and what the fleet itself told of who did what."""
+    pytest.importorskip("zenoh", reason="the extra `fleet` is not installed")
+    from teamformer.fleet.messages import OPERATOR, Post
+    from teamformer.fleet.observer.session import ObserverSession
+    from teamformer.fleet.observer.watch import Watch
+    from teamformer.fleet.process.fleet import LocalFleet
+    from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
+
+    spec = Spec(3, 5, 2, requirements=2, world=Grid(7, 7))
+    scenario = generate(spec, np.random.default_rng(number))
+    fleet = Mission(scenario, scenario.seconds_a_step)
+    told: Queue[str] = Queue()
+    local = LocalFleet(fleet, told.put)
+    with ThreadPoolExecutor(2) as threads:
+        result = threads.submit(local.run, 240.0)
+        endpoint = told.get(timeout=60).removeprefix("world at ")
+        transport = ZenohTransport(fleet.number, OPERATOR, None, [endpoint])
+        session = ObserverSession(
+            Watch(fleet), transport, Post(fleet.number, fleet.robots), tmp_path
+        )
+        try:
+            threads.submit(asyncio.run, _watch_to_the_end(session, result)).result(240)
+        finally:
+            session.close()
+    assert result.result().completed
+    session.save()
+    lines = assert_all_agree(page, Outputs(tmp_path, with_gif=False))
+    names = [robot.name for robot in scenario.robots]
+    really = {
+        result.result().names[done.key]: ", ".join(names[robot] for robot in sorted(done.robots))
+        for done in result.result().done
+    }
+    seen = {line.task: line.robots for line in lines if line.kind == "done"}
+    ends = {result.result().names[done.key]: done.at / fleet.step for done in result.result().done}
+    first = min(ends[task] for task in seen)  # what was done before it listened, nobody tells it
+    assert seen == {task: who for task, who in really.items() if ends[task] >= first}
+    said = [text.split(" s: ")[1] for text in list(told.queue) if " done by " in text]
+    assert Counter(said) == Counter(f"{task} done by {who}" for task, who in really.items())
+    late = [line.step - ends[line.task] for line in lines if line.kind == "done"]
+    assert max(late) - min(late) <= 2  # its clock is another; words take their time
+
+
+async def _watch_to_the_end(session: Any, result: Any) -> None:
+    running = asyncio.create_task(session.run())
+    while not result.done() and not session.watch.is_over:
+        await asyncio.sleep(0.05)
+    await asyncio.sleep(2 * session.watch.mission.step)
+    running.cancel()

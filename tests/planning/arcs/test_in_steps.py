@@ -1,0 +1,189 @@
+"""Graphs of arcs in steps: times against a slow twin, changes that are undone, what is passed."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_arcs import run_script
+
+from plain_teams import slow_ends
+from random_worlds import random_world
+from teamformer.grid import Grid
+from teamformer.model import Robot, Scenario, Task
+from teamformer.planning.arcs.graph import COST, END_SUM, MAKESPAN, Graph
+from teamformer.planning.arcs.in_steps.meeting import TICKS
+from teamformer.planning.teams.arc_search import TeamArcs, plan_from_arcs
+from teamformer.planning.teams.crossings import no_crossings
+from teamformer.planning.teams.plan import TeamPlan, plan_teams
+from teamformer.planning.teams.situation import Situation, situation_in_hindsight
+from teamformer.planning.teams.solve import BestPlan, improve_by_arcs, start_search
+from teamformer.scenarios.generate import Spec, generate
+
+SEEDS = range(12)
+
+
+def drawn(seed: int, forming_steps: int = 1) -> tuple[Scenario, Situation]:
+    """Draw a mission, and how it begins; nothing in it is done on the way."""
+    rng = np.random.default_rng(seed)
+    scenario = random_world(rng, with_losses=False) if seed % 2 else generate(Spec(6, 12, 3), rng)
+    scenario = replace(scenario, forming_steps=forming_steps)
+    return scenario, situation_in_hindsight(scenario)._replace(crossings=no_crossings())
+
+
+def plan_of(arcs: TeamArcs, graph: Graph) -> TeamPlan:
+    """Return the plan that a graph holds."""
+    arcs.search._best = graph
+    return arcs.best
+
+
+def ends_of(arcs: TeamArcs) -> list[int]:
+    tasks = len(arcs.situation.tasks)
+    ends: list[int] = (arcs.search.graph.nodes.end[:tasks] // TICKS).tolist()
+    return ends
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_times_of_a_plan_that_is_laid_out_are_those_of_a_slow_twin(seed: int) -> None:
+    scenario, situation = drawn(seed)
+    plan = plan_from_arcs(situation, rounds=300, seed=seed)
+    assert plan is not None
+    arcs = TeamArcs(situation)
+    arcs.begin_at(plan)
+    slow = slow_ends(scenario, situation.problem, plan)
+    assert ends_of(arcs) == slow
+    assert arcs.search.graph.total[MAKESPAN] // TICKS == max(slow)
+    assert arcs.search.graph.total[END_SUM] // TICKS >= sum(slow)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_times_that_are_worked_out_as_they_change_are_those_of_the_whole_plan(seed: int) -> None:
+    """Where parting is free: else the order in which groups part may be an old one."""
+    scenario, situation = drawn(seed, forming_steps=0)
+    arcs = TeamArcs(situation, seed)
+    assert arcs.begin_anew()
+    best = arcs.search._best
+    for turn in range(60):
+        arcs.search.anneal(4 * TICKS, TICKS, turn * 5, turn * 5 + 5, 300)
+        plan = plan_of(arcs, arcs.search.graph)
+        arcs.search._best = best
+        assert ends_of(arcs) == slow_ends(scenario, situation.problem, plan)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_searching_on_never_loses_the_best_and_every_coalition_is_able(seed: int) -> None:
+    scenario, situation = drawn(seed)
+    arcs = TeamArcs(situation, seed)
+    assert arcs.begin_anew()
+    first = arcs.search.cost
+    arcs.anneal(3000)
+    assert arcs.search.cost <= first
+    plan, problem = arcs.best, situation.problem
+    for task, size in enumerate(plan.size.tolist()):
+        crew = plan.coalition[task, :size].tolist()
+        assert len(set(crew)) == size
+        assert (problem.counts[crew].sum(axis=0) >= problem.needs[task]).all()
+    assert max(slow_ends(scenario, problem, plan)) <= arcs.search._best.total[MAKESPAN] // TICKS + 1
+
+
+def test_a_group_serves_what_it_passes_on_its_way() -> None:
+    ann, bob = (Robot(name, (x, 0), {"a": 1}) for name, x in (("ann", 0), ("bob", 25)))
+    tasks = (Task("far", (10, 0), {"a": 1}), Task("passed", (5, 0), {"a": 1}, duration=3))
+    scenario = Scenario("corridor", Grid(30, 1), ("a",), (ann, bob), tasks)
+    arcs = TeamArcs(situation_in_hindsight(scenario))
+    arcs.begin_at(plan_teams(arcs.situation.problem, [0, 1], [[0], [1]]))
+    assert ends_of(arcs)[0] == 13  # five cells, three steps of service, five cells
+    arcs.begin_at(plan_teams(arcs.situation.problem, [1, 0], [[0], [0]]))
+    assert ends_of(arcs) == [13, 8]
+
+
+def test_large_coalitions_are_begun_without_robots_to_spare() -> None:
+    robots = tuple(Robot(f"r{n}", (n, 0), {"a": 1}) for n in range(8))
+    scenario = Scenario(
+        "crowd",
+        Grid(30, 1),
+        ("a",),
+        robots,
+        (Task("t", (9, 0), {"a": 2}), Task("u", (1, 0), {"a": 1})),
+    )
+    arcs = TeamArcs(situation_in_hindsight(scenario))
+    arcs.begin_at(plan_teams(arcs.situation.problem, [0, 1], [list(range(8)), [7]]))
+    assert arcs.best.size.tolist() == [4, 1]  # two that are needed, and two riders
+    assert arcs.search.graph.total[COST] > 0
+
+
+def test_searching_by_the_clock_begins_at_the_best_plan_and_offers_better_ones() -> None:
+    situation = drawn(0)[1]
+    plan = plan_from_arcs(situation, rounds=1)
+    assert plan is not None
+    timed = start_search(situation, seed=0)
+    timed.begin(plan)
+    best, first = BestPlan(time.perf_counter(), timed), timed.makespan
+    improve_by_arcs(best, situation, time.perf_counter() + 0.5, seed=0)
+    assert best.makespan < first
+    assert best.curve[-1][1] == best.makespan
+    best.stop()
+    improve_by_arcs(best, situation, time.perf_counter() + 600, seed=0)  # ends at once
+
+
+UNDOING = """
+import numpy as np
+from test_in_steps import drawn
+from teamformer.planning.arcs import annealing
+from teamformer.planning.teams.arc_search import TeamArcs
+
+tried = {}
+def watch(name, made):
+    def watched(problem, graph, *rest):
+        before = [array.copy() for array in graph]
+        is_short = made(problem, graph, *rest)
+        tried[name] = tried.get(name, 0) + (rest[0].number[0] > 0)
+        latest[0] = before
+        return is_short
+    return watched
+
+def take_back(problem, graph, moved):
+    taken_back(problem, graph, moved)
+    nodes, most = latest[0][0], problem.most[0]
+    in_use = [nodes[n].first + np.arange(nodes[n].taken) for n in range(len(problem.near))]
+    in_use = np.concatenate([*in_use, np.arange(len(problem.near) * most, len(graph.seats))])
+    assert (latest[0][1][in_use] == graph.seats[in_use]).all()
+    assert (latest[0][0] == graph.nodes).all()
+    assert (latest[0][4][in_use] == graph.comes[in_use]).all()
+    assert (latest[0][3] == graph.total).all()
+
+latest, taken_back = [None], annealing.take_back
+annealing.take_back = take_back
+for name in ("swap_heads", "replace_member", "ride", "move_task"):
+    setattr(annealing, name, watch(name, getattr(annealing, name)))
+for seed in range(4):
+    arcs = TeamArcs(drawn(seed)[1], seed)
+    assert arcs.begin_anew()
+    arcs.search.anneal(1000, 1000, 0, 300, 300)
+    graph = arcs.search.graph
+    for seat in range(len(graph.seats) - len(graph.back)):
+        node = graph.nodes[graph.seats[seat].node]
+        if seat < node.first + node.taken:
+            to = graph.seats[seat].next
+            assert graph.seats[to].prev == seat and graph.seats[to].kind == graph.seats[seat].kind
+            assert node.key < graph.nodes[graph.seats[to].node].key
+assert min(tried.get(name, 0) for name in ("replace_member", "ride", "move_task")) > 5, tried
+"""
+
+SEARCHING = """
+from test_in_steps import drawn
+from teamformer.planning.teams.arc_search import plan_from_arcs
+for seed in range(3):
+    plan = plan_from_arcs(drawn(seed)[1], 150, seed)
+    print(plan.order.tolist(), plan.size.tolist(), plan.coalition.tolist())
+"""
+
+
+def test_a_change_that_is_refused_leaves_everything_as_it_was() -> None:
+    run_script(UNDOING, NUMBA_DISABLE_JIT="1")
+
+
+def test_the_plan_is_the_same_without_compiled_code() -> None:
+    assert run_script(SEARCHING) == run_script(SEARCHING, NUMBA_DISABLE_JIT="1")

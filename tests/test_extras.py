@@ -1,0 +1,46 @@
+"""What to type where a library is missing: a command that works from where one stands."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from teamformer import extras
+from teamformer.errors import TeamformerError
+
+ROOT = Path(__file__).parent.parent
+
+
+def test_in_a_clone_it_is_an_editable_install_by_this_python(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(sys, "executable", str(tmp_path / ".venv" / "bin" / "python"))
+    (tmp_path / "pyproject.toml").touch()
+    monkeypatch.setattr(extras, "__file__", str(tmp_path / "src" / "teamformer" / "extras.py"))
+    monkeypatch.chdir(tmp_path)
+    assert extras.how_to_install("live") == ".venv/bin/pip install -e '.[live]'"
+    (tmp_path / "out").mkdir()
+    monkeypatch.chdir(tmp_path / "out")
+    pip = tmp_path / ".venv" / "bin" / "pip"
+    assert extras.how_to_install("live", "gif") == f"{pip} install -e '..[live,gif]'"
+
+
+def test_installed_it_is_the_name_of_the_package(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(extras, "__file__", str(tmp_path / "lib" / "teamformer" / "extras.py"))
+    assert extras.how_to_install("live") == "pip install 'teamformer[live]'"
+
+
+def test_a_library_that_is_missing_is_named() -> None:
+    extras.require("live", "json", "sys")
+    with pytest.raises(TeamformerError, match="not installed: nobody_has_this") as error:
+        extras.require("live", "json", "nobody_has_this")
+    assert error.value.hint == extras.how_to_install("live")
+
+
+def test_the_hint_is_written_in_one_place() -> None:
+    texts = {path: path.read_text() for path in (ROOT / "src").rglob("*.py")}
+    assert [path.name for path, text in texts.items() if "pip install" in text] == ["extras.py"]

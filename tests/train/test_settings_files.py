@@ -1,0 +1,99 @@
+"""Settings of trainings in files: what is read, and what is refused with its line."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+
+from teamformer.errors import TeamformerError
+from teamformer.policies.learned.shipped import shipped_cards
+from teamformer.train.learning.ppo import PpoSettings
+from teamformer.train.learning.reward_streams import MissionReward, TeamReward
+from teamformer.train.settings_files import load_settings, names_of_settings, settings_of
+from teamformer.train.training_settings import TrainSettings
+from teamformer.train.training_worlds import Mixture
+
+
+def read(folder: Path, text: str) -> TrainSettings:
+    (folder / "mine.yaml").write_text(text)
+    return load_settings(str(folder / "mine.yaml"))
+
+
+def test_the_dataclasses_are_the_schema(tmp_path: Path) -> None:
+    text = """
+network: deepset
+capabilities: 4
+method: ppo
+iterations: null
+minutes: 2.5
+mixture: {robots: [3, 5], walls: 0.25}
+team_reward: {fit: 2}
+ppo:
+  clip: 0.1
+device: cuda
+"""
+    assert read(tmp_path, text) == TrainSettings(
+        network="deepset",
+        capabilities=4,
+        method="ppo",
+        minutes=2.5,
+        mixture=Mixture(robots=(3, 5), walls=0.25),
+        mission_reward=None,
+        team_reward=TeamReward(fit=2.0),
+        ppo=PpoSettings(clip=0.1),
+        device="cuda",
+    )
+    assert read(tmp_path, "mission_reward: {step: -1}").reward == MissionReward(step=-1.0)
+
+
+@pytest.mark.parametrize("name", names_of_settings())
+def test_shipped_settings_are_those_of_the_network(name: str) -> None:
+    """A checkpoint gives them back as they were."""
+    settings = load_settings(name)
+    assert settings_of(asdict(settings), "a checkpoint") == settings
+    family, _, rest = name.partition("-c")
+    caps, _, how = rest.partition("-")
+    network = family + ("-full" if how == "full" else "") if rest else "any"
+    assert settings.network == network
+    assert settings.capabilities == (int(caps) if caps else None)
+    learns_by = {"": "imitation" if rest else "rollouts", "ppo": "ppo", "full": "ppo"}
+    assert settings.learns_by == learns_by[how]
+
+
+def test_every_learned_method_has_its_settings() -> None:
+    assert {card.name for card in shipped_cards()} <= set(names_of_settings())
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            "worlds: 3\nworldz: 4",
+            "mine.yaml:2: the file has no key 'worldz'; did you mean 'worlds'?",
+        ),
+        ("ppo:\n  clipp: 1", "mine.yaml:2: ppo has no key 'clipp'; did you mean 'clip'?"),
+        ("worlds: 0", "mine.yaml:1: worlds is 0; write 1 or more"),
+        ("worlds: many", "mine.yaml:1: worlds is the text 'many'; write a whole number"),
+        ("minutes: -1", "mine.yaml:1: minutes is -1; write 0 or more"),
+        ("seed: -1", "mine.yaml:1: seed is -1; write 0 or more"),
+        ("mixture: {robots: 3}", "write [least, most]"),
+        ("ppo: fast", "mine.yaml:1: ppo is the text 'fast'; write a mapping of clip"),
+        ("device: tpu", "mine.yaml:1: device is 'tpu'; write cpu or cuda"),
+        ("network: big", "mine.yaml: there is no network 'big'"),
+        ("capabilities: 4", "mine.yaml: network 'any' serves any number of capabilities"),
+        ("team_reward: {}", "mine.yaml: learning by rollouts knows no reward"),
+        ("- worlds", "write a mapping of network"),
+    ],
+)
+def test_mistakes_are_told_by_line(text: str, told: str, tmp_path: Path) -> None:
+    with pytest.raises(TeamformerError) as error:
+        read(tmp_path, text)
+    assert told in str(error.value)
+
+
+def test_an_unknown_name_is_told_with_the_nearest() -> None:
+    with pytest.raises(TeamformerError, match="there are no settings 'gnn-c5'") as error:
+        load_settings("gnn-c5")
+    assert "'gnn-c4'" in error.value.hint

@@ -2,46 +2,85 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import time
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing.context import SpawnContext
-from multiprocessing.process import BaseProcess
+from contextlib import closing
+from pathlib import Path
 
 import pytest
 
-from teamformer.trials.worker_processes import begin_worker, ending
-
-SPAWN: SpawnContext = multiprocessing.get_context("spawn")
+from teamformer.trials.worker_processes import WorkerDiedError, work_in_processes
 
 
-def working(pool: ProcessPoolExecutor) -> list[BaseProcess]:
-    """Have one process of a pool begin, and return it."""
-    assert pool.submit(os.getpid).result() != os.getpid()
-    return list(pool._processes.values())
+def slow_square(number: int) -> int:
+    """Square a number; small ones take longer than larger ones."""
+    time.sleep(0.2 / (number + 1))
+    return number * number
 
 
-def test_who_has_nothing_left_to_do_leaves_by_itself() -> None:
-    pool = ProcessPoolExecutor(1, SPAWN, begin_worker)
-    with ending(pool):
-        processes = working(pool)
-    assert [process.exitcode for process in processes] == [0]
+def test_each_result_comes_with_the_number_of_its_job() -> None:
+    done = list(work_in_processes(slow_square, iter([0, 1, 2, 30, 40]), 2))
+    assert sorted(done) == [(0, 0), (1, 1), (2, 4), (3, 900), (4, 1600)]
+    assert done[0][0] != 0  # the slowest does not hold up the others
 
 
-def give_up(pool: ProcessPoolExecutor, processes: list[BaseProcess]) -> None:
-    """Have a process begin with what takes ten minutes, and press Ctrl-C."""
-    with ending(pool):
-        processes += working(pool)
-        pool.submit(time.sleep, 600)
-        raise KeyboardInterrupt
+def refuse_two(number: int) -> int:
+    if number == 2:
+        raise ValueError("two")
+    return number
 
 
-def test_who_is_at_work_is_ended_when_it_is_given_up() -> None:
-    processes: list[BaseProcess] = []
+def test_an_error_of_a_job_is_raised_here_and_tells_where_it_was() -> None:
+    with pytest.raises(ValueError, match="two") as raised:
+        list(work_in_processes(refuse_two, range(5), 2))
+    assert "in refuse_two" in "".join(raised.value.__notes__)
+
+
+def die(number: int) -> int:
+    os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def test_the_death_of_a_worker_is_told() -> None:
+    with pytest.raises(WorkerDiedError, match="a worker process died"):
+        list(work_in_processes(die, range(5), 2))
+
+
+def say_who(folder: Path) -> int:
+    (folder / "pid").write_text(str(os.getpid()))
+    return os.getpid()
+
+
+def is_there(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_workers_leave_when_all_is_done(tmp_path: Path) -> None:
+    ((_, process),) = work_in_processes(say_who, [tmp_path], 1)
+    assert process != os.getpid()
+    assert not is_there(process)
+
+
+def say_who_and_sleep(folder: Path) -> int:
+    process = say_who(folder)
+    time.sleep(600)
+    return process
+
+
+def test_workers_are_ended_when_it_is_interrupted(tmp_path: Path) -> None:
+    told = tmp_path / "pid"
+    told.touch()
     with pytest.raises(KeyboardInterrupt):
-        give_up(ProcessPoolExecutor(1, SPAWN, begin_worker), processes)
-    for process in processes:
-        process.join()
-    assert [process.exitcode for process in processes] == [-signal.SIGTERM]
+        list(work_in_processes(say_who_and_sleep, [tmp_path], 1, told.read_text))
+    assert not is_there(int(told.read_text()))
+
+
+def test_workers_are_ended_when_nobody_wants_the_rest(tmp_path: Path) -> None:
+    with closing(work_in_processes(say_who, [tmp_path] * 1000, 1)) as results:
+        _, process = next(results)
+    assert not is_there(process)

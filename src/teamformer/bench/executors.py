@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import threading
 from collections.abc import Generator, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
-from queue import Empty, SimpleQueue
+from contextlib import closing, contextmanager
 from typing import Any, Protocol
 
 from teamformer.bench.jobs import Job, run_job
 from teamformer.bench.rows import Row
 from teamformer.errors import TeamformerError
 from teamformer.extras import how_to_install
-from teamformer.trials.worker_processes import begin_worker, ending
-
-ANSWERED = 0.1
-"""Seconds after which Ctrl-C is answered at the latest."""
+from teamformer.trials.worker_processes import work_in_processes
 
 AT_HAND = 4
 """Jobs that wait for each worker on a cluster."""
@@ -53,20 +46,10 @@ def run_in_processes(jobs: Sequence[Job], workers: int) -> Batches:
     if workers <= 1:
         yield from run_here(jobs)
         return
-    context = multiprocessing.get_context("spawn")
-    finished: SimpleQueue[Future[list[Row]]] = SimpleQueue()
     with _noted_ctrl_c() as pressed:
-        pool = ProcessPoolExecutor(workers, context, begin_worker)
-        try:
-            with ending(pool):
-                with _held_back_ctrl_c():
-                    for job in jobs:
-                        pool.submit(run_job, job).add_done_callback(finished.put)
-                for _ in jobs:
-                    yield _wait_for(finished, pressed).result()
-        except BrokenProcessPool:
-            hint = "was memory short? rows so far are kept: run the same again, fewer --workers"
-            raise TeamformerError("a worker process died", hint) from None
+        results = work_in_processes(run_job, jobs, workers, lambda: pressed)
+        with closing(results):
+            yield from (rows for _, rows in results)
 
 
 @contextmanager
@@ -87,24 +70,6 @@ def _noted_ctrl_c() -> Iterator[list[int]]:
     finally:
         if not pressed:
             signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def _held_back_ctrl_c() -> Iterator[None]:
-    """Have Ctrl-C wait, and processes that are started meanwhile never hear of it."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _wait_for(finished: SimpleQueue[Future[list[Row]]], pressed: list[int]) -> Future[list[Row]]:
-    """Return the next job that is done; raise KeyboardInterrupt once Ctrl-C was pressed."""
-    while not pressed:
-        with suppress(Empty):
-            return finished.get(timeout=ANSWERED)
-    raise KeyboardInterrupt
 
 
 def run_on_ray(jobs: Sequence[Job], workers: int) -> Batches:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterable, Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
-from itertools import islice
 
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
@@ -17,16 +15,10 @@ from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Trace
-from teamformer.trials.worker_processes import begin_worker, ending
+from teamformer.trials.worker_processes import work_in_processes
 
 SLACK = 300.0
 """Seconds beyond the time that the slowest robot takes alone for every task, one by one."""
-
-BATCH = 8
-"""Schedules that a worker is given at once."""
-
-AHEAD = 4
-"""Batches that each worker has at hand, so that none waits for the order of the verdicts."""
 
 
 @dataclass(frozen=True)
@@ -110,18 +102,14 @@ def judge_many(
     if workers == 1:
         yield from map(one, schedules)
         return
-    numbers = iter(schedules)
-    batches = iter(lambda: tuple(islice(numbers, BATCH)), ())
-    pool = ProcessPoolExecutor(workers, initializer=begin_worker)
-    with ending(pool):
-        going = deque(pool.submit(_judge_all, one, b) for b in islice(batches, AHEAD * workers))
-        while going:
-            yield from going.popleft().result()
-            going.extend(pool.submit(_judge_all, one, b) for b in islice(batches, 1))
-
-
-def _judge_all(one: Callable[[int], Verdict], schedules: Sequence[int]) -> list[Verdict]:
-    return [one(schedule) for schedule in schedules]
+    early: dict[int, Verdict] = {}
+    following = 0
+    with closing(work_in_processes(one, schedules, workers)) as verdicts:
+        for number, verdict in verdicts:
+            early[number] = verdict
+            while following in early:
+                yield early.pop(following)
+                following += 1
 
 
 def fails(mission: Mission, faults: Faults, method: str = PLAN) -> bool:

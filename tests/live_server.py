@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.live.mission import Mission
+from teamformer.live.mission_with_past import Mission
 from teamformer.live.session import Session
 from teamformer.live.workshop import Workshop
 from teamformer.model import Scenario

@@ -451,7 +451,7 @@ def test_on_a_full_disk_the_result_is_shown_and_no_half_record_stays(
 def test_a_mission_too_large_to_be_planned_soon_is_solved_by_crews_and_run_says_so(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("teamformer.planning.teams.shared_plan.MOST_AT_ONCE", 31)  # 4 * (4 + 4)
+    monkeypatch.setattr("teamformer.planning.steps.shared_plan.MOST_AT_ONCE", 31)  # 4 * (4 + 4)
     assert teamformer("run", FOUR, "--json") == 0
     shown = capsys.readouterr()
     assert json.loads(shown.out)["method"] == "crews"

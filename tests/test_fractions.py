@@ -15,19 +15,19 @@ from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.reasons import explain
 from teamformer.fleet.agent.planning import first_plan
+from teamformer.fleet.fleet_mission import Mission as FleetMission
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
-from teamformer.fleet.mission import Mission as FleetMission
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.rehearsal.faults import Faults, Order
 from teamformer.fleet.rehearsal.rehearse import play as rehearse
 from teamformer.grid import Grid
 from teamformer.live.incidents import NewTask
 from teamformer.live.messages import read_incident
-from teamformer.live.mission import Mission
+from teamformer.live.mission_with_past import Mission
 from teamformer.model import Arrivals, Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.planning.coalitions.mission import pose_mission
+from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.relaxation.problem import most_in_coalitions, relax
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.referee import judge

@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from others_rules import dcmrta_makespan, hetero_mrta_makespan, hhcrsp_cost, sadcher_makespan
-from teamformer.planning.coalitions.rules import warm_up
+from teamformer.planning.continuous.rules import warm_up
 from teamformer.scenarios.files import read_scenario
 from test_cli import FOUR, teamformer
 

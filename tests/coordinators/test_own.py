@@ -12,7 +12,7 @@ import pytest
 from teamformer import cli
 from teamformer.errors import TeamformerError
 from teamformer.live.incidents import LostRobot, NewTask
-from teamformer.live.mission import Mission
+from teamformer.live.mission_with_past import Mission
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.named_settings import world_of

@@ -6,8 +6,8 @@ from small_worlds import make, robot, task
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.bodies.body import Report
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import Message, Notice, Post
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import CoordinatedPlanner
 
 PLANNER = CoordinatedPlanner()

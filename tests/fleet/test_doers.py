@@ -10,8 +10,8 @@ from fleets import PLANNER, pair, plan_of, trio
 from small_worlds import make, robot, task
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.export.events import events
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import Notice, Post
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.play import Rehearsal

@@ -13,9 +13,9 @@ from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.leading import PATIENCE, warm_up
 from teamformer.fleet.agent.sight import Company, companies, view_of
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import Word
 from teamformer.fleet.methods import policy_of
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.rehearse import play

@@ -15,6 +15,7 @@ import pytest
 
 from small_worlds import make, robot, task
 from teamformer.export.events import events
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import (
     LIFE,
     LOST,
@@ -31,7 +32,6 @@ from teamformer.fleet.messages import (
     TaskFact,
     Word,
 )
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.observer.session import ObserverSession
 from teamformer.fleet.observer.silence import Silence
 from teamformer.fleet.observer.watch import Watch

@@ -8,8 +8,8 @@ from fleets import PLANNER, pair, trio
 from teamformer.coordination import Known, Plan
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.fleet.agent.planning import first_plan
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import CoordinatedPlanner, Situation
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play

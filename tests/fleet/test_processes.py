@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teamformer.fleet.mission import Mission
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.process.fleet import LocalFleet
 from teamformer.grid import Grid
 from teamformer.model import Absence, Scenario

@@ -14,8 +14,8 @@ from fleets import PLANNER, pair, plan_of, trio
 from small_worlds import make, robot, task
 from teamformer.fleet import operator
 from teamformer.fleet.agent.planning import FleetPlan
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import OPERATOR, PlanNote, TaskFact
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.benchmark import bench_fleet, summarise
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome

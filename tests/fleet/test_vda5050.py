@@ -23,7 +23,7 @@ from paho.mqtt.enums import CallbackAPIVersion
 from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.vda5050 import Vda5050Body
-from teamformer.fleet.mission import Mission
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.fleet import free_ports

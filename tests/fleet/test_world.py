@@ -8,7 +8,7 @@ from fleets import pair
 from small_worlds import make, robot, task
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.world import FleetWorld
-from teamformer.fleet.mission import Mission
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from hypothesis import strategies as st
 
 from drawing import now_and_then, pick
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell
 
 MOMENTS = (0.0, 1.0, 3.7, 10.0, 25.0)

@@ -25,7 +25,7 @@ from methods import METHODS
 from missions import SEEDS, continuous_missions, missions
 from schedules import schedules
 from teamformer.commands.console import out
-from teamformer.fleet.mission import Mission
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace

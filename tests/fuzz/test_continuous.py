@@ -11,9 +11,9 @@ from missions import continuous_missions
 from plain_times import Times, Ways, all_plans, times_of
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
-from teamformer.planning.coalitions.mission import pose_mission
-from teamformer.planning.coalitions.routes import MissionPlan
-from teamformer.planning.coalitions.rules import plan_continuous
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.routes import MissionPlan
+from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.scenarios.files import scenario_from_tree
 from watching import fuzzed
 

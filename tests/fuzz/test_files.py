@@ -18,8 +18,8 @@ from plain_times import Ways, times_of
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
-from teamformer.planning.coalitions.mission import pose_mission
-from teamformer.planning.coalitions.rules import plan_continuous
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario, scenario_from_tree, write_scenario
 from texts import text_of

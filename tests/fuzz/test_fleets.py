@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from missions import missions
 from schedules import schedules
-from teamformer.fleet.mission import Mission
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace

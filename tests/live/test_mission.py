@@ -22,7 +22,7 @@ from teamformer.live.incidents import (
     RobotBack,
     search_plan,
 )
-from teamformer.live.mission import Mission
+from teamformer.live.mission_with_past import Mission
 from teamformer.model import Absence, Breakdown, Delays
 from teamformer.policies.central.policy import Central
 from teamformer.policies.scripted.join_fitting import JoinFitting

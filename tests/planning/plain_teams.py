@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.planning.teams.plan import TeamPlan
+from teamformer.planning.steps.team_plan import TeamPlan
 
 
 def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]:

@@ -10,8 +10,8 @@ import pytest
 from teamformer.grid import Grid
 from teamformer.jit import entry
 from teamformer.model import Robot, Scenario, Task
+from teamformer.planning.crews.deal import deal_crews
 from teamformer.planning.crews.evaluation import empty_room, walk_list
-from teamformer.planning.crews.plan import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of, empty_parties, gather_parties
 from teamformer.rules.distances import travel_matrix
 from teamformer.scenarios.generate import Spec, generate

@@ -13,7 +13,7 @@ from teamformer.coordination import Known, Plan
 from teamformer.export.reasons import story_lines
 from teamformer.model import Scenario
 from teamformer.planning.free_looks import with_free_looks
-from teamformer.planning.teams.shared_plan import plan_mission
+from teamformer.planning.steps.shared_plan import plan_mission
 from teamformer.referee import judge
 from teamformer.scenarios.named_settings import world_of
 from teamformer.sim.replay.reading import replay_from_tree

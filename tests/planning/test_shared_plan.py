@@ -17,16 +17,16 @@ from teamformer.capabilities import covers, total
 from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
-from teamformer.planning.teams.plan import TeamPlan, plan_teams
-from teamformer.planning.teams.shared_plan import (
+from teamformer.planning.steps.shared_plan import (
     Rounds,
     is_too_large,
     plan_mission,
     rounds_for,
 )
-from teamformer.planning.teams.situation import Situation, situation_of
-from teamformer.planning.teams.starts import plan_from_crews
-from teamformer.planning.teams.threshold_search import ThresholdSearch
+from teamformer.planning.steps.situation import Situation, situation_of
+from teamformer.planning.steps.starts import plan_from_crews
+from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
+from teamformer.planning.steps.threshold_search import ThresholdSearch
 from teamformer.scenarios.generate import Spec, generate
 
 

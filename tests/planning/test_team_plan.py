@@ -12,10 +12,10 @@ from random_worlds import random_world
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import relax
-from teamformer.planning.teams.crossings import no_crossings
-from teamformer.planning.teams.plan import plan_teams, routes_of
-from teamformer.planning.teams.situation import situation_in_hindsight
-from teamformer.planning.teams.timing import (
+from teamformer.planning.steps.crossings import no_crossings
+from teamformer.planning.steps.situation import situation_in_hindsight
+from teamformer.planning.steps.team_plan import plan_teams, routes_of
+from teamformer.planning.steps.timing import (
     ENDLESS,
     LATE,
     STEP,

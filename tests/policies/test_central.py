@@ -13,9 +13,9 @@ from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import relax
-from teamformer.planning.teams.plan import TeamPlan, routes_of
-from teamformer.planning.teams.situation import situation_in_hindsight
-from teamformer.planning.teams.solve import first_search
+from teamformer.planning.steps.situation import situation_in_hindsight
+from teamformer.planning.steps.solve import first_search
+from teamformer.planning.steps.team_plan import TeamPlan, routes_of
 from teamformer.policies.central.plan_from_play import plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.central.policy import Central

@@ -14,7 +14,7 @@ from small_worlds import make, robot, task
 from teamformer.bench.jobs import Clock
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.model import Scenario
-from teamformer.policies.central.planner import plan_centrally
+from teamformer.policies.central.plan_centrally import plan_centrally
 from teamformer.policies.central.policy import Central
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario

@@ -19,7 +19,7 @@ from teamformer.robotarium.benchmark import ROUGH, bench_robotarium, count_missi
 from teamformer.robotarium.deployment.folder import deploy, verify
 from teamformer.robotarium.draw import Film
 from teamformer.robotarium.experiment import Experiment, Simulator, run_experiment
-from teamformer.robotarium.mission import Moment
+from teamformer.robotarium.flight import Moment
 from teamformer.robotarium.random_missions import random_mission
 from teamformer.robotarium.robots.plant import Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted

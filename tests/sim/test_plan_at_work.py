@@ -11,7 +11,7 @@ from coordinations import play_by_plan
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.planning.teams.shared_plan import plan_mission
+from teamformer.planning.steps.shared_plan import plan_mission
 from teamformer.referee.judge import judge
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation

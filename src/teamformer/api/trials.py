@@ -11,7 +11,7 @@ from typing import Any
 from teamformer.api.missions import PathOrName
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.planning.coalitions.routes import MissionPlan
+from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.referee import judge
 from teamformer.referee.verdict import Verdict
 from teamformer.sim.replay.reading import read_replay

@@ -32,9 +32,9 @@ def announce_compiling(methods: Iterable[Method] = (), mission: Scenario | None 
     """
     from teamformer.jit import needs_compiling
     from teamformer.planning.arcs.annealing import anneal_arcs
-    from teamformer.planning.crews.plan import deal_crews
-    from teamformer.planning.teams import threshold_search
-    from teamformer.planning.teams.shared_plan import LARGE
+    from teamformer.planning.crews.deal import deal_crews
+    from teamformer.planning.steps import threshold_search
+    from teamformer.planning.steps.shared_plan import LARGE
     from teamformer.sim.step import step_worlds
 
     wanted = {method.name: method for method in methods}
@@ -66,8 +66,8 @@ def announce_compiling(methods: Iterable[Method] = (), mission: Scenario | None 
 
 def _search_arcs() -> None:
     """Search over graphs of arcs, as for large missions."""
-    from teamformer.planning.teams.arc_search import plan_from_arcs
-    from teamformer.planning.teams.situation import situation_in_hindsight
+    from teamformer.planning.steps.arc_search import plan_from_arcs
+    from teamformer.planning.steps.situation import situation_in_hindsight
     from teamformer.scenarios.smallest import smallest_scenario
 
     plan_from_arcs(situation_in_hindsight(smallest_scenario()), rounds=10)

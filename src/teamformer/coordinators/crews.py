@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 
 from teamformer.coordination import Known, Plan
-from teamformer.planning.teams.shared_plan import kept_plan, timed_plan
-from teamformer.planning.teams.situation import situation_of
-from teamformer.planning.teams.starts import plan_from_crews
+from teamformer.planning.steps.shared_plan import kept_plan, timed_plan
+from teamformer.planning.steps.situation import situation_of
+from teamformer.planning.steps.starts import plan_from_crews
 
 ROUNDS = 1500
 """How many changes are tried for each open task."""

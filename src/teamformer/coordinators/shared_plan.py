@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from teamformer.coordination import Known, Plan
 from teamformer.planning.free_looks import with_free_looks
-from teamformer.planning.teams.shared_plan import plan_mission
+from teamformer.planning.steps.shared_plan import plan_mission
 
 
 @dataclass(frozen=True)

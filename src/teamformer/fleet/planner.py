@@ -9,8 +9,8 @@ from typing import NamedTuple, Protocol
 
 from teamformer.coordination import UNFORESEEN, Coordinator, Known, Plan
 from teamformer.errors import ScenarioError
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.mission import Mission
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario, Task
 from teamformer.sim.guidance.guide import refuse_unfit

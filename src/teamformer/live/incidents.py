@@ -11,7 +11,7 @@ from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import Place
 from teamformer.live.forecasts import Forecast, Past, forecast
 from teamformer.model import Absence, Scenario, Task
-from teamformer.planning.teams.longer_search import search_longer
+from teamformer.planning.steps.longer_search import search_longer
 
 SEARCHES = 4
 """Plans that are searched for, each from other random numbers, and played: the best play counts."""

@@ -33,7 +33,7 @@ from teamformer.live.messages import (
     read_search,
     read_speed,
 )
-from teamformer.live.mission import Mission
+from teamformer.live.mission_with_past import Mission
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import replay_to_tree, step_to_tree, write_replay

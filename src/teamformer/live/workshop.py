@@ -18,7 +18,7 @@ from teamformer.live.drafts import (
     write_draft,
 )
 from teamformer.live.messages import Message, read_files, read_message
-from teamformer.live.mission import Mission
+from teamformer.live.mission_with_past import Mission
 from teamformer.live.session import Session, Watcher
 from teamformer.model import Scenario
 

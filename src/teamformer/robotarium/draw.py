@@ -16,7 +16,7 @@ import numpy as np
 from teamformer.errors import TeamformerError
 from teamformer.extras import how_to_install
 from teamformer.model import Scenario
-from teamformer.robotarium.mission import Moment
+from teamformer.robotarium.flight import Moment
 from teamformer.robotarium.robots.arena import DIAMETER, HEIGHT, MIDDLE, TICK, WIDTH
 
 FRAME_TICKS = 15  # between two pictures of the film

@@ -10,7 +10,7 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.robotarium.control.qp_solvers import with_daqp
-from teamformer.robotarium.mission import Outcome, Watch, fly
+from teamformer.robotarium.flight import Outcome, Watch, fly
 from teamformer.robotarium.mission_checks import check_mission
 from teamformer.robotarium.robots.arena import MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Faults, Plant, Weather

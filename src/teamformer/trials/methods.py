@@ -19,7 +19,7 @@ from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.own_code import telling_where
-from teamformer.planning.teams.shared_plan import is_too_large
+from teamformer.planning.steps.shared_plan import is_too_large
 from teamformer.policies.learned.shipped import Card, shipped_cards, shipped_policy
 from teamformer.policies.own import watch_own
 from teamformer.policies.protocol import Guarded, Planner, Policy

@@ -9,9 +9,9 @@ from teamformer.errors import Problem, ScenarioError, TeamformerError
 from teamformer.mission.links import is_linked
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
-from teamformer.planning.coalitions.mission import pose_mission
-from teamformer.planning.coalitions.routes import MissionPlan
-from teamformer.planning.coalitions.rules import PLANNERS, plan_continuous, warm_up
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.routes import MissionPlan
+from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
 from teamformer.sim.replay.task_times import lateness
 from teamformer.trials.methods import load_method
 from teamformer.trials.routes import routes_of

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.planning.coalitions.routes import Route, Stop
+from teamformer.planning.continuous.routes import Route, Stop
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.teams import Teams
 

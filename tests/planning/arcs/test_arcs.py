@@ -20,9 +20,9 @@ from teamformer.planning.arcs.graph import (
     pose_arcs,
     read_off,
 )
-from teamformer.planning.coalitions.first_plan import draw_plan
-from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem, pose_problem
-from teamformer.planning.coalitions.schedule import CoalitionPlan, empty_plan, schedule_of
+from teamformer.planning.continuous.first_plan import draw_plan
+from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem, pose_problem
+from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan, schedule_of
 
 SEEDS = range(12)
 
@@ -225,7 +225,7 @@ assert changed["move"] > 100, changed
 SEARCHING = """
 from random_coalitions import random_problem
 from teamformer.planning.arcs.annealing import ArcSearch
-from teamformer.planning.coalitions.first_plan import draw_plan
+from teamformer.planning.continuous.first_plan import draw_plan
 for seed in range(3):
     problem = random_problem(seed, 20)
     print(draw_plan(problem, seed).order.tolist())

@@ -15,11 +15,11 @@ from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.arcs.graph import COST, END_SUM, MAKESPAN, Graph
 from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.teams.arc_search import TeamArcs, plan_from_arcs
-from teamformer.planning.teams.crossings import no_crossings
-from teamformer.planning.teams.plan import TeamPlan, plan_teams
-from teamformer.planning.teams.situation import Situation, situation_in_hindsight
-from teamformer.planning.teams.solve import BestPlan, improve_by_arcs, start_search
+from teamformer.planning.steps.arc_search import TeamArcs, plan_from_arcs
+from teamformer.planning.steps.crossings import no_crossings
+from teamformer.planning.steps.situation import Situation, situation_in_hindsight
+from teamformer.planning.steps.solve import BestPlan, improve_by_arcs, start_search
+from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
 from teamformer.scenarios.generate import Spec, generate
 
 SEEDS = range(12)
@@ -132,7 +132,7 @@ UNDOING = """
 import numpy as np
 from test_in_steps import drawn
 from teamformer.planning.arcs import annealing
-from teamformer.planning.teams.arc_search import TeamArcs
+from teamformer.planning.steps.arc_search import TeamArcs
 
 tried = {}
 def watch(name, made):
@@ -174,7 +174,7 @@ assert min(tried.get(name, 0) for name in ("replace_member", "ride", "move_task"
 
 SEARCHING = """
 from test_in_steps import drawn
-from teamformer.planning.teams.arc_search import plan_from_arcs
+from teamformer.planning.steps.arc_search import plan_from_arcs
 for seed in range(3):
     plan = plan_from_arcs(drawn(seed)[1], 150, seed)
     print(plan.order.tolist(), plan.size.tolist(), plan.coalition.tolist())

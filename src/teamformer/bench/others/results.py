@@ -10,8 +10,8 @@ from typing import Any
 
 from teamformer.bench.others.instances import Instance, Published
 from teamformer.errors import TeamformerError
-from teamformer.planning.coalitions.mission import pose_mission
-from teamformer.planning.coalitions.rules import plan_continuous
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.rules import plan_continuous
 
 EQUAL = 1e-3
 """Makespans that differ by less are the same: published ones are told to three places."""

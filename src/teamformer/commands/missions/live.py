@@ -94,7 +94,7 @@ def serve_page(session: Session | Workshop | ObserverSession, name: str, at: Add
 
 def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, str]:
     """Return the session of a mission, or the editor; what is wrong is refused at once."""
-    from teamformer.live.mission import Mission
+    from teamformer.live.mission_with_past import Mission
     from teamformer.live.session import Session
     from teamformer.live.workshop import Workshop
 

@@ -11,8 +11,8 @@ from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, prepare_folder, print_json, say
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
-from teamformer.planning.coalitions.routes import MissionPlan, Route
-from teamformer.planning.coalitions.rules import is_compiled
+from teamformer.planning.continuous.routes import MissionPlan, Route
+from teamformer.planning.continuous.rules import is_compiled
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import load_method
 from teamformer.trials.planned import plan_mission, plan_row, refuse_unplannable, rules_not_planned

@@ -21,7 +21,7 @@ from teamformer.bench.others.report import (
 from teamformer.bench.others.results import Result, measure, result_of
 from teamformer.commands.console import Counting, out, prepare_folder, say
 from teamformer.errors import TeamformerError
-from teamformer.planning.coalitions.rules import PLANNERS, is_compiled, warm_up
+from teamformer.planning.continuous.rules import PLANNERS, is_compiled, warm_up
 from teamformer.whole_files import write_whole
 
 ROWS, REPORT = "rows.jsonl", "report.md"

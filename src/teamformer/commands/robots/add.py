@@ -15,8 +15,8 @@ from teamformer.commands.robots.mesh import FleetAt, dial_as_operator, read_flee
 from teamformer.errors import TeamformerError
 
 if TYPE_CHECKING:
+    from teamformer.fleet.fleet_mission import Mission
     from teamformer.fleet.messages import TaskFact
-    from teamformer.fleet.mission import Mission
     from teamformer.fleet.operator import Operator
 
 MOST_NEEDED = 1000

@@ -15,7 +15,7 @@ from teamformer.model import Scenario
 
 if TYPE_CHECKING:
     from teamformer.fleet.bodies.body import Body
-    from teamformer.fleet.mission import Mission
+    from teamformer.fleet.fleet_mission import Mission
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
 

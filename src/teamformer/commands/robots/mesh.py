@@ -11,8 +11,8 @@ from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.scenarios.files import read_scenario
 
 if TYPE_CHECKING:
+    from teamformer.fleet.fleet_mission import Mission
     from teamformer.fleet.messages import Post
-    from teamformer.fleet.mission import Mission
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
 
@@ -31,7 +31,7 @@ def read_fleet_mission(path: Path, *libraries: str) -> Mission:
     `libraries` is not installed.
     """
     require("fleet", "msgspec", *libraries)
-    from teamformer.fleet.mission import Mission
+    from teamformer.fleet.fleet_mission import Mission
 
     scenario = read_scenario(path, rules_of_simulated_missions)
     return Mission(scenario, scenario.seconds_a_step)

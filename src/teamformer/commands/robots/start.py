@@ -10,7 +10,7 @@ from teamformer.commands.console import ended_like_ctrl_c, out, print_json, say
 from teamformer.commands.robots.mesh import check_method, read_fleet_mission
 
 if TYPE_CHECKING:
-    from teamformer.fleet.mission import Mission
+    from teamformer.fleet.fleet_mission import Mission
     from teamformer.fleet.process.fleet import FleetResult
 
 

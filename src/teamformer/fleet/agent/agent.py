@@ -14,6 +14,7 @@ from teamformer.fleet.agent.planning import FleetPlan, PlanKeeper
 from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.voice import Voice
 from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import (
     EVERYBODY,
     HERE,
@@ -29,7 +30,6 @@ from teamformer.fleet.messages import (
     PlanNote,
     Receipt,
 )
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import Planner
 from teamformer.grid import Place
 from teamformer.rules.constants import NOBODY

@@ -11,8 +11,8 @@ from collections.abc import Iterable
 
 from msgspec import Struct
 
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import MOST_NEWS, MOST_TASKS, FactsNote, TaskFact, Word
-from teamformer.fleet.mission import Mission
 from teamformer.rules.constants import NOBODY
 
 NEWS_LAST = 4.0

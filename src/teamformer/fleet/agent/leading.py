@@ -21,8 +21,8 @@ from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.agent.planning import PlanKeeper
 from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.sight import Company, companies, nearest_first, view_of
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import EVERYBODY, READY, LeadNote, Notice, Word
-from teamformer.fleet.mission import Mission
 from teamformer.grid import Place
 from teamformer.policies.protocol import Policy
 from teamformer.rules.constants import NOBODY

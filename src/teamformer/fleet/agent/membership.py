@@ -7,8 +7,8 @@ from __future__ import annotations
 from msgspec.structs import replace
 
 from teamformer.fleet.agent.knowledge import Knowledge
+from teamformer.fleet.fleet_mission import Timers
 from teamformer.fleet.messages import LIFE, LOST, Word
-from teamformer.fleet.mission import Timers
 
 LONG_PAUSE = 2.5
 """Seconds between two ticks from which on this robot was itself away, not the others."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from teamformer.fleet.agent.knowledge import Knowledge
 from teamformer.fleet.agent.membership import Membership
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import SERVE, PlanNote
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.planner import Planner, Situation
 from teamformer.rules.constants import NOBODY
 

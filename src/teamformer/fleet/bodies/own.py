@@ -7,7 +7,7 @@ from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.mission import Mission
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.own_code import telling_where
 
 HINT = "see docs/robots.md for what a body offers"

@@ -20,7 +20,7 @@ from paho.mqtt.enums import CallbackAPIVersion
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.mission import Mission
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.grid import Place
 
 VERSION = "2.0.0"

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.mission import Mission
 from teamformer.grid import Grid, Place
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.distances import Distances, distance_fields

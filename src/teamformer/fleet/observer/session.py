@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import TeamformerError
+from teamformer.fleet.fleet_mission import row_of
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
-from teamformer.fleet.mission import row_of
 from teamformer.fleet.observer.silence import Silence
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.operator import AGAIN, Operator

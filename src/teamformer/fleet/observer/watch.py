@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import SERVE, Beat, FactsNote, Message, TaskFact, Word
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.record import (
     Deed,
     Teams,

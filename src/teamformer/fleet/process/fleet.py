@@ -15,8 +15,8 @@ from tempfile import TemporaryDirectory
 
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.world import Done
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.methods import PLAN, planner_of
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.process.local_agent import MODULE, Start, write_start
 from teamformer.fleet.process.world_server import WorldServer
 from teamformer.fleet.transports.keys import read_keys

@@ -15,8 +15,8 @@ from msgspec.msgpack import decode, encode
 from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.remote import RemoteBody
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import PlanNote
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.loop import AgentProcess
 from teamformer.fleet.transports.keys import read_keys

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Body, Report
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import Message, Notice, Post
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.transports.transport import Sluice, Transport
 

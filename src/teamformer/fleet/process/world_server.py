@@ -10,8 +10,8 @@ from msgspec import DecodeError, ValidationError
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.remote import SILENCE, decode_order, encode
 from teamformer.fleet.bodies.world import Done, FleetWorld
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import Offer, Post
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
 if TYPE_CHECKING:

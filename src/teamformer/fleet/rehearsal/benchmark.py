@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.fleet.mission import Mission
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.rehearsal.faults import Faults, losses_of
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.rehearse import play, set_stage

@@ -18,8 +18,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import HERE, READY, TaskFact
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.trace import (
     Accepted,
     Broke,

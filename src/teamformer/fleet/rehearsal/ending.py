@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence, Set
 
 from teamformer.fleet.bodies.world import FleetWorld
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.operator import Operator
 from teamformer.fleet.rehearsal.faults import Faults
 

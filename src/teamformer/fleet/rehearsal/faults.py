@@ -6,8 +6,8 @@ import random
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.mission import Mission
 
 HARD = 0.35
 """How often each kind of fault is in a schedule."""

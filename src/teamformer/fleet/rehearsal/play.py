@@ -14,8 +14,8 @@ from teamformer.fleet.agent.knowledge import Remembered
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.world import NEVER, FleetWorld
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import OPERATOR, Beat, Message, Notice, Post
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.planner import Planner
 from teamformer.fleet.rehearsal.agenda import Agenda

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
-from teamformer.fleet.mission import Mission
 from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome

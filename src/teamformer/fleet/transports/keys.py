@@ -13,7 +13,7 @@ from teamformer.errors import TeamformerError
 from teamformer.extras import require
 
 if TYPE_CHECKING:
-    from teamformer.fleet.mission import Mission
+    from teamformer.fleet.fleet_mission import Mission
     from teamformer.fleet.signatures import Signatures
 
 SHARED = "shared.key"

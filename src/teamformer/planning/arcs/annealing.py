@@ -40,8 +40,8 @@ from teamformer.planning.arcs.judging import (
 from teamformer.planning.arcs.start import first_plan
 from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import MOVED, Moved, move_task, take_back
-from teamformer.planning.coalitions.problem import NOBODY, CoalitionProblem
-from teamformer.planning.coalitions.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem
+from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 

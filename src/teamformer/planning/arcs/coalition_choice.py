@@ -13,7 +13,7 @@ import numpy as np
 from teamformer.jit import kernel
 from teamformer.planning.arcs.graph import ArcProblem, Graph, Records, leave
 from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.coalitions.problem import NEVER, NOBODY, Ticks, Whole
+from teamformer.planning.continuous.problem import NEVER, NOBODY, Ticks, Whole
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 

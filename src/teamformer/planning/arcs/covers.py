@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.coalitions.problem import NOBODY, Whole
+from teamformer.planning.continuous.problem import NOBODY, Whole
 
 if TYPE_CHECKING:
     from teamformer.rules.arrays import Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 from teamformer.jit import kernel
 from teamformer.planning.arcs.graph import LATEST, ArcProblem, Graph, is_in_steps
 from teamformer.planning.arcs.judging import COMES_BY, LEAVES_BY, Trial
-from teamformer.planning.coalitions.problem import NOBODY
+from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 

@@ -22,8 +22,8 @@ from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.covers import list_covers
 from teamformer.planning.arcs.in_steps.meeting import find_way, plan_ways, start_in_steps
 from teamformer.planning.arcs.near import near_tasks
-from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
-from teamformer.planning.coalitions.schedule import LATENESS, SPREAD, CoalitionPlan
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
+from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
 
 if TYPE_CHECKING:
     from teamformer.rules.arrays import Array

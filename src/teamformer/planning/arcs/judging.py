@@ -30,7 +30,7 @@ from teamformer.planning.arcs.graph import (
     tail_of,
 )
 from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways
-from teamformer.planning.coalitions.problem import NOBODY, Ticks, Whole
+from teamformer.planning.continuous.problem import NOBODY, Ticks, Whole
 
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.planning.coalitions.problem import Ticks, Whole
+from teamformer.planning.continuous.problem import Ticks, Whole
 
 
 def near_tasks(ways: Ticks, count: int) -> Whole:

@@ -12,9 +12,9 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.graph import ArcProblem, Graph, Records
-from teamformer.planning.coalitions.first_plan import draw_plan
-from teamformer.planning.coalitions.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
-from teamformer.planning.coalitions.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.continuous.first_plan import draw_plan
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
+from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 
 PRICES = (0, 100, 200, 350, 500, 800)
 """What a tick that a robot waits costs if its type has most to do, in thousandths of a tick."""

@@ -14,7 +14,7 @@ from teamformer.planning.arcs.judging import (
     connect,
     propagate,
 )
-from teamformer.planning.coalitions.problem import NOBODY
+from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 

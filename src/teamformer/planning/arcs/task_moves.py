@@ -27,7 +27,7 @@ from teamformer.planning.arcs.graph import (
 )
 from teamformer.planning.arcs.in_steps.bundles import draw_group, pick_group
 from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
-from teamformer.planning.coalitions.problem import NOBODY, Ticks
+from teamformer.planning.continuous.problem import NOBODY, Ticks
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 

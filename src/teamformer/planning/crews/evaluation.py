@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from teamformer.jit import allocating_kernel, kernel
-from teamformer.planning.relaxation.plan import Array
+from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.rules.constants import ROUNDING
 from teamformer.rules.pairing import pair_off
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from teamformer.jit import allocating_kernel, entry, kernel
-from teamformer.planning.relaxation.plan import (
+from teamformer.planning.relaxation.problem import Relaxed, least_brought
+from teamformer.planning.relaxation.relaxed_plan import (
     Array,
     arrival_at,
     leg_from,
@@ -20,12 +21,11 @@ from teamformer.planning.relaxation.plan import (
     recall_visit,
     serve,
 )
-from teamformer.planning.relaxation.problem import Relaxed, least_brought
 from teamformer.rules.chance import draw, draw_below, first_state
 from teamformer.rules.constants import FAR, NOBODY
 
 if TYPE_CHECKING:
-    from teamformer.planning.relaxation.plan import Plan, Timing
+    from teamformer.planning.relaxation.relaxed_plan import Plan, Timing
 
 STEP = 10
 """A step of makespan weighs as much as ten steps of slack or of walking."""
@@ -46,7 +46,7 @@ ASK = np.dtype([("cap", np.int32), ("count", np.int32), ("candidates", np.int32)
 """A capability, how often it is needed, and how many robots are considered for it."""
 
 
-class Desk(NamedTuple):
+class Workspace(NamedTuple):
     """Room to work in while a task is inserted."""
 
     scarce: Array  # (caps,) capabilities, those that few robots have first
@@ -61,11 +61,11 @@ class Desk(NamedTuple):
     random: Array  # (1,) state of the random numbers
 
 
-def empty_desk(problem: Relaxed, seed: int) -> Desk:
+def empty_workspace(problem: Relaxed, seed: int) -> Workspace:
     """Return the room, with the random numbers seeded."""
     robots, (tasks, caps) = len(problem.pace), problem.needs.shape
     by_distance = np.argsort(problem.cells[:, :tasks], axis=1, kind="stable")  # (tasks, tasks)
-    return Desk(
+    return Workspace(
         scarce=np.argsort((problem.able != NOBODY).sum(axis=1), kind="stable").astype(np.int32),
         least=least_brought(problem.counts),
         near=np.ascontiguousarray(by_distance[:, : min(NEIGHBOURS, tasks)]).astype(np.int32),
@@ -81,15 +81,15 @@ def empty_desk(problem: Relaxed, seed: int) -> Desk:
 
 @allocating_kernel
 def insert_task(
-    problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, task: int, makespan: int
+    problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, task: int, makespan: int
 ) -> bool:
     """Put a task into a plan whose tails have just been hung; say whether there is a coalition.
 
     `makespan` is the plan's without the task.
     """
-    _gather_candidates(problem, plan, timing, desk, task)
-    robots, asked, candidates = timing.robots, desk.asked, desk.candidates
-    counts, pick, random = problem.counts, desk.pick, desk.random
+    _gather_candidates(problem, plan, timing, workspace, task)
+    robots, asked, candidates = timing.robots, workspace.asked, workspace.candidates
+    counts, pick, random = problem.counts, workspace.pick, workspace.random
     steps, cells, visits, coalition = problem.steps, problem.cells, timing.visits, plan.coalition
     earliest, duration = problem.appears[task] + 1, problem.duration[task]
     best_cost, best_gap, best_size = np.int64(IMPOSSIBLE), NOBODY, 0
@@ -98,15 +98,15 @@ def insert_task(
         is_last_chance = best_gap == NOBODY and gap == plan.placed[0]
         if is_last_chance or (is_new and draw(random) >= BLINK):
             size = _pick_coalition(robots, asked, candidates, counts, pick, earliest, duration)
-            if desk.is_versatile[0]:
-                count_spares(problem.needs, counts, pick, size, task, desk.spare)
-                size = drop_spares(counts, pick, size, desk.spare)
+            if workspace.is_versatile[0]:
+                count_spares(problem.needs, counts, pick, size, task, workspace.spare)
+                size = drop_spares(counts, pick, size, workspace.spare)
             through, detour = _judge_coalition(robots, pick, size, earliest, duration)
             cost = STEP * max(through, makespan) + through + detour
             if cost < best_cost:
                 best_cost, best_gap, best_size = cost, gap, size
                 for seat in range(size):
-                    desk.best[seat] = pick[seat]
+                    workspace.best[seat] = pick[seat]
         if gap < plan.placed[0]:
             passed = plan.order[gap]
             end = timing.start[passed] + problem.duration[passed]
@@ -114,7 +114,7 @@ def insert_task(
             is_new = _pass_task(robots, visits, coalition, steps, cells, task, passed, size, end)
     if best_gap == NOBODY:
         return False
-    _place_task(plan, task, best_gap, desk.best, best_size)
+    _place_task(plan, task, best_gap, workspace.best, best_size)
     return True
 
 
@@ -130,10 +130,12 @@ def _place_task(plan: Plan, task: int, gap: int, coalition: Array, size: int) ->
 
 
 @kernel
-def _gather_candidates(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, task: int) -> None:
+def _gather_candidates(
+    problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, task: int
+) -> None:
     """Choose whom to consider, scarce capabilities first, and weigh each at the first gap."""
-    robots, asked, candidates = timing.robots, desk.asked, desk.candidates
-    needs, scarce, able = problem.needs, desk.scarce, problem.able
+    robots, asked, candidates = timing.robots, workspace.asked, workspace.candidates
+    needs, scarce, able = problem.needs, workspace.scarce, problem.able
     steps, cells = problem.steps, problem.cells
     for robot in range(len(robots)):
         robots[robot].is_candidate = False
@@ -144,11 +146,11 @@ def _gather_candidates(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk,
         if needs[task, cap] > 0:
             asked[kind].cap, asked[kind].count = cap, needs[task, cap]
             asked[kind].candidates = 0
-            robots_needed = (needs[task, cap] + desk.least[cap] - 1) // desk.least[cap]
+            robots_needed = (needs[task, cap] + workspace.least[cap] - 1) // workspace.least[cap]
             many = max(MANY, 2 * robots_needed)
             if many < able.shape[1] and able[cap, many] != NOBODY:
-                _consider_nearby(problem, plan, robots, desk, kind, task, many // 2)
-            _consider_able(robots, asked, candidates, kind, able, many, desk.random)
+                _consider_nearby(problem, plan, robots, workspace, kind, task, many // 2)
+            _consider_able(robots, asked, candidates, kind, able, many, workspace.random)
             kind += 1
     asked[kind].count = 0
     for robot in range(len(robots)):
@@ -158,13 +160,19 @@ def _gather_candidates(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk,
 
 @kernel
 def _consider_nearby(
-    problem: Relaxed, plan: Plan, robots: Array, desk: Desk, kind: int, task: int, many: int
+    problem: Relaxed,
+    plan: Plan,
+    robots: Array,
+    workspace: Workspace,
+    kind: int,
+    task: int,
+    many: int,
 ) -> None:
     """Consider robots that serve tasks in the neighbourhood."""
-    asked, candidates, coalition = desk.asked, desk.candidates, plan.coalition
-    counts, cap = problem.counts, desk.asked[kind].cap
-    for nearby in range(desk.near.shape[1]):
-        other = desk.near[task, nearby]
+    asked, candidates, coalition = workspace.asked, workspace.candidates, plan.coalition
+    counts, cap = problem.counts, workspace.asked[kind].cap
+    for nearby in range(workspace.near.shape[1]):
+        other = workspace.near[task, nearby]
         for seat in range(plan.size[other]):
             if counts[coalition[other, seat], cap] > 0 and asked[kind].candidates < many:
                 _consider(robots, asked, candidates, kind, coalition[other, seat])

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.relaxation.insertion import insert_task
-from teamformer.planning.relaxation.plan import hang_tasks, start_tasks
 from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.relaxed_plan import hang_tasks, start_tasks
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw, draw_below
 
 if TYPE_CHECKING:
-    from teamformer.planning.relaxation.insertion import Desk
-    from teamformer.planning.relaxation.plan import Plan, Timing
+    from teamformer.planning.relaxation.insertion import Workspace
+    from teamformer.planning.relaxation.relaxed_plan import Plan, Timing
 
 NEARBY, STRETCH = 0.5, 0.3
 """How often tasks in one area, or done around one time, are torn out; else any tasks."""
@@ -27,27 +27,27 @@ LARGEST_RUIN = 10
 
 
 @kernel
-def ruin(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, torn: Array) -> Any:
+def ruin(problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, torn: Array) -> Any:
     """Take tasks out of a plan; list them, and those that had no coalition; return how many."""
-    first = _choose_first(problem, plan, timing, desk)
-    wanted = 1 + draw_below(desk.random, min(LARGEST_RUIN, len(plan.size)))
-    kind = draw(desk.random)
+    first = _choose_first(problem, plan, timing, workspace)
+    wanted = 1 + draw_below(workspace.random, min(LARGEST_RUIN, len(plan.size)))
+    kind = draw(workspace.random)
     if kind < NEARBY:
-        _tear_nearby(plan, desk, first, wanted)
+        _tear_nearby(plan, workspace, first, wanted)
     elif kind < NEARBY + STRETCH:
-        _tear_stretch(plan, desk, first, wanted)
+        _tear_stretch(plan, workspace, first, wanted)
     else:
         for _ in range(wanted):
-            plan.size[draw_below(desk.random, len(plan.size))] = 0
+            plan.size[draw_below(workspace.random, len(plan.size))] = 0
     plan.size[first] = 0
     return _close_gaps(plan, torn)
 
 
 @kernel
-def _choose_first(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk) -> int:
+def _choose_first(problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace) -> int:
     """Choose any task, or every other time one that the makespan hangs on."""
-    chosen = draw_below(desk.random, len(plan.size))
-    if draw(desk.random) < 0.5:
+    chosen = draw_below(workspace.random, len(plan.size))
+    if draw(workspace.random) < 0.5:
         makespan, _, _ = start_tasks(problem, plan, timing)
         hang_tasks(problem, plan, timing)
         seen = 0
@@ -55,27 +55,27 @@ def _choose_first(problem: Relaxed, plan: Plan, timing: Timing, desk: Desk) -> i
             task = plan.order[position]
             if timing.start[task] + timing.tail[task] >= makespan:
                 seen += 1
-                if draw_below(desk.random, seen) == 0:
+                if draw_below(workspace.random, seen) == 0:
                     chosen = task
     return chosen
 
 
 @kernel
-def _tear_nearby(plan: Plan, desk: Desk, first: int, wanted: int) -> None:
+def _tear_nearby(plan: Plan, workspace: Workspace, first: int, wanted: int) -> None:
     """Take out tasks around one, most but not all of the nearest."""
-    for nearby in range(desk.near.shape[1]):
-        if wanted > 1 and draw(desk.random) < 0.6:
-            plan.size[desk.near[first, nearby]] = 0
+    for nearby in range(workspace.near.shape[1]):
+        if wanted > 1 and draw(workspace.random) < 0.6:
+            plan.size[workspace.near[first, nearby]] = 0
             wanted -= 1
 
 
 @kernel
-def _tear_stretch(plan: Plan, desk: Desk, first: int, wanted: int) -> None:
+def _tear_stretch(plan: Plan, workspace: Workspace, first: int, wanted: int) -> None:
     """Take out tasks that are done around the same time as one."""
     at = 0
     while at < plan.placed[0] and plan.order[at] != first:
         at += 1
-    begin = max(0, at - draw_below(desk.random, wanted))
+    begin = max(0, at - draw_below(workspace.random, wanted))
     for position in range(begin, min(begin + wanted, plan.placed[0])):
         plan.size[plan.order[position]] = 0
 
@@ -100,13 +100,13 @@ def _close_gaps(plan: Plan, torn: Array) -> int:
 
 @allocating_kernel
 def recreate(
-    problem: Relaxed, plan: Plan, timing: Timing, desk: Desk, torn: Array, count: int
+    problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, torn: Array, count: int
 ) -> None:
     """Put tasks back, in random order."""
     for last in range(count - 1, 0, -1):
-        other = draw_below(desk.random, last + 1)
+        other = draw_below(workspace.random, last + 1)
         torn[last], torn[other] = torn[other], torn[last]
     for index in range(count):
         makespan, _, _ = start_tasks(problem, plan, timing)
         hang_tasks(problem, plan, timing)
-        insert_task(problem, plan, timing, desk, torn[index], makespan)
+        insert_task(problem, plan, timing, workspace, torn[index], makespan)

@@ -10,7 +10,8 @@ import numpy as np
 
 from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.planning.relaxation.insertion import drop_spares
-from teamformer.planning.relaxation.plan import (
+from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.relaxed_plan import (
     Plan,
     arrival_at,
     empty_plan,
@@ -20,14 +21,13 @@ from teamformer.planning.relaxation.plan import (
     set_free,
     start_tasks,
 )
-from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
 from teamformer.rules.coverage import helps
 from teamformer.rules.sorting import sort_indices
 
 if TYPE_CHECKING:
-    from teamformer.planning.relaxation.plan import Timing
+    from teamformer.planning.relaxation.relaxed_plan import Timing
 
 
 @dataclass(frozen=True)

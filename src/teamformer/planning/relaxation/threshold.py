@@ -11,22 +11,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from teamformer.jit import entry, needs_compiling
-from teamformer.planning.relaxation.insertion import empty_desk
-from teamformer.planning.relaxation.plan import (
+from teamformer.planning.relaxation.insertion import empty_workspace
+from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.relaxed_plan import (
     copy_plan,
     empty_plan,
     empty_timing,
     overwrite_plan,
     start_tasks,
 )
-from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.ruin_recreate import recreate, ruin
 from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
 from teamformer.rules.arrays import Array
 
 if TYPE_CHECKING:
-    from teamformer.planning.relaxation.insertion import Desk
-    from teamformer.planning.relaxation.plan import Plan, Timing
+    from teamformer.planning.relaxation.insertion import Workspace
+    from teamformer.planning.relaxation.relaxed_plan import Plan, Timing
 
 STEP = 5
 """What a step of makespan costs, for each robot; a step that a robot walks costs 1."""
@@ -45,7 +45,7 @@ class Search:
         self.problem = problem
         self._plan, self._best, self._spare = (empty_plan(problem) for _ in range(3))
         self._timing = empty_timing(problem, self._plan)
-        self._desk = empty_desk(problem, seed)
+        self._workspace = empty_workspace(problem, seed)
         self._torn = np.zeros(len(problem.appears), np.int32)
         self._costs = np.full(2, ENDLESS, np.int64)  # of the plan it stands at, of the best
         if start is not None:
@@ -65,7 +65,7 @@ class Search:
         The first round of a search without a start places everything.
         """
         step = STEP * len(self._timing.robots)
-        room = (self._spare, self._timing, self._desk, self._torn, self._costs)
+        room = (self._spare, self._timing, self._workspace, self._torn, self._costs)
         heats = (int(hot * step), int(cool * step))
         _search(self.problem, self._plan, self._best, *room, rounds, *heats)
 
@@ -92,7 +92,7 @@ def _search(
     best: Plan,
     spare: Array,
     timing: Timing,
-    desk: Desk,
+    workspace: Workspace,
     torn: Array,
     costs: Array,
     rounds: int,
@@ -107,8 +107,8 @@ def _search(
     """
     for made in range(rounds):
         copy_plan(plan, spare)
-        count = ruin(problem, spare, timing, desk, torn)
-        recreate(problem, spare, timing, desk, torn, count)
+        count = ruin(problem, spare, timing, workspace, torn)
+        recreate(problem, spare, timing, workspace, torn, count)
         cost = cost_of(problem, spare, timing)
         if cost <= costs[0] + (hot * (rounds - made) + cool * made) // rounds:
             copy_plan(spare, plan)

@@ -9,7 +9,7 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.planning.teams.plan import TeamPlan, plan_teams
+from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
 from teamformer.policies.central.players import Player, decision_of, stage_for
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation

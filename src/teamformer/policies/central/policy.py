@@ -9,12 +9,12 @@ import numpy as np
 
 from teamformer.model import Scenario
 from teamformer.planning.bounds.route_cover import raise_by_routes
-from teamformer.planning.coalitions.rules import warm_up as warm_up_coalitions
+from teamformer.planning.continuous.rules import warm_up as warm_up_coalitions
 from teamformer.planning.relaxation.cp_sat import make_solver
 from teamformer.planning.relaxation.problem import relax
-from teamformer.planning.teams.situation import situation_in_hindsight
-from teamformer.planning.teams.solve import first_search
-from teamformer.policies.central.planner import plan_centrally
+from teamformer.planning.steps.situation import situation_in_hindsight
+from teamformer.planning.steps.solve import first_search
+from teamformer.policies.central.plan_centrally import plan_centrally
 from teamformer.policies.central.plays import CentralPlan
 from teamformer.rules.constants import NOBODY
 from teamformer.scenarios.smallest import smallest_scenario

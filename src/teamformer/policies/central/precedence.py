@@ -12,9 +12,9 @@ from dataclasses import replace
 from teamformer.mission.rules import is_too_short, opening_step
 from teamformer.model import Scenario, Task
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.planning.coalitions.mission import ContinuousMission, pose_mission
-from teamformer.planning.coalitions.problem import CoalitionProblem
-from teamformer.planning.coalitions.solve import solve as solve_coalitions
+from teamformer.planning.continuous.continuous_mission import ContinuousMission, pose_mission
+from teamformer.planning.continuous.problem import CoalitionProblem
+from teamformer.planning.continuous.solve import solve as solve_coalitions
 from teamformer.planning.relaxation.solve import solve
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.central.plays import CentralPlan, Plays

@@ -14,7 +14,7 @@ from teamformer.planning.arcs.coalition_choice import (
 )
 from teamformer.planning.arcs.draws import draw_near
 from teamformer.planning.arcs.graph import LAST
-from teamformer.planning.coalitions.problem import NOBODY
+from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from teamformer.jit import kernel
 from teamformer.planning.arcs.coalition_choice import Choice, gather
 from teamformer.planning.arcs.judging import COMES_BY, begin_trial, connect, propagate
 from teamformer.planning.arcs.task_moves import MOVED, Moved, remember
-from teamformer.planning.coalitions.problem import NEVER, NOBODY
+from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:

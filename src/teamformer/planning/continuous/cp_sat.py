@@ -1,0 +1,156 @@
+"""Small problems solved and proven by CP-SAT: a circuit for each robot, a start for each task."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks
+from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.relaxation.cp_sat import make_solver
+
+if TYPE_CHECKING:
+    from ortools.sat.python import cp_model
+
+MOST_ARCS = 2500
+"""Robots times pairs of tasks; beyond that a proof takes longer than anybody waits."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What CP-SAT found: a plan, if a better one, and ticks that no plan beats."""
+
+    plan: CoalitionPlan | None
+    bound: int
+
+
+def is_small(problem: CoalitionProblem) -> bool:
+    """Say whether it is worth trying to prove a plan; late tasks and forming are not in it."""
+    arcs = len(problem.counts) * len(problem.needs) ** 2
+    is_plain = (problem.due >= NEVER).all() and problem.forming[0] == 0
+    return arcs <= MOST_ARCS and bool(is_plain)
+
+
+def solve_exactly(
+    problem: CoalitionProblem, plan: CoalitionPlan, bound: int, seconds: float
+) -> Proof:
+    """Return the best plan that CP-SAT finds in so many seconds, and its bound."""
+    circuits = _Circuits(problem, bound)
+    circuits.hint(plan)
+    from ortools.sat.python import cp_model
+
+    solver = make_solver(seed=0)
+    solver.parameters.max_time_in_seconds = max(seconds, 0.01)
+    status = solver.solve(circuits.model)
+    if status == cp_model.INFEASIBLE:  # never: the hint is a plan
+        return Proof(None, bound)
+    least = max(bound, round(solver.best_objective_bound))
+    if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+        return Proof(None, least)
+    return Proof(circuits.plan_of(solver), least)
+
+
+class _Circuits:
+    """The model: which robot goes from where to where, and when tasks start."""
+
+    def __init__(self, problem: CoalitionProblem, bound: int) -> None:
+        from ortools.sat.python import cp_model
+
+        self.problem, self.model = problem, cp_model.CpModel()
+        tasks, robots = len(problem.needs), len(problem.counts)
+        horizon = int(
+            problem.duration.sum()
+            + tasks * problem.ways.max()
+            + problem.home.max()
+            + problem.release.max(initial=0)
+        )
+        self.start = [
+            self.model.new_int_var(int(problem.release[task]), horizon, f"start {task}")
+            for task in range(tasks)
+        ]
+        self.makespan = self.model.new_int_var(bound, horizon, "makespan")
+        self.does = [
+            [self.model.new_bool_var(f"{robot} does {task}") for task in range(tasks)]
+            for robot in range(robots)
+        ]
+        for robot in range(robots):
+            self._route(robot)
+        self._cover()
+        for task in range(tasks):
+            for other in problem.before[task][problem.before[task] != NOBODY]:
+                end = self.start[other] + int(problem.duration[other])
+                self.model.add(self.start[task] >= end)
+        self.model.minimize(self.makespan)
+
+    def _route(self, robot: int) -> None:
+        """Let a robot go from its start through its tasks and home; node 0 is start and home."""
+        problem, model = self.problem, self.model
+        tasks, pace, kind = len(self.start), problem.pace[robot], problem.kind[robot]
+        origin = int(problem.origin[robot])
+        arcs: list[tuple[int, int, cp_model.LiteralT]] = []
+        idle = model.new_bool_var("")
+        arcs.append((0, 0, idle))
+        model.add(self.makespan >= int(problem.home[kind, origin])).only_enforce_if(idle)
+        for task in range(tasks):
+            does, end = self.does[robot][task], self.start[task] + int(problem.duration[task])
+            arcs.append((task + 1, task + 1, ~does))
+            first, last = model.new_bool_var(""), model.new_bool_var("")
+            arcs += [(0, task + 1, first), (task + 1, 0, last)]
+            model.add(self.start[task] >= int(problem.ways[pace, origin, task])).only_enforce_if(
+                does if self._is_straight(pace, origin, task) else first
+            )
+            model.add(self.makespan >= end + int(problem.home[kind, task])).only_enforce_if(last)
+            for other in range(tasks):
+                if other != task:
+                    goes = model.new_bool_var("")
+                    arcs.append((task + 1, other + 1, goes))
+                    way = int(problem.ways[pace, task, other])
+                    model.add(self.start[other] >= end + way).only_enforce_if(goes)
+        model.add_circuit(arcs)
+
+    def _is_straight(self, pace: int, origin: int, task: int) -> bool:
+        """Say whether no detour by another task is shorter."""
+        ways = self.problem.ways[pace]
+        detours = ways[origin] + self.problem.duration + ways[: len(self.start), task]
+        return bool(ways[origin, task] <= detours.min())
+
+    def _cover(self) -> None:
+        for task, needs in enumerate(self.problem.needs):
+            for cap in np.flatnonzero(needs):
+                brought = [
+                    int(self.problem.counts[robot, cap]) * does[task]
+                    for robot, does in enumerate(self.does)
+                ]
+                self.model.add(sum(brought) >= int(needs[cap]))
+
+    def hint(self, plan: CoalitionPlan) -> None:
+        """Begin at a plan."""
+        for task, coalition in enumerate(plan.coalition):
+            for robot, does in enumerate(self.does):
+                self.model.add_hint(does[task], robot in coalition[: plan.size[task]])
+
+    def plan_of(self, solver: cp_model.CpSolver) -> CoalitionPlan:
+        """Return what the solver found as a plan; tasks in the order in which they start.
+
+        Those that take no time may do so at one moment: then what comes before others is first.
+        """
+        plan = empty_plan(self.problem)
+        starts = np.array([solver.value(start) for start in self.start])
+        ends = starts + self.problem.duration
+        plan.order[:] = np.lexsort((_depths(self.problem), ends, starts))
+        for task in range(len(starts)):
+            coalition = [r for r, does in enumerate(self.does) if solver.value(does[task])]
+            plan.size[task] = len(coalition)
+            plan.coalition[task, : len(coalition)] = coalition
+        return plan
+
+
+def _depths(problem: CoalitionProblem) -> Ticks:
+    """Return how many tasks stand in the longest chain of those before each, as (tasks,)."""
+    depth = np.zeros(len(problem.needs), np.int64)
+    for _ in depth:
+        for task, before in enumerate(problem.before):
+            depth[task] = max((depth[other] + 1 for other in before if other != NOBODY), default=0)
+    return depth

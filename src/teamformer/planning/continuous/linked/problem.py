@@ -1,0 +1,65 @@
+"""The coalition problem with links between the starts of tasks, and with weights for a cost.
+
+Tasks that are linked form a group: they are planned together, by different robots, and start at
+once or so many ticks after one another as their gaps say. All other tasks are groups of one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
+
+Floats = npt.NDArray[np.float64]
+
+FREE = -NEVER
+"""A gap that says nothing."""
+
+MAKESPAN, HOME, TRAVEL, TARDINESS, MAX_TARDINESS = range(5)
+"""What a plan is judged by: when the last robot is home, when all are home, added up, their time
+on the way, by how much tasks are late, added up, and by how much the latest one is."""
+
+PARTS = 5
+
+
+class Link(NamedTuple):
+    """A task starts so many ticks after another starts, `least` to `most`."""
+
+    task: int
+    other: int
+    least: int
+    most: int
+
+
+class LinkedProblem(NamedTuple):
+    """A coalition problem with its groups, gaps and weights."""
+
+    base: CoalitionProblem
+    group: Whole  # (tasks,) the group of each
+    members: Whole  # (groups, most) the tasks of each group, then NOBODY
+    gap: Ticks  # (tasks, tasks) [i, j]: j starts no sooner than so many ticks after i, or FREE
+    weight: Floats  # (PARTS,)
+
+
+def link_problem(
+    base: CoalitionProblem, links: Sequence[Link], weight: npt.ArrayLike
+) -> LinkedProblem:
+    """Return a problem with its links worked out."""
+    tasks = len(base.needs)
+    gap = np.full((tasks, tasks), FREE)
+    leader = list(range(tasks))
+    for task, other, least, most in links:
+        gap[other, task] = max(gap[other, task], least)
+        gap[task, other] = max(gap[task, other], -most)
+        old, new = sorted((leader[task], leader[other]), reverse=True)
+        leader = [new if one == old else one for one in leader]
+    groups = [[t for t in range(tasks) if leader[t] == one] for one in dict.fromkeys(leader)]
+    members = np.full((len(groups), 1 + max(map(len, groups))), NOBODY, np.int32)
+    group = np.zeros(tasks, np.int32)
+    for number, found in enumerate(groups):
+        members[number, : len(found)], group[found] = found, number
+    return LinkedProblem(base, group, members, gap, np.asarray(weight, np.float64))

@@ -1,0 +1,95 @@
+"""The rules that plan a mission in continuous time, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from itertools import islice
+
+from teamformer.errors import TeamformerError
+from teamformer.jit import needs_compiling
+from teamformer.planning.arcs.annealing import ArcSearch, anneal_arcs
+from teamformer.planning.continuous.bounds.makespan import improving_bounds
+from teamformer.planning.continuous.continuous_mission import ContinuousMission, refuse_no_way
+from teamformer.planning.continuous.first_plan import draw_plan
+from teamformer.planning.continuous.linked.problem import LinkedProblem, link_problem
+from teamformer.planning.continuous.linked.search import LinkedSearch, anneal_linked
+from teamformer.planning.continuous.linked.solve import LinkedSolution, plan_linked, solve_linked
+from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
+from teamformer.planning.continuous.reactive import react
+from teamformer.planning.continuous.routes import MissionPlan
+from teamformer.planning.continuous.solve import Solution, plan_together, solve
+
+Planner = Callable[[CoalitionProblem, float], Solution | None]
+LinkedPlanner = Callable[[LinkedProblem, float], LinkedSolution | None]
+
+PLANNERS: dict[str, Planner] = {
+    "central": lambda problem, seconds: solve(problem, seconds),
+    "plan": lambda problem, seconds: plan_together(problem),
+    "reactive": lambda problem, seconds: react(problem),
+}
+"""`central` uses all the time; `plan` is what every robot computes; `reactive` plans nothing."""
+
+LINKED_PLANNERS: dict[str, LinkedPlanner] = {
+    "central": lambda problem, seconds: solve_linked(problem, seconds),
+    "plan": lambda problem, seconds: plan_linked(problem),
+}
+"""The same where starts are linked or plans have a cost of their own."""
+
+__all__ = ["PLANNERS", "is_compiled", "plan_continuous", "warm_up"]
+
+
+def plan_continuous(mission: ContinuousMission, method: str, seconds: float) -> MissionPlan | None:
+    """Return the plan that a method makes; None if there is no coalition for some task."""
+    problem = mission.problem
+    if not isinstance(problem, LinkedProblem):
+        solution: Solution | LinkedSolution | None = PLANNERS[method](problem, seconds)
+    elif method in LINKED_PLANNERS:
+        solution = LINKED_PLANNERS[method](problem, seconds)
+        if solution is None:
+            raise TeamformerError(
+                f"{mission.scenario.name}: no coalitions were found for tasks that are linked",
+                "different robots do them, so add robots or drop a link",
+            )
+    else:
+        raise TeamformerError(
+            f"--method {method} knows no starts that are linked and no cost but the makespan",
+            f"use {', '.join(LINKED_PLANNERS)}",
+        )
+    if solution is None:
+        return None
+    plan = mission.tell(solution)
+    refuse_no_way(mission, plan)
+    return plan
+
+
+def is_compiled(is_linked: bool = False) -> bool:
+    """Say whether the search was compiled before, so that nobody has to wait for it."""
+    if is_linked:
+        return not needs_compiling(anneal_linked)
+    return not needs_compiling(anneal_arcs)
+
+
+@cache
+def warm_up(is_linked: bool = False) -> None:
+    """Have everything compiled before the clock starts."""
+    problem = pose_problem(
+        ways=[[[0, 1], [1, 0], [1, 1]]],
+        home=[[1, 1, 0]],
+        pace=[0],
+        origin=[2],
+        counts=[[1]],
+        needs=[[1], [1]],
+        duration=[1, 1],
+    )
+    if is_linked:
+        linked = LinkedSearch(link_problem(problem, (), [1, 0, 0, 0, 0]), 0)
+        linked.begin_anew()
+        linked.anneal(1, 1, 0, 10, 10)
+        return
+    search = ArcSearch(problem, 0)
+    search.begin_anew()
+    search.anneal(1, 1, 0, 10, 10)
+    draw_plan(problem, 0)
+    react(problem)
+    list(islice(improving_bounds(problem, lambda: 10), 2))

@@ -1,0 +1,219 @@
+"""What the central planner makes of one scenario: plans, their plays, and the best of these."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
+from itertools import chain
+
+from teamformer.coordinators.crews import Crews
+from teamformer.coordinators.shared_plan import SharedPlan
+from teamformer.model import Scenario
+from teamformer.planning.bounds.makespan import earliest_starts, lower_bound
+from teamformer.planning.bounds.route_cover import raise_by_routes
+from teamformer.planning.relaxation.problem import Relaxed, relax
+from teamformer.planning.relaxation.solve import Solution, solve
+from teamformer.planning.steps.shared_plan import HOT, is_too_large
+from teamformer.planning.steps.situation import Situation, situation_in_hindsight
+from teamformer.planning.steps.solve import (
+    BestPlan,
+    first_search,
+    from_best,
+    from_coalitions,
+    improve,
+    improve_by_arcs,
+    is_for_arcs,
+    plan_from_schedule,
+    start_search,
+)
+from teamformer.planning.steps.team_plan import TeamPlan, routes_of
+from teamformer.planning.steps.threshold_search import ThresholdSearch
+from teamformer.policies.central.plan_from_play import CoalitionLog, plan_from_play
+from teamformer.policies.central.plan_player import PlanPlayer
+from teamformer.policies.central.players import Player
+from teamformer.policies.central.plays import CentralPlan, Plays
+from teamformer.policies.central.precedence import plan_with_precedence
+from teamformer.policies.scripted.joining import JoinAll
+from teamformer.rules.constants import FAR
+
+SEARCHES = 5
+"""How many plans are searched for and played, each from another seed, while there is time."""
+
+RELAXING = 0.3
+"""Share of the time for the relaxed schedule and its proof, on one thread."""
+
+BOUNDING = 0.2
+"""Share of the time for a bound by routes, on the other."""
+
+AT_ONCE = 5e7
+"""What a bound may look at in one go for each second that it has: a tenth of them."""
+
+CREW_SECONDS = 6e-6
+"""What planning crews may take, for each task times robots and tasks: twice what it does take.
+
+It is not begun with less time left, as it cannot be stopped.
+"""
+
+FEW_CAPABILITIES = 8
+"""With more, planning crews takes longer in proportion."""
+
+FOLLOWED: tuple[tuple[str, Player], ...] = (("crews", Crews()), ("join-all", JoinAll()))
+"""Names of what is played for the search to begin at, and who plays it."""
+
+
+def plan_centrally(
+    scenario: Scenario,
+    time_limit: float,
+    seed: int = 0,
+    workers: int = 2,
+    believed: Scenario | None = None,
+) -> CentralPlan:
+    """Return the best plan found in `time_limit` seconds; the first one if that is 0.
+
+    The default and simple rules are played too, so that the plan is never slower than theirs: the
+    shared plan, or crews where that would take too long, with what the scenario says and, in an
+    uncertain mission, as by robots that know only what is `believed`.
+    """
+    plays = Plays(scenario, time.perf_counter(), time_limit)
+    shared = CoalitionLog(scenario)
+    name, default = ("crews", Crews()) if is_too_large(scenario) else ("plan", SharedPlan())
+    plays.add(name, default, log=shared)  # the first play is never cut short
+    if believed is not None and believed.has_surprises:
+        plays.add_as_believed(name, default, believed)
+    if any(task.after for task in scenario.tasks):
+        return plan_with_precedence(scenario, plays, seed, workers)
+    situation = situation_in_hindsight(scenario)
+    search = _start(scenario, situation, seed)
+    if search is not None:
+        plays.add("search", _player(scenario, search.best))
+        _restart(search, shared.plan(search.problem))
+    plays.add_simple_rules()
+    if search is None or time_limit == 0:
+        solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
+        bound, searched = solution.bound, list[tuple[float, int]]()
+    else:
+        for name, followed in FOLLOWED:
+            _follow(name, scenario, followed, search, plays)
+        solution, bound, searched = _search(scenario, situation, search, plays, seed, workers)
+    if time_limit > 0 and solution.schedule is not None:
+        plays.add(
+            "schedule", PlanPlayer(scenario, solution.schedule.routes, solution.schedule.order)
+        )
+    return plays.report(solution, bound, searched, is_first=time_limit == 0)
+
+
+def _start(scenario: Scenario, situation: Situation, seed: int) -> ThresholdSearch | None:
+    """Return a search at a first plan; None if some task can never be done."""
+    if (earliest_starts(relax(scenario)) >= FAR).any():
+        return None
+    return first_search(situation, seed)
+
+
+def _restart(search: ThresholdSearch, plan: TeamPlan | None) -> None:
+    """Let a search go on from a plan if there is one."""
+    if plan is not None:
+        search.begin(plan)
+
+
+def _follow(
+    name: str, scenario: Scenario, followed: Player, search: ThresholdSearch, plays: Plays
+) -> None:
+    """Let the search begin at what a player does; leave it if time is short."""
+    tasks, kinds = len(scenario.tasks), max(1.0, len(scenario.capabilities) / FEW_CAPABILITIES)
+    if plays.seconds_left < CREW_SECONDS * kinds * tasks * (tasks + len(scenario.robots)):
+        return
+    plan = plan_from_play(scenario, search.problem, followed, plays.begun + plays.limit)
+    if plan is not None:
+        search.begin(plan)
+        plays.add(name, _player(scenario, plan))
+
+
+def _search(
+    scenario: Scenario,
+    situation: Situation,
+    search: ThresholdSearch,
+    plays: Plays,
+    seed: int,
+    workers: int,
+) -> tuple[Solution, int, list[tuple[float, int]]]:
+    """Search and play what is found; return the relaxed solution, the bound and a curve.
+
+    A plan may promise what no plan beats, on planes above all, and its play not keep that; and
+    searches in small worlds end early. Then it is searched again from another seed.
+    """
+    solution, best = _improve(scenario, situation, search, plays, seed, workers)
+    plays.add("search", _player(scenario, best.plan))
+    bound, curve = best.bound, best.curve
+    for number in range(1, SEARCHES):
+        if plays.makespan == bound or plays.seconds_left == 0.0:
+            break
+        another = first_search(situation, seed + number) or search
+        _, best = _improve(scenario, situation, another, plays, seed + number, workers)
+        plays.add("search", _player(scenario, best.plan))
+        bound, curve = max(bound, best.bound), curve + best.curve
+    return solution, bound, curve
+
+
+def _improve(
+    scenario: Scenario,
+    situation: Situation,
+    search: ThresholdSearch,
+    plays: Plays,
+    seed: int,
+    workers: int,
+) -> tuple[Solution, BestPlan]:
+    """Search until it is time for the last plays, from coalitions on one thread.
+
+    The other proves a bound and then searches on from the best plan. The main thread only waits,
+    so that Ctrl-C reaches it.
+    """
+    best = BestPlan(plays.begun, search)
+    deadline = time.perf_counter() + plays.seconds_left
+    with ThreadPoolExecutor(min(workers, 2)) as pool:
+        bounding = pool.submit(_raise_bound, scenario, relax(scenario), best, deadline)
+        relaxing = pool.submit(_relax_and_search, scenario, situation, best, deadline, seed)
+        work: list[Future[None]] = [bounding]
+        if workers > 1:  # begins when the bound is through
+            if is_for_arcs(situation.problem):
+                work.append(pool.submit(improve_by_arcs, best, situation, deadline, seed))
+            else:
+                work.append(pool.submit(improve, best, search, deadline, from_best(best)))
+        try:
+            solution = relaxing.result()
+            for done in work:
+                done.result()
+        finally:
+            best.stop()
+    return solution, best
+
+
+def _raise_bound(scenario: Scenario, problem: Relaxed, best: BestPlan, deadline: float) -> None:
+    """Prove what can be proven in a share of the time."""
+    begun = time.perf_counter()
+    seconds = BOUNDING * max(0.0, deadline - begun)
+
+    def is_over() -> bool:
+        return best.is_over or time.perf_counter() - begun >= seconds
+
+    best.raise_bound(lower_bound(scenario))
+    largest = AT_ONCE * seconds
+    raise_by_routes(scenario, problem, best.bound, best.raise_bound, is_over, largest)
+
+
+def _relax_and_search(
+    scenario: Scenario, situation: Situation, best: BestPlan, deadline: float, seed: int
+) -> Solution:
+    """Solve the relaxed problem, then search from its coalitions and from others."""
+    seconds = RELAXING * max(0.0, deadline - time.perf_counter())
+    solution = solve(scenario, seconds, seed=seed, workers=1)
+    best.raise_bound(solution.bound)
+    starts = from_coalitions(situation.problem, best, seed)
+    if solution.schedule is not None:
+        start = plan_from_schedule(situation.problem, solution.schedule)
+        starts = chain([(start, HOT)], starts)
+    improve(best, start_search(situation, seed + 1), deadline, starts)
+    return solution
+
+
+def _player(scenario: Scenario, plan: TeamPlan) -> PlanPlayer:
+    return PlanPlayer(scenario, routes_of(plan, len(scenario.robots)), plan.order.tolist())

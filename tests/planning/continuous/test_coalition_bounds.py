@@ -1,0 +1,146 @@
+"""Bounds and proofs, against all plans of tiny problems."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from random_coalitions import all_plans, plain_times, random_problem
+from teamformer.planning.continuous.bounds.makespan import improving_bounds
+from teamformer.planning.continuous.bounds.refutation import Refuter
+from teamformer.planning.continuous.bounds.relaxations import bound_by_chains_and_work, relax
+from teamformer.planning.continuous.bounds.tours import empty_tables, narrow_starts
+from teamformer.planning.continuous.cp_sat import solve_exactly
+from teamformer.planning.continuous.problem import CoalitionProblem, Ticks, pose_problem
+from teamformer.planning.continuous.solve import plan_together, solve
+
+TINY = [random_problem(seed, tasks=4, robots=3, caps=2, is_plain=True) for seed in range(10)]
+
+
+def best_of_all(problem: CoalitionProblem) -> int:
+    return min(plain_times(problem, plan)[0] for plan in all_plans(problem))
+
+
+@pytest.mark.parametrize("problem", TINY)
+def test_bounds_proofs_and_searches_agree_with_trying_all_plans(problem: CoalitionProblem) -> None:
+    best, shared = best_of_all(problem), plan_together(problem)
+    assert shared is not None
+    assert bound_by_chains_and_work(problem, relax(problem)) <= best <= shared.makespan
+    proof = solve_exactly(problem, shared.schedule.plan, 0, 20.0)
+    assert proof.bound == best
+    assert proof.plan is not None
+    assert plain_times(problem, proof.plan)[0] == best
+    solution = solve(problem, 20.0)
+    assert solution is not None
+    assert (solution.makespan, solution.bound, solution.is_proven) == (best, best, True)
+
+
+def test_precedence_raises_the_bound() -> None:
+    problem = random_problem(1, tasks=6, is_plain=True)
+    chain = [list(range(k, k + 1)) for k in range(5)]
+    before = np.array([[-1, -1], *([*row, -1] for row in chain)], np.int32)
+    after = np.array([*([k + 1, -1] for k in range(5)), [-1, -1]], np.int32)
+    linked = CoalitionProblem(**(problem._asdict() | {"before": before, "after": after}))
+    assert bound_by_chains_and_work(linked, relax(linked)) >= problem.duration.sum()
+    free = problem.duration.max() + 200  # a chain of all tasks is longer than any one of them
+    assert not Refuter(problem, relax(problem)).refutes(free, 0)
+    assert Refuter(linked, relax(linked)).refutes(free, 0)
+
+
+Span = tuple[int, int]
+
+
+def spans_of_a_tour(
+    tour: tuple[int, ...], between: Ticks, duration: Ticks, first: Ticks, last: Ticks
+) -> list[Span]:
+    """Return between when and when each task of a tour can start; nothing if it cannot be made."""
+    early, late = [int(first[tour[0]])], [int(last[tour[-1]])]
+    for one, two in itertools.pairwise(tour):
+        early.append(max(int(first[two]), early[-1] + int(duration[one] + between[one, two])))
+    for one, two in itertools.pairwise(tour[::-1]):
+        late.append(min(int(last[two]), late[-1] - int(duration[two] + between[two, one])))
+    spans = list(zip(early, late[::-1], strict=True))
+    return spans if all(begin <= end for begin, end in spans) else []
+
+
+def spans_by_trying_all(
+    between: Ticks, duration: Ticks, first: Ticks, last: Ticks, robots: int
+) -> dict[int, Span]:
+    """Return when each task can start, by every way to deal them out to robots in every order."""
+    tasks, found = range(len(duration)), dict[int, Span]()
+    for dealt in itertools.product(range(robots), repeat=len(duration)):
+        by_robot = [[t for t in tasks if dealt[t] == robot] for robot in range(robots)]
+        possible = [
+            [
+                dict(zip(tour, spans, strict=True))
+                for tour in itertools.permutations(mine)
+                if (spans := spans_of_a_tour(tour, between, duration, first, last))
+            ]
+            for mine in by_robot
+            if mine
+        ]
+        if all(possible):
+            for task, (begin, end) in (
+                (t, s) for tours in possible for x in tours for t, s in x.items()
+            ):
+                least, most = found.get(task, (begin, end))
+                found[task] = min(least, begin), max(most, end)
+    return found
+
+
+@pytest.mark.parametrize("robots", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(6))
+def test_starts_are_narrowed_as_by_trying_all(seed: int, robots: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.integers(0, 50, size=(5, 2))
+    between = np.ceil(np.linalg.norm(points[:, None] - points[None], axis=2)).astype(np.int64)
+    for by in range(5):
+        between = np.minimum(between, between[:, by, None] + between[None, by])
+    duration, first = rng.integers(1, 20, size=5), rng.integers(0, 40, size=5)
+    last = first + rng.integers(0, 240 // robots, size=5)
+    expected = spans_by_trying_all(between, duration, first, last, robots)
+    is_possible = narrow_starts(between, duration, first, last, robots, empty_tables(5))
+    assert is_possible == bool(expected)
+    if expected:
+        narrowed = zip(first.tolist(), last.tolist(), strict=True)
+        assert dict(enumerate(narrowed)) == expected
+
+
+@pytest.mark.parametrize("problem", TINY)
+def test_nothing_that_can_be_done_is_refuted(problem: CoalitionProblem) -> None:
+    best, refuter = best_of_all(problem), Refuter(problem, relax(problem))
+    assert not any(refuter.refutes(makespan, 200) for makespan in (best, best + 1, 2 * best))
+    bounds = list(itertools.islice(improving_bounds(problem, lambda: best), 60))
+    assert bounds == sorted(bounds)
+    assert bounds[-1] <= best
+
+
+def depots(seed: int, tasks: int, caps: int) -> CoalitionProblem:
+    """Pose a problem of two robots for each capability, from a place of their own."""
+    rng = np.random.default_rng(seed)
+    points = rng.integers(0, 100, size=(tasks + caps, 2))
+    ways = np.ceil(np.linalg.norm(points[:, None] - points[None], axis=2)).astype(int)
+    needs = rng.integers(0, 2, size=(tasks, caps))
+    needs[np.arange(tasks), rng.integers(caps, size=tasks)] = 1
+    origin = tasks + np.repeat(np.arange(caps), 2)
+    return pose_problem(
+        ways=[ways[:, :tasks]],
+        home=ways[origin],
+        pace=np.zeros(2 * caps),
+        origin=origin,
+        counts=np.repeat(np.eye(caps, dtype=int), 2, axis=0),
+        needs=needs,
+        duration=rng.integers(5, 40, size=tasks),
+    )
+
+
+def test_halving_windows_refutes_more() -> None:
+    problem = depots(6, tasks=9, caps=3)
+    refuter = Refuter(problem, relax(problem))
+    assert not refuter.refutes(285, 0)
+    assert refuter.refutes(285, 30)
+    plan = plan_together(problem)
+    assert plan is not None
+    assert plan.makespan > 285

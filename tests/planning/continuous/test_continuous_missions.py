@@ -1,0 +1,201 @@
+"""Missions in continuous time: what is made of them as coalition problems, and told of plans."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from teamformer.errors import TeamformerError
+from teamformer.grid import Grid, Place
+from teamformer.mission.links import cost_of
+from teamformer.model import Robot, Scenario, Task
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.cp_sat import solve_exactly
+from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
+from teamformer.planning.continuous.routes import MissionPlan
+from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
+from teamformer.planning.continuous.schedule import COST, MAKESPAN, empty_plan, schedule_of
+from teamformer.planning.continuous.solve import Solution, _Best, plan_together
+
+POLICIES = pytest.mark.parametrize("policy", PLANNERS)
+WITH_COST = pytest.mark.parametrize("policy", ["central", "plan"])
+
+
+def mission(robots: list[Robot], tasks: list[Task], world: Grid) -> Scenario:
+    return Scenario("small", world, ("a", "b"), tuple(robots), tuple(tasks), time="continuous")
+
+
+def robot(name: str, *at: int, can: str = "a") -> Robot:
+    return Robot(name, at, {can: 1})
+
+
+def planned(scenario: Scenario, policy: str, seconds: float = 0.2) -> MissionPlan:
+    plan = plan_continuous(pose_mission(scenario), policy, seconds)
+    assert plan is not None
+    return plan
+
+
+@POLICIES
+def test_forming_costs_nothing_where_robots_stand_together(policy: str) -> None:
+    """Who starts where a task is stands where those do who have done it."""
+    tasks = [Task("here", (0, 0), {"a": 1}), Task("there", (3, 0), {"a": 1, "b": 1})]
+    robots = [robot("r1", 0, 0), robot("r2", 0, 0, can="b")]
+    scenario = replace(mission(robots, tasks, Grid(4, 1)), forming=5.0)
+    assert planned(scenario, policy).makespan == 3
+
+
+@pytest.mark.parametrize("at", [(0, 0), (1, 0)])
+def test_forming_is_paid_for_where_robots_come_from_two_places(at: Place) -> None:
+    tasks = [Task("there", (3, 0), {"a": 1, "b": 1})]
+    robots = [robot("r1", 0, 0), Robot("r2", at, {"b": 1})]
+    scenario = replace(mission(robots, tasks, Grid(4, 1)), forming=5.0)
+    assert planned(scenario, "plan").makespan == (3 if at == (0, 0) else 8)
+
+
+def test_two_tasks_in_one_place_are_one_place_to_form_at() -> None:
+    tasks = [
+        Task("one", (2, 0), {"a": 1}),
+        Task("two", (2, 0), {"b": 1}),
+        Task("both", (5, 0), {"a": 1, "b": 1}, after=("one", "two")),
+    ]
+    robots = [robot("r1", 0, 0), robot("r2", 0, 0, can="b")]
+    scenario = replace(mission(robots, tasks, Grid(6, 1)), forming=4.0)
+    assert planned(scenario, "plan").makespan == 5
+
+
+def at_one_moment() -> CoalitionProblem:
+    """Pose three tasks in one place, of no duration, each after the one with the next number."""
+    return pose_problem(
+        ways=[np.abs(np.array([2, 2, 2, 0])[:, None] - 2).repeat(3, axis=1)],
+        home=[[0, 0, 0, 0]],
+        pace=[0],
+        origin=[3],
+        counts=[[1]],
+        needs=[[1], [1], [1]],
+        duration=[0, 0, 0],
+        precedence=[(1, 0), (2, 1)],
+    )
+
+
+def test_a_proven_plan_does_what_happens_at_one_moment_in_its_order() -> None:
+    problem = at_one_moment()
+    first = plan_together(problem)
+    assert first is not None
+    proof = solve_exactly(problem, first.plan, 0, 10.0)
+    assert proof.plan is not None
+    assert proof.plan.order.tolist() == [2, 1, 0]
+    assert schedule_of(problem, proof.plan).start.tolist() == [2, 2, 2]
+
+
+def test_tasks_of_no_duration_that_follow_one_another_are_planned() -> None:
+    """They meet at `u0` after 8 cells of r1; `last` is 11 on for r2, and `first` starts with it."""
+    tasks = [
+        Task("first", (1, 3), {"a": 1}, after=("last",)),
+        Task("last", (7, 0), {"b": 1}),
+        Task("u0", (2, 6), {"a": 1, "b": 1}),
+        Task("u1", (2, 7), {"b": 1}),
+    ]
+    robots = [robot("r1", 8, 4), robot("r2", 3, 5, can="b")]
+    plan = planned(mission(robots, tasks, Grid(10, 10)), "central", 5.0)
+    assert (plan.makespan, plan.is_proven) == (19, True)
+
+
+def weighed(**cost: float) -> Scenario:
+    """Return a mission in which each robot has a task near it, and the left one another."""
+    tasks = [Task(f"t{x}", (x, 0), {"a": 1}) for x in (1, 38, 2)]
+    robots = [robot("left", 0, 0), robot("right", 39, 0)]
+    return replace(mission(robots, tasks, Grid(40, 1)), cost=cost)
+
+
+@WITH_COST
+def test_a_weight_counts_however_small_it_is_beside_another(policy: str) -> None:
+    """Nobody is ever late: all that there is to gain is short ways, 2 and 1 cells."""
+    plan = planned(weighed(travel=0.001, tardiness=1e6), policy)
+    assert [len(route.stops) for route in plan.routes] == [2, 1]
+    assert plan.cost == pytest.approx(3 * 0.001 / (0.001 + 1e6))
+
+
+@pytest.mark.parametrize("travel", [1 / 3, 1e-3, 1e6])
+def test_the_curve_ends_at_the_cost_that_is_told(travel: float) -> None:
+    plan = planned(weighed(travel=travel, makespan=7.0), "central")
+    assert plan.cost == pytest.approx(cost_of({"travel": travel, "makespan": 7}, _parts(plan)))
+    assert plan.curve[-1][1] == pytest.approx(plan.cost, rel=1e-6)
+
+
+def _parts(plan: MissionPlan) -> dict[str, float]:
+    """Return what a plan without homes is judged by; here robots are never kept waiting."""
+    return {"makespan": plan.makespan, "travel": sum(route.back for route in plan.routes)}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_central_is_never_worse_than_the_shared_plan(seed: int) -> None:
+    """However little time it has."""
+    rng = np.random.default_rng(seed)
+    spots = rng.integers(0, 30, size=(12, 2)).tolist()
+    tasks = [
+        Task(f"t{n}", (x, y), {"ab"[n % 2]: 1}, between=(0.0, 20.0), duration=2)
+        for n, (x, y) in enumerate(spots)
+    ]
+    robots = [robot(f"r{n}", 15, 15, can="ab"[n % 2]) for n in range(4)]
+    scenario = mission(robots, tasks, Grid(30, 30))
+    scenario = replace(scenario, cost={"tardiness": 3000.0, "travel": 1.0, "makespan": 0.5})
+    central, shared = (planned(scenario, policy, 0.0).cost for policy in ("central", "plan"))
+    assert central is not None
+    assert shared is not None
+    assert central <= shared + 1e-9
+
+
+@pytest.mark.parametrize("policy", ["central", "plan"])
+def test_a_plan_in_which_robots_go_where_no_way_leads_is_refused(policy: str) -> None:
+    """Two tasks that start together need two robots, and only one can get there.
+
+    r1 one @ . r2
+        .  two @ . .
+    """
+    tasks = [
+        Task("one", (1, 0), {"a": 1}),
+        Task("two", (1, 1), {"a": 1}, starts={"one": (0.0, 1.0)}),
+    ]
+    scenario = mission(
+        [robot("r1", 0, 0), robot("r2", 4, 0)], tasks, Grid(5, 2, rows=("..@..",) * 2)
+    )
+    with pytest.raises(TeamformerError, match="all can get to their tasks") as raised:
+        planned(scenario, policy)
+    assert "drop a link" in raised.value.hint
+
+
+@POLICIES
+def test_robots_that_are_apart_do_what_they_can_get_to(policy: str) -> None:
+    tasks = [Task("left", (1, 0), {"a": 1}), Task("right", (3, 0), {"a": 1})]
+    robots = [robot("r1", 0, 0), robot("r2", 4, 0)]
+    scenario = mission(robots, tasks, Grid(5, 1, rows=("..@..",)))
+    assert planned(scenario, policy).makespan == 1
+
+
+def test_the_best_plan_is_over_first_however_early_robots_are_home_on_average() -> None:
+    """Two robots are there after 100 ticks; one that can do it alone after 101, and nobody else.
+
+    What a search goes by, which counts the mean time at home too, is less for the latter.
+    """
+    problem = pose_problem(
+        ways=[[[0], [100], [101]]],
+        home=[[0, 0, 0]] * 3,
+        pace=[0, 0, 0],
+        origin=[1, 1, 2],
+        counts=[[1], [1], [2]],
+        needs=[[2]],
+        duration=[0],
+    )
+    plans = [empty_plan(problem) for _ in range(2)]
+    for plan, coalition in zip(plans, ([0, 1], [2]), strict=True):
+        plan.size[0], plan.coalition[0, : len(coalition)] = len(coalition), coalition
+    first, alone = (schedule_of(problem, plan) for plan in plans)
+    assert first.total[MAKESPAN] < alone.total[MAKESPAN]
+    assert first.total[COST] > alone.total[COST]
+    for known, other in ((first, alone), (alone, first)):
+        best = _Best(problem, 0.0, Solution(known, 0), 0.0)
+        best.offer(other.plan)
+        assert best.makespan == 100
+        assert best.solution().makespan == 100

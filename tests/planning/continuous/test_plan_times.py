@@ -1,0 +1,126 @@
+"""When plans do what: times by hand and against a plain twin."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from random_coalitions import is_able, plain_times, random_problem
+from teamformer.planning.continuous.first_plan import draw_plan
+from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
+from teamformer.planning.continuous.reactive import react
+from teamformer.planning.continuous.schedule import (
+    BACK_SUM,
+    COST,
+    LATE,
+    MAKESPAN,
+    SPREAD,
+    CoalitionPlan,
+    Schedule,
+    empty_plan,
+    schedule_of,
+)
+from teamformer.planning.continuous.solve import plan_together
+
+SEEDS = range(12)
+
+
+def corridor(forming: int = 0) -> CoalitionProblem:
+    """Pose two robots at 0 on a line, and tasks at 4 (one robot, 3 ticks) and 10 (both, 2)."""
+    at = np.array([4, 10, 0])
+    ways = np.abs(at[:, None] - at[None, :2])
+    return pose_problem(
+        ways=[ways],
+        home=[at, at],
+        pace=[0, 0],
+        origin=[2, 2],
+        counts=[[1], [1]],
+        needs=[[1], [2]],
+        duration=[3, 2],
+        forming=forming,
+    )
+
+
+def plan_of(
+    problem: CoalitionProblem, order: list[int], coalitions: list[list[int]]
+) -> CoalitionPlan:
+    plan = empty_plan(problem)
+    plan.order[:] = order
+    for task, coalition in enumerate(coalitions):
+        plan.size[task], plan.coalition[task, : len(coalition)] = len(coalition), coalition
+    return plan
+
+
+@pytest.mark.parametrize(
+    ("order", "makespan", "starts"),
+    [
+        ([0, 1], 25, [4, 13]),  # 4 + 3, 6 on, 2 there, 10 home
+        ([1, 0], 25, [18, 10]),  # 10 + 2, 6 back, 3 there, 4 home
+    ],
+)
+def test_times_are_those_worked_out_by_hand(
+    order: list[int], makespan: int, starts: list[int]
+) -> None:
+    schedule = schedule_of(corridor(), plan_of(corridor(), order, [[0], [0, 1]]))
+    assert schedule.total[MAKESPAN] == makespan
+    assert schedule.start.tolist() == starts
+
+
+def test_who_comes_from_different_places_forms_first() -> None:
+    problem = corridor(forming=5)
+    assert schedule_of(problem, plan_of(problem, [0, 1], [[0], [0, 1]])).start.tolist() == [4, 18]
+    together = plan_of(problem, [0, 1], [[0, 1], [0, 1]])
+    assert schedule_of(problem, together).start.tolist() == [4, 13]
+
+
+def assert_consistent(problem: CoalitionProblem, schedule: Schedule) -> None:
+    """Compare all that is known of a plan with the plain twin."""
+    makespan, back_sum, late, start = plain_times(problem, schedule.plan)
+    assert schedule.start.tolist() == [start[task] for task in range(len(start))]
+    assert schedule.total[MAKESPAN] == makespan
+    assert schedule.total[BACK_SUM] == back_sum
+    assert schedule.total[LATE] == late
+    robots = len(problem.origin)
+    assert schedule.total[COST] == makespan + back_sum // (SPREAD * robots) + 2 * late
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_plan_in_a_random_order_is_able_and_timed_as_its_twin_times_it(seed: int) -> None:
+    problem = random_problem(seed, tasks=12)
+    for draw in range(5):
+        plan = draw_plan(problem, draw)
+        assert plan is not None
+        assert is_able(problem, plan)
+        assert_consistent(problem, schedule_of(problem, plan))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_reactive_rule_makes_able_plans(seed: int) -> None:
+    problem = random_problem(seed)
+    solution = react(problem)
+    assert solution is not None
+    assert is_able(problem, solution.schedule.plan)
+    assert_consistent(problem, solution.schedule)
+
+
+def test_what_nobody_can_do_has_no_plan() -> None:
+    parts = corridor()._asdict() | {"needs": np.array([[1], [3]], np.int32)}
+    problem = CoalitionProblem(**parts)
+    assert plan_together(problem) is None
+    assert react(problem) is None
+
+
+def test_the_only_task_is_done_by_who_is_home_first() -> None:
+    """The fast robot is there after 3 ticks and home after 20 more; the slow one after 8 and 9."""
+    problem = pose_problem(
+        ways=[[[0], [3], [2]], [[0], [6], [8]]],
+        home=[[20, 0, 0], [9, 0, 0]],
+        pace=[0, 1],
+        origin=[1, 2],
+        counts=[[1], [1]],
+        needs=[[1]],
+        duration=[5],
+    )
+    solution = plan_together(problem)
+    assert solution is not None
+    assert solution.makespan == 8 + 5 + 9

@@ -1,0 +1,29 @@
+"""The reactive rule on missions: nobody decides about tasks that no way leads to."""
+
+from __future__ import annotations
+
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.rules import plan_continuous
+from teamformer.scenarios.files import scenario_from_tree
+
+ISLANDS = {
+    "teamformer": 1,
+    "time": "continuous",
+    "world": {"rows": [".", "@", "."]},
+    "capabilities": ["a"],
+    "robots": [{"at": [0, 0], "can": ["a"]}, {"at": [0, 2], "can": ["a"]}],
+    "tasks": [
+        {"at": [0, 0], "needs": ["a"]},
+        {"at": [0, 0], "needs": ["a"]},
+        {"at": [0, 2], "needs": ["a"]},
+    ],
+}
+"""A robot on each side of a wall. The one below has nothing to do any more before the other."""
+
+
+def test_whoever_is_on_the_other_side_of_a_wall_is_not_sent() -> None:
+    made = plan_continuous(pose_mission(scenario_from_tree(ISLANDS)), "reactive", 0.0)
+    assert made is not None
+    stops = [{stop.task for stop in route.stops} for route in made.routes]
+    assert stops == [{0, 1}, {2}]
+    assert made.makespan == 0.0

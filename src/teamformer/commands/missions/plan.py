@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from rich.table import Table
 from rich.text import Text
@@ -11,7 +13,6 @@ from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, prepare_folder, print_json, say
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
-from teamformer.planning.continuous.routes import MissionPlan, Route
 from teamformer.planning.continuous.rules import is_compiled
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import load_method
@@ -39,7 +40,7 @@ def plan(path: Path, method: str, time_limit: float, folder: Path | None, as_jso
     if as_json:
         print_json(row)
     else:
-        _show(scenario, made)
+        _show(row)
     return 0
 
 
@@ -54,31 +55,28 @@ def _announce(scenario: Scenario, method: str) -> None:
         say("not everything is known: this is planned for what is to be expected")
 
 
-def _show(scenario: Scenario, made: MissionPlan) -> None:
-    cost = "" if made.cost is None else f", at a cost of {made.cost:g}"
-    out.print(f"{scenario.name}: over at {made.makespan:g}{cost}{_known(made)}", markup=False)
-    for task, by in made.late.items():
-        out.print(f"late: {scenario.tasks[task].name} by {by:g}", markup=False)
+def _show(row: Mapping[str, Any]) -> None:
+    """Print a plan, given as `--json` prints it: every output rounds the same way."""
+    cost = f", at a cost of {row['cost']:g}" if "cost" in row else ""
+    over = f"{row['scenario']}: over at {row['makespan']:g}{cost}{_known(row)}"
+    out.print(over, markup=False)
+    for task, by in row["late"].items():
+        out.print(f"late: {task} by {by:g}", markup=False)
     table = Table("robot", "tasks: start to end", "back", box=None)
-    for route in made.routes[:LONGEST_TABLE]:
-        words = (scenario.robots[route.robot].name, _stops(scenario, route), f"{route.back:g}")
+    routes = row["routes"]
+    for route in routes[:LONGEST_TABLE]:
+        stops = (f"{stop['task']} {stop['start']:g}-{stop['end']:g}" for stop in route["stops"])
+        words = (route["robot"], ", ".join(stops) or "-", f"{route['back']:g}")
         table.add_row(*map(Text, words))
     out.print(table)
-    if len(made.routes) > LONGEST_TABLE:
-        say(f"and {len(made.routes) - LONGEST_TABLE} robots more; --json tells all")
+    if len(routes) > LONGEST_TABLE:
+        say(f"and {len(routes) - LONGEST_TABLE} robots more; --json tells all")
 
 
-def _known(made: MissionPlan) -> str:
+def _known(row: Mapping[str, Any]) -> str:
     """Say how good a plan is; of one with a cost no bound is known."""
-    if made.bound <= 0:
+    if row["bound"] <= 0:
         return ""
-    gap = 100 * (made.makespan / made.bound - 1)
-    known = "proven" if made.is_proven else f"{gap:.1f}% above what no plan beats"
-    return f" ({known}: {made.bound:g})"
-
-
-def _stops(scenario: Scenario, route: Route) -> str:
-    shown = (
-        f"{scenario.tasks[stop.task].name} {stop.start:.6g}-{stop.end:.6g}" for stop in route.stops
-    )
-    return ", ".join(shown) or "-"
+    gap = 100 * (row["makespan"] / row["bound"] - 1)
+    known = "proven" if row["proven"] else f"{gap:.1f}% above what no plan beats"
+    return f" ({known}: {row['bound']:g})"

@@ -22,11 +22,13 @@ from teamformer.planning.steps.shared_plan import (
     is_too_large,
     plan_mission,
     rounds_for,
+    search,
+    shared_plan_of,
 )
-from teamformer.planning.steps.situation import Situation, situation_of
+from teamformer.planning.steps.situation import situation_of
 from teamformer.planning.steps.starts import plan_from_crews
-from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
-from teamformer.planning.steps.threshold_search import ThresholdSearch
+from teamformer.planning.steps.team_plan import plan_teams
+from teamformer.planning.steps.timed_plan import time_team_plan
 from teamformer.scenarios.generate import Spec, generate
 
 
@@ -59,13 +61,10 @@ def settled(
 ) -> tuple[list[int], list[list[int]]]:
     """Return the step in which each task of a plan is done, and by whom once it is settled."""
     situation = situation_of(start_of(scenario))
-    search = ThresholdSearch(
-        situation.problem, situation.crossings, situation.company, scenario.forming_steps
-    )
-    search.begin(plan_teams(situation.problem, order, crews))
-    plan = search.best
+    timed = time_team_plan(situation, plan_teams(situation.problem, order, crews))
+    plan = timed.plan
     crew = [sorted(plan.coalition[k, : plan.size[k]].tolist()) for k in range(len(order))]
-    return search.ends.tolist(), crew
+    return timed.ends.tolist(), crew
 
 
 def test_who_has_nothing_left_to_do_is_left_behind_at_the_cost_of_a_split() -> None:
@@ -119,15 +118,6 @@ def test_every_coalition_can_do_its_task(seed: int) -> None:
             )
 
 
-def settled_makespan(situation: Situation, plan: TeamPlan) -> int:
-    """Return the step in which a plan is done, by its exact count."""
-    search = ThresholdSearch(
-        situation.problem, situation.crossings, situation.company, situation.forming_steps
-    )
-    search.begin(plan)
-    return search.makespan
-
-
 def test_a_plan_is_no_worse_than_what_crews_do() -> None:
     """As it begins with their lists, some of them longer searched."""
     rng = np.random.default_rng(7)
@@ -136,7 +126,9 @@ def test_a_plan_is_no_worse_than_what_crews_do() -> None:
         situation = situation_of(start_of(scenario))
         rounds = rounds_for(situation.problem, is_again=False)
         crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
-        assert plan_mission(start_of(scenario)).makespan <= settled_makespan(situation, crews)
+        assert (
+            plan_mission(start_of(scenario)).makespan <= time_team_plan(situation, crews).makespan
+        )
 
 
 def test_rounds_become_fewer_as_missions_grow() -> None:
@@ -145,9 +137,10 @@ def test_rounds_become_fewer_as_missions_grow() -> None:
         scenario = generate(Spec(robots, tasks, capabilities, world=Grid(40, 40)), rng)
         return rounds_for(situation_of(start_of(scenario)).problem, is_again=False)
 
-    assert (rounds(16, 60, 6).crews, rounds(16, 60, 6).team) == (90_000, 60_000)
-    assert rounds(20, 100, 4).team == 100_000
-    assert rounds(100, 300, 8).team == 15_000_000 // 300
+    assert (rounds(16, 60, 6).crews, rounds(16, 60, 6).arcs) == (90_000, 30_000)
+    assert rounds(4, 4, 4).arcs == 300 * 16
+    assert rounds(20, 100, 4).arcs == 900_000
+    assert rounds(100, 300, 8).arcs == 210_000_000 // 300
 
 
 def test_robots_that_are_best_apart_are_planned_from_coalitions() -> None:
@@ -169,11 +162,10 @@ def test_a_large_mission_is_planned_by_one_search_over_graphs_of_arcs() -> None:
     known = start_of(scenario)
     situation = situation_of(known)
     plan = plan_mission(known)
-    assert plan.made_from == "coalitions"
+    assert plan.made_from == "arcs"
     rounds = rounds_for(situation.problem, is_again=False)
-    assert (rounds.coalition, rounds.coalitions) == (900_000, 1)
     crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
-    assert plan.makespan < settled_makespan(situation, crews)
+    assert plan.makespan < time_team_plan(situation, crews).makespan
     lost = replace(known, teams=known.teams[1:])
     again = plan_mission(lost, plan)
     assert sorted(again.order) == list(range(100))
@@ -199,26 +191,33 @@ def test_a_plan_made_again_is_never_worse_by_its_own_count() -> None:
 
 
 HASHED = """
-from test_shared_plan import hash_of
-print(hash_of(seed={seed}, worlds={worlds}))
+from test_shared_plan import BRIEFLY, hash_of
+print(hash_of(seed={seed}, worlds={worlds}, rounds={rounds}))
 """
 
+BRIEFLY = Rounds(crews=30, coalition=10, arcs=30, coalitions=2)
 
-def hash_of(seed: int, worlds: int) -> str:
-    """Return a hash of the plans of many worlds."""
+
+def hash_of(seed: int, worlds: int, rounds: Rounds | None = None) -> str:
+    """Return a hash of the plans of many worlds, by fewer rounds than usual if these are given."""
     rng, stamp = np.random.default_rng(seed), sha256()
     for number in range(worlds):
-        scenario = random_world(rng, is_plane=number % 3 == 0)
-        stamp.update(repr(plan_mission(start_of(scenario))).encode())
+        known = start_of(random_world(rng, is_plane=number % 3 == 0))
+        if rounds is None:
+            stamp.update(repr(plan_mission(known)).encode())
+        else:
+            situation = situation_of(known)
+            found = shared_plan_of(situation, *search(situation, rounds, known.step))
+            stamp.update(repr(found).encode())
     return stamp.hexdigest()
 
 
-def hash_elsewhere(seed: int, worlds: int, **environment: str) -> str:
+def hash_elsewhere(seed: int, worlds: int, rounds: str = "None", **environment: str) -> str:
     """Return the hash that another process finds."""
     here = Path(__file__).parent
     paths = [str(here), str(here.parent), os.environ.get("PYTHONPATH", "")]
     told = subprocess.run(
-        [sys.executable, "-c", HASHED.format(seed=seed, worlds=worlds)],
+        [sys.executable, "-c", HASHED.format(seed=seed, worlds=worlds, rounds=rounds)],
         capture_output=True,
         text=True,
         check=True,
@@ -228,7 +227,8 @@ def hash_elsewhere(seed: int, worlds: int, **environment: str) -> str:
 
 
 def test_plans_are_the_same_without_the_compiler_and_in_another_process() -> None:
-    assert hash_elsewhere(4, 6, NUMBA_DISABLE_JIT="1") == hash_of(seed=4, worlds=6)
+    ours = hash_of(seed=4, worlds=6, rounds=BRIEFLY)
+    assert hash_elsewhere(4, 6, "BRIEFLY", NUMBA_DISABLE_JIT="1") == ours
 
 
 @pytest.mark.slow

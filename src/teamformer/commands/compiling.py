@@ -32,9 +32,9 @@ def announce_compiling(methods: Iterable[Method] = (), mission: Scenario | None 
     """
     from teamformer.jit import needs_compiling
     from teamformer.planning.arcs.annealing import anneal_arcs
+    from teamformer.planning.arcs.start import dispatch
     from teamformer.planning.crews.deal import deal_crews
-    from teamformer.planning.steps import threshold_search
-    from teamformer.planning.steps.shared_plan import LARGE
+    from teamformer.planning.steps.arc_search import LARGE
     from teamformer.sim.step import step_worlds
 
     wanted = {method.name: method for method in methods}
@@ -42,7 +42,7 @@ def announce_compiling(methods: Iterable[Method] = (), mission: Scenario | None 
     needed = is_new
     if is_new:
         say("compiling the simulator, on the first run only (half a minute, more if busy) ...")
-    if "plan" in wanted and needs_compiling(threshold_search.search):
+    if "plan" in wanted and needs_compiling(anneal_arcs):
         needed = True
         say("compiling the planner, on the first run only (a minute) ...")
         if is_new and (os.cpu_count() or 1) > 1:
@@ -53,24 +53,24 @@ def announce_compiling(methods: Iterable[Method] = (), mission: Scenario | None 
     if "central" in wanted:
         from teamformer.planning.relaxation import threshold
 
-        if needs_compiling(threshold_search.search) or not threshold.is_compiled():
+        if needs_compiling(anneal_arcs) or not threshold.is_compiled():
             needed = True
             say("compiling the central planner, on the first run only (half a minute) ...")
     if needed and wanted:
         _compile(wanted.values())
     is_large = mission is not None and len(mission.tasks) >= LARGE
-    if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(anneal_arcs):
+    if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(dispatch):
         say("compiling the search of large missions, on the first run only (half a minute) ...")
-        _search_arcs()
+        _plan_anew()
 
 
-def _search_arcs() -> None:
-    """Search over graphs of arcs, as for large missions."""
-    from teamformer.planning.steps.arc_search import plan_from_arcs
+def _plan_anew() -> None:
+    """Plan from nothing, as large missions are."""
+    from teamformer.planning.steps.arc_search import TeamArcs
     from teamformer.planning.steps.situation import situation_in_hindsight
     from teamformer.scenarios.smallest import smallest_scenario
 
-    plan_from_arcs(situation_in_hindsight(smallest_scenario()), rounds=10)
+    TeamArcs(situation_in_hindsight(smallest_scenario())).plan_anew(rounds=10)
 
 
 def _compile(methods: Iterable[Method]) -> None:
@@ -143,7 +143,7 @@ def _compile_everything(smallest: Scenario) -> None:
     walled, plane = Grid(2, 2, ("..", ".@")), Plane(2.0, 1.0)
     worlds = [replace(smallest, world=world) for world in (smallest.world, walled, plane)]
     _play(worlds, [listing.name for listing in METHODS])
-    _search_arcs()
+    _plan_anew()
 
 
 if __name__ == "__main__":

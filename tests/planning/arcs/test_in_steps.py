@@ -12,14 +12,15 @@ from test_arcs import run_script
 from plain_teams import slow_ends
 from random_worlds import random_world
 from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.arcs.graph import COST, END_SUM, MAKESPAN, Graph
 from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.steps.arc_search import TeamArcs, plan_from_arcs
+from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
-from teamformer.planning.steps.solve import BestPlan, improve_by_arcs, start_search
+from teamformer.planning.steps.solve import BestPlan, from_best, improve
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
+from teamformer.rules.constants import FAR
 from teamformer.scenarios.generate import Spec, generate
 
 SEEDS = range(12)
@@ -36,7 +37,7 @@ def drawn(seed: int, forming_steps: int = 1) -> tuple[Scenario, Situation]:
 def plan_of(arcs: TeamArcs, graph: Graph) -> TeamPlan:
     """Return the plan that a graph holds."""
     arcs.search._best = graph
-    return arcs.best
+    return arcs.plan
 
 
 def ends_of(arcs: TeamArcs) -> list[int]:
@@ -48,8 +49,9 @@ def ends_of(arcs: TeamArcs) -> list[int]:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_times_of_a_plan_that_is_laid_out_are_those_of_a_slow_twin(seed: int) -> None:
     scenario, situation = drawn(seed)
-    plan = plan_from_arcs(situation, rounds=300, seed=seed)
-    assert plan is not None
+    searched = TeamArcs(situation, seed)
+    assert searched.plan_anew(rounds=300) is not None
+    plan = searched.plan
     arcs = TeamArcs(situation)
     arcs.begin_at(plan)
     slow = slow_ends(scenario, situation.problem, plan)
@@ -78,9 +80,9 @@ def test_searching_on_never_loses_the_best_and_every_coalition_is_able(seed: int
     arcs = TeamArcs(situation, seed)
     assert arcs.begin_anew()
     first = arcs.search.cost
-    arcs.anneal(3000)
+    arcs.search.anneal(4 * TICKS, TICKS, 0, 3000, 3000)
     assert arcs.search.cost <= first
-    plan, problem = arcs.best, situation.problem
+    plan, problem = arcs.plan, situation.problem
     for task, size in enumerate(plan.size.tolist()):
         crew = plan.coalition[task, :size].tolist()
         assert len(set(crew)) == size
@@ -110,22 +112,34 @@ def test_large_coalitions_are_begun_without_robots_to_spare() -> None:
     )
     arcs = TeamArcs(situation_in_hindsight(scenario))
     arcs.begin_at(plan_teams(arcs.situation.problem, [0, 1], [list(range(8)), [7]]))
-    assert arcs.best.size.tolist() == [4, 1]  # two that are needed, and two riders
+    assert arcs.plan.size.tolist() == [6, 1]  # two that are needed, and four riders
     assert arcs.search.graph.total[COST] > 0
 
 
 def test_searching_by_the_clock_begins_at_the_best_plan_and_offers_better_ones() -> None:
     situation = drawn(0)[1]
-    plan = plan_from_arcs(situation, rounds=1)
-    assert plan is not None
-    timed = start_search(situation, seed=0)
-    timed.begin(plan)
-    best, first = BestPlan(time.perf_counter(), timed), timed.makespan
-    improve_by_arcs(best, situation, time.perf_counter() + 0.5, seed=0)
-    assert best.makespan < first
+    first = TeamArcs(situation).plan_anew(rounds=1)
+    assert first is not None
+    best = BestPlan(time.perf_counter(), first)
+    improve(best, situation, time.perf_counter() + 0.5, from_best(best), seed=0)
+    assert best.makespan < first.makespan
     assert best.curve[-1][1] == best.makespan
     best.stop()
-    improve_by_arcs(best, situation, time.perf_counter() + 600, seed=0)  # ends at once
+    improve(best, situation, time.perf_counter() + 600, from_best(best), seed=0)  # ends at once
+
+
+def test_nobody_is_planned_for_what_ends_after_it_is_lost() -> None:
+    lost = Robot("lost", (0, 0), {"a": 1}, absences=(Absence(5),))
+    stays = Robot("stays", (20, 0), {"a": 1})
+    tasks = (Task("near", (2, 0), {"a": 1}), Task("later", (6, 0), {"a": 1}))
+    scenario = Scenario("corridor", Grid(30, 1), ("a",), (lost, stays), tasks)
+    situation = situation_in_hindsight(scenario)
+    arcs = TeamArcs(situation)
+    arcs.begin_at(plan_teams(situation.problem, [0, 1], [[0], [0]]))
+    assert arcs.search.graph.total[MAKESPAN] >= FAR * TICKS
+    found = arcs.improve(arcs.best, rounds=200)
+    assert found.plan.coalition[:, 0].tolist() == [0, 1]
+    assert found.ends.tolist() == [2, 14]
 
 
 UNDOING = """
@@ -140,23 +154,24 @@ def watch(name, made):
         before = [array.copy() for array in graph]
         is_short = made(problem, graph, *rest)
         tried[name] = tried.get(name, 0) + (rest[0].number[0] > 0)
-        latest[0] = before
+        latest[0] = (problem, *before)
         return is_short
     return watched
 
-def take_back(problem, graph, moved):
-    taken_back(problem, graph, moved)
-    nodes, most = latest[0][0], problem.most[0]
+def take_back(graph, moved):
+    taken_back(graph, moved)
+    problem, nodes, *before = latest[0]
+    most = problem.most[0]
     in_use = [nodes[n].first + np.arange(nodes[n].taken) for n in range(len(problem.near))]
     in_use = np.concatenate([*in_use, np.arange(len(problem.near) * most, len(graph.seats))])
-    assert (latest[0][1][in_use] == graph.seats[in_use]).all()
-    assert (latest[0][0] == graph.nodes).all()
-    assert (latest[0][4][in_use] == graph.comes[in_use]).all()
-    assert (latest[0][3] == graph.total).all()
+    assert (before[0][in_use] == graph.seats[in_use]).all()
+    assert (nodes == graph.nodes).all()
+    assert (before[3][in_use] == graph.comes[in_use]).all()
+    assert (before[2] == graph.total).all()
 
 latest, taken_back = [None], annealing.take_back
 annealing.take_back = take_back
-for name in ("swap_heads", "replace_member", "ride", "move_task"):
+for name in ("swap_heads", "replace_member", "ride", "move_task", "move_stretch"):
     setattr(annealing, name, watch(name, getattr(annealing, name)))
 for seed in range(4):
     arcs = TeamArcs(drawn(seed)[1], seed)
@@ -169,14 +184,15 @@ for seed in range(4):
             to = graph.seats[seat].next
             assert graph.seats[to].prev == seat and graph.seats[to].kind == graph.seats[seat].kind
             assert node.key < graph.nodes[graph.seats[to].node].key
-assert min(tried.get(name, 0) for name in ("replace_member", "ride", "move_task")) > 5, tried
+names = ("replace_member", "ride", "move_task", "move_stretch")
+assert min(tried.get(name, 0) for name in names) > 5, tried
 """
 
 SEARCHING = """
 from test_in_steps import drawn
-from teamformer.planning.steps.arc_search import plan_from_arcs
+from teamformer.planning.steps.arc_search import TeamArcs
 for seed in range(3):
-    plan = plan_from_arcs(drawn(seed)[1], 150, seed)
+    plan = TeamArcs(drawn(seed)[1], seed).plan_anew(150).plan
     print(plan.order.tolist(), plan.size.tolist(), plan.coalition.tolist())
 """
 

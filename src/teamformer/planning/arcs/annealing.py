@@ -16,6 +16,7 @@ from teamformer.planning.arcs.graph import (
     REPLACE,
     RIDE,
     SLACK,
+    STRETCH,
     SWAP,
     ArcProblem,
     Graph,
@@ -30,6 +31,7 @@ from teamformer.planning.arcs.graph import (
     time_anew,
 )
 from teamformer.planning.arcs.in_steps.members import replace_member, ride
+from teamformer.planning.arcs.in_steps.stretches import move_stretch
 from teamformer.planning.arcs.judging import (
     Trial,
     accept,
@@ -39,8 +41,8 @@ from teamformer.planning.arcs.judging import (
 )
 from teamformer.planning.arcs.start import first_plan
 from teamformer.planning.arcs.swaps import swap_heads
-from teamformer.planning.arcs.task_moves import MOVED, Moved, move_task, take_back
-from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem
+from teamformer.planning.arcs.task_moves import Moved, empty_moved, move_task, take_back
+from teamformer.planning.continuous.problem import CoalitionProblem
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
@@ -58,6 +60,9 @@ COLDER = 10
 
 ROUNDS_EACH, FEW_ANNEALINGS = 9_000, 2
 """The shared plan of few tasks takes so many rounds for each task, so many times."""
+
+ENDLESS = 2**60
+"""More rounds than there is time for."""
 
 FEWEST_ROUNDS, SECONDS_AT_ONCE = 200, 0.05
 """Rounds before the first look at the clock, and seconds between two looks."""
@@ -93,7 +98,7 @@ class ArcSearch:
         self._trial = empty_trial(self.graph)
         most = most_seats(problem, steps)
         self._choice = empty_choice(self.arcs, most)
-        self._moved = Moved(np.zeros(3, np.int64), np.zeros(most, np.int64))
+        self._moved = empty_moved(most)
         self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)
 
     def begin_anew(self) -> bool:
@@ -131,19 +136,26 @@ class ArcSearch:
         parts = (self.graph, self._best, self._trial, self._choice, self._moved, self.random)
         anneal_arcs(self.arcs, *parts, SLACKS, self.leg, hot, cold, begin, end, rounds)
 
-    def anneal_for(
+    def anneal_until(
         self,
-        seconds: float,
+        deadline: float,
+        rounds: int,
         heats: tuple[int, int],
         is_over: Callable[[], bool],
         offer: Callable[[], None],
     ) -> None:
-        """Anneal for so many seconds, and call `offer` whenever a better plan is found."""
-        (hot, cold), at_once, cost = heats, FEWEST_ROUNDS, self.cost
+        """Anneal until so many rounds are made, or until `time.perf_counter` shows the deadline.
+
+        `heats` is where it begins and ends; `offer` is called whenever a better plan is found.
+        """
+        (hot, cold), at_once, cost, made = heats, FEWEST_ROUNDS, self.cost, 0
         begun = now = time.perf_counter()
-        while now < begun + seconds and not is_over():
-            heat = hot + int((cold - hot) * (now - begun) / seconds)
+        while now < deadline and made < rounds and not is_over():
+            passed = max((now - begun) / (deadline - begun), made / rounds)
+            heat = hot + int((cold - hot) * passed)
+            at_once = min(at_once, rounds - made)
             self.anneal(heat, heat, 0, at_once, at_once)
+            made += at_once
             if self.cost < cost:
                 cost = self.cost
                 offer()
@@ -206,13 +218,15 @@ def anneal_arcs(
         allowed = total[COST] + slack
         limit = allowed - (total[COST] - total[MAKESPAN]) + temperature // 8 + habits[SLACK]
         task = draw_task(problem, graph, trial, random)
-        what, moved.number[MOVED] = draw_below(random, 100), NOBODY
+        what, moved.number[0] = draw_below(random, 100), 0
         if what < habits[SWAP]:
             is_short = swap_heads(problem, graph, trial, random, task, limit)
         elif what < habits[SWAP] + habits[REPLACE]:
             is_short = replace_member(problem, graph, trial, choice, moved, random, task, limit)
         elif what < habits[SWAP] + habits[REPLACE] + habits[RIDE]:
             is_short = ride(problem, graph, trial, moved, random, task, limit)
+        elif what < habits[SWAP] + habits[REPLACE] + habits[RIDE] + habits[STRETCH]:
+            is_short = move_stretch(problem, graph, trial, moved, random, task, limit)
         else:
             is_short = move_task(problem, graph, trial, choice, moved, random, task, leg, limit)
         cost = sum_up_trial(problem, graph, trial) if is_short else 0
@@ -224,7 +238,7 @@ def anneal_arcs(
             is_best = cost < best.total[COST]
         else:
             undo(graph, trial)
-            take_back(problem, graph, moved)
+            take_back(graph, moved)
             if must_copy:
                 write_down(problem, graph, best)
                 is_best, must_copy = False, False

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 Records = np.recarray[Any, np.dtype[np.void]]
 
-KIND = np.dtype([("pace", np.int32), ("type", np.int32)])
+KIND = np.dtype([("pace", np.int32), ("type", np.int32), ("lost", np.int64)])
 NODE = np.dtype(
     [
         ("end", np.int64),  # when the task ends; 0 for depots
@@ -58,12 +58,12 @@ FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 40, 7
 MAKESPAN, COST, BACK_SUM, LATE, LATEST, END_SUM = range(6)
 """What is known of a graph as a whole; LATEST is the home that is reached last."""
 
-SWAP, REPLACE, RIDE, ANYWHERE, IN_PLACE, BUNDLE, SMOOTH, SLACK = range(8)
+SWAP, REPLACE, RIDE, ANYWHERE, IN_PLACE, BUNDLE, SMOOTH, SLACK, STRETCH = range(9)
 """Habits of a search: how many percent of the changes are swaps, replacements, riders; of the moves
 how many are to any moment, in place, or try a bundle; how many percent the mean end of tasks weighs
 in steps; by how many ticks chains may be longer than allowed."""
 
-CONTINUOUS = (40, 0, 0, 5, 0, 0, 0, 0)
+CONTINUOUS = (40, 0, 0, 5, 0, 0, 0, 0, 0)
 """The habits in continuous time."""
 
 
@@ -87,7 +87,7 @@ class ArcProblem(NamedTuple):
     after: Whole  # (tasks, most) the tasks that each must have ended before, then NOBODY
     forming: Ticks  # (1,)
     most: Ticks  # (1,) seats of each task
-    habits: Whole  # (8,)
+    habits: Whole  # (9,)
     passed: Whole  # (ways + 1,) of in steps: where the tasks of each way begin in `passes`
     passes: Whole  # tasks that take time and lie on a way, from the place on
 
@@ -114,6 +114,7 @@ class StepRules(NamedTuple):
     """What a mission in steps has beside its coalition problem; robots of a team are in a row."""
 
     ready: Ticks  # (places - tasks,) when the robots at each depot are free
+    lost: Ticks  # (robots,) the step in which each is lost, if that is known; alike in a kind
     near: int  # how many tasks are near to each
     riders: int  # how many robots more than it needs come to a task at most
     habits: tuple[int, ...]
@@ -133,6 +134,7 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
     counts, kind_type = np.unique(brings, axis=0, return_inverse=True)
     kinds = np.zeros(len(first), KIND).view(np.recarray)
     kinds.pace, kinds.type = problem.pace[first], kind_type.ravel()
+    kinds.lost = NEVER if steps is None else steps.lost[first]
     needs, _ = _different_needs(problem)
     number = np.bincount(kind_type.ravel()[problem.kind], minlength=len(counts)).astype(np.int32)
     useful, covers, listed = list_covers(counts, number, needs)

@@ -61,7 +61,7 @@ class Trial(NamedTuple):
 
 def empty_trial(graph: Graph) -> Trial:
     """Return room for a change."""
-    room = 5 * len(graph.seats) + len(graph.nodes) + len(graph.back)
+    room = 10 * len(graph.seats) + len(graph.nodes) + len(graph.back)
     return Trial(
         number=np.zeros(6, np.int64),
         log=np.zeros(room, ENTRY).view(np.recarray),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from teamformer.jit import kernel
 from teamformer.planning.arcs.coalition_choice import (
     COMES,
@@ -40,14 +42,25 @@ NEAR = 2
 BY_CHAIN = 75  # percent
 """How often a coalition is picked by its longest chain, not only by when it comes."""
 
-MOVED, OLD_KEY, OLD_SIZE = range(3)
+MOST_MOVED = 8
+"""How many tasks one change moves at most."""
 
 
 class Moved(NamedTuple):
-    """The task that was moved, and what it was before."""
+    """The tasks that a change has moved, and what they were before."""
 
-    number: Ticks  # (3,)
-    kinds: Ticks  # (seats,) the kinds of its seats
+    number: Ticks  # (1,) how many they are
+    task: Ticks  # (MOST_MOVED,)
+    key: Ticks  # (MOST_MOVED,)
+    size: Ticks  # (MOST_MOVED,)
+    kinds: Ticks  # (MOST_MOVED, seats) the kinds of their seats
+
+
+def empty_moved(seats: int) -> Moved:
+    """Return room for tasks of so many seats."""
+    one = np.zeros(1, np.int64)
+    task, key, size = (np.zeros(MOST_MOVED, np.int64) for _ in range(3))
+    return Moved(one, task, key, size, np.zeros((MOST_MOVED, seats), np.int64))
 
 
 @kernel
@@ -64,7 +77,7 @@ def move_task(
 ) -> bool:
     """Move a task; say if no chain is too long then. The trial is begun in any case."""
     begin_trial(trial)
-    moved.number[MOVED] = NOBODY
+    moved.number[0] = 0
     node, need = graph.nodes[task], graph.nodes[task].need
     choice.number[FELLOWS_FROM] = cut = NOBODY
     if problem.habits[BUNDLE] > 0 and draw_below(random, 100) < problem.habits[BUNDLE]:
@@ -155,19 +168,18 @@ def _put(
 @kernel
 def remember(graph: Graph, moved: Moved, task: int) -> None:
     """Note the key of a task and the kinds of its robots before they change."""
-    node = graph.nodes[task]
-    moved.number[MOVED], moved.number[OLD_KEY], moved.number[OLD_SIZE] = task, node.key, node.taken
+    node, place = graph.nodes[task], moved.number[0]
+    moved.task[place], moved.key[place], moved.size[place] = task, node.key, node.taken
     for index in range(node.taken):
-        moved.kinds[index] = graph.seats[node.first + index].kind
+        moved.kinds[place, index] = graph.seats[node.first + index].kind
+    moved.number[0] = place + 1
 
 
 @kernel
-def take_back(problem: ArcProblem, graph: Graph, moved: Moved) -> None:
-    """Give a task that was moved its key and its robots' kinds again; arcs are undone elsewhere."""
-    task = moved.number[MOVED]
-    if task == NOBODY:
-        return
-    node, most = graph.nodes[task], problem.most[0]
-    node.key, node.taken = moved.number[OLD_KEY], moved.number[OLD_SIZE]
-    for index in range(node.taken):
-        graph.seats[task * most + index].kind = moved.kinds[index]
+def take_back(graph: Graph, moved: Moved) -> None:
+    """Give tasks that were moved their keys and kinds again; arcs are undone elsewhere."""
+    for place in range(moved.number[0]):
+        node = graph.nodes[moved.task[place]]
+        node.key, node.taken = moved.key[place], moved.size[place]
+        for index in range(node.taken):
+            graph.seats[node.first + index].kind = moved.kinds[place, index]

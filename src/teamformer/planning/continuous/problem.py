@@ -59,16 +59,19 @@ def pose_problem(
     precedence: Sequence[tuple[int, int]] = (),
     forming: int = 0,
     site: npt.ArrayLike | None = None,
+    apart: npt.ArrayLike | None = None,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
     `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
-    `site` no two places lie at the same position.
+    `site` no two places lie at the same position. Robots with different numbers in `apart`
+    (robots,) are of different kinds.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
     pace, tasks = np.asarray(pace, np.int32), len(needs)
-    traits = np.column_stack([counts, pace, home])  # (robots, traits)
+    apart = np.zeros(len(counts)) if apart is None else apart
+    traits = np.column_stack([counts, pace, home, apart])  # (robots, traits)
     _, first, kind = np.unique(traits, axis=0, return_index=True, return_inverse=True)
     kind = np.argsort(np.argsort(first))[kind.ravel()]  # kinds in the order of their first robots
     return CoalitionProblem(

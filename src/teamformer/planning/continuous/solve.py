@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
-from teamformer.planning.arcs.annealing import ArcSearch, has_few_tasks, shared_annealings
+from teamformer.planning.arcs.annealing import ENDLESS, ArcSearch, has_few_tasks, shared_annealings
 from teamformer.planning.continuous.bounds.makespan import improving_bounds
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous.problem import CoalitionProblem
@@ -167,9 +167,12 @@ def _search(problem: CoalitionProblem, seed: int, best: _Best) -> None:
     search.begin_at(best.plan)
     is_large = len(problem.needs) >= MANY_TASKS
     for left in range(1 if is_large else max(1, round(seconds / SECONDS_EACH)), 0, -1):
-        seconds = best.seconds_left / left
-        search.anneal_for(
-            seconds, search.heats, lambda: best.is_over, lambda: best.offer(search.best)
+        search.anneal_until(
+            time.perf_counter() + best.seconds_left / left,
+            ENDLESS,
+            search.heats,
+            lambda: best.is_over,
+            lambda: best.offer(search.best),
         )
         search.begin_at_best()
 

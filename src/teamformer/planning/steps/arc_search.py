@@ -8,53 +8,39 @@ from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.arcs.graph import MAKESPAN, StepRules
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.continuous.problem import CoalitionProblem, Ticks, Whole, pose_problem
-from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.continuous.schedule import empty_plan
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 from teamformer.rules.constants import FAR
 
-RIDERS = 2
+RIDERS = 4
 """How many robots more than it needs come to a task at most."""
 
 FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 60, 7
 """How many tasks are near to each: every seventh, or two for each type of robots."""
 
-HABITS = (30, 10, 5, 2, 15, 60, 40, 2 * TICKS)
+HABITS = (25, 20, 20, 10, 10, 60, 60, 10 * TICKS, 15)
 """Swaps, replacements, riders and so on, as `planning.arcs.graph` names them."""
 
-LEAST_COOLING, MOST_COOLING, COOLING_SHARE = 8, 40, 10
-"""Annealings begin at what a task takes a robot on average, divided by a tenth of the tasks."""
+LARGE = 100
+"""Missions of so many tasks are planned from an empty plan, not from coalitions."""
 
-COOLER, LESS_HOT, COLD = 3, 2, 10
-"""By how much cooler they begin at an old plan and at the best one so far, and end in any case."""
+HABITS_IF_LARGE = (30, 10, 10, 2, 15, 60, 40, 2 * TICKS, 10)
+
+COOL = 20
+"""An annealing at a plan begins at what a task takes a robot on average, divided by this."""
+
+LEAST_COOLING, MOST_COOLING, COOLING_SHARE = 8, 40, 10
+"""One that begins anew does so at that, divided by a tenth of the tasks."""
+
+LESS_HOT, COLD = 2, 10
+"""By how much cooler that goes on at its best plan, and how much cooler any ends."""
 
 REHEATS, REHEATED = 2, 20  # percent
-"""How often an annealing goes on from its best plan, each time for such a share of all rounds."""
-
-
-def plan_from_arcs(
-    situation: Situation, rounds: int, seed: int = 0, start: TeamPlan | None = None
-) -> TeamPlan | None:
-    """Return the best plan of so many rounds in all, which begin cool at a plan if one is given.
-
-    Else an annealing goes on from its best plan, less hot. None if no first plan was found in which
-    everybody gets where it has to be.
-    """
-    arcs = TeamArcs(situation, seed)
-    if start is not None:
-        arcs.begin_at(start)
-        arcs.anneal(rounds, COOLER)
-        return arcs.best
-    if not arcs.begin_anew():
-        return None
-    reheated = rounds * REHEATED // 100
-    arcs.anneal(rounds - REHEATS * reheated)
-    for _ in range(REHEATS):
-        arcs.search.begin_at_best()
-        arcs.anneal(reheated, LESS_HOT)
-    return arcs.best
+"""How often it goes on from its best plan, each time for such a share of all rounds."""
 
 
 class TeamArcs:
@@ -65,14 +51,41 @@ class TeamArcs:
         self._robots = np.argsort(situation.company, kind="stable")  # those of the situation
         problem = _pose(situation, self._robots)
         tasks = len(problem.needs)
-        teams = problem.ways.shape[1] - tasks
         leaders = np.unique(situation.company)
         passed, passes = _passes(situation.problem, situation.crossings, leaders)
-        ready = situation.problem.ready[leaders].astype(np.int64) * TICKS
-        assert teams == len(leaders)
-        near = _near_of(tasks, len(np.unique(problem.counts, axis=0)))
-        rules = StepRules(ready, near, RIDERS, HABITS, passed, passes)
+        rules = StepRules(
+            ready=situation.problem.ready[leaders].astype(np.int64) * TICKS,
+            lost=situation.problem.lost[self._robots].astype(np.int64),
+            near=_near_of(tasks, len(np.unique(problem.counts, axis=0))),
+            riders=RIDERS,
+            habits=HABITS_IF_LARGE if tasks >= LARGE else HABITS,
+            passed=passed,
+            passes=passes,
+        )
         self.search = ArcSearch(problem, seed, rules)
+
+    def improve(self, timed: TimedPlan, rounds: int) -> TimedPlan:
+        """Return the better one of a plan and the best found from it in so many rounds."""
+        self.begin_at(timed.plan)
+        hot = self.search.leg // COOL
+        self.search.anneal(hot, hot // COLD, 0, rounds, rounds)
+        return min(timed, self.best, key=cost_of)
+
+    def plan_anew(self, rounds: int) -> TimedPlan | None:
+        """Return the best plan found in so many rounds from an empty plan.
+
+        None if there is no first plan in which everybody gets where it has to be.
+        """
+        if not self.begin_anew():
+            return None
+        hot, cold = self.heats
+        reheated = rounds * REHEATED // 100
+        most = rounds - REHEATS * reheated
+        self.search.anneal(hot, cold, 0, most, most)
+        for _ in range(REHEATS):
+            self.search.begin_at_best()
+            self.search.anneal(hot // LESS_HOT, cold, 0, reheated, reheated)
+        return self.best
 
     def begin_at(self, plan: TeamPlan) -> None:
         """Stand at a plan; robots that a task could do without are left out of large coalitions."""
@@ -91,29 +104,32 @@ class TeamArcs:
         is_able = self.search.begin_anew()
         return is_able and self.search.graph.total[MAKESPAN] < FAR * TICKS
 
-    def anneal(self, rounds: int, cooler: int = 1) -> None:
-        """Make so many rounds, from hot to cold, or from so many times less than hot."""
-        hot, cold = self.heats
-        self.search.anneal(hot // cooler, cold, 0, rounds, rounds)
-
     @property
     def heats(self) -> tuple[int, int]:
-        """Return where an annealing begins and ends: with more tasks it may be colder."""
+        """Return where an annealing from an empty plan begins and ends: colder with more tasks."""
         tasks = len(self.situation.tasks)
         hot = self.search.leg // max(LEAST_COOLING, min(MOST_COOLING, tasks // COOLING_SHARE))
         return hot, hot // COLD
 
     @property
-    def best(self) -> TeamPlan:
-        """Return the best plan."""
-        return self._team_plan(self.search.best)
+    def best(self) -> TimedPlan:
+        """Return the best plan, timed."""
+        return time_team_plan(self.situation, self.plan)
 
-    def _team_plan(self, plan: CoalitionPlan) -> TeamPlan:
+    @property
+    def plan(self) -> TeamPlan:
+        """Return the best plan as the graph has it: tasks are done by those who are led to them."""
+        plan = self.search.best
         coalitions = [
             self._robots[row[:size]].tolist()
             for row, size in zip(plan.coalition, plan.size, strict=True)
         ]
         return plan_teams(self.situation.problem, plan.order.tolist(), coalitions)
+
+
+def cost_of(timed: TimedPlan) -> int:
+    """Return what plans are compared by."""
+    return timed.cost
 
 
 def _near_of(tasks: int, types: int) -> int:
@@ -139,6 +155,7 @@ def _pose(situation: Situation, robots: Ticks) -> CoalitionProblem:
         duration=problem.duration.astype(np.int64) * TICKS,
         release=(problem.appears.astype(np.int64) + 1) * TICKS,
         forming=situation.forming_steps,
+        apart=problem.lost[robots],
     )
 
 

@@ -16,11 +16,9 @@ from teamformer.planning.steps.solve import (
     from_best,
     from_coalitions,
     improve,
-    improve_by_arcs,
     is_able,
-    is_for_arcs,
-    start_search,
 )
+from teamformer.planning.steps.timed_plan import time_team_plan
 
 LOOK = 0.1
 """Seconds between two looks at whether anybody still waits."""
@@ -45,21 +43,17 @@ def search_longer(
     if not known.possible_tasks:
         return Plan(made_from="nothing")
     situation = situation_of(replace(known, open_tasks=known.possible_tasks))
-    problem = situation.problem
-    search = start_search(situation, seed)
-    search.begin(kept_plan(situation, old))
+    problem, deadline = situation.problem, begun + seconds
+    best = BestPlan(begun, time_team_plan(situation, kept_plan(situation, old)))
     for start in crew_plans(problem):
         if is_able(problem, start):
-            search.begin(start)
-    best = BestPlan(begun, search)
+            best.offer(time_team_plan(situation, start))
     coalitions = from_coalitions(problem, best, seed)
-    other = start_search(situation, seed + 1)
     with ThreadPoolExecutor(2) as pool:
-        if is_for_arcs(problem):
-            first = pool.submit(improve_by_arcs, best, situation, begun + seconds, seed)
-        else:
-            first = pool.submit(improve, best, search, begun + seconds, from_best(best))
-        work = [first, pool.submit(improve, best, other, begun + seconds, coalitions)]
+        work = [
+            pool.submit(improve, best, situation, deadline, from_best(best), seed),
+            pool.submit(improve, best, situation, deadline, coalitions, seed + 1),
+        ]
         try:
             while wait(work, timeout=LOOK).not_done and not is_over():
                 pass
@@ -67,6 +61,4 @@ def search_longer(
             best.stop()
         for done in work:
             done.result()
-    timed = start_search(situation, seed)
-    timed.begin(best.plan)
-    return shared_plan_of(situation, timed, CENTRAL)
+    return shared_plan_of(situation, CENTRAL, best.plan)

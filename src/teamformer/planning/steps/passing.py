@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from teamformer.jit import kernel
-from teamformer.planning.steps.timing import ENDLESS, is_settled, time_plan
+from teamformer.jit import entry, kernel
+from teamformer.planning.steps.timing import is_settled, time_plan
 from teamformer.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.planning.relaxation.problem import Relaxed
     from teamformer.planning.steps.crossings import Crossings
-    from teamformer.planning.steps.neighbourhood import Workspace
     from teamformer.planning.steps.team_plan import TeamPlan
     from teamformer.planning.steps.timing import Groups
 
@@ -19,30 +18,20 @@ ROUNDS = 20
 """How often a plan is timed anew until nothing in it is done by others than planned."""
 
 
-@kernel
-def settle(
-    problem: Relaxed,
-    crossings: Crossings,
-    plan: TeamPlan,
-    groups: Groups,
-    workspace: Workspace,
-    most: int,
-) -> tuple[Any, Any, bool]:
-    """Time a plan and give all tasks to those who do them; return cost, makespan, if it is settled.
-
-    It is given up when it costs more than `most`.
-    """
-    cost, makespan = time_plan(problem, crossings, plan, groups, most)
+@entry
+def settle(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups) -> Any:
+    """Time a plan and give all tasks to those who do them; return its cost."""
+    cost, _ = time_plan(problem, crossings, plan, groups)
     for _ in range(ROUNDS):
-        if cost == ENDLESS or is_settled(groups):
+        if is_settled(groups):
             break
-        _hand_over(plan, groups, workspace)
-        cost, makespan = time_plan(problem, crossings, plan, groups, most)
-    return cost, makespan, is_settled(groups)
+        _hand_over(plan, groups)
+        cost, _ = time_plan(problem, crossings, plan, groups)
+    return cost
 
 
 @kernel
-def _hand_over(plan: TeamPlan, groups: Groups, workspace: Workspace) -> None:
+def _hand_over(plan: TeamPlan, groups: Groups) -> None:
     """Put every task that was passed before the one that its doers went to, or after if there.
 
     Groups are followed as they were when the plan was timed, whoever is handed a task.
@@ -63,17 +52,17 @@ def _hand_over(plan: TeamPlan, groups: Groups, workspace: Workspace) -> None:
             if was_visited:
                 _follow(plan, groups, task)
         elif passed_to == NOBODY:
-            spares = _list_spares(plan, groups, workspace, task)
-            filled = _place_passed(plan, groups, workspace, task, filled, False)
-            workspace.moved[filled] = task
+            spares = _list_spares(plan, groups, task)
+            filled = _place_passed(plan, groups, task, filled, False)
+            groups.moved[filled] = task
             filled += 1
             _follow(plan, groups, task)
-            filled = _place_passed(plan, groups, workspace, task, filled, True)
-            _leave_out(plan, workspace, task, spares)
+            filled = _place_passed(plan, groups, task, filled, True)
+            _leave_out(plan, groups, task, spares)
         elif passed_to == stolen:  # nobody is on the way to that any more
-            workspace.moved[filled] = task
+            groups.moved[filled] = task
             filled += 1
-    _sort_by_start(plan, groups, workspace)
+    _sort_by_start(plan, groups)
 
 
 @kernel
@@ -83,10 +72,10 @@ def _follow(plan: TeamPlan, groups: Groups, task: int) -> None:
 
 
 @kernel
-def _sort_by_start(plan: TeamPlan, groups: Groups, workspace: Workspace) -> None:
-    """Order the tasks in `workspace.moved` by their starts, of equals as they are."""
+def _sort_by_start(plan: TeamPlan, groups: Groups) -> None:
+    """Order the tasks in `groups.moved` by their starts, of equals as they are."""
     for position in range(len(plan.order)):
-        task, gap = workspace.moved[position], position
+        task, gap = groups.moved[position], position
         while gap > 0 and groups.start[plan.order[gap - 1]] > groups.start[task]:
             plan.order[gap] = plan.order[gap - 1]
             gap -= 1
@@ -94,25 +83,25 @@ def _sort_by_start(plan: TeamPlan, groups: Groups, workspace: Workspace) -> None
 
 
 @kernel
-def _list_spares(plan: TeamPlan, groups: Groups, workspace: Workspace, task: int) -> int:
-    """List in `workspace.union` the robots that a group can spare; return how many."""
+def _list_spares(plan: TeamPlan, groups: Groups, task: int) -> int:
+    """List in `groups.spares` the robots that a group can spare; return how many."""
     count = 0
     if task == groups.spare[0]:
         for seat in range(plan.size[task]):
             if groups.of[plan.coalition[task, seat]] == groups.spare[1]:
-                workspace.union[count] = plan.coalition[task, seat]
+                groups.spares[count] = plan.coalition[task, seat]
                 count += 1
     return count
 
 
 @kernel
-def _leave_out(plan: TeamPlan, workspace: Workspace, task: int, spares: int) -> None:
-    """Take the robots in `workspace.union` out of a coalition."""
+def _leave_out(plan: TeamPlan, groups: Groups, task: int, spares: int) -> None:
+    """Take the robots in `groups.spares` out of a coalition."""
     kept = 0
     for seat in range(plan.size[task]):
         robot, is_spare = plan.coalition[task, seat], False
         for place in range(spares):
-            is_spare |= workspace.union[place] == robot
+            is_spare |= groups.spares[place] == robot
         if not is_spare:
             plan.coalition[task, kept] = robot
             kept += 1
@@ -120,19 +109,17 @@ def _leave_out(plan: TeamPlan, workspace: Workspace, task: int, spares: int) -> 
 
 
 @kernel
-def _place_passed(
-    plan: TeamPlan, groups: Groups, workspace: Workspace, task: int, filled: int, is_there: bool
-) -> int:
+def _place_passed(plan: TeamPlan, groups: Groups, task: int, filled: int, is_there: bool) -> int:
     """Place what was passed on the way to a task, or what is where it is; return the next place."""
     begin = filled
     for other in range(len(plan.order)):
         if groups.passed_to[other] != task or (groups.passed_from[other] == task) != is_there:
             continue
         gap = filled
-        while gap > begin and groups.start[workspace.moved[gap - 1]] > groups.start[other]:
-            workspace.moved[gap] = workspace.moved[gap - 1]
+        while gap > begin and groups.start[groups.moved[gap - 1]] > groups.start[other]:
+            groups.moved[gap] = groups.moved[gap - 1]
             gap -= 1
-        workspace.moved[gap] = other
+        groups.moved[gap] = other
         filled += 1
         plan.size[other] = 0
         for seat in range(plan.size[task]):

@@ -13,35 +13,27 @@ from typing import NamedTuple
 from teamformer.coordination import Known, Plan
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
-from teamformer.planning.steps.arc_search import plan_from_arcs
+from teamformer.planning.steps.arc_search import LARGE, TeamArcs
 from teamformer.planning.steps.situation import Situation, plan_of, situation_of
 from teamformer.planning.steps.starts import complete_plan, plan_from_coalitions, plan_from_crews
 from teamformer.planning.steps.team_plan import TeamPlan
-from teamformer.planning.steps.threshold_search import ThresholdSearch
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
-HOT = 0.5
-"""How many steps of makespan a plan may be worse at first in the search."""
-
-CREWS, COALITIONS = "crews", "coalitions"
-"""What a plan is made from: what crews do, or coalitions that are best where joining is free."""
-
-CLEARLY = 16
-"""Crews are clearly better if plans from coalitions take a sixteenth longer."""
+CREWS, COALITIONS, ANEW = "crews", "coalitions", "arcs"
+"""What a plan is made from: what crews do, coalitions that are best where joining is free, or
+nothing."""
 
 HOPELESS = 4
-"""Crews are not searched from at all if they take a quarter longer to begin with."""
+"""A start is not searched from at all if it takes a quarter longer than another."""
 
 GLANCE = 20
-"""A brief search over graphs of arcs is so much shorter."""
+"""A brief search from an empty plan is so much shorter."""
 
-CREW_SEARCHES = (8, 20)
-"""How long crews are looked for again where they are, in tenths of the first time."""
+OLD, KEPT = "old plan", "kept"
+"""What is made from the old plan, and the old plan itself."""
 
-FIRST_LAP = 16
-"""Which part of the rounds is searched from every start: a sixteenth."""
-
-LAPS = ((3, 8), (2, 4), (1, 2))
-"""How many of the best searches go on after that, and for which part of the rounds."""
+AGAIN = 3
+"""The best start is searched from again, so many times as long."""
 
 MOST_AT_ONCE = 10_000_000
 """A mission with more tasks times tasks and robots is too large to be planned while one waits."""
@@ -49,26 +41,29 @@ MOST_AT_ONCE = 10_000_000
 SMALLEST_GAIN = 50
 """The part of the steps left that a new plan must gain for anybody to turn round: a fiftieth."""
 
-LARGE = 100
-"""Missions of so many tasks are searched once over graphs of arcs, and not on from there."""
-
 ARC_ROUNDS, ROUNDS_TIMES_TASKS = 900_000, 210_000_000
 """Rounds over graphs of arcs; what is made of these times tasks at most, as rounds take longer."""
+
+ROUNDS_A_START, ROUNDS_A_PAIR = 30_000, 300
+"""Rounds from each start at most, and for each pair of tasks."""
+
+STARTS, STARTS_AGAIN = 6, 3
+"""How many coalitions are searched from, at first and when it is planned again."""
 
 BRIEF = 4
 """A brief search is so much shorter, and begins with one plan of each kind."""
 
 
 class Rounds(NamedTuple):
-    """How long to search: for lists of crews, for coalitions each time, and over orders of tasks.
+    """How long to search: for lists of crews, for coalitions each time, over graphs of arcs.
 
-    `coalitions` is how often they are searched for where crews are not clearly better: in a large
-    mission once, over graphs of arcs, else with forming not counted.
+    `arcs` is for each start, or in a large mission in all; `coalitions` is how many starts are
+    coalitions.
     """
 
     crews: int
     coalition: int
-    team: int
+    arcs: int
     coalitions: int
 
 
@@ -78,18 +73,15 @@ def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     A second of one core for 16 robots and 60 tasks, a fifth of that when planned again; some three
     seconds for 100 robots and 300 tasks.
     """
-    tasks, needs = len(problem.appears), int(most_in_coalitions(problem).sum())
-    crews = 1500 * tasks
-    team = min(100 * tasks * tasks, max(60_000, 1000 * tasks), 120_000)
-    team = min(team, 15_000_000 // tasks)  # what timing a plan takes grows so
-    team = min(team, 1_200_000_000 // (needs * problem.needs.shape[1]))
+    tasks = len(problem.appears)
+    crews, coalition = 1500 * tasks, relaxed_rounds(problem)
     if tasks >= LARGE:
-        coalition, coalitions = min(ARC_ROUNDS, ROUNDS_TIMES_TASKS // tasks), 1
+        arcs, coalitions = min(ARC_ROUNDS, ROUNDS_TIMES_TASKS // tasks), 0
     else:
-        coalition, coalitions = relaxed_rounds(problem), 3 if is_again else 6
+        arcs, coalitions = min(ROUNDS_A_START, ROUNDS_A_PAIR * tasks * tasks), STARTS
     if is_again:
-        return Rounds(crews // 5, 1 + coalition // 5, team // 5, coalitions)
-    return Rounds(crews, coalition, team, coalitions)
+        return Rounds(crews // 5, 1 + coalition // 5, arcs // 5, min(coalitions, STARTS_AGAIN))
+    return Rounds(crews, coalition, arcs, coalitions)
 
 
 def relaxed_rounds(problem: Relaxed) -> int:
@@ -116,142 +108,82 @@ def plan_mission(known: Known, old: Plan | None = None, is_brief: bool = False) 
     situation = situation_of(replace(known, open_tasks=known.possible_tasks))
     rounds = rounds_for(situation.problem, old is not None)
     if is_brief:
-        rounds = rounds._replace(crews=rounds.crews // BRIEF, team=rounds.team // BRIEF)
-    old_plan: _Entered | None = None
-    if old is not None:
-        old_plan = _Entered("old plan", _search_from(situation, kept_plan(situation, old)))
-    kept = None if old_plan is None else shared_plan_of(situation, old_plan.search, "kept")
-    chosen, search = _search(situation, rounds, known.step, old_plan, is_brief)
-    best = shared_plan_of(situation, search, chosen)
-    if kept is not None:
-        left = kept.makespan - known.step
-        if best.makespan + left // SMALLEST_GAIN >= kept.makespan:
-            return kept
-    return best
+        rounds = Rounds(rounds.crews // BRIEF, rounds.coalition, rounds.arcs // BRIEF, 1)
+    if old is None:
+        return shared_plan_of(situation, *search(situation, rounds, known.step))
+    timed = time_team_plan(situation, kept_plan(situation, old))
+    kept = shared_plan_of(situation, KEPT, timed)
+    best = shared_plan_of(situation, *search(situation, rounds, known.step, timed))
+    left = kept.makespan - known.step
+    return kept if best.makespan + left // SMALLEST_GAIN >= kept.makespan else best
 
 
-class _Entered(NamedTuple):
-    """A search that takes part in the race, and what it began with."""
-
-    name: str
-    search: ThresholdSearch
-
-    def steps_left(self, step: int) -> int:
-        """Return how many steps its best plan takes from a step on."""
-        return self.search.makespan - step
+Named = tuple[str, TimedPlan]
+"""A plan, and what it was made from."""
 
 
-def _cost_of(entered: _Entered) -> int:
-    return entered.search.cost
+def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | None = None) -> Named:
+    """Return the best plan found, and what it was made from.
 
-
-def _run(entered: list[_Entered], rounds: int) -> None:
-    for _, search in entered:
-        search.run(rounds, HOT)
-
-
-def _race(entered: list[_Entered], rounds: Rounds) -> _Entered:
-    """Let the best searches go on, fewer and fewer of them, and return the best."""
-    for number, part in LAPS:
-        entered = sorted(entered, key=_cost_of)[:number]
-        _run(entered, rounds.team // part)
-    return min(entered, key=_cost_of)
-
-
-def _search(
-    situation: Situation, rounds: Rounds, step: int, old: _Entered | None, is_brief: bool
-) -> _Entered:
-    """Return the best search from all starts, which race; of a large mission only if crews lead."""
-    fresh = list(_first_searches(situation, rounds, step, old))
-    entered = fresh if old is None else [old, *fresh]
-    first = min(entered, key=_cost_of)
-    if len(situation.tasks) >= LARGE and first.name != CREWS:
-        return first
-    _run(entered, rounds.team // FIRST_LAP)
-    if not is_brief:
-        more = list(_more_searches(situation, rounds, _are_crews_better(fresh, step)))
-        _run(more, rounds.team // FIRST_LAP)
-        entered = [*entered, *more]
-    return _race(entered, rounds)
-
-
-def _first_searches(
-    situation: Situation, rounds: Rounds, step: int, old: _Entered | None
-) -> Iterator[_Entered]:
-    """Return a search from a plan of each kind; from crews only if there is hope.
-
-    In a large mission there may be no hope for coalitions either, as a brief search tells.
+    `step` is the present, and `old` what is left of a plan from before.
     """
-    crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
-    entered = _Entered(CREWS, _search_from(situation, crews))
+    arcs = TeamArcs(situation)
     if len(situation.tasks) >= LARGE:
-        brief = rounds._replace(coalition=rounds.coalition // GLANCE)
-        other = _enter_coalitions(situation, brief, old=old)
-        if other is None or _is_hopeless(other, entered, step):
-            yield entered
-            return
-    other = _enter_coalitions(situation, rounds, old=old)
-    if other is None:
-        yield entered
-        return
-    if not _is_hopeless(entered, other, step):
-        yield entered
-    yield other
+        return _search_once(arcs, rounds, step, old)
+    plans = list(_starts(situation, rounds))
+    if old is not None:
+        plans.append((OLD, old))
+    plans = _hopeful(plans, step)
+    plans = [(name, arcs.improve(plan, rounds.arcs)) for name, plan in plans]
+    name, best = min(plans, key=_cost_of)
+    return name, arcs.improve(best, rounds.arcs * AGAIN)
 
 
-def _is_hopeless(entered: _Entered, other: _Entered, step: int) -> bool:
-    """Say whether a search begins so far behind another that nobody need run it."""
-    return entered.steps_left(step) > other.steps_left(step) * (HOPELESS + 1) // HOPELESS
+def _starts(situation: Situation, rounds: Rounds) -> Iterator[Named]:
+    """Return a plan from crews, and plans from coalitions."""
+    yield CREWS, _plan_crews(situation, rounds)
+    for seed in range(rounds.coalitions):
+        found = plan_from_coalitions(situation.problem, rounds.coalition, seed)
+        if found is not None:
+            yield COALITIONS, time_team_plan(situation, found)
 
 
-def _enter_coalitions(
-    situation: Situation, rounds: Rounds, seed: int = 0, old: _Entered | None = None
-) -> _Entered | None:
-    """Return a search from coalitions; None if none were found."""
-    found = _find_coalitions(situation, rounds, seed, old)
-    return None if found is None else _Entered(COALITIONS, _search_from(situation, found))
+def _plan_crews(situation: Situation, rounds: Rounds) -> TimedPlan:
+    crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
+    return time_team_plan(situation, crews)
 
 
-def _find_coalitions(
-    situation: Situation, rounds: Rounds, seed: int, old: _Entered | None
-) -> TeamPlan | None:
-    """Return a plan from one search for coalitions; of a large mission beginning at the old one."""
-    if len(situation.tasks) < LARGE:
-        return plan_from_coalitions(situation.problem, rounds.coalition, seed)
-    start = None if old is None else old.search.best
-    return plan_from_arcs(situation, rounds.coalition, seed, start)
+def _search_once(arcs: TeamArcs, rounds: Rounds, step: int, old: TimedPlan | None) -> Named:
+    """Plan a large mission: from the old plan, from an empty one, or as crews if these lead.
 
-
-def _are_crews_better(fresh: list[_Entered], step: int) -> bool:
-    """Say whether crews are clearly better than coalitions, or there are no coalitions."""
-    left = {entered.name: entered.steps_left(step) for entered in fresh}
-    if len(left) == 1:
-        return CREWS in left
-    return left[COALITIONS] > left[CREWS] + left[CREWS] // CLEARLY
-
-
-def _more_searches(
-    situation: Situation, rounds: Rounds, crews_are_better: bool
-) -> Iterator[_Entered]:
-    """Return searches from more plans of the better kind: several find more than a long one."""
-    if crews_are_better:
-        for longer in CREW_SEARCHES:
-            tries = rounds.crews * longer // 10
-            crews = plan_from_crews(situation.problem, situation.company, tries)
-            yield _Entered(CREWS, _search_from(situation, crews))
+    A brief search tells whether there is hope for anything but crews.
+    """
+    crews = (CREWS, _plan_crews(arcs.situation, rounds))
+    plans = [crews]
+    if old is not None:
+        plans.append((OLD, arcs.improve(old, rounds.arcs)))
     else:
-        for seed in range(1, rounds.coalitions):
-            entered = _enter_coalitions(situation, rounds, seed)
-            if entered is not None:
-                yield entered
+        glance = arcs.plan_anew(rounds.arcs // GLANCE)
+        if glance is not None and len(_hopeful([(ANEW, glance), crews], step)) == 2:
+            found = arcs.plan_anew(rounds.arcs)
+            assert found is not None, "it was found before"
+            plans.append((ANEW, found))
+    best = min(plans, key=_cost_of)
+    return (CREWS, arcs.improve(crews[1], rounds.arcs)) if best is crews else best
 
 
-def _search_from(situation: Situation, start: TeamPlan) -> ThresholdSearch:
-    search = ThresholdSearch(
-        situation.problem, situation.crossings, situation.company, situation.forming_steps
-    )
-    search.begin(start)
-    return search
+def _hopeful(plans: list[Named], step: int) -> list[Named]:
+    """Return the plans that do not take much longer than the best, from a step on."""
+    least = min(plan.makespan for _, plan in plans) - step
+    return [
+        (name, plan)
+        for name, plan in plans
+        if plan.makespan - step <= least * (HOPELESS + 1) // HOPELESS
+    ]
+
+
+def _cost_of(named: Named) -> int:
+    return named[1].cost
 
 
 def kept_plan(situation: Situation, old: Plan) -> TeamPlan:
@@ -261,7 +193,7 @@ def kept_plan(situation: Situation, old: Plan) -> TeamPlan:
 
 def timed_plan(situation: Situation, plan: TeamPlan, start: str) -> Plan:
     """Return a plan in the numbers of the mission, with the steps in which its tasks are done."""
-    return shared_plan_of(situation, _search_from(situation, plan), start)
+    return shared_plan_of(situation, start, time_team_plan(situation, plan))
 
 
 def plan_in_numbers(situation: Situation, plan: Plan) -> tuple[list[int], list[list[int]]]:
@@ -276,7 +208,7 @@ def plan_in_numbers(situation: Situation, plan: Plan) -> tuple[list[int], list[l
     return order + sorted(set(range(len(coalitions))) - set(order)), coalitions
 
 
-def shared_plan_of(situation: Situation, search: ThresholdSearch, start: str) -> Plan:
-    """Return what a search found in the numbers of the mission."""
-    ends = tuple(int(search.ends[task]) for task in search.best.order)
-    return replace(plan_of(situation, search.best), ends=ends, made_from=start)
+def shared_plan_of(situation: Situation, start: str, timed: TimedPlan) -> Plan:
+    """Return what a search found in the numbers of the mission, and what it was made from."""
+    ends = tuple(int(timed.ends[task]) for task in timed.plan.order)
+    return replace(plan_of(situation, timed.plan), ends=ends, made_from=start)

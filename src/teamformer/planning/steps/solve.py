@@ -5,52 +5,52 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterator
-from itertools import count
 
+from teamformer.planning.arcs.annealing import ENDLESS
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.schedule import Schedule
-from teamformer.planning.steps.arc_search import LESS_HOT, TeamArcs
+from teamformer.planning.steps.arc_search import COLD, COOL, LARGE, LESS_HOT, TeamArcs, cost_of
 from teamformer.planning.steps.initial import crew_plans
-from teamformer.planning.steps.shared_plan import HOT, LARGE, relaxed_rounds, rounds_for
+from teamformer.planning.steps.shared_plan import relaxed_rounds, rounds_for
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.starts import plan_from_coalitions
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
-from teamformer.planning.steps.threshold_search import ThresholdSearch
-from teamformer.rules.constants import FAR
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
-Starts = Iterator[tuple[TeamPlan, float]]
-"""Plans to search from, one after another, and how hot each search begins, in steps."""
+Starts = Iterator[TeamPlan]
+"""Plans to search from, one after another."""
 
-HEATS = (2.0, 0.5, 1.0)
-"""How hot searches from the best plan begin: hot ones leave it behind, cool ones better it."""
+LONGER = 4
+"""How many times as many rounds an annealing has as those of the shared plan."""
 
 ROUNDS = 3000
 """Rounds for each pair of tasks; a search that long finds nothing more."""
-
-MOST_SECONDS_AT_ONCE = 0.05
-"""Between two looks at the clock."""
 
 
 class BestPlan:
     """The best plan that any search has found so far, and when it was found."""
 
-    def __init__(self, begun: float, search: ThresholdSearch) -> None:
-        self.plan, self._cost, self.makespan = search.best, search.cost, search.makespan
+    def __init__(self, begun: float, first: TimedPlan) -> None:
+        self.plan = first
         self.curve: list[tuple[float, int]] = []
         self.bound = 0
         self._is_stopped = False
         self._begun = begun
         self._lock = threading.Lock()
 
-    def offer(self, search: ThresholdSearch) -> None:
-        """Take a search's plan if it is better."""
+    @property
+    def makespan(self) -> int:
+        """Return the step in which its last task is done."""
+        return self.plan.makespan
+
+    def offer(self, plan: TimedPlan) -> None:
+        """Take a plan if it is better."""
         with self._lock:
-            if search.cost >= self._cost:
+            if plan.cost >= self.plan.cost:
                 return
-            self._cost, self.plan = search.cost, search.best
-            if search.makespan < self.makespan:
-                self.makespan = search.makespan
-                self.curve.append((time.perf_counter() - self._begun, self.makespan))
+            is_faster, self.plan = plan.makespan < self.plan.makespan, plan
+            if is_faster:
+                self.curve.append((time.perf_counter() - self._begun, plan.makespan))
 
     def raise_bound(self, bound: int) -> None:
         """Note that no plan is faster than this."""
@@ -67,20 +67,11 @@ class BestPlan:
         return self._is_stopped or self.makespan <= self.bound
 
 
-def start_search(situation: Situation, seed: int) -> ThresholdSearch:
-    """Return a search that has not begun."""
-    return ThresholdSearch(
-        situation.problem, situation.crossings, situation.company, situation.forming_steps, seed
-    )
-
-
-def first_search(situation: Situation, seed: int) -> ThresholdSearch | None:
-    """Return a search at the best of the first plans; None if a task has too few robots."""
-    search = start_search(situation, seed)
-    starts = [plan for plan in crew_plans(situation.problem) if is_able(situation.problem, plan)]
-    for start in starts:
-        search.begin(start)
-    return search if starts else None
+def first_plan(situation: Situation) -> TimedPlan | None:
+    """Return the best of the first plans; None if a task has too few robots."""
+    problem = situation.problem
+    starts = [plan for plan in crew_plans(problem) if is_able(problem, plan)]
+    return min((time_team_plan(situation, start) for start in starts), key=cost_of, default=None)
 
 
 def is_able(problem: Relaxed, plan: TeamPlan) -> bool:
@@ -97,67 +88,40 @@ def plan_from_schedule(problem: Relaxed, schedule: Schedule) -> TeamPlan:
 
 def from_best(best: BestPlan) -> Starts:
     """Begin at the best plan that there is by then, again and again."""
-    for turn in count():
-        yield best.plan, HEATS[turn % len(HEATS)]
+    while True:
+        yield best.plan.plan
 
 
 def from_coalitions(problem: Relaxed, best: BestPlan, seed: int) -> Starts:
     """Begin at coalitions that are good where joining is free and at the best plan, by turns."""
     rounds = relaxed_rounds(problem)
-    for turn, (plan, hot) in enumerate(from_best(best)):
+    for turn, plan in enumerate(from_best(best)):
         relaxed = plan_from_coalitions(problem, rounds, seed + turn)
         if relaxed is not None:
-            yield relaxed, HOT
-        yield plan, hot
+            yield relaxed
+        yield plan
 
 
-def improve(best: BestPlan, search: ThresholdSearch, deadline: float, starts: Starts) -> None:
+def improve(
+    best: BestPlan, situation: Situation, deadline: float, starts: Starts, seed: int
+) -> None:
     """Search from one start after another until the deadline, and offer what is found.
 
-    `deadline` is what `time.perf_counter` then shows. Small worlds end earlier.
+    `deadline` is what `time.perf_counter` then shows. Small worlds end earlier. Of a large mission
+    there is one long annealing, from the first start.
     """
-    problem = search.problem
-    rounds, left = rounds_for(problem, is_again=False).team, ROUNDS * len(problem.appears) ** 2
+    arcs, tasks = TeamArcs(situation, seed), len(situation.tasks)
+    left, at_once = ROUNDS * tasks**2, LONGER * rounds_for(situation.problem, is_again=False).arcs
+    if tasks >= LARGE:
+        left = at_once = ENDLESS
     while left > 0 and not best.is_over and time.perf_counter() < deadline:
-        start, hot = next(starts)
-        search.begin(start)
-        _search_once(best, search, deadline, min(rounds, left), hot)
-        left -= rounds
-
-
-def improve_by_arcs(best: BestPlan, situation: Situation, deadline: float, seed: int) -> None:
-    """Anneal once over graphs of arcs until the deadline, from the best plan, and offer what is
-    found.
-    """
-    arcs, timed = TeamArcs(situation, seed), start_search(situation, seed)
-
-    def offer() -> None:
-        timed.begin(arcs.best)
-        best.offer(timed)
-
-    arcs.begin_at(best.plan)
-    (hot, cold), seconds = arcs.heats, deadline - time.perf_counter()
-    arcs.search.anneal_for(seconds, (hot // LESS_HOT, cold), lambda: best.is_over, offer)
-
-
-def is_for_arcs(problem: Relaxed) -> bool:
-    """Say whether graphs of arcs are searched: of large missions that nobody is lost in."""
-    return len(problem.appears) >= LARGE and int(problem.lost.min()) >= FAR
-
-
-def _search_once(
-    best: BestPlan, search: ThresholdSearch, deadline: float, rounds: int, hot: float
-) -> None:
-    """Search for some rounds, fewer if time is short, and cool down meanwhile."""
-    begun, made, at_once, passed = time.perf_counter(), 0, 1, 0.0
-    while passed < 1.0 and not best.is_over:
-        at_once = min(at_once, rounds - made)
-        before = time.perf_counter()
-        heat = hot * (1.0 - passed)
-        search.run(at_once, heat, heat * (1.0 - at_once / (rounds - made)))
-        best.offer(search)
-        made += at_once
-        now = time.perf_counter()
-        passed = max(made / rounds, (now - begun) / max(deadline - begun, 1e-9))
-        room = min(MOST_SECONDS_AT_ONCE, max(0.0, deadline - now))
-        at_once = max(1, min(2 * at_once, int(at_once * room / max(now - before, 1e-7))))
+        arcs.begin_at(next(starts))
+        hot = arcs.search.leg // COOL if tasks < LARGE else arcs.heats[0] // LESS_HOT
+        arcs.search.anneal_until(
+            deadline,
+            min(at_once, left),
+            (hot, hot // COLD),
+            lambda: best.is_over,
+            lambda: best.offer(arcs.best),
+        )
+        left -= at_once

@@ -31,9 +31,6 @@ STEP_WALKED = 1
 LATE = 10_000
 """Steps of makespan that a robot lost before its task's end is worth."""
 
-ENDLESS = 2**62
-"""The cost of a plan that is not timed to its end."""
-
 
 class Groups(NamedTuple):
     """Room to time a plan in; a group has the number of its last task, or tasks + its leader."""
@@ -60,6 +57,8 @@ class Groups(NamedTuple):
     passes: Array  # (1,) how many tasks are done on the way to others
     too_early: Array  # (4,) a task passed before it is done, where that leads, the group, the step
     spare: Array  # (2,) a task that can be done without some group that comes to it, and that group
+    moved: Array  # (tasks,) the tasks in the order in which they are done, as it is worked out
+    spares: Array  # (robots,) those of a coalition that it can do without
 
 
 def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups:
@@ -89,17 +88,19 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
         passes=np.zeros(1, np.int32),
         too_early=np.zeros(4, np.int32),
         spare=np.zeros(2, np.int32),
+        moved=np.zeros(by_task, np.int32),
+        spares=np.zeros(by_robot, np.int32),
     )
 
 
 @entry
 def time_plan(
-    problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups, most: int
+    problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
 ) -> tuple[Any, Any]:
     """Return the cost of a plan, a whole number, and the step in which its last task is done.
 
-    It is given up, as ENDLESS, when the makespan alone costs more than `most`. Leaves in `groups`
-    each task's start and end, the task it waited for, and what was done on the way.
+    Leaves in `groups` each task's start and end, the task it waited for, and what was done on
+    the way.
     """
     _gather_at_start(problem, groups)
     tasks = len(plan.order)
@@ -109,8 +110,6 @@ def time_plan(
         if not groups.is_done[task]:
             walked += _meet(problem, crossings, plan, groups, task)
             makespan = max(makespan, groups.free[task])
-            if makespan * STEP * tasks > most:
-                return np.int64(ENDLESS), makespan
         total += groups.end[task]
     if groups.losses[0]:
         makespan += LATE * _count_late(problem, plan, groups)

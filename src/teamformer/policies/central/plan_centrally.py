@@ -13,21 +13,18 @@ from teamformer.planning.bounds.makespan import earliest_starts, lower_bound
 from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.relaxation.problem import Relaxed, relax
 from teamformer.planning.relaxation.solve import Solution, solve
-from teamformer.planning.steps.shared_plan import HOT, is_too_large
+from teamformer.planning.steps.shared_plan import is_too_large
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
 from teamformer.planning.steps.solve import (
     BestPlan,
-    first_search,
+    first_plan,
     from_best,
     from_coalitions,
     improve,
-    improve_by_arcs,
-    is_for_arcs,
     plan_from_schedule,
-    start_search,
 )
 from teamformer.planning.steps.team_plan import TeamPlan, routes_of
-from teamformer.planning.steps.threshold_search import ThresholdSearch
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 from teamformer.policies.central.plan_from_play import CoalitionLog, plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.central.players import Player
@@ -83,18 +80,21 @@ def plan_centrally(
     if any(task.after for task in scenario.tasks):
         return plan_with_precedence(scenario, plays, seed, workers)
     situation = situation_in_hindsight(scenario)
-    search = _start(scenario, situation, seed)
-    if search is not None:
-        plays.add("search", _player(scenario, search.best))
-        _restart(search, shared.plan(search.problem))
+    first = _first_plan(scenario, situation)
+    if first is not None:
+        plays.add("search", _player(scenario, first.plan))
     plays.add_simple_rules()
-    if search is None or time_limit == 0:
+    if first is None or time_limit == 0:
         solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
         bound, searched = solution.bound, list[tuple[float, int]]()
     else:
+        best = BestPlan(plays.begun, first)
+        played = shared.plan(situation.problem)
+        if played is not None:
+            best.offer(time_team_plan(situation, played))
         for name, followed in FOLLOWED:
-            _follow(name, scenario, followed, search, plays)
-        solution, bound, searched = _search(scenario, situation, search, plays, seed, workers)
+            _follow(name, scenario, followed, situation, best, plays)
+        solution, bound, searched = _search(scenario, situation, best.plan, plays, seed, workers)
     if time_limit > 0 and solution.schedule is not None:
         plays.add(
             "schedule", PlanPlayer(scenario, solution.schedule.routes, solution.schedule.order)
@@ -102,36 +102,35 @@ def plan_centrally(
     return plays.report(solution, bound, searched, is_first=time_limit == 0)
 
 
-def _start(scenario: Scenario, situation: Situation, seed: int) -> ThresholdSearch | None:
-    """Return a search at a first plan; None if some task can never be done."""
+def _first_plan(scenario: Scenario, situation: Situation) -> TimedPlan | None:
+    """Return a first plan; None if some task can never be done."""
     if (earliest_starts(relax(scenario)) >= FAR).any():
         return None
-    return first_search(situation, seed)
-
-
-def _restart(search: ThresholdSearch, plan: TeamPlan | None) -> None:
-    """Let a search go on from a plan if there is one."""
-    if plan is not None:
-        search.begin(plan)
+    return first_plan(situation)
 
 
 def _follow(
-    name: str, scenario: Scenario, followed: Player, search: ThresholdSearch, plays: Plays
+    name: str,
+    scenario: Scenario,
+    followed: Player,
+    situation: Situation,
+    best: BestPlan,
+    plays: Plays,
 ) -> None:
-    """Let the search begin at what a player does; leave it if time is short."""
+    """Offer what a player does as a plan to begin at; leave it if time is short."""
     tasks, kinds = len(scenario.tasks), max(1.0, len(scenario.capabilities) / FEW_CAPABILITIES)
     if plays.seconds_left < CREW_SECONDS * kinds * tasks * (tasks + len(scenario.robots)):
         return
-    plan = plan_from_play(scenario, search.problem, followed, plays.begun + plays.limit)
+    plan = plan_from_play(scenario, situation.problem, followed, plays.begun + plays.limit)
     if plan is not None:
-        search.begin(plan)
+        best.offer(time_team_plan(situation, plan))
         plays.add(name, _player(scenario, plan))
 
 
 def _search(
     scenario: Scenario,
     situation: Situation,
-    search: ThresholdSearch,
+    first: TimedPlan,
     plays: Plays,
     seed: int,
     workers: int,
@@ -141,15 +140,14 @@ def _search(
     A plan may promise what no plan beats, on planes above all, and its play not keep that; and
     searches in small worlds end early. Then it is searched again from another seed.
     """
-    solution, best = _improve(scenario, situation, search, plays, seed, workers)
-    plays.add("search", _player(scenario, best.plan))
+    solution, best = _improve(scenario, situation, first, plays, seed, workers)
+    plays.add("search", _player(scenario, best.plan.plan))
     bound, curve = best.bound, best.curve
     for number in range(1, SEARCHES):
         if plays.makespan == bound or plays.seconds_left == 0.0:
             break
-        another = first_search(situation, seed + number) or search
-        _, best = _improve(scenario, situation, another, plays, seed + number, workers)
-        plays.add("search", _player(scenario, best.plan))
+        _, best = _improve(scenario, situation, first, plays, seed + number, workers)
+        plays.add("search", _player(scenario, best.plan.plan))
         bound, curve = max(bound, best.bound), curve + best.curve
     return solution, bound, curve
 
@@ -157,7 +155,7 @@ def _search(
 def _improve(
     scenario: Scenario,
     situation: Situation,
-    search: ThresholdSearch,
+    first: TimedPlan,
     plays: Plays,
     seed: int,
     workers: int,
@@ -167,17 +165,15 @@ def _improve(
     The other proves a bound and then searches on from the best plan. The main thread only waits,
     so that Ctrl-C reaches it.
     """
-    best = BestPlan(plays.begun, search)
+    best = BestPlan(plays.begun, first)
     deadline = time.perf_counter() + plays.seconds_left
     with ThreadPoolExecutor(min(workers, 2)) as pool:
         bounding = pool.submit(_raise_bound, scenario, relax(scenario), best, deadline)
         relaxing = pool.submit(_relax_and_search, scenario, situation, best, deadline, seed)
         work: list[Future[None]] = [bounding]
         if workers > 1:  # begins when the bound is through
-            if is_for_arcs(situation.problem):
-                work.append(pool.submit(improve_by_arcs, best, situation, deadline, seed))
-            else:
-                work.append(pool.submit(improve, best, search, deadline, from_best(best)))
+            starts = from_best(best)
+            work.append(pool.submit(improve, best, situation, deadline, starts, seed))
         try:
             solution = relaxing.result()
             for done in work:
@@ -210,8 +206,8 @@ def _relax_and_search(
     starts = from_coalitions(situation.problem, best, seed)
     if solution.schedule is not None:
         start = plan_from_schedule(situation.problem, solution.schedule)
-        starts = chain([(start, HOT)], starts)
-    improve(best, start_search(situation, seed + 1), deadline, starts)
+        starts = chain([start], starts)
+    improve(best, situation, deadline, starts, seed + 1)
     return solution
 
 

@@ -12,8 +12,9 @@ from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.continuous.rules import warm_up as warm_up_coalitions
 from teamformer.planning.relaxation.cp_sat import make_solver
 from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.situation import situation_in_hindsight
-from teamformer.planning.steps.solve import first_search
+from teamformer.planning.steps.solve import first_plan
 from teamformer.policies.central.plan_centrally import plan_centrally
 from teamformer.policies.central.plays import CentralPlan
 from teamformer.rules.constants import NOBODY
@@ -75,7 +76,8 @@ def _warm_up() -> None:
     make_solver(seed=0)
     scenario = smallest_scenario()
     raise_by_routes(scenario, relax(scenario), 0, lambda _: None, lambda: False)
-    search = first_search(situation_in_hindsight(scenario), seed=0)
-    assert search is not None, "the smallest scenario can be done"
-    search.run(1, 0.0)
+    situation = situation_in_hindsight(scenario)
+    plan = first_plan(situation)
+    assert plan is not None, "the smallest scenario can be done"
+    TeamArcs(situation).improve(plan, rounds=1)
     plan_centrally(scenario, time_limit=COMPILING)

@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
+from teamformer.rules.constants import FAR
 from teamformer.rules.pairing import pair_off
 
 if TYPE_CHECKING:
@@ -24,7 +25,10 @@ TICKS = 1024
 
 @kernel
 def start_in_steps(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> int:
-    """Return when a task can start, in ticks, by when the groups are there that come to it."""
+    """Return when a task can start, in ticks, by when the groups are there that come to it.
+
+    It is not done in time if one of the robots is lost before it ends.
+    """
     nodes, seats, there = graph.nodes, graph.seats, graph.there
     taken, count = nodes[task].taken, 0
     for seat in range(first_seat, first_seat + taken):
@@ -47,6 +51,9 @@ def start_in_steps(problem: ArcProblem, graph: Graph, task: int, first_seat: int
         is_task = node < len(problem.near)
         if is_task and (nodes[node].end - nodes[node].duration) // TICKS == step:
             turn = max(turn, nodes[node].end % TICKS + 1)
+    for seat in range(first_seat, first_seat + taken):
+        if step + nodes[task].duration // TICKS >= problem.kinds[seats[seat].kind].lost:
+            return FAR * TICKS
     return step * TICKS + turn
 
 

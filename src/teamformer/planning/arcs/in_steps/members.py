@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
 from teamformer.planning.arcs.coalition_choice import Choice, gather
-from teamformer.planning.arcs.judging import COMES_BY, begin_trial, connect, propagate
-from teamformer.planning.arcs.task_moves import MOVED, Moved, remember
+from teamformer.planning.arcs.judging import COMES_BY, begin_trial, connect, follow, propagate
+from teamformer.planning.arcs.task_moves import MOST_MOVED, Moved, remember
 from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
 
@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from teamformer.planning.arcs.graph import ArcProblem, Graph
     from teamformer.planning.arcs.judging import Trial
     from teamformer.rules.arrays import Array
+
+
+SKIPS, JOINS = 20, 20  # percent
+"""How many changes of riders skip tasks and join at one task; the others follow a guide."""
 
 
 @kernel
@@ -34,7 +38,7 @@ def replace_member(
     """Put another robot into a seat of a task; say if no chain is too long then."""
     begin_trial(trial)
     seats, node = graph.seats, graph.nodes[task]
-    moved.number[MOVED] = NOBODY
+    moved.number[0] = 0
     out = trial.number[COMES_BY]
     if out == NOBODY:
         out = node.first + draw_below(random, node.taken)
@@ -42,7 +46,7 @@ def replace_member(
     gather(problem, graph, choice, random, task, cut, out, True)
     best, at, least = NOBODY, 0, NEVER
     for which in range(len(problem.counts)):
-        if not _covers_without(problem, graph, task, out, which):
+        if not covers_without(problem, graph, task, out, which):
             continue
         for place in range(choice.found[which]):
             candidate = choice.candidates[which, place]
@@ -72,7 +76,7 @@ def _is_in(graph: Graph, task: int, tail: int) -> bool:
 
 
 @kernel
-def _covers_without(problem: ArcProblem, graph: Graph, task: int, out: int, which: int) -> bool:
+def covers_without(problem: ArcProblem, graph: Graph, task: int, out: int, which: int) -> bool:
     """Say whether a coalition covers its task without a seat, and with one more of a type."""
     node = graph.nodes[task]
     for cap in range(problem.needs.shape[1]):
@@ -99,27 +103,70 @@ def ride(
     task: int,
     limit: int,
 ) -> bool:
-    """Have a robot come along, or a spare one leave; say if no chain is too long then."""
+    """Have a robot come along with its fellows, or skip what can be done without it.
+
+    Say if no chain is too long then.
+    """
     begin_trial(trial)
-    moved.number[MOVED] = NOBODY
-    node = graph.nodes[task]
-    if draw_below(random, 2) == 0:
-        seat = node.first + draw_below(random, node.taken)
-        if not _covers_without(problem, graph, task, seat, NOBODY):
-            return False
-        remember(graph, moved, task)
-        _leave_out(graph, trial, task, seat)
-    else:
+    moved.number[0] = 0
+    what = draw_below(random, 100)
+    if what < SKIPS:
+        _skip(problem, graph, trial, moved, random, task)
+    elif what < SKIPS + JOINS:
         tail = _draw_fellow(problem, graph, random, task)
-        if tail == NOBODY:
-            return False
-        remember(graph, moved, task)
-        _come_along(graph, trial, task, tail)
-    return propagate(problem, graph, trial, limit)
+        if tail != NOBODY:
+            remember(graph, moved, task)
+            _come_along(graph, trial, task, tail)
+    else:
+        _follow_a_guide(problem, graph, trial, moved, random, task)
+    return moved.number[0] > 0 and propagate(problem, graph, trial, limit)
 
 
 @kernel
-def _leave_out(graph: Graph, trial: Trial, task: int, seat: int) -> None:
+def _skip(
+    problem: ArcProblem, graph: Graph, trial: Trial, moved: Moved, random: Array, task: int
+) -> None:
+    """Have a robot skip tasks, from one on, while they can be done without it."""
+    seats, nodes = graph.seats, graph.nodes
+    seat = nodes[task].first + draw_below(random, nodes[task].taken)
+    for _ in range(1 + draw_below(random, MOST_MOVED)):
+        node = seats[seat].node
+        if node == len(nodes) - 1 or not covers_without(problem, graph, node, seat, NOBODY):
+            break
+        following = seats[seat].next
+        remember(graph, moved, node)
+        leave_out(graph, trial, node, seat)
+        seat = following
+
+
+@kernel
+def _follow_a_guide(
+    problem: ArcProblem, graph: Graph, trial: Trial, moved: Moved, random: Array, task: int
+) -> None:
+    """Have a robot go with another one of a task until they meet again."""
+    seats, nodes = graph.seats, graph.nodes
+    tail = nodes[task].first + draw_below(random, nodes[task].taken)
+    guide = nodes[task].first + draw_below(random, nodes[task].taken)
+    head, kind = seats[tail].next, seats[tail].kind
+    if guide == tail:
+        return
+    for _ in range(1 + draw_below(random, MOST_MOVED)):
+        guide = seats[guide].next
+        node = nodes[seats[guide].node]
+        if node.key >= nodes[seats[head].node].key or node.taken == problem.most[0]:
+            break
+        remember(graph, moved, seats[guide].node)
+        seat = node.first + node.taken
+        node.taken += 1
+        seats[seat].kind = kind
+        connect(graph, trial, tail, seat)
+        tail = seat
+    if moved.number[0] > 0:
+        connect(graph, trial, tail, head)
+
+
+@kernel
+def leave_out(graph: Graph, trial: Trial, task: int, seat: int) -> None:
     """Take a robot out of a coalition; the last seat takes its place."""
     seats, node = graph.seats, graph.nodes[task]
     last = node.first + node.taken - 1
@@ -129,6 +176,7 @@ def _leave_out(graph: Graph, trial: Trial, task: int, seat: int) -> None:
         connect(graph, trial, seat, seats[last].next)
         seats[seat].kind = seats[last].kind
     node.taken -= 1
+    follow(graph, trial, node.first)
 
 
 @kernel

@@ -1,0 +1,98 @@
+"""Giving a few tasks in a row to the coalition of another one, beside it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from teamformer.jit import kernel
+from teamformer.planning.arcs.draws import draw_near
+from teamformer.planning.arcs.judging import begin_trial, connect, propagate
+from teamformer.planning.arcs.task_moves import Moved, remember
+from teamformer.rules.chance import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.arcs.graph import ArcProblem, Graph
+    from teamformer.planning.arcs.judging import Trial
+    from teamformer.rules.arrays import Array
+
+LONGEST = 6
+"""How many tasks a stretch has at most."""
+
+
+@kernel
+def move_stretch(
+    problem: ArcProblem,
+    graph: Graph,
+    trial: Trial,
+    moved: Moved,
+    random: Array,
+    task: int,
+    limit: int,
+) -> bool:
+    """Give tasks that a robot does in a row to the coalition of a near task, before it or after.
+
+    Those that this coalition cannot do stay where they are. Say if no chain is too long then.
+    """
+    begin_trial(trial)
+    moved.number[0] = 0
+    seats, nodes = graph.seats, graph.nodes
+    beside = draw_near(problem, random, task)
+    seat = nodes[task].first + draw_below(random, nodes[task].taken)
+    for _ in range(1 + draw_below(random, LONGEST) * draw_below(random, 2)):
+        node = seats[seat].node
+        if node == len(nodes) - 1:
+            break
+        if node == beside:
+            return False
+        seat = seats[seat].next
+        if _covers(problem, graph, node, beside):
+            remember(graph, moved, node)
+    count = moved.number[0]
+    if count == 0:
+        return False
+    for place in range(count):
+        node = moved.task[place]
+        for seat in range(nodes[node].first, nodes[node].first + nodes[node].taken):
+            connect(graph, trial, seats[seat].prev, seats[seat].next)
+    is_after, is_turned = draw_below(random, 2) == 0, draw_below(random, 2) == 0
+    edge = beside
+    for index in range(count):
+        place = count - 1 - index if is_turned else index
+        node = moved.task[place]
+        key = nodes[beside].key + (1 + index if is_after else -1 - index)
+        if not _put_beside(graph, trial, node, edge, key, is_after):
+            return False
+        edge = node
+    return propagate(problem, graph, trial, limit)
+
+
+@kernel
+def _covers(problem: ArcProblem, graph: Graph, task: int, other: int) -> bool:
+    """Say whether the coalition of another task covers a task."""
+    need, node = graph.nodes[task].need, graph.nodes[other]
+    for cap in range(problem.needs.shape[1]):
+        lacking = problem.needs[need, cap]
+        if lacking > 0:
+            for seat in range(node.first, node.first + node.taken):
+                lacking -= problem.counts[problem.kinds[graph.seats[seat].kind].type, cap]
+            if lacking > 0:
+                return False
+    return True
+
+
+@kernel
+def _put_beside(graph: Graph, trial: Trial, task: int, edge: int, key: int, is_after: bool) -> bool:
+    """Put a task into all arcs that leave another, or lead there; say if that makes no circle."""
+    seats, nodes = graph.seats, graph.nodes
+    node, at = nodes[task], nodes[edge]
+    node.taken, node.key = at.taken, key
+    for index in range(at.taken):
+        seat, known = node.first + index, at.first + index
+        seats[seat].kind = seats[known].kind
+        tail = known if is_after else seats[known].prev
+        head = seats[known].next if is_after else known
+        if not nodes[seats[tail].node].key < key < nodes[seats[head].node].key:
+            return False
+        connect(graph, trial, tail, seat)
+        connect(graph, trial, seat, head)
+    return True

@@ -1,0 +1,37 @@
+"""A plan of teams with the steps in which it really happens: what is passed is done on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from teamformer.planning.relaxation.relaxed_plan import Array
+from teamformer.planning.steps.passing import settle
+from teamformer.planning.steps.situation import Situation
+from teamformer.planning.steps.team_plan import TeamPlan
+from teamformer.planning.steps.timing import empty_groups
+
+
+@dataclass(frozen=True)
+class TimedPlan:
+    """A plan whose tasks are given to those who do them, and when they are done.
+
+    `cost` is what plans are compared by; `ends` (tasks,) are steps.
+    """
+
+    plan: TeamPlan
+    cost: int
+    ends: Array
+
+    @property
+    def makespan(self) -> int:
+        """Return the step in which the last task is done."""
+        return int(self.ends.max())
+
+
+def time_team_plan(situation: Situation, plan: TeamPlan) -> TimedPlan:
+    """Return a plan with its times; the plan given stays as it is."""
+    problem = situation.problem
+    groups = empty_groups(problem, situation.company, situation.forming_steps)
+    own = TeamPlan(*(array.copy() for array in plan))
+    cost = settle(problem, situation.crossings, own, groups)
+    return TimedPlan(own, int(cost), groups.end[: len(problem.appears)].copy())

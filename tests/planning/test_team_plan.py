@@ -16,7 +16,6 @@ from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import situation_in_hindsight
 from teamformer.planning.steps.team_plan import plan_teams, routes_of
 from teamformer.planning.steps.timing import (
-    ENDLESS,
     LATE,
     STEP,
     STEP_OF_END,
@@ -45,7 +44,7 @@ def timed(scenario: Scenario, order: list[int], crews: list[list[int]]) -> tuple
     situation = situation_in_hindsight(scenario)
     groups = empty_groups(situation.problem, situation.company, scenario.forming_steps)
     plan = plan_teams(situation.problem, order, crews)
-    cost, makespan = time_plan(situation.problem, no_crossings(), plan, groups, ENDLESS)
+    cost, makespan = time_plan(situation.problem, no_crossings(), plan, groups)
     return int(cost), int(makespan), groups
 
 

@@ -44,9 +44,9 @@ def beliefs(folder: Path) -> tuple[Scenario, int]:
 
 
 def as_seen(_: Path) -> tuple[Scenario, int]:
-    """What the robots make of it takes 55 steps, all other plays 64 or more."""
-    rng = np.random.default_rng([7, 261])
-    return with_surprises(random_world(rng, is_plane=True), rng), 261
+    """No other play is as fast as what the robots make of it, in 20 steps."""
+    rng = np.random.default_rng([7, 217])
+    return with_surprises(random_world(rng, is_plane=True), rng), 217
 
 
 def sure(_: Path) -> tuple[Scenario, int]:
@@ -77,7 +77,7 @@ def test_many_missions_at_once_are_played_each_as_is_best(tmp_path: Path) -> Non
     clock = Clock(Method("central", policy=Central(time_limit=0.25)), len(scenarios))
     for player in (Central(time_limit=0.25), clock.timed()):
         tallies = run_trials(scenarios, player, truth_seeds=seeds)
-        assert [tally.steps for tally in tallies] == [49, 55, 22]
+        assert [tally.steps for tally in tallies] == [52, 20, 22]
     assert clock.seconds.sum() > 0
 
 

@@ -210,7 +210,7 @@ for seed in range(6):
         changed[what] += trial.number[0] > 0
         undo(graph, trial)
         if what == "move":
-            take_back(arcs, graph, search._moved)
+            take_back(graph, search._moved)
         most = most_seats(problem)
         taken = [at * most + np.arange(n) for at, n in enumerate(before[0].taken[:12])]
         depots_and_homes = np.arange(12 * most, len(before[1]))

@@ -82,7 +82,7 @@ class Plan:
     ends: tuple[int, ...] = ()  # the step in which each is done if nothing happens; or empty
     scouts: tuple[tuple[int, int], ...] = ()  # robots, and the task that each looks at first
     why: tuple[str, ...] = ()  # the news that it was made after, or `TAKEN_OVER`
-    made_from: str = ""  # what the search began with: crews, coalitions, the old plan, or kept
+    made_from: str = ""  # what the search began with: crews, coalitions, arcs, old plan; or kept
 
     @property
     def makespan(self) -> int:

@@ -74,10 +74,13 @@ def test_many_missions_at_once_are_played_each_as_is_best(tmp_path: Path) -> Non
     """As they are or as they are seen; also where somebody stands between with a clock."""
     pairs = [mission(tmp_path) for mission in (beliefs, as_seen, sure)]
     scenarios, seeds = zip(*pairs, strict=True)
+    usual = [
+        run_trial(scenario, SharedPlan(), seed).replay.end.makespan for scenario, seed in pairs
+    ]
     clock = Clock(Method("central", policy=Central(time_limit=0.25)), len(scenarios))
     for player in (Central(time_limit=0.25), clock.timed()):
         tallies = run_trials(scenarios, player, truth_seeds=seeds)
-        assert [tally.steps for tally in tallies] == [52, 20, 22]
+        assert [tally.steps for tally in tallies] == usual
     assert clock.seconds.sum() > 0
 
 

@@ -16,7 +16,7 @@ from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 from teamformer.rules.constants import FAR
 
-RIDERS = 4
+RIDERS, RIDERS_IF_LARGE = 4, 2
 """How many robots more than it needs come to a task at most."""
 
 FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 60, 7
@@ -28,7 +28,7 @@ HABITS = (25, 20, 20, 10, 10, 60, 60, 10 * TICKS, 15)
 LARGE = 100
 """Missions of so many tasks are planned from an empty plan, not from coalitions."""
 
-HABITS_IF_LARGE = (30, 10, 10, 2, 15, 60, 40, 2 * TICKS, 10)
+HABITS_IF_LARGE = (30, 10, 5, 2, 15, 60, 40, 2 * TICKS, 0)
 
 COOL = 20
 """An annealing at a plan begins at what a task takes a robot on average, divided by this."""
@@ -53,12 +53,13 @@ class TeamArcs:
         tasks = len(problem.needs)
         leaders = np.unique(situation.company)
         passed, passes = _passes(situation.problem, situation.crossings, leaders)
+        is_large = tasks >= LARGE
         rules = StepRules(
             ready=situation.problem.ready[leaders].astype(np.int64) * TICKS,
             lost=situation.problem.lost[self._robots].astype(np.int64),
             near=_near_of(tasks, len(np.unique(problem.counts, axis=0))),
-            riders=RIDERS,
-            habits=HABITS_IF_LARGE if tasks >= LARGE else HABITS,
+            riders=RIDERS_IF_LARGE if is_large else RIDERS,
+            habits=HABITS_IF_LARGE if is_large else HABITS,
             passed=passed,
             passes=passes,
         )

@@ -47,8 +47,8 @@ ARC_ROUNDS, ROUNDS_TIMES_TASKS = 900_000, 210_000_000
 ROUNDS_A_START, ROUNDS_A_PAIR = 30_000, 300
 """Rounds from each start at most, and for each pair of tasks."""
 
-STARTS, STARTS_AGAIN = 6, 3
-"""How many coalitions are searched from, at first and when it is planned again."""
+STARTS = 6
+"""How many coalitions are searched from."""
 
 BRIEF = 4
 """A brief search is so much shorter, and begins with one plan of each kind."""
@@ -70,17 +70,18 @@ class Rounds(NamedTuple):
 def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     """Return the rounds for a mission of a size: fixed, as a clock would not be the same for all.
 
-    A second of one core for 16 robots and 60 tasks, a fifth of that when planned again; some three
-    seconds for 100 robots and 300 tasks.
+    About a second of one core for 16 robots and 60 tasks, less than half of that when planned
+    again; some three seconds for 100 robots and 300 tasks.
     """
     tasks = len(problem.appears)
     crews, coalition = 1500 * tasks, relaxed_rounds(problem)
-    if tasks >= LARGE:
+    is_large = tasks >= LARGE
+    if is_large:
         arcs, coalitions = min(ARC_ROUNDS, ROUNDS_TIMES_TASKS // tasks), 0
     else:
         arcs, coalitions = min(ROUNDS_A_START, ROUNDS_A_PAIR * tasks * tasks), STARTS
     if is_again:
-        return Rounds(crews // 5, 1 + coalition // 5, arcs // 5, min(coalitions, STARTS_AGAIN))
+        return Rounds(crews // 5, 1 + coalition // 5, arcs // (5 if is_large else 3), coalitions)
     return Rounds(crews, coalition, arcs, coalitions)
 
 

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.jit import kernel
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.rules.constants import NOBODY
@@ -50,19 +49,3 @@ def routes_of(plan: TeamPlan, robots: int) -> list[list[int]]:
         for robot in plan.coalition[task, : plan.size[task]].tolist():
             routes[robot].append(task)
     return routes
-
-
-def overwrite_team_plan(plan: TeamPlan, into: TeamPlan) -> None:
-    """Overwrite a plan with another."""
-    for array, kept in zip(plan, into, strict=True):
-        kept[:] = array
-
-
-@kernel
-def copy_team_plan(plan: TeamPlan, into: TeamPlan) -> None:
-    """Overwrite a plan with another, in kernels: loops compile sooner than whole arrays."""
-    for place in range(len(plan.order)):
-        into.order[place] = plan.order[place]
-        into.size[place] = plan.size[place]
-        for seat in range(plan.coalition.shape[1]):
-            into.coalition[place, seat] = plan.coalition[place, seat]

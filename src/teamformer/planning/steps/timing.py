@@ -50,7 +50,6 @@ class Groups(NamedTuple):
     seen: Array  # (groups,) the last task that it took part in
     touched: Array  # (robots,) groups that take part in the task at hand
     arrive: Array  # (robots,) when they get there
-    before: Array  # (tasks,) the task that its last group came from, or NOBODY
     is_done: Array  # (tasks,)
     passed_to: Array  # (tasks,) the task that a group headed for when it did this one, or NOBODY
     passed_from: Array  # (tasks,) that group
@@ -81,7 +80,6 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
         seen=np.zeros(by_group, np.int32),
         touched=np.zeros(by_robot, np.int32),
         arrive=np.zeros(by_robot, np.int32),
-        before=np.zeros(by_task, np.int32),
         is_done=np.zeros(by_task, np.bool_),
         passed_to=np.zeros(by_task, np.int32),
         passed_from=np.zeros(by_task, np.int32),
@@ -147,7 +145,7 @@ def _gather_at_start(problem: Relaxed, groups: Groups) -> None:
 @kernel
 def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups, task: int) -> Any:
     """Bring a task's coalition together and let it do it; return the steps that robots walk."""
-    tasks, count, walked = len(plan.order), 0, np.int64(0)
+    count, walked = 0, np.int64(0)
     for seat in range(plan.size[task]):
         robot = plan.coalition[task, seat]
         group = groups.of[robot]
@@ -159,7 +157,7 @@ def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
             count += 1
         groups.pace[group] = min(groups.pace[group], problem.pace[robot])
         groups.leaving[group] += 1
-    latest, until = -1, 0
+    until = 0
     for place in range(count):
         group = groups.touched[place]
         groups.size[group] -= groups.leaving[group]
@@ -170,9 +168,6 @@ def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
         until = max(until, groups.until[group])
         if count > 1:
             arrival = max(arrival, groups.until[group])
-        if arrival > latest:
-            latest = arrival
-            groups.before[task] = group if group < tasks else NOBODY
         gap = place
         while gap > 0 and groups.arrive[gap - 1] > arrival:
             groups.arrive[gap], groups.touched[gap] = (

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from browsers import Opened, chromium
+from browsers import Opened
 from live_server import serving
 from methods import METHODS
 from missions import SEEDS, continuous_missions, missions
@@ -72,12 +72,6 @@ DONE, NOT_DONE = 0, 1
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("agreement")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
 
 
 @pytest.fixture(scope="module")

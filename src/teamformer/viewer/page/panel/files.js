@@ -70,13 +70,6 @@ function readRecord(text) {
 
 const KNOWN_FORMAT = 2;
 
-// What went wrong, or with "good" what went well.
-function notify(text, kind = "") {
-  byId("notice").textContent = text;
-  byId("notice").className = `notice ${kind}`;
-  byId("notice").hidden = !text;
-}
-
 // The map or the Gantt view as it is seen, with a line that says what it is.
 function savePicture(app) {
   byId("menu").open = false;

@@ -210,6 +210,6 @@ def test_a_server_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
         opened = Opened(page)
         opened.wait_until("window.teamformer !== undefined")
     wait_for(opened, "#mission h2", "connection lost")
-    page.click("text=Save")
+    page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "The server is not there; nothing was done")
     page.close()

@@ -19,6 +19,15 @@ class EditorApp extends App {
     return "";
   }
 
+  // What is drawn, as JSON, which is a scenario file too; YAML is what the panel saves.
+  downloads() {
+    const save = () => {
+      const text = `${JSON.stringify(this.draft.tree, null, 1)}\n`;
+      download(new Blob([text], { type: "application/json" }), `${fileName(this.draft.tree.name ?? "")}.json`);
+    };
+    return [downloadButton("Mission (JSON)", save)];
+  }
+
   hear(message) {
     if (message.kind === "editor") this.replace(message);
     if (message.kind === "checked") this.panel.tell((this.problems = message.problems));

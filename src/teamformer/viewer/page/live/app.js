@@ -125,6 +125,23 @@ class LiveApp extends App {
     return history.last ? "paused" : "not started";
   }
 
+  // The server makes them, as the command line does, of all that was done so far.
+  downloads() {
+    return Object.entries(FILES).map(([name, text]) => downloadButton(text, () => this.fetchFile(name)));
+  }
+
+  async fetchFile(name) {
+    notifyWork(`Making ${name} …`);
+    try {
+      const answer = await fetch(`/download/${name}${location.search}`);
+      if (!answer.ok) throw new Error((await answer.text()).trim());
+      download(await answer.blob(), `${fileName(this.history.scenario.name)}-${name}`);
+      notify("");
+    } catch (error) {
+      notify(`${name} is not there: ${error.message}.`);
+    }
+  }
+
   follow() {
     this.events = this.history.events.filter(({ kind }) => kind !== "heads");
     byId("scrub").max = String(this.history.last);
@@ -212,6 +229,14 @@ const WORK = {
   edit: "Going back to the drawing",
   take_over: "Taking it over",
   save: "Saving",
+};
+
+const FILES = {
+  "mission.yaml": "Mission (YAML)",
+  "replay.json": "Record (JSON)",
+  "replay.html": "Page (HTML)",
+  "tables.zip": "Tables (CSV, zip)",
+  "replay.mcap": "MCAP for Foxglove",
 };
 
 function savedText({ paths, note }) {

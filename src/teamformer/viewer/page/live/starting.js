@@ -12,6 +12,10 @@ class StartingApp extends App {
     notifyWork("Making the first plan …");
   }
 
+  downloads() {
+    return [element("p", {}, "The mission has not begun.")];
+  }
+
   startText() {
     return "";
   }

@@ -325,3 +325,45 @@ def test_fractions_are_drawn_saved_run_and_added(opened: Opened, tmp_path: Path)
     page.fill("[name='cap 0']", "0.125")
     page.click("text=Add task")
     wait_for(opened, "#incidents", "1: a task at [6, 6] that needs 0.125 x lift")
+
+
+def test_from_the_example_to_its_mission_and_back(begun: Opened, served: Served) -> None:
+    """What the editor begins with runs; after its mission it is there again, to be changed."""
+    page = begun.page
+    begun.wait_until("window.teamformer.teams().length === 3")
+    page.wait_for_timeout(400)  # the file reader has been asked
+    assert page.locator("#problems li").count() == 0
+    run(begun)
+    page.keyboard.press("ArrowRight")
+    begun.wait_until("window.teamformer.last === 1")
+    page.click("text=Back to the drawing …")
+    with page.expect_event("load", timeout=60_000):
+        page.get_by_role("button", name="Back to the drawing", exact=True).click()
+    begun.wait_until("window.teamformer?.teams().length === 3", 60)
+    page.click("[data-tool=robot]")
+    click(begun, 4, 4)
+    begun.wait_until("window.teamformer.teams().length === 4")
+    run(begun)
+    assert len(served.session.session.mission.scenario.robots) == 4
+    with page.expect_event("load", timeout=60_000):  # nothing would be lost, so it is not asked
+        page.click("text=Back to the drawing …")
+    begun.wait_until("window.teamformer?.teams().length === 4", 60)
+
+
+def run(opened: Opened) -> None:
+    with opened.page.expect_event("load", timeout=60_000):
+        opened.page.click("text=Run the mission")
+    opened.wait_until("window.teamformer !== undefined", 60)
+    wait_for(opened, "#start-text", "Start the mission")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+def test_what_a_robot_brings_is_in_sight(begun: Opened, width: int, height: int) -> None:
+    begun.page.set_viewport_size({"width": width, "height": height})
+    begun.wait_for_a_frame()
+    click(begun, 1, 4)
+    begun.details()
+    floor = begun.page.locator(".transport").bounding_box()["y"]
+    for selector in ("text=Run the mission", "[name='count lift']", "[name='count scan']"):
+        box = begun.page.locator(selector).bounding_box()
+        assert 0 <= box["y"] <= floor - box["height"]

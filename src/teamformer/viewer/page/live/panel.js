@@ -53,12 +53,12 @@ class MissionPanel {
 
   // At once where no step has been made since; else these steps are undone with it.
   undo() {
-    const { state, history, ask } = this.app;
+    const { state, history } = this.app;
     const [step] = state.incidents.at(-1);
     const go = () => this.app.ask({ do: "undo" });
     if (step === history.last) return go();
     const since = describeSpan(history.scenario.world, history.last - step);
-    this.doubt(`The ${since} since then are undone with it.`, `Go back to ${describeMoment(history.scenario.world, step)}`, go);
+    this.doubt(`This also undoes the ${since} made since then.`, `Go back to ${describeMoment(history.scenario.world, step)}`, go);
   }
 
   askToRestart() {

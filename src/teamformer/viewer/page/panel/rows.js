@@ -16,7 +16,7 @@ class Rows {
       if (box.scrollTop !== this.top) this.fill((this.top = box.scrollTop));
     });
     this.sizer.addEventListener("keydown", (event) => this.press(event));
-    this.sizer.addEventListener("focusin", ({ target }) => (this.stop = Number(target.dataset.key)));
+    this.sizer.addEventListener("focusin", ({ target }) => this.moveStop(target));
     new ResizeObserver(() => this.fill((this.high = box.clientHeight))).observe(box);
   }
 
@@ -59,10 +59,17 @@ class Rows {
     if (!by) return;
     event.preventDefault();
     event.stopPropagation();
-    this.stop = Math.max(0, Math.min(this.items.length - 1, this.stop + by));
-    this.keepInSight(this.stop);
+    const next = Math.max(0, Math.min(this.items.length - 1, this.stop + by));
+    this.keepInSight(next);
     this.fill();
-    this.sizer.querySelector(`[data-key="${this.stop}"]`)?.focus({ preventScroll: true });
+    this.sizer.querySelector(`[data-key="${next}"]`)?.focus({ preventScroll: true });
+  }
+
+  moveStop(button) {
+    const before = this.sizer.querySelector("[tabindex='0']");
+    if (before) before.tabIndex = -1;
+    button.tabIndex = 0;
+    this.stop = Number(button.dataset.key);
   }
 
   toTop() {

@@ -42,7 +42,7 @@ function count(number) {
   return { text: String(number), sort: number };
 }
 
-const NOTHING = { text: "–", sort: null };
+const NOTHING = { text: "-", sort: null };
 
 // One of STATES, for a task after a step.
 function stateOfTask({ history, scene }, task) {

@@ -287,11 +287,17 @@ def test_outputs_of_live_sessions_agree(
 
 
 def _script(rng: np.random.Generator, robots: list[str], grid: Grid) -> Iterator[dict[str, Any]]:
-    """Return what a page asks for: steps, tasks, a robot lost and back, and to play to the end."""
+    """Return what a page asks for, and in the end to play on.
+
+    Steps, tasks, a robot lost and back; to undo some of it, at once or steps later, and to restart.
+    """
     lost = str(rng.choice(robots))
-    for what in ("task", "lost", "task", "back", "task"):
-        for _ in range(int(rng.integers(1, 4))):
+    for what in ("task", "restart", "task", "lost", "undo", "lost", "task", "undo", "back", "task"):
+        for _ in range(int(rng.integers(0 if what == "undo" else 1, 4))):
             yield {"do": "step"}
+        if what in ("undo", "restart"):
+            yield {"do": what}
+            continue
         if what == "task":
             at = [int(rng.integers(grid.width)), int(rng.integers(grid.height))]
             yield {"do": "happen", "task": {"at": at, "needs": {f"c{rng.integers(1, 4)}": 1}}}
@@ -304,6 +310,7 @@ def _script(rng: np.random.Generator, robots: list[str], grid: Grid) -> Iterator
 def _wait_for_answer(line: Any, asked: str) -> None:
     """Wait until the server has done what it was asked for, or has refused."""
     kinds = {"step": "step", "happen": "incident", "play": "step", "save": "saved"}
+    kinds |= {"undo": "mission", "restart": "mission"}
     while True:
         heard = json.loads(line.recv(timeout=30))
         if heard["kind"] == "refused":

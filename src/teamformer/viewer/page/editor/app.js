@@ -19,6 +19,11 @@ class EditorApp extends App {
     return "";
   }
 
+  // There is nothing yet but a map.
+  look() {
+    super.look("map");
+  }
+
   // What is drawn, as JSON, which is a scenario file too; YAML is what the panel saves.
   downloads() {
     const save = () => {

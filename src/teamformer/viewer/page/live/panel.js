@@ -17,6 +17,7 @@ class MissionPanel {
     this.edit = act("Back to the drawing …", () => this.askToEdit());
     this.form = element("form", { id: "new-task", hidden: "" });
     this.form.addEventListener("submit", (event) => this.submit(event));
+    box.addEventListener("keydown", (event) => event.key === "Escape" && this.escape(event));
     const acts = element(
       "div",
       { class: "acts" },
@@ -73,17 +74,26 @@ class MissionPanel {
     this.doubt("This mission ends; what was done is gone, unless it is saved.", "Back to the drawing", go);
   }
 
+  // What is asked, or else the form, goes away; with neither, the selection does.
+  escape(event) {
+    if (this.question.hidden && this.form.hidden) return;
+    event.stopPropagation();
+    if (this.question.hidden) this.close();
+    else this.question.querySelector("button").click();
+  }
+
   hasNothingToLose() {
     return this.app.history.last === 0 && !this.app.state.incidents.length;
   }
 
   // A question before what cannot be taken back; the answer that changes nothing comes first.
   doubt(question, yes, go) {
+    const before = document.activeElement;
     const answer = (then) => () => {
       this.question.hidden = true;
       then();
     };
-    const no = act("No", answer(() => {}));
+    const no = act("No", answer(() => before.isConnected && before.focus()));
     this.question.replaceChildren(element("p", {}, question), element("div", { class: "acts" }, no, act(yes, answer(go))));
     this.question.hidden = false;
     no.focus();

@@ -20,6 +20,11 @@ class StartingApp extends App {
     return "";
   }
 
+  // There is nothing yet but a map.
+  look() {
+    super.look("map");
+  }
+
   statusText() {
     return "planning";
   }

@@ -128,8 +128,29 @@ def _compare_page(page: Any, tree: Any, lines: list[Line], folder: Path) -> None
     assert Counter(text.split(" done by ")[0] for text in told["said"]) == Counter(
         line.task for line in done
     )
+    _compare_tables_in_page(told, done, bars_of(folder))
     needs = sorted_needs(needs_told_by_record(tree))
     assert sorted_needs(dict(told["needs"])) == sorted_needs(needs_in(folder)) == needs
+
+
+def _compare_tables_in_page(told: Any, done: list[Line], bars: list[Bar]) -> None:
+    """Compare the page's tables, halfway, and its plots with who did what, and who was idle."""
+    half, ends = told["halfway"]["step"], {line.task: line.step for line in done}
+    assert told["halfway"]["tasks"] == [
+        [name, ends.get(name, 0), ends.get(name, half + 1) <= half]
+        for name, _, _ in told["halfway"]["tasks"]
+    ]
+    idle = [bar for bar in bars if bar.phase == "idle"]
+    spent = Counter[str]()
+    for bar in idle:
+        spent[bar.robot] += max(0, min(bar.ended, half) - min(bar.begun, half))
+    assert {_in_table(name): steps for name, steps in told["halfway"]["idle"]} == {
+        _in_table(name): spent[_in_table(name)] for name, _ in told["halfway"]["idle"]
+    }
+    assert sum(told["curves"]["idle"]) == sum(bar.ended - bar.begun for bar in idle)
+    left = len(told["halfway"]["tasks"]) - len(done)
+    assert told["curves"]["open"][-1] <= left  # the others are still to come
+    assert told["curves"]["way"] == sorted(told["curves"]["way"])
 
 
 def _in_table(value: Any) -> Any:

@@ -409,9 +409,11 @@ class Slow:
 
     def __init__(self) -> None:
         self.may_start = threading.Event()
+        self.has_ended = False
 
     def __call__(self, scenario: Scenario) -> Mission:
-        assert self.may_start.wait(20)
+        self.may_start.wait(20)
+        self.has_ended = True
         if len(scenario.robots) == 1:
             raise TeamformerError("one robot is too few for this method")
         return Mission(scenario, lambda: load_method("join-fitting"), 0)
@@ -449,3 +451,14 @@ def test_pages_are_served_before_the_first_plan_is_made(tmp_path: Path) -> None:
             page.hear("begun")
         with Page(server) as page:
             assert page.hear("mission")["record"]["steps"] == []
+
+
+def test_a_server_ends_while_a_first_plan_is_made(tmp_path: Path) -> None:
+    start = Slow()
+    tree = scenario_to_tree(small_mission())
+    shop = Workshop(start, tmp_path, 20.0, Draft(tree), small_mission())
+    with serving_session(shop) as server, Page(server) as page:
+        page.hear("starting")
+    assert not start.has_ended
+    start.may_start.set()
+    assert list(tmp_path.iterdir()) == []  # nothing was done that could be saved

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
+import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -176,7 +178,7 @@ class Workshop:
             for watcher in self._watchers:
                 watcher.tell(json.dumps({"kind": "starting", "scenario": self._draft.tree}))
             try:
-                mission = await asyncio.to_thread(self._start, scenario)
+                mission = await _start_apart(self._start, scenario)
             except TeamformerError as error:
                 self._refuse(str(error))
                 return
@@ -219,3 +221,30 @@ class Workshop:
         for watcher in self._watchers:
             watcher.tell(json.dumps({"kind": "begun"}))
         self._watchers.clear()
+
+
+async def _start_apart(start: StartMission, scenario: Scenario) -> Mission:
+    """Make a mission, with its first plan, in a thread that does not keep Ctrl-C waiting."""
+    loop = asyncio.get_running_loop()
+    made: asyncio.Future[Mission] = loop.create_future()
+
+    def tell(mission: Mission | None, error: BaseException | None) -> None:
+        if made.done():  # nobody waits any more
+            return
+        if mission is None:
+            made.set_exception(error or RuntimeError("there is no mission"))
+        else:
+            made.set_result(mission)
+
+    def work() -> None:
+        mission: Mission | None = None
+        error: BaseException | None = None
+        try:
+            mission = start(scenario)
+        except BaseException as raised:
+            error = raised
+        with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
+            loop.call_soon_threadsafe(tell, mission, error)
+
+    threading.Thread(target=work, daemon=True).start()
+    return await made

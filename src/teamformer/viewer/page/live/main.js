@@ -23,6 +23,7 @@ function hearServer(message) {
   opening = kind;
   app = APPS[kind](message);
   app.start();
+  document.title = `${app.history.scenario.name}, live`;
   app.hear(message);
   window.teamformer = lookInto(app);
 }

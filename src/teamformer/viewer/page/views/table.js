@@ -105,6 +105,7 @@ function tableRow({ class: kind, cells, on }, index) {
     return element("div", { role: "cell", class: looks, title: text }, text);
   });
   const first = element("div", { role: "rowheader", title: cells[0].text }, button);
-  const row = element("div", { role: "row", class: `cells ${kind}`, "aria-rowindex": index + 2, on }, first, ...others);
+  const looks = { class: `cells ${kind}`, "aria-current": String(kind === "now") };
+  const row = element("div", { role: "row", ...looks, "aria-rowindex": index + 2, on }, first, ...others);
   return { row, button, placed: row };
 }

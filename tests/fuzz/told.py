@@ -299,7 +299,7 @@ def _strip(size: tuple[int, int], tree: Tree, tasks: int, step: int, done: int, 
 PAGE_SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "record/curves", "views/columns", "look"),
+    *("record/reasons", "record/over_time", "views/columns", "look"),
 )
 """What a page reads a record with; it draws nothing."""
 

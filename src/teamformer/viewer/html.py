@@ -17,7 +17,7 @@ from teamformer.whole_files import write_whole
 SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "record/curves"),
+    *("record/reasons", "record/over_time"),
     *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
     *("draw/teams", "draw/groups", "draw/extras", "draw/names", "draw/map"),
     *("panel/dom", "panel/notice", "panel/chips", "panel/waiting", "panel/inspector"),

@@ -175,6 +175,7 @@ class EditorPanel {
 
   // A scenario or a map, and what it names if that was chosen with it: a map, or a map's image.
   async send(files) {
+    notifyWork("Reading …");
     const read = await Promise.all(files.map(async (file) => ({ file, text: await file.text() })));
     const isText = ({ file }) => /\.(ya?ml|json|map)$/i.test(file.name);
     const { file, text } = read.find(isScenario) ?? read.find(isText) ?? read[0];

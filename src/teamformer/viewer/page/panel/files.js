@@ -39,6 +39,7 @@ function askForRecord(app, isBeside) {
 async function openRecordFile(app, file, isBeside) {
   try {
     if (file.size > LARGEST_RECORD) throw new Error("it is larger than 512 MB");
+    notifyWork(`Reading ${file.name} …`);
     app.open(readRecord(await file.text()), isBeside);
     notify(noticeText(app.history));
   } catch (error) {

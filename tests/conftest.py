@@ -1,9 +1,13 @@
-"""How every process of the suite runs: one thread each, and stopped by Ctrl-C."""
+"""How every process of the suite runs: one thread each, stopped by Ctrl-C, one browser for all."""
 
 from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
 
 # Two processes with two threads each on two cores wait for one another: ten times as long. Said
 # before any of these libraries is loaded, and for the processes that tests start, too.
@@ -13,3 +17,12 @@ for library in ("OMP", "OPENBLAS", "MKL"):
 # A job of the background ignores Ctrl-C, as some CI does, and so would what its tests start.
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Return the one browser of this process: a second Playwright cannot start beside the first."""
+    from browsers import chromium
+
+    with chromium() as found:
+        yield found

@@ -64,7 +64,7 @@ def serving(
 ) -> Iterator[Served]:
     """Serve a mission that runs by a method while the block runs."""
     mission = Mission(scenario, lambda: load_method(method), 0)
-    with _served(Session(mission, folder, speed), token) as served:
+    with serving_session(Session(mission, folder, speed), token) as served:
         yield served
 
 
@@ -75,12 +75,13 @@ def serving_editor(folder: Path, speed: float = 20.0) -> Iterator[Served]:
     def start(scenario: Scenario) -> Mission:
         return Mission(scenario, lambda: load_method("join-fitting"), 0)
 
-    with _served(Workshop(start, folder, speed), None) as served:
+    with serving_session(Workshop(start, folder, speed)) as served:
         yield served
 
 
 @contextmanager
-def _served(session: Session | Workshop, token: str | None) -> Iterator[Served]:
+def serving_session(session: Session | Workshop, token: str | None = None) -> Iterator[Served]:
+    """Serve what pages speak to while the block runs."""
     import uvicorn
 
     from teamformer.live.server import Doors, configure, make_app

@@ -43,7 +43,7 @@ SEES = {
     "referee": {*CORE, "scenarios", "sim.replay"},
     "viewer": {"errors", "whole_files"},
     "export": {*CORE, "rules.constants", "sim.replay"},
-    "live": {*BELOW_POLICIES, "policies", "trials"},
+    "live": {*BELOW_POLICIES, "policies", "trials", "viewer", "export"},  # for its downloads
     "nets": set(),
     "train": {*BELOW_POLICIES, "policies", "trials", "nets"},
     "bench": {*BELOW_POLICIES, "policies", "trials", "referee"},

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from loops import run_apart
 from small_worlds import make, robot, task
 from teamformer.export.events import events
 from teamformer.fleet.fleet_mission import Mission
@@ -154,7 +155,7 @@ def heard_by_a_page(session: ObserverSession, *asked: Any) -> list[dict[str, Any
             told.append(json.loads(watcher.outbox.get_nowait() or "{}"))
         return told
 
-    return asyncio.run(talk())
+    return run_apart(talk())
 
 
 def test_a_task_that_a_page_adds_is_published_and_told_once_it_is_held(
@@ -244,7 +245,7 @@ def test_page_and_terminal_are_told_which_robots_are_not_heard(
         told = [json.loads(watcher.outbox.get_nowait()) for _ in range(watcher.outbox.qsize())]
         return next(message for message in reversed(told) if message["kind"] == "state")
 
-    state = asyncio.run(listen())
+    state = run_apart(listen())
     assert said[0].startswith("no robot has been heard for 0 s (what came was refused: bad seal)")
     assert state["warning"] == said[0]
 

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from browsers import Opened, chromium
+from browsers import Opened
 from live_server import serving
 from methods import METHODS
 from missions import SEEDS, continuous_missions, missions
@@ -72,12 +72,6 @@ DONE, NOT_DONE = 0, 1
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("agreement")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
 
 
 @pytest.fixture(scope="module")
@@ -134,8 +128,29 @@ def _compare_page(page: Any, tree: Any, lines: list[Line], folder: Path) -> None
     assert Counter(text.split(" done by ")[0] for text in told["said"]) == Counter(
         line.task for line in done
     )
+    _compare_tables_in_page(told, done, bars_of(folder))
     needs = sorted_needs(needs_told_by_record(tree))
     assert sorted_needs(dict(told["needs"])) == sorted_needs(needs_in(folder)) == needs
+
+
+def _compare_tables_in_page(told: Any, done: list[Line], bars: list[Bar]) -> None:
+    """Compare the page's tables, halfway, and its plots with who did what, and who was idle."""
+    half, ends = told["halfway"]["step"], {line.task: line.step for line in done}
+    assert told["halfway"]["tasks"] == [
+        [name, ends.get(name, 0), ends.get(name, half + 1) <= half]
+        for name, _, _ in told["halfway"]["tasks"]
+    ]
+    idle = [bar for bar in bars if bar.phase == "idle"]
+    spent = Counter[str]()
+    for bar in idle:
+        spent[bar.robot] += max(0, min(bar.ended, half) - min(bar.begun, half))
+    assert {_in_table(name): steps for name, steps in told["halfway"]["idle"]} == {
+        _in_table(name): spent[_in_table(name)] for name, _ in told["halfway"]["idle"]
+    }
+    assert sum(told["curves"]["idle"]) == sum(bar.ended - bar.begun for bar in idle)
+    left = len(told["halfway"]["tasks"]) - len(done)
+    assert told["curves"]["open"][-1] <= left  # the others are still to come
+    assert told["curves"]["way"] == sorted(told["curves"]["way"])
 
 
 def _in_table(value: Any) -> Any:
@@ -293,11 +308,17 @@ def test_outputs_of_live_sessions_agree(
 
 
 def _script(rng: np.random.Generator, robots: list[str], grid: Grid) -> Iterator[dict[str, Any]]:
-    """Return what a page asks for: steps, tasks, a robot lost and back, and to play to the end."""
+    """Return what a page asks for, and in the end to play on.
+
+    Steps, tasks, a robot lost and back; to undo some of it, at once or steps later, and to restart.
+    """
     lost = str(rng.choice(robots))
-    for what in ("task", "lost", "task", "back", "task"):
-        for _ in range(int(rng.integers(1, 4))):
+    for what in ("task", "restart", "task", "lost", "undo", "lost", "task", "undo", "back", "task"):
+        for _ in range(int(rng.integers(0 if what == "undo" else 1, 4))):
             yield {"do": "step"}
+        if what in ("undo", "restart"):
+            yield {"do": what}
+            continue
         if what == "task":
             at = [int(rng.integers(grid.width)), int(rng.integers(grid.height))]
             yield {"do": "happen", "task": {"at": at, "needs": {f"c{rng.integers(1, 4)}": 1}}}
@@ -310,6 +331,7 @@ def _script(rng: np.random.Generator, robots: list[str], grid: Grid) -> Iterator
 def _wait_for_answer(line: Any, asked: str) -> None:
     """Wait until the server has done what it was asked for, or has refused."""
     kinds = {"step": "step", "happen": "incident", "play": "step", "save": "saved"}
+    kinds |= {"undo": "mission", "restart": "mission"}
     while True:
         heard = json.loads(line.recv(timeout=30))
         if heard["kind"] == "refused":

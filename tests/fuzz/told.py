@@ -299,7 +299,7 @@ def _strip(size: tuple[int, int], tree: Tree, tasks: int, step: int, done: int, 
 PAGE_SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "look"),
+    *("record/reasons", "record/over_time", "views/columns", "look"),
 )
 """What a page reads a record with; it draws nothing."""
 
@@ -321,7 +321,19 @@ TOLD_BY_PAGE = """(tree) => {
     .map((event) => describeEvent(history, event));
   const needs = scenario.tasks.map((task) => [task.name, describeCounts(scenario, task.needs)]);
   const done = countDone(history, history.last);
-  return { lines, bars, stories, marks, said, needs, end: [end.status, end.makespan, done] };
+  const half = Math.floor(history.last / 2);
+  const app = { history, player: { step: half }, scene: () => sceneAt(history, half) };
+  const moment = momentOf(app);
+  const tasks = scenario.tasks.map(({ name }, task) =>
+    [name, endOfTask(moment, task)?.at ?? 0, stateOfTask(moment, task) === "done"]);
+  for (const robot of scenario.robots.keys()) for (const { of } of ROBOT_COLUMNS) of(moment, robot);
+  for (const task of scenario.tasks.keys()) for (const { of } of TASK_COLUMNS) of(moment, task);
+  const idle = [...idleStepsUpTo(history, half)].map((steps, robot) =>
+    [scenario.robots[robot].name, steps]);
+  const halfway = { step: half, tasks, idle };
+  const curves = curvesOf(history);
+  return { lines, bars, stories, marks, said, needs, halfway, curves,
+    end: [end.status, end.makespan, done] };
 }"""
 
 

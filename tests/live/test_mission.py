@@ -69,11 +69,57 @@ def test_a_forecast_is_what_then_comes() -> None:
     undisturbed, disturbed = forecast(run.past()), forecast(run.past_with(lose))
     assert run.steps == 5
     play(run, {})
-    assert undisturbed == Forecast(1, (run.steps,))
+    assert undisturbed == Forecast(1, (run.steps,), done_at=ends_of_tasks(run))
     other = mission()
     play(other, {5: lose})
     assert other.tally().status == "infeasible"
-    assert disturbed == Forecast(1, (), other.tally())
+    assert disturbed == Forecast(1, (), other.tally(), ends_of_tasks(other))
+    assert None in disturbed.done_at
+
+
+def ends_of_tasks(run: Mission) -> tuple[int | None, ...]:
+    """Return by task the step in which the record has it done."""
+    ends = {task: n for n, it in enumerate(run.record().steps, 1) for task, _ in it.done}
+    return tuple(ends.get(task) for task in range(len(run.scenario.tasks)))
+
+
+@pytest.mark.parametrize("method", ["plan", "join-fitting", "crews"])
+def test_an_incident_that_is_undone_has_not_happened(method: str) -> None:
+    """What comes then is what had come without it: the same record, and the other incident's."""
+    plain, run = mission(method=method), mission(method=method)
+    for one in (plain, run):
+        for _ in range(3):
+            one.step()
+        one.happen(NewTask((2, 2), {"lift": 1}, "late"))
+        one.step()
+    run.happen(LostRobot(run.scenario.robots[0].name))
+    run.step()
+    assert isinstance(run.undo(), LostRobot)
+    assert (run.steps, [it for _, it in run.incidents]) == (4, [it for _, it in plain.incidents])
+    for one in (plain, run):
+        play(one, {})
+    assert run.record() == plain.record()
+    run.undo()
+    assert (run.steps, run.scenario) == (3, mission(method=method).scenario)
+    play(run, {})
+    assert run.record().steps == run_to_its_end(mission(method=method)).record().steps
+    with pytest.raises(TeamformerError, match="nothing has happened"):
+        run.undo()
+
+
+def test_a_mission_anew_is_as_it_was_drawn() -> None:
+    run = mission()
+    run.step()
+    run.happen(LostRobot(run.scenario.robots[0].name))
+    run.step()
+    again = run.anew()
+    assert (again.steps, again.incidents, again.scenario) == (0, [], mission().scenario)
+    assert run_to_its_end(again).record() == run_to_its_end(mission()).record()
+
+
+def run_to_its_end(run: Mission) -> Mission:
+    play(run, {})
+    return run
 
 
 def test_a_task_can_come_after_all_is_done() -> None:

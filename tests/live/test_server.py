@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import http.client
+import io
 import json
+import re
 import threading
+import time
+import zipfile
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
@@ -13,10 +17,20 @@ from typing import Any
 
 import pytest
 
-from live_server import Served, serving, small_mission
+from live_server import Served, serving, serving_session, small_mission
+from teamformer.errors import TeamformerError
+from teamformer.export.csv_tables import write_tables
+from teamformer.export.mcap_file import write_mcap
+from teamformer.live.mission_with_past import Mission
+from teamformer.live.workshop import Draft, Workshop
+from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge
+from teamformer.scenarios.files import scenario_to_tree
 from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.replay.writing import replay_to_tree
+from teamformer.trials.methods import load_method
+from teamformer.viewer.html import write_page
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
 client = pytest.importorskip("websockets.sync.client")
@@ -55,10 +69,15 @@ class Page:
 
 
 def get(server: Served, host: str, path: str = "/") -> tuple[int, str]:
+    status, content = fetch(server, host, path)
+    return status, content.decode()
+
+
+def fetch(server: Served, host: str, path: str) -> tuple[int, bytes]:
     connection = http.client.HTTPConnection("127.0.0.1", server.port)
     connection.request("GET", path, headers={"Host": host})
     with closing(connection), connection.getresponse() as answer:
-        return answer.status, answer.read().decode()
+        return answer.status, answer.read()
 
 
 def test_the_page_comes_to_its_own_host_only(served: Served) -> None:
@@ -152,7 +171,10 @@ def test_the_lower_bound_is_that_of_a_run(served: Served) -> None:
 def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
     with Page(served) as page:
         page.hear("mission")
-        assert page.hear("forecast") == {"kind": "forecast", "status": "completed", "steps": 13}
+        told = page.hear("forecast")
+        assert (told["status"], told["steps"]) == ("completed", 13)
+        ends = told["done_at"]
+        assert max(ends) == 13
         for _ in range(4):
             page.ask(do="step")
             page.hear("step")
@@ -315,3 +337,128 @@ def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
         with pytest.raises(TeamformerError, match=f"127.0.0.1:{port} cannot be used") as error:
             live(path, options)
     assert "--port" in (error.value.hint or "")
+
+
+def test_an_incident_is_undone_and_the_mission_restarted(served: Served) -> None:
+    with Page(served) as page, Page(served) as other:
+        page.ask(do="undo")
+        assert page.hear("refused")["text"] == "nothing has happened that could be undone"
+        page.ask(do="step")
+        page.ask(do="happen", lost="r1")
+        page.ask(do="step")
+        while other.hear("step")["at"] != 2:
+            pass
+        page.ask(do="undo")
+        told = other.hear("mission")
+        assert (len(told["record"]["steps"]), told["incidents"]) == (1, [])
+        assert "lost" not in told["record"]["scenario"]["robots"][0]
+        other.ask(do="play")
+        while "end" not in (step := page.hear("step")):
+            pass
+        assert (step["at"], step["end"]["status"]) == (13, "completed")  # as if never disturbed
+        page.ask(do="restart")
+        told = other.hear("mission")
+        assert (told["record"]["steps"], told["is_playing"]) == ([], False)
+        assert other.hear("forecast")["steps"] == 13
+
+
+def test_downloads_are_what_the_command_line_writes(served: Served, tmp_path: Path) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        page.ask(do="step")
+        page.ask(do="happen", task={"at": [3, 1], "needs": ["lift"], "name": "extra"})
+        page.hear("incident")
+        page.ask(do="play")
+        while "end" not in page.hear("step"):
+            pass
+        page.ask(do="save")
+        saved, scenario = map(Path, page.hear("saved")["paths"])
+    record = read_replay(saved)
+
+    def content(name: str) -> bytes:
+        status, came = fetch(served, served.address, f"/download/{name}")
+        assert status == 200, came
+        return came
+
+    assert content("replay.json") == saved.read_bytes()
+    assert content("mission.yaml") == scenario.read_bytes()
+    write_page(replay_to_tree(record), tmp_path / "page.html")
+    assert content("replay.html") == (tmp_path / "page.html").read_bytes()
+    with zipfile.ZipFile(io.BytesIO(content("tables.zip"))) as tables:
+        for path in write_tables(record, tmp_path):
+            assert tables.read(path.name) == path.read_bytes()
+    write_mcap(record, tmp_path / "it.mcap")
+    (tmp_path / "came.mcap").write_bytes(content("replay.mcap"))
+    told = messages_of(tmp_path / "came.mcap")
+    assert told == messages_of(tmp_path / "it.mcap")
+    assert len(told) > 13
+    assert fetch(served, "evil.example", "/download/replay.json")[0] == 403
+    assert fetch(served, served.address, "/download/secrets")[0] == 404
+
+
+def messages_of(path: Path) -> list[tuple[str, int, bytes]]:
+    """Return the messages of a file: topic, time and content."""
+    reader = pytest.importorskip("mcap.reader")
+    with path.open("rb") as stream:
+        found = reader.make_reader(stream).iter_messages()
+        return [(channel.topic, it.log_time, it.data) for _, channel, it in found]
+
+
+class Slow:
+    """Makes missions once it may, so that a test looks at the server meanwhile."""
+
+    def __init__(self) -> None:
+        self.may_start = threading.Event()
+        self.has_ended = False
+
+    def __call__(self, scenario: Scenario) -> Mission:
+        self.may_start.wait(20)
+        self.has_ended = True
+        if len(scenario.robots) == 1:
+            raise TeamformerError("one robot is too few for this method")
+        return Mission(scenario, lambda: load_method("join-fitting"), 0)
+
+
+def test_pages_are_served_before_the_first_plan_is_made(tmp_path: Path) -> None:
+    start, said = Slow(), list[str]()
+    tree = scenario_to_tree(small_mission())
+    shop = Workshop(start, tmp_path, 20.0, Draft(tree, "small.yaml"), small_mission(), said.append)
+    with serving_session(shop) as server:
+        with Page(server) as page:
+            assert page.hear("starting")["scenario"]["name"] == "small"
+            assert fetch(server, server.address, "/download/replay.json")[0] == 404
+            while not said:
+                time.sleep(0.01)
+            start.may_start.set()
+            page.hear("begun")
+        assert said[0] == "making the first plan ..."
+        assert re.fullmatch(r"the mission is ready after [\d.]+ s; the page starts it", said[1])
+        with Page(server) as page:
+            assert page.hear("mission")["has_editor"]
+            page.ask(do="step")
+            page.hear("step")
+            page.ask(do="edit")
+            page.hear("begun")
+        with Page(server) as page:  # the drawing is as it was
+            draft = page.hear("editor")
+            assert (draft["scenario"], draft["file"]) == (tree, "small.yaml")
+            alone = tree | {"robots": tree["robots"][2:]}
+            page.ask(do="run", scenario=alone)
+            assert page.hear("refused")["text"] == "one robot is too few for this method"
+        with Page(server) as page:
+            assert len(page.hear("editor")["scenario"]["robots"]) == 1
+            page.ask(do="run", scenario=tree)
+            page.hear("begun")
+        with Page(server) as page:
+            assert page.hear("mission")["record"]["steps"] == []
+
+
+def test_a_server_ends_while_a_first_plan_is_made(tmp_path: Path) -> None:
+    start = Slow()
+    tree = scenario_to_tree(small_mission())
+    shop = Workshop(start, tmp_path, 20.0, Draft(tree), small_mission())
+    with serving_session(shop) as server, Page(server) as page:
+        page.hear("starting")
+    assert not start.has_ended
+    start.may_start.set()
+    assert list(tmp_path.iterdir()) == []  # nothing was done that could be saved

@@ -1,4 +1,4 @@
-"""A browser for the tests of the replay page, and replays to show in it."""
+"""Replay pages in a browser, and replays to show in them."""
 
 from __future__ import annotations
 
@@ -9,14 +9,8 @@ from typing import Any
 import pytest
 from toy_replays import Tree, small_scenario, toy_replay
 
-from browsers import Opened, Opener, chromium
+from browsers import Opened, Opener
 from teamformer.viewer.html import replay_page
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
 
 
 @pytest.fixture

@@ -29,7 +29,8 @@ def served(tmp_path: Path) -> Iterator[Served]:
 
 
 @pytest.fixture
-def opened(browser: Any, served: Served) -> Iterator[Opened]:
+def begun(browser: Any, served: Served) -> Iterator[Opened]:
+    """The editor as it opens, with a mission to change."""
     context = browser.new_context(viewport={"width": 1400, "height": 900})
     found = Opened(context.new_page())
     found.page.on("pageerror", lambda error: found.errors.append(str(error)))
@@ -38,6 +39,14 @@ def opened(browser: Any, served: Served) -> Iterator[Opened]:
     yield found
     context.close()
     assert found.errors == []
+
+
+@pytest.fixture
+def opened(begun: Opened) -> Opened:
+    """The editor with an empty map."""
+    begun.page.click("#mission >> text=New")
+    wait_for(begun, "#about", "0 robots")
+    return begun
 
 
 TOP = "(part) => document.querySelector(part).getBoundingClientRect().top"
@@ -62,6 +71,8 @@ def draw(opened: Opened) -> None:
     for place in ROBOTS[3:]:
         click(opened, *place)
     opened.page.click("[data-tool=task]")
+    opened.page.fill("[name='kit lift']", "0")
+    opened.page.fill("[name='kit scan']", "1")
     for place in TASKS[:4]:
         click(opened, *place)
     opened.page.fill("[name='kit lift']", "1")
@@ -119,6 +130,7 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
 
 def test_what_is_wrong_is_told_in_the_words_of_the_file_reader(opened: Opened) -> None:
     page = opened.page
+    wait_for(opened, "#problems .hint", "there is no robot; add one")  # which is no fault
     click(opened, 3, 3)  # selects nothing: the tool is not one that draws
     page.click("[data-tool=task]")
     page.fill("[name='kit lift']", "2")
@@ -126,7 +138,7 @@ def test_what_is_wrong_is_told_in_the_words_of_the_file_reader(opened: Opened) -
     wait_for(opened, "#problems", "there is no robot; add one")
     page.click("[data-tool=robot]")
     click(opened, 5, 5)
-    page.fill("[name='count lift']", "1")
+    assert page.input_value("[name='kit lift']") == "1"  # what tasks need is another matter
     wait_for(opened, "#problems", "task 't1' needs 2 x lift but all robots together lack lift")
     page.click("#problems >> text=all robots together")
     opened.details()
@@ -146,8 +158,12 @@ def test_undo_redo_and_keys(opened: Opened) -> None:
     assert page.evaluate(teams) == [[2, 2]]
     page.keyboard.press("Control+z")
     assert page.evaluate(teams) == [[2, 2], [5, 5]]
-    for _ in range(4):
+    for _ in range(3):
         page.click("#mission >> text=Undo")
+    assert page.evaluate(teams) == []
+    page.click("#mission >> text=Undo")  # what was there before the new one
+    assert len(page.evaluate(teams)) == 3
+    page.click("#mission >> text=Redo")
     assert page.evaluate(teams) == []
     page.click("#mission >> text=Redo")
     assert page.evaluate(teams) == [[2, 2]]
@@ -309,3 +325,45 @@ def test_fractions_are_drawn_saved_run_and_added(opened: Opened, tmp_path: Path)
     page.fill("[name='cap 0']", "0.125")
     page.click("text=Add task")
     wait_for(opened, "#incidents", "1: a task at [6, 6] that needs 0.125 x lift")
+
+
+def test_from_the_example_to_its_mission_and_back(begun: Opened, served: Served) -> None:
+    """What the editor begins with runs; after its mission it is there again, to be changed."""
+    page = begun.page
+    begun.wait_until("window.teamformer.teams().length === 3")
+    page.wait_for_timeout(400)  # the file reader has been asked
+    assert page.locator("#problems li").count() == 0
+    run(begun)
+    page.keyboard.press("ArrowRight")
+    begun.wait_until("window.teamformer.last === 1")
+    page.click("text=Back to the drawing …")
+    with page.expect_event("load", timeout=60_000):
+        page.get_by_role("button", name="Back to the drawing", exact=True).click()
+    begun.wait_until("window.teamformer?.teams().length === 3", 60)
+    page.click("[data-tool=robot]")
+    click(begun, 4, 4)
+    begun.wait_until("window.teamformer.teams().length === 4")
+    run(begun)
+    assert len(served.session.session.mission.scenario.robots) == 4
+    with page.expect_event("load", timeout=60_000):  # nothing would be lost, so it is not asked
+        page.click("text=Back to the drawing …")
+    begun.wait_until("window.teamformer?.teams().length === 4", 60)
+
+
+def run(opened: Opened) -> None:
+    with opened.page.expect_event("load", timeout=60_000):
+        opened.page.click("text=Run the mission")
+    opened.wait_until("window.teamformer !== undefined", 60)
+    wait_for(opened, "#start-text", "Start the mission")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+def test_what_a_robot_brings_is_in_sight(begun: Opened, width: int, height: int) -> None:
+    begun.page.set_viewport_size({"width": width, "height": height})
+    begun.wait_for_a_frame()
+    click(begun, 1, 4)
+    begun.details()
+    floor = begun.page.locator(".transport").bounding_box()["y"]
+    for selector in ("text=Run the mission", "[name='count lift']", "[name='count scan']"):
+        box = begun.page.locator(selector).bounding_box()
+        assert 0 <= box["y"] <= floor - box["height"]

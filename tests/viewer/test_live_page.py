@@ -210,6 +210,74 @@ def test_a_server_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
         opened = Opened(page)
         opened.wait_until("window.teamformer !== undefined")
     wait_for(opened, "#mission h2", "connection lost")
-    page.click("text=Save")
+    page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "The server is not there; nothing was done")
     page.close()
+
+
+def test_an_incident_is_undone_in_the_page(opened: Opened, served: Served) -> None:
+    page = opened.page
+    step_to(opened, 2)
+    lose_r1(opened)
+    page.click("#incidents >> text=Undo")  # no step since: at once
+    opened.wait_until("!document.querySelector('#incidents li')")
+    lose_r1(opened)
+    step_to(opened, 4, begun=2)
+    page.click("#incidents >> text=Undo")
+    assert "This also undoes the 2 steps made since then." in page.inner_text("#mission")
+    page.click("#mission >> text=No")
+    assert served.session.mission.steps == 4
+    page.click("#incidents >> text=Undo")
+    page.click("text=Go back to step 2")
+    opened.wait_until("window.teamformer.last === 2")
+    wait_for(opened, "#outlook", "all done at step 13")
+    assert served.session.mission.incidents == []
+    page.click("text=Restart …")
+    page.get_by_role("button", name="Restart", exact=True).click()
+    opened.wait_until("window.teamformer.last === 0")
+    wait_for(opened, "#start-text", "Start the mission")
+
+
+def lose_r1(opened: Opened) -> None:
+    opened.page.click("#tab-robots")
+    opened.page.click(".row >> text=r1")
+    opened.page.click("text=Lose r1 …")
+    opened.page.click("text=Yes, lose r1")
+    wait_for(opened, "#incidents", "robot r1 lost")
+
+
+def test_the_table_says_when_tasks_will_be_done(opened: Opened, served: Served) -> None:
+    """The expected ends are those that then come; by a plan of its own, so is who is next."""
+    page = opened.page
+    wait_for(opened, "#outlook", "all done at step 13")
+    page.click("#view-tasks")
+    rows = "[...document.querySelectorAll('#stage-tasks .rows [role=row]')]"
+    ends = f"{rows}.map((row) => row.children[3].textContent)"
+    opened.wait_until(f"{ends}.length === 3")
+    expected = page.evaluate(ends)
+    assert "13" in expected
+    page.keyboard.press(" ")
+    wait_for(opened, "#status", "Completed")
+    opened.details()
+    assert page.evaluate(ends) == expected
+    done = {
+        it: n
+        for n, step in enumerate(served.session.mission.record().steps, 1)
+        for it, _ in step.done
+    }
+    assert expected == [str(done[task]) for task in range(3)]
+
+
+def test_downloads_come_from_the_server(opened: Opened, served: Served) -> None:
+    page = opened.page
+    step_to(opened, 3)
+    for name in FILES:
+        page.click("#menu summary")
+        with page.expect_download() as saved:
+            page.click(f"#downloads button >> nth={FILES.index(name)}")
+        assert saved.value.suggested_filename == f"small-{name}"
+        assert len(saved.value.path().read_bytes()) > 200
+    assert page.is_hidden("#notice")
+
+
+FILES = ["mission.yaml", "replay.json", "replay.html", "tables.zip", "replay.mcap"]

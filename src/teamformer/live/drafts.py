@@ -31,6 +31,21 @@ EMPTY: Tree = {
     "robots": [],
     "tasks": [],
 }
+EXAMPLE: Tree = EMPTY | {
+    "name": "example",
+    "robots": [
+        {"name": "r1", "at": [1, 2], "can": ["lift"]},
+        {"name": "r2", "at": [1, 4], "can": ["lift"]},
+        {"name": "r3", "at": [1, 7], "can": ["scan"]},
+    ],
+    "tasks": [
+        {"name": "t1", "at": [6, 7], "needs": ["scan"]},
+        {"name": "t2", "at": [9, 2], "needs": {"lift": 2}, "duration": 3},
+        {"name": "t3", "at": [13, 5], "needs": ["lift", "scan"]},
+    ],
+}
+"""What the editor begins with: a mission that runs, to be changed."""
+
 ROS_MAP = re.compile(r"^(image|resolution):", re.MULTILINE)
 """What only the description of a ROS map has at its left edge."""
 
@@ -82,13 +97,22 @@ def open_draft(name: str, text: str, beside: Mapping[str, bytes] | None = None) 
         try:
             if kind == ".map" or ROS_MAP.search(text):
                 return EMPTY | {"name": Path(name).stem, "world": _world_of(read_coarse_map(path))}
-            scenario = read_scenario(path)
+            return draft_of_file(path, Path(name).stem)
         except TeamformerError as error:
             message = str(error).replace(str(path), name).replace(f"{folder}/", "")
             raise TeamformerError(message, error.hint) from None
-    tree = reader.parse_json(text) if kind == ".json" else reader.parse(text)
+
+
+def draft_of_file(path: Path, name: str) -> Tree:
+    """Return the draft in a scenario file, of that name if the file has none.
+
+    TeamformerError says what is wrong with the file.
+    """
+    scenario = read_scenario(path)
+    text = path.read_text(encoding="utf-8")
+    tree = reader.parse_json(text) if path.suffix.lower() == ".json" else reader.parse(text)
     assert isinstance(tree.value, dict)  # or it would have been refused
-    draft = {"name": Path(name).stem} | tree.value
+    draft = {"name": name} | tree.value
     if "map" in draft["world"]:
         draft["world"] = scenario_to_tree(scenario)["world"]
     return _plain(draft)

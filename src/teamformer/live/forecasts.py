@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,13 +50,25 @@ class Past:
         return replace(self, env=env, plans=(*self.plans, (steps, plan)))
 
 
+class Played(NamedTuple):
+    """A future that was played: its end, and by task the step in which it was done, or NOBODY."""
+
+    tally: Tally
+    done_at: Sequence[int]
+
+
 @dataclass(frozen=True)
 class Forecast:
-    """How a mission ends, in one future or several: steps, the fastest first, of those done."""
+    """How a mission ends, in one future or several: steps, the fastest first, of those done.
+
+    `done_at` has for each task the mean step in which it is done, over the futures in which it is;
+    None if it is in none.
+    """
 
     futures: int
     ends: tuple[int, ...]
     otherwise: Tally | None = None  # of one that is not done
+    done_at: tuple[float | None, ...] = ()
 
     def text(self) -> str:
         """Return how it ends as words."""
@@ -89,11 +102,11 @@ def replayed(env: TeamFormation, coordinator: Coordinator | None) -> Coordinator
     return None if coordinator is None else Replayed(env.plans(), coordinator)
 
 
-def play_ahead(env: TeamFormation, method: Method) -> Tally:
+def play_ahead(env: TeamFormation, method: Method) -> Played:
     """Play an environment to its end; return how that is."""
     while env.is_running[0]:
         env.step(decide(env, method, env.view()))
-    return env.tally()
+    return Played(env.tally(), env.worlds.tasks["done_at"][0].tolist())
 
 
 def forecast(
@@ -103,20 +116,27 @@ def forecast(
     if not past.scenario.has_surprises:
         return _summed_up([play_ahead(past.env.fork(), past.begin())])
     until = time.monotonic() + seconds
-    tallies: list[Tally] = []
+    played: list[Played] = []
     for seed in range(SAMPLES):
         env = _future(past, seed)
         if env is not None:
-            tallies.append(play_ahead(env, past.begin()))
-        if tallies and (is_over() or time.monotonic() > until):
+            played.append(play_ahead(env, past.begin()))
+        if played and (is_over() or time.monotonic() > until):
             break
-    return _summed_up(tallies or [play_ahead(past.env.fork(), past.begin())])
+    return _summed_up(played or [play_ahead(past.env.fork(), past.begin())])
 
 
-def _summed_up(tallies: Sequence[Tally]) -> Forecast:
+def _summed_up(played: Sequence[Played]) -> Forecast:
+    tallies = [one.tally for one in played]
     done = sorted(tally.steps for tally in tallies if tally.status == "completed")
     others = [tally for tally in tallies if tally.status != "completed"]
-    return Forecast(len(tallies), tuple(done), others[0] if others else None)
+    rows = zip(*(one.done_at for one in played), strict=True)
+    done_at = tuple(_mean([step for step in steps if step != NOBODY]) for steps in rows)
+    return Forecast(len(tallies), tuple(done), others[0] if others else None, done_at)
+
+
+def _mean(steps: Sequence[int]) -> float | None:
+    return sum(steps) / len(steps) if steps else None
 
 
 def _future(past: Past, seed: int) -> TeamFormation | None:

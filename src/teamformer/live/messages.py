@@ -16,7 +16,8 @@ from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 LARGEST = 4_000_000  # bytes of a message
 COMMANDS = (
     *("play", "pause", "step", "speed", "happen", "what_if", "replan", "take_over", "save"),
-    *("check", "open", "run"),
+    *("undo", "restart", "edit"),
+    *("check", "open", "new", "run"),
 )
 SLOWEST, FASTEST = 0.1, 1000.0  # steps a second
 LONGEST_SEARCH = 120.0  # seconds

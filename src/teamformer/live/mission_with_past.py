@@ -6,11 +6,14 @@ that nothing is planned but what follows from now on, and the record is at every
 makes of the mission's scenario. Of what was recorded, only
 the assignments after the latest step may change: whoever learns of a task thinks anew. A plan that
 is taken over changes no scenario: the record holds it, and `run` makes plans of its own.
+
+Before each incident the mission is kept as it stands, so that the latest incident can be undone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from teamformer.coordination import Coordinator
 from teamformer.errors import TeamformerError
@@ -29,6 +32,15 @@ from teamformer.truth import draw_truth
 MakeMethod = Callable[[], Method]
 
 
+class _Standing(NamedTuple):
+    """A mission as it stands: what an incident changes, and what undoing it brings back."""
+
+    env: TeamFormation
+    recorder: Recorder
+    scenario: Scenario
+    bound: int | None
+
+
 class Mission:
     """One mission that runs by one method; `incidents` are what happened so far, with steps.
 
@@ -41,6 +53,7 @@ class Mission:
             scenario = draw_truth(scenario, seed)
         self.scenario, self.seed = scenario, seed
         self.incidents: list[tuple[int, Happening]] = []
+        self._drawn = scenario
         self._make_method = make_method
         self._method = self._begin()
         self.method_name = self._method.name
@@ -48,6 +61,11 @@ class Mission:
         self._env = self._stage(scenario, self._method.coordinator)
         self._recorder = Recorder(self._env)
         self._bound: int | None = None
+        self._before: list[_Standing] = []  # by incident
+
+    def anew(self) -> Mission:
+        """Return the same mission before its first step, to which nothing has happened."""
+        return Mission(self._drawn, self._make_method, self.seed)
 
     @property
     def steps(self) -> int:
@@ -83,10 +101,24 @@ class Mission:
     def happen(self, incident: Happening) -> None:
         """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""
         env, recorder, scenario = self._changed(incident)
+        before = _Standing(self._env, self._recorder, self.scenario, self._bound)
         self.incidents.append((self.steps, incident))
+        self._before.append(before)
         self._env, self._recorder = env, recorder
         if scenario is not self.scenario:
             self.scenario, self._bound = scenario, None
+
+    def undo(self) -> Happening:
+        """Go back to just before the latest incident, and return it; the steps since are undone.
+
+        Raises TeamformerError if nothing has happened.
+        """
+        if not self.incidents:
+            raise TeamformerError("nothing has happened that could be undone")
+        _, incident = self.incidents.pop()
+        self._env, self._recorder, self.scenario, self._bound = self._before.pop()
+        del self._decisions[self.steps :]
+        return incident
 
     def scenario_with(self, happening: Happening) -> Scenario:
         """Return the scenario if something happened now; TeamformerError says why it cannot.

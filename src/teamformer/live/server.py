@@ -21,8 +21,11 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from teamformer.errors import TeamformerError
+from teamformer.live.downloads import DOWNLOADS, make_download
 from teamformer.live.messages import LARGEST
 from teamformer.live.session import Watcher
+from teamformer.sim.replay.record import Replay
 
 POLICY_VIOLATION = 1008  # a close code of WebSockets
 
@@ -33,7 +36,9 @@ class Watched(Protocol):
     `run` goes on until it is cancelled; `act` does what a page asks for, or tells it why not.
     """
 
-    lock: asyncio.Lock
+    @property
+    def lock(self) -> asyncio.Lock:
+        """Return what has one thing at a time happen."""
 
     async def run(self) -> None:
         """Let time pass."""
@@ -46,6 +51,9 @@ class Watched(Protocol):
 
     async def act(self, watcher: Watcher, text: str) -> None:
         """Hear a page."""
+
+    async def record(self) -> Replay | None:
+        """Return the record so far; None while nothing runs."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +91,24 @@ def make_app(
             return PlainTextResponse(f"{refusal}\n", status_code=403)
         return HTMLResponse(page(), headers={"Cache-Control": "no-store"})
 
+    async def download(request: Request) -> Response:
+        refusal = doors.refusal(request)
+        if refusal is not None:
+            return PlainTextResponse(f"{refusal}\n", status_code=403)
+        name = request.path_params["name"]
+        if name not in DOWNLOADS:
+            return PlainTextResponse(f"there is no file '{name}'\n", status_code=404)
+        record = await session.record()
+        if record is None:
+            return PlainTextResponse("no mission runs yet\n", status_code=404)
+        try:
+            content = await asyncio.to_thread(make_download, record, name)
+        except TeamformerError as error:
+            text = f"{error}; {error.hint}" if error.hint else str(error)
+            return PlainTextResponse(f"{text}\n", status_code=501)
+        kept = {"Content-Disposition": f'attachment; filename="{name}"'}
+        return Response(content, headers=kept, media_type="application/octet-stream")
+
     async def talk(connection: WebSocket) -> None:
         if doors.refusal(connection) is not None:
             await connection.close(POLICY_VIOLATION)
@@ -107,7 +133,11 @@ def make_app(
         async with session.lock:
             on_end()
 
-    routes = [Route("/", home), WebSocketRoute("/socket", talk)]
+    routes = [
+        Route("/", home),
+        Route("/download/{name}", download),
+        WebSocketRoute("/socket", talk),
+    ]
     return Starlette(routes=routes, lifespan=lifespan)
 
 

@@ -9,15 +9,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-import math
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from teamformer.errors import TeamformerError
-from teamformer.live.forecasts import Forecast, forecast
+from teamformer.live.forecasts import forecast
 from teamformer.live.incidents import (
     Happening,
     Incident,
@@ -34,18 +32,24 @@ from teamformer.live.messages import (
     read_speed,
 )
 from teamformer.live.mission_with_past import Mission
+from teamformer.live.page_trees import (
+    Tree,
+    done_at_to_tree,
+    forecast_to_tree,
+    news_of_step,
+    record_so_far,
+)
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.writing import replay_to_tree, step_to_tree, write_replay
+from teamformer.sim.replay.writing import write_replay
 
 MOST_WAITING = 500  # messages that a page may be behind before it is let go
 
 AT_ONCE = 0.3
 """Seconds within which a step is made without a word; what takes longer is told to be planned."""
 
-Tree = dict[str, Any]
 Moment = tuple[int, int]
-"""Steps made, and how much has happened."""
+"""Steps made, and how often the mission has been changed."""
 
 
 class Watcher:
@@ -65,9 +69,12 @@ class Watcher:
 class Session:
     """Steps a mission at its speed and tells everybody; `act` is what a page asks for."""
 
-    def __init__(self, mission: Mission, folder: Path, speed: float) -> None:
+    def __init__(
+        self, mission: Mission, folder: Path, speed: float, has_editor: bool = False
+    ) -> None:
         self.mission, self.folder = mission, folder
-        self.speed, self.is_playing = speed, False
+        self.speed, self.is_playing, self.has_editor = speed, False, has_editor
+        self._changes = 0
         self.watchers: set[Watcher] = set()
         self.lock = asyncio.Lock()
         self._wake = asyncio.Event()
@@ -104,7 +111,7 @@ class Session:
         elif self._forecast is None:
             self._predict()
         if self._bound is None:
-            self._bound = asyncio.create_task(self._tell_bound())
+            self._work_out_bound()
         return watcher
 
     def leave(self, watcher: Watcher) -> None:
@@ -139,7 +146,7 @@ class Session:
             finally:
                 telling.cancel()
                 self._planning_is_over()
-            self._tell_all("step", self._news())
+            self._tell_all("step", news_of_step(self.mission.record(), self.mission.is_running))
         if not self.mission.is_running:
             self._pause()
         elif self.mission.has_shown_more:
@@ -163,19 +170,48 @@ class Session:
                 await asyncio.to_thread(self.mission.happen, incident)
             finally:
                 self._planning_is_over()
+            self._changes += 1
             record = self._record()
             record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
             news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
             self._tell_all("incident", news | self._state())
         self._predict()
-        self._bound = asyncio.create_task(self._tell_bound())
+        self._work_out_bound()
+
+    async def undo(self) -> None:
+        """Go back to just before the latest incident, and tell everybody."""
+        self._pause()
+        async with self.lock:
+            self.mission.undo()
+            self._tell_another_past()
+
+    async def restart(self) -> None:
+        """Go back to the mission's start, with nothing that happened to it, and tell everybody."""
+        self._pause()
+        async with self.lock:
+            self._tell_planning("the mission begins anew")
+            try:
+                self.mission = await asyncio.to_thread(self.mission.anew)
+            finally:
+                self._planning_is_over()
+            self._tell_another_past()
+
+    def close(self) -> None:
+        """Let everything end that goes on in the background."""
+        for task in (self._forecast, self._bound, self._search):
+            if task is not None:
+                task.cancel()
+
+    async def record(self) -> Replay:
+        """Return the record so far, with the bound."""
+        async with self.lock:
+            return await asyncio.to_thread(self._with_bound)
 
     def save(self) -> tuple[Path, ...]:
         """Write the record and the scenario with all incidents; return their paths."""
         self.folder.mkdir(parents=True, exist_ok=True)
         record, scenario = self.folder / "replay.json", self.folder / "scenario.yaml"
-        self.mission.work_out_bound()
-        write_replay(self.mission.record(), record)
+        write_replay(self._with_bound(), record)
         write_scenario(self.mission.scenario, scenario)
         return record, scenario
 
@@ -210,6 +246,10 @@ class Session:
             self._search_plan(read_search(message))
         elif command == "take_over":
             await self._take_over()
+        elif command == "undo":
+            await self.undo()
+        elif command == "restart":
+            await self.restart()
         elif command == "save":
             async with self.lock:
                 paths = await asyncio.to_thread(self.save)
@@ -217,6 +257,13 @@ class Session:
             watcher.tell(json.dumps(saved))
         else:
             raise TeamformerError(f"a mission under way cannot '{command}'")
+
+    def _tell_another_past(self) -> None:
+        """Tell everybody the mission whole, for its past is another."""
+        self._changes += 1
+        self._tell_all("mission", {"record": self._record()} | self._state())
+        self._predict()
+        self._work_out_bound()
 
     def _play(self) -> None:
         if not self.mission.is_running:
@@ -235,7 +282,7 @@ class Session:
             changed = await asyncio.to_thread(self.mission.past_with, incident)
         without = await asyncio.to_thread(forecast, past)
         found = await asyncio.to_thread(forecast, changed)
-        ends = _forecast_to_tree(found) | {"without": _forecast_to_tree(without)}
+        ends = forecast_to_tree(found) | {"without": forecast_to_tree(without)}
         return {"kind": "what_if", **ends, "text": incident.text()}
 
     def _search_plan(self, seconds: float) -> None:
@@ -258,7 +305,7 @@ class Session:
         finally:
             is_over.set()
         self._offer = (moment, found)
-        ends = _forecast_to_tree(found.forecast) | {"without": _forecast_to_tree(found.without)}
+        ends = forecast_to_tree(found.forecast) | {"without": forecast_to_tree(found.without)}
         self._tell_all("offer", ends | {"text": "a plan of central", "at": moment[0]})
 
     async def _take_over(self) -> None:
@@ -269,7 +316,7 @@ class Session:
         await self.happen(plan, moment)
 
     def _moment(self) -> Moment:
-        return self.mission.steps, len(self.mission.incidents)
+        return self.mission.steps, self._changes
 
     def _predict(self) -> None:
         """Work out the mission's end in the background; only incidents change it."""
@@ -291,8 +338,13 @@ class Session:
                 return
             finally:
                 is_over.set()
-            self._outlook = _forecast_to_tree(found)
+            self._outlook = forecast_to_tree(found) | {"done_at": done_at_to_tree(found)}
             self._tell_all("forecast", self._outlook)
+
+    def _work_out_bound(self) -> None:
+        if self._bound is not None:
+            self._bound.cancel()
+        self._bound = asyncio.create_task(self._tell_bound())
 
     async def _tell_bound(self) -> None:
         """Work out in the background what no plan can beat; incidents change it."""
@@ -310,25 +362,12 @@ class Session:
             self._planning = ""
             self._tell_all("state", self._state())
 
-    def _record(self) -> Tree:
-        """Return the record so far as a page reads it: no infinity, which JSON cannot say."""
-        tree = replay_to_tree(self.mission.record())
-        if self.mission.is_running:
-            tree["end"]["status"] = "running"
-        return finite(tree)
+    def _with_bound(self) -> Replay:
+        self.mission.work_out_bound()
+        return self.mission.record()
 
-    def _news(self) -> Tree:
-        """Return what the latest step changed."""
-        record = self.mission.record()
-        made = len(record.steps)
-        news: Tree = {"at": made, "step": step_to_tree(record.steps[-1])}
-        for key, plans in _plans_of(record):
-            latest = [plan for plan in plans if plan[0] == made]
-            if latest:
-                news[key] = latest
-        if not self.mission.is_running:
-            news["end"] = vars(record.end)
-        return news
+    def _record(self) -> Tree:
+        return record_so_far(self.mission.record(), self.mission.is_running)
 
     def _state(self) -> Tree:
         return {
@@ -338,6 +377,7 @@ class Session:
             "incidents": [[step, incident.text()] for step, incident in self.mission.incidents],
             "leaving": self._leaving(),
             "planning": self._planning,
+            "has_editor": self.has_editor,
         }
 
     def _leaving(self) -> list[str]:
@@ -350,28 +390,3 @@ class Session:
         text = json.dumps({"kind": kind} | news, separators=(",", ":"))
         for watcher in self.watchers:
             watcher.tell(text)
-
-
-def _forecast_to_tree(found: Forecast) -> Tree:
-    """Return how a mission ends; with a band, and in how many futures, where there are several."""
-    other = found.otherwise
-    if not found.ends:
-        assert other is not None
-        return {"status": other.status, "steps": other.steps}
-    tree: Tree = {"status": "completed", "steps": found.ends[0]}
-    if found.futures > 1:
-        several = {"band": found.band, "done": len(found.ends), "futures": found.futures}
-        tree |= several | {"steps": round(found.mean, 1)}
-    return tree
-
-
-def finite(record: Tree) -> Tree:
-    """Replace infinite radii, which JSON cannot say, by null; the page knows what it means."""
-    scenario = record["scenario"].items()
-    return record | {"scenario": {k: None if value == math.inf else value for k, value in scenario}}
-
-
-def _plans_of(record: Replay) -> Iterator[tuple[str, Sequence[tuple[Any, ...]]]]:
-    """Yield what a record keeps of plans: by key, rows that begin with the steps made."""
-    for key in ("orders", "plans"):
-        yield key, getattr(record, key)

@@ -1,16 +1,21 @@
-"""Where missions are drawn: the editor's side of the server, until a draft is run."""
+"""Where missions are drawn and run: the editor's side of the server, and the way there and back."""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
+import threading
+import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.live.drafts import (
     EMPTY,
+    EXAMPLE,
     can_be_drawn,
     open_draft,
     problems_of,
@@ -19,40 +24,71 @@ from teamformer.live.drafts import (
 )
 from teamformer.live.messages import Message, read_files, read_message
 from teamformer.live.mission_with_past import Mission
-from teamformer.live.session import Session, Watcher
+from teamformer.live.session import AT_ONCE, Session, Watcher
 from teamformer.model import Scenario
+from teamformer.sim.replay.record import Replay
 
 StartMission = Callable[[Scenario], Mission]
 
 
-class Workshop:
-    """What pages speak to: an editor at first, and the session of a mission once one runs.
+@dataclass(frozen=True)
+class Draft:
+    """What is drawn: the tree of a scenario file, the name of its file, and its text if YAML."""
 
-    It offers what a `Session` does, so that the server need not know which of them it has.
+    tree: Any
+    file: str = "mission.yaml"
+    text: str = ""
+
+
+class Workshop:
+    """What pages speak to: an editor, or the session of a mission while one runs.
+
+    It offers what a `Session` does, so that the server need not know which of them it has. With a
+    `mission`, that of the draft, it begins with running it. `say` tells the person who started it
+    how long the first plan of a mission takes.
     """
 
-    def __init__(self, start: StartMission, folder: Path, speed: float) -> None:
+    def __init__(
+        self,
+        start: StartMission,
+        folder: Path,
+        speed: float,
+        draft: Draft | None = None,
+        mission: Scenario | None = None,
+        say: Callable[[str], None] = lambda _: None,
+    ) -> None:
         self.session: Session | None = None
-        self.lock = asyncio.Lock()
+        self._lock = asyncio.Lock()
         self._start, self._folder, self._speed = start, folder, speed
-        self._draft: Any = EMPTY
-        self._opened = ""  # the text of the YAML file that was opened last
+        self._draft = draft or Draft(EXAMPLE)
+        self._mission = mission
+        self._say = say
+        self._is_starting = mission is not None
+        self._refusal = ""  # why the latest mission could not be started
         self._watchers: set[Watcher] = set()
-        self._begun = asyncio.Event()
+        self._clock: asyncio.Task[None] | None = None
 
     async def run(self) -> None:
-        """Make the steps of the mission, once there is one."""
-        await self._begun.wait()
-        assert self.session is not None
-        await self.session.run()
+        """Begin the mission that there is from the start, and let time pass until cancelled."""
+        try:
+            if self._mission is not None:
+                await self._run(self._mission)
+            await asyncio.Event().wait()
+        finally:
+            self._end_session()
 
     def join(self) -> Watcher:
-        """Let a page in: to the mission that runs, else to the editor with the latest draft."""
+        """Let a page in: to the mission that runs or is made ready, else to the editor."""
         if self.session is not None:
             return self.session.join()
         watcher = Watcher()
         self._watchers.add(watcher)
-        watcher.tell(json.dumps({"kind": "editor", "scenario": self._draft}))
+        if self._is_starting:
+            watcher.tell(json.dumps({"kind": "starting", "scenario": self._draft.tree}))
+        else:
+            self._tell_draft(watcher)
+            if self._refusal:
+                watcher.tell(json.dumps({"kind": "refused", "text": self._refusal}))
         return watcher
 
     def leave(self, watcher: Watcher) -> None:
@@ -63,11 +99,14 @@ class Workshop:
 
     async def act(self, watcher: Watcher, text: str) -> None:
         """Do what a page asks for, or tell it why not."""
-        if self.session is not None:
-            await self.session.act(watcher, text)
-            return
         try:
-            await self._do(watcher, read_message(text))
+            message = read_message(text)
+            if message["do"] == "edit":
+                await self._edit()
+            elif self.session is not None:
+                await self.session.act(watcher, text)
+            else:
+                await self._do(watcher, message)
         except TeamformerError as error:
             watcher.tell(json.dumps({"kind": "refused", "text": str(error)}))
 
@@ -75,6 +114,15 @@ class Workshop:
     def note(self) -> str:
         """Return what there is to know of what is saved."""
         return "" if self.session is None else self.session.note
+
+    @property
+    def lock(self) -> asyncio.Lock:
+        """Return what has one thing at a time happen to the mission, or to what is drawn."""
+        return self._lock if self.session is None else self.session.lock
+
+    async def record(self) -> Replay | None:
+        """Return the record of the mission that runs, if one does."""
+        return None if self.session is None else await self.session.record()
 
     def save(self) -> tuple[Path, ...]:
         """Save the mission, if one runs; drafts are saved when one asks for it."""
@@ -85,34 +133,118 @@ class Workshop:
         if command == "check":
             draft = message.get("scenario")
             problems = await asyncio.to_thread(problems_of, draft)
-            if can_be_drawn(draft):
-                self._draft = draft
+            self._keep(draft)
             watcher.tell(json.dumps({"kind": "checked", "problems": problems}))
         elif command == "open":
             name, text = message.get("name"), message.get("text")
             if not isinstance(name, str) or not isinstance(text, str):
                 raise TeamformerError("a file has a 'name' and a 'text'")
             tree = await asyncio.to_thread(open_draft, name, text, read_files(message))
-            self._opened = text if name.lower().endswith((".yaml", ".yml")) else ""
-            watcher.tell(json.dumps({"kind": "editor", "scenario": tree}))
+            is_yaml = name.lower().endswith((".yaml", ".yml"))
+            file = str(Path(name).with_suffix(".yaml")) if name.endswith(".map") else name
+            self._draft = Draft(tree, file, text if is_yaml else "")
+            self._tell_draft(watcher)
+        elif command == "new":
+            self._draft = Draft(EMPTY)
+            self._tell_draft(watcher)
         elif command == "save":
             draft, name = message.get("scenario") or {}, message.get("name")
-            path = write_draft(draft, name, self._folder, self._opened)
+            path = write_draft(draft, name, self._folder, self._draft.text)
             watcher.tell(json.dumps({"kind": "saved", "paths": [str(path)]}))
         elif command == "run":
             scenario = read_draft(message.get("scenario"))
-            watcher.tell(json.dumps({"kind": "starting"}))
+            self._keep(message.get("scenario"))
             await self._run(scenario)
         else:
             raise TeamformerError("no mission runs yet; draw one and run it")
 
+    def _keep(self, tree: object) -> None:
+        """Keep what is drawn, for pages that come later and for the way back from its mission."""
+        if can_be_drawn(tree):
+            self._draft = Draft(tree, self._draft.file, self._draft.text)
+
+    def _tell_draft(self, watcher: Watcher) -> None:
+        draft = {"scenario": self._draft.tree, "file": self._draft.file}
+        watcher.tell(json.dumps({"kind": "editor"} | draft))
+
     async def _run(self, scenario: Scenario) -> None:
-        async with self.lock:
+        """Begin a mission, and have all pages come to it; or tell them why it cannot be run."""
+        async with self._lock:
             if self.session is not None:
                 raise TeamformerError("another page has run a mission already")
-            mission = await asyncio.to_thread(self._start, scenario)
-            self.session = Session(mission, self._folder, self._speed)
-        self._begun.set()
-        for watcher in self._watchers:  # they come again, to the mission
+            self._is_starting, self._refusal = True, ""
+            begun, loop = time.monotonic(), asyncio.get_running_loop()
+            telling = loop.call_later(AT_ONCE, self._say, "making the first plan ...")
+            for watcher in self._watchers:
+                watcher.tell(json.dumps({"kind": "starting", "scenario": self._draft.tree}))
+            try:
+                mission = await _start_apart(self._start, scenario)
+            except TeamformerError as error:
+                self._refuse(str(error))
+                return
+            finally:
+                telling.cancel()
+                self._is_starting = False
+            took = time.monotonic() - begun
+            if took > AT_ONCE:
+                self._say(f"the mission is ready after {took:.1f} s; the page starts it")
+            self.session = Session(mission, self._folder, self._speed, has_editor=True)
+            self._clock = asyncio.create_task(self.session.run())
+        self._have_all_come_again()
+
+    async def _edit(self) -> None:
+        """End the mission that runs, and have all pages come back to its drawing."""
+        if self.session is None:
+            raise TeamformerError("this is the drawing already")
+        async with self._lock, self.session.lock:
+            self._watchers |= self.session.watchers
+            self._end_session()
+            self.session = None
+        self._have_all_come_again()
+
+    def _refuse(self, why: str) -> None:
+        """Tell everybody that a mission cannot be run."""
+        self._refusal = why
+        self._say(f"the mission cannot be run: {why}")
+        for watcher in self._watchers:
+            watcher.tell(json.dumps({"kind": "refused", "text": why}))
+
+    def _end_session(self) -> None:
+        """Let time pass no more; the session can still be saved."""
+        if self._clock is not None:
+            self._clock.cancel()
+        if self.session is not None:
+            self.session.close()
+
+    def _have_all_come_again(self) -> None:
+        """Have pages load anew: they come to what there is now."""
+        for watcher in self._watchers:
             watcher.tell(json.dumps({"kind": "begun"}))
         self._watchers.clear()
+
+
+async def _start_apart(start: StartMission, scenario: Scenario) -> Mission:
+    """Make a mission, with its first plan, in a thread that does not keep Ctrl-C waiting."""
+    loop = asyncio.get_running_loop()
+    made: asyncio.Future[Mission] = loop.create_future()
+
+    def tell(mission: Mission | None, error: BaseException | None) -> None:
+        if made.done():  # nobody waits any more
+            return
+        if mission is None:
+            made.set_exception(error or RuntimeError("there is no mission"))
+        else:
+            made.set_result(mission)
+
+    def work() -> None:
+        mission: Mission | None = None
+        error: BaseException | None = None
+        try:
+            mission = start(scenario)
+        except BaseException as raised:
+            error = raised
+        with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
+            loop.call_soon_threadsafe(tell, mission, error)
+
+    threading.Thread(target=work, daemon=True).start()
+    return await made

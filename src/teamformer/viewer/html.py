@@ -16,31 +16,20 @@ from teamformer.whole_files import write_whole
 
 SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
-    *(
-        "record/scene",
-        "record/ways",
-        "record/phases",
-        "record/story",
-        "record/words",
-        "record/reasons",
-    ),
+    *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
+    *("record/reasons", "record/over_time"),
     *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
     *("draw/teams", "draw/groups", "draw/extras", "draw/names", "draw/map"),
-    *("panel/dom", "panel/chips", "panel/waiting", "panel/inspector", "panel/rows", "panel/lists"),
-    *(
-        "panel/header",
-        "panel/playback",
-        "panel/timeline",
-        "panel/bars",
-        "panel/gantt",
-        "panel/files",
-    ),
-    *("panel/controls", "player", "companion", "app", "look"),
+    *("panel/dom", "panel/notice", "panel/chips", "panel/waiting", "panel/inspector"),
+    *("panel/rows", "panel/lists", "panel/header", "panel/playback", "panel/timeline"),
+    *("panel/files", "panel/controls"),
+    *("views/bars", "views/gantt", "views/columns", "views/table", "views/plots"),
+    *("player", "companion", "app", "look"),
 )
 """The scripts of every page in the order in which they are put together."""
 
 LIVE_SCRIPTS = (
-    *("live/link", "live/player", "live/panel", "live/app"),
+    *("live/link", "live/player", "live/panel", "live/app", "live/starting"),
     *("editor/draft", "editor/panel", "editor/app", "live/main"),
 )
 """What the page of a live mission has besides; they open it, as `main` opens that of a record."""

@@ -22,7 +22,6 @@ from teamformer.trials.methods import load_method
 
 if TYPE_CHECKING:
     from teamformer.fleet.observer.session import ObserverSession
-    from teamformer.live.session import Session
     from teamformer.live.workshop import Workshop
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -66,7 +65,7 @@ def live(path: Path | None, options: Options) -> int:
     return 0
 
 
-def serve_page(session: Session | Workshop | ObserverSession, name: str, at: Address) -> None:
+def serve_page(session: Workshop | ObserverSession, name: str, at: Address) -> None:
     """Serve a mission's page until Ctrl-C, and save."""
     from teamformer.live.server import Doors, make_app, serve
     from teamformer.viewer.html import live_page
@@ -92,11 +91,11 @@ def serve_page(session: Session | Workshop | ObserverSession, name: str, at: Add
         serve(app, at.host, at.port, tell)
 
 
-def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, str]:
-    """Return the session of a mission, or the editor; what is wrong is refused at once."""
+def _prepare(path: Path | None, options: Options) -> tuple[Workshop, str]:
+    """Return what draws and runs missions; what is wrong with the file is refused at once."""
+    from teamformer.live.drafts import draft_of_file
     from teamformer.live.mission_with_past import Mission
-    from teamformer.live.session import Session
-    from teamformer.live.workshop import Workshop
+    from teamformer.live.workshop import Draft, Workshop
 
     scenario = None if path is None else read_scenario(path, rules_of_live_missions)
     name = options.method
@@ -107,9 +106,11 @@ def _prepare(path: Path | None, options: Options) -> tuple[Session | Workshop, s
         chosen = chosen_method(name, mission, TIME_LIMIT).name
         return Mission(mission, lambda: load_method(chosen, TIME_LIMIT), options.seed)
 
-    if scenario is None:
-        return Workshop(start, options.folder, SPEED), "editor"
-    return Session(start(scenario), options.folder, SPEED), scenario.name
+    if path is None or scenario is None:
+        return Workshop(start, options.folder, SPEED, say=say), "editor"
+    text = path.read_text(encoding="utf-8") if path.suffix.lower() != ".json" else ""
+    draft = Draft(draft_of_file(path, path.stem), path.name, text)
+    return Workshop(start, options.folder, SPEED, draft, scenario, say), scenario.name
 
 
 def _names(host: str, port: int) -> frozenset[str]:

@@ -13,7 +13,6 @@ import secrets
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.fleet_mission import row_of
@@ -24,13 +23,13 @@ from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.transports.transport import Transport
 from teamformer.live.incidents import NewTask
 from teamformer.live.messages import Message, read_incident, read_message
-from teamformer.live.session import Watcher, finite
-from teamformer.sim.replay.writing import replay_to_tree, step_to_tree, write_replay
+from teamformer.live.page_trees import Tree, record_so_far
+from teamformer.live.session import Watcher
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.writing import step_to_tree, write_replay
 
 PATIENCE = 20.0
 """Seconds until a task that too few robots hold is given up."""
-
-Tree = dict[str, Any]
 
 
 class ObserverSession:
@@ -93,6 +92,10 @@ class ObserverSession:
             await self._do(watcher, read_message(text))
         except TeamformerError as error:
             watcher.tell(json.dumps({"kind": "refused", "text": str(error)}))
+
+    async def record(self) -> Replay:
+        """Return what has been seen so far."""
+        return self.watch.record()
 
     def save(self) -> tuple[Path, ...]:
         """Write what has been seen; return the path."""
@@ -190,9 +193,7 @@ class ObserverSession:
         self._tell_all("incident", {"text": text, "record": record} | self._state())
 
     def _record(self) -> Tree:
-        tree = replay_to_tree(self.watch.record())
-        tree["end"]["status"] = "running"
-        return finite(tree)
+        return record_so_far(self.watch.record(), is_running=True)
 
     def _state(self) -> Tree:
         speed = 1 / self.watch.mission.step

@@ -16,6 +16,11 @@ class App {
     this.lists = new Lists(this);
     this.timeline = new Timeline(this, byId("marks"));
     this.gantt = new Gantt(this, byId("gantt"));
+    this.plots = new Plots(this, byId("plots"));
+    this.tables = {
+      tasks: new Table(this, "task", TASK_COLUMNS, byId("stage-tasks")),
+      robots: new Table(this, "robot", ROBOT_COLUMNS, byId("stage-robots")),
+    };
     this.companion = new Companion(this);
     this.load(record);
   }
@@ -23,7 +28,7 @@ class App {
   // Show a record; what cannot be read throws before anything has changed.
   load(record) {
     const trial = readTrial(record);
-    Object.assign(this, trial);
+    Object.assign(this, trial, { record });
     const { scenario } = trial.history;
     this.events = trial.history.events.filter(({ kind }) => kind !== "heads");
     this.selection = {}; // {robot}, {task}, {cap} or nothing
@@ -77,6 +82,11 @@ class App {
     this.showAll();
   }
 
+  // The buttons of the menu that save files of the mission.
+  downloads() {
+    return ownDownloads(this);
+  }
+
   lastStep() {
     return Math.max(this.history.last, this.companion.lastStep());
   }
@@ -122,7 +132,7 @@ class App {
     return false;
   }
 
-  // "map" or "gantt".
+  // One of VIEWS.
   look(view) {
     this.view = view;
     this.show(true);
@@ -161,7 +171,7 @@ class App {
     this.go(next ?? (direction > 0 ? this.player.last : 0));
   }
 
-  // `#step=12&task=crate-7`, or `&robot=r1`, or `&capability=lift`; `&view=gantt`.
+  // `#step=12&task=crate-7`, or `&robot=r1`, or `&capability=lift`; `&view=gantt`, or another of VIEWS.
   readAddress() {
     const wanted = new URLSearchParams(location.hash.slice(1));
     const { robots, tasks, capabilities } = this.history.scenario;
@@ -171,7 +181,7 @@ class App {
     if (task >= 0) this.select({ task });
     else if (robot >= 0) this.select({ robot });
     else if (cap >= 0) this.select({ cap });
-    this.look(wanted.get("view") === "gantt" ? "gantt" : "map");
+    this.look(VIEWS.includes(wanted.get("view")) ? wanted.get("view") : "map");
     if (wanted.has("step")) this.go(Math.round(Number(wanted.get("step"))) || 0);
   }
 
@@ -199,10 +209,14 @@ class App {
     this.isDrawing = true;
     requestAnimationFrame(() => {
       this.isDrawing = false;
-      if (this.view === "gantt") this.gantt.draw();
-      else this.map.draw();
+      this.drawing()?.draw();
       this.companion.draw();
     });
+  }
+
+  // What is drawn on a canvas in this view; tables are not.
+  drawing() {
+    return { map: this.map, gantt: this.gantt, plots: this.plots }[this.view];
   }
 
   // Bring the page to the moment and the selection that hold now.
@@ -227,6 +241,7 @@ class App {
     showFigures(this);
     showDetails(this);
     this.lists.follow();
+    this.tables[this.view]?.show();
     showPlayback(this);
     showSwitches(this);
     this.writeAddress();

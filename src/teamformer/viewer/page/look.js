@@ -29,6 +29,8 @@ function lookInto(app) {
     groups: () => app.map.shown.groups.map(({ x, y, count }) => ({ x, y, count })),
     told: () => toldOf(app.history),
     bars: (robot) => ganttRow(app, robot),
+    curves: () => curvesOf(app.history),
+    said: () => app.plots.said(app.player.step),
     besideStep: () => app.companion.scene().step,
     framesDrawn: () => app.map.frames,
   });

@@ -19,11 +19,25 @@ class EditorApp extends App {
     return "";
   }
 
+  // There is nothing yet but a map.
+  look() {
+    super.look("map");
+  }
+
+  // What is drawn, as JSON, which is a scenario file too; YAML is what the panel saves.
+  downloads() {
+    const save = () => {
+      const text = `${JSON.stringify(this.draft.tree, null, 1)}\n`;
+      download(new Blob([text], { type: "application/json" }), `${fileName(this.draft.tree.name ?? "")}.json`);
+    };
+    return [downloadButton("Mission (JSON)", save)];
+  }
+
   hear(message) {
-    if (message.kind === "editor") this.replace(message.scenario);
+    if (message.kind === "editor") this.replace(message);
     if (message.kind === "checked") this.panel.tell((this.problems = message.problems));
     if (message.kind === "saved") notify(`Saved: ${message.paths.join(", ")}`, "good");
-    if (message.kind === "starting") notify("The mission is being made ready …", "good");
+    if (message.kind === "starting") notifyWork("Making the first plan …");
     if (message.kind === "refused") notify(`Not done: ${message.text}.`);
   }
 
@@ -31,9 +45,10 @@ class EditorApp extends App {
     if (!this.link.send(message)) notify("The server is not there; nothing was done. Trying again …");
   }
 
-  // Another file from now on.
-  replace(tree) {
-    this.draft = new Draft(tree);
+  // Another draft from now on, from a file or new; one can go back to what was drawn before.
+  replace({ scenario, file }) {
+    this.draft.change(scenario);
+    this.panel.file.value = file;
     this.panel.fill();
     this.redrawDraft({});
   }
@@ -108,7 +123,7 @@ class EditorApp extends App {
 
   add(kind, at) {
     const { tree } = this.draft;
-    const counts = writtenCounts(this.panel.kit());
+    const counts = writtenCounts(this.panel.kit(kind));
     const name = freeName(tree, kind);
     const thing = kind === "robots" ? { name, at, can: counts } : { name, at, needs: counts };
     const number = tree[kind].length;

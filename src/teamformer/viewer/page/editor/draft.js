@@ -11,6 +11,7 @@ class Draft {
 
   // Changes that follow each other under one `key`, such as the letters of a name, are one step.
   change(tree, key = null) {
+    if (tree === this.tree) return;
     if (key === null || key !== this.key) {
       this.before.push(this.tree);
       if (this.before.length > STEPS_BACK) this.before.shift();

@@ -1,34 +1,37 @@
-// The editor's panel: tools, what a new thing brings, the fields of what is selected, problems.
+// The editor's panel: Run, tools, the fields of what is selected, what a new thing brings, problems.
 
-const TOOLS = { move: "Select, move", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
+const TOOLS = { move: "Select", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
 const STEP_FIELDS = { robots: { lost: "Lost in steps", back: "Back in steps" }, tasks: {} };
 const MORE_FIELDS = { robots: { speed: "Speed", delays: "Stands still (0 to 1)" }, tasks: { duration: "Duration, steps", within: "Within (cells or m)", appears: "Appears after step" } };
 
 class EditorPanel {
   constructor(app, box) {
     this.app = app;
-    this.kitCounts = {};
+    this.kits = { robots: {}, tasks: {} }; // what a new one brings or needs, by capability
     this.tools = new Map(Object.entries(TOOLS).map(([name, text]) => [name, this.toolButton(name, text)]));
     this.world = element("form", { class: "world" });
     this.thing = element("form", { id: "thing", hidden: "" });
     this.problems = element("ul", { class: "problems", id: "problems", "aria-label": "Problems" });
     this.file = element("input", { type: "text", id: "file-name", value: "mission.yaml", "aria-label": "File name" });
+    this.kitBox = element("fieldset", { id: "kit" });
     box.replaceChildren(
       element("h2", {}, "Draw a mission"),
+      element("button", { type: "button", class: "run", on: () => this.run() }, playSign(), "Run the mission"),
       element("div", { class: "tools-row", role: "group", "aria-label": "Tools" }, ...this.tools.values()),
+      element("div", { role: "status" }, this.problems),
+      this.thing,
+      this.kitBox,
       element(
         "div",
         { class: "acts" },
         act("Undo", () => app.undo()),
         act("Redo", () => app.redo()),
+        act("New", () => app.ask({ do: "new" })),
         act("Open …", () => this.openFile()),
         this.file,
         act("Save", () => app.ask({ do: "save", name: this.file.value.trim(), scenario: app.draft.tree })),
-        act("Run", () => app.ask({ do: "run", scenario: app.draft.tree })),
       ),
-      element("div", { role: "status" }, this.problems),
       this.world,
-      this.thing,
     );
     for (const form of [this.world, this.thing]) {
       form.addEventListener("submit", (event) => event.preventDefault());
@@ -36,6 +39,11 @@ class EditorPanel {
     box.hidden = false;
     this.fill();
     this.showTools();
+  }
+
+  run() {
+    notifyWork("Making it ready …");
+    this.app.ask({ do: "run", scenario: this.app.draft.tree });
   }
 
   toolButton(name, text) {
@@ -47,9 +55,10 @@ class EditorPanel {
     for (const [name, button] of this.tools) {
       button.setAttribute("aria-pressed", String(name === this.app.tool));
     }
+    this.fillKit();
   }
 
-  // The fields of the mission itself, and the counts that new robots and tasks get.
+  // The fields of the mission itself.
   fill() {
     const { tree } = this.app.draft;
     const change = (make) => (event) => this.app.change(make(event.target), {}, event.target.name);
@@ -67,25 +76,29 @@ class EditorPanel {
         element("fieldset", {}, element("legend", {}, "Cells"), labelled("across", number("width", width, resize)), labelled("up", number("height", height, resize))),
       );
     }
-    this.kitBox = element("fieldset", { id: "kit" });
-    this.world.replaceChildren(...fields, this.kitBox);
+    this.world.replaceChildren(...fields);
     this.fillKit();
     this.showThing();
   }
 
+  // What the next robot brings, or the next task needs, for as long as one draws these.
   fillKit() {
-    const { capabilities } = this.app.draft.tree;
-    const rows = capabilities.map((name, cap) => {
-      this.kitCounts[name] ??= cap === 0 ? 1 : 0;
-      const keep = ({ target }) => (this.kitCounts[name] = Number(target.value));
-      return labelled(name, number(`kit ${name}`, this.kitCounts[name], keep, "any"));
+    const kind = `${this.app.tool}s`;
+    const kit = this.kits[kind];
+    this.kitBox.hidden = !kit;
+    if (!kit) return;
+    const rows = this.tree().capabilities.map((name, cap) => {
+      kit[name] ??= cap === 0 ? 1 : 0;
+      const keep = ({ target }) => (kit[name] = Number(target.value));
+      return labelled(name, number(`kit ${name}`, kit[name], keep, "any"));
     });
-    this.kitBox.replaceChildren(element("legend", {}, "A new robot brings, a new task needs"), ...rows);
+    const title = kind === "robots" ? "A new robot brings" : "A new task needs";
+    this.kitBox.replaceChildren(element("legend", {}, title), ...rows);
   }
 
-  kit() {
-    const { capabilities } = this.app.draft.tree;
-    return Object.fromEntries(capabilities.map((name) => [name, this.kitCounts[name] ?? 0]));
+  // What a new thing of a kind has, by capability.
+  kit(kind) {
+    return Object.fromEntries(this.tree().capabilities.map((name) => [name, this.kits[kind][name] ?? 0]));
   }
 
   renameCapabilities({ target }) {
@@ -116,13 +129,13 @@ class EditorPanel {
     );
     this.thing.replaceChildren(
       labelled(kind === "robots" ? "Robot" : "Task", input("text", "title", thing.name ?? "", ({ target }) => this.rename(selection, target.value)), "wide"),
-      element("fieldset", {}, element("legend", {}, "Place"), labelled("x", number("x", thing.at[0], set(() => ({ at: place() }), "at"), "any")), labelled("y", number("y", thing.at[1], set(() => ({ at: place() }), "at"), "any"))),
       element(
         "fieldset",
         {},
         element("legend", {}, kind === "robots" ? "Brings" : "Needs"),
         ...draft.tree.capabilities.map((name) => labelled(name, number(`count ${name}`, counts[name] ?? 0, set(() => ({ [key]: all() }), key), "any"))),
       ),
+      element("fieldset", {}, element("legend", {}, "Place"), labelled("x", number("x", thing.at[0], set(() => ({ at: place() }), "at"), "any")), labelled("y", number("y", thing.at[1], set(() => ({ at: place() }), "at"), "any"))),
       ...more,
       ...Object.entries(STEP_FIELDS[kind]).map(([name, text]) =>
         labelled(text, input("text", name, [thing[name] ?? []].flat().join(", "), set(({ value }) => ({ [name]: readSteps(value) }), name))),
@@ -137,13 +150,14 @@ class EditorPanel {
     this.app.change(withName(this.app.draft.beforeChanges(key), thing, name), thing, key);
   }
 
-  // What the file reader says; each leads to what it is about.
+  // What the file reader says; each leads to what it is about. What is still to be drawn is no fault.
   tell(problems) {
+    const isToCome = ([kind, ...rest]) => !rest.length && this.tree()[kind]?.length === 0;
     const items = problems.map(({ where, message }) => {
       const [kind, index] = where;
       const thing = { robots: { robot: index }, tasks: { task: index } }[kind];
       const isThing = thing && Number.isInteger(index);
-      return element("li", {}, isThing ? link(message, () => this.app.select(thing)) : message);
+      return element("li", { class: isToCome(where) ? "hint" : "" }, isThing ? link(message, () => this.app.select(thing)) : message);
     });
     this.problems.replaceChildren(...items);
   }
@@ -161,12 +175,12 @@ class EditorPanel {
 
   // A scenario or a map, and what it names if that was chosen with it: a map, or a map's image.
   async send(files) {
+    notifyWork("Reading …");
     const read = await Promise.all(files.map(async (file) => ({ file, text: await file.text() })));
     const isText = ({ file }) => /\.(ya?ml|json|map)$/i.test(file.name);
     const { file, text } = read.find(isScenario) ?? read.find(isText) ?? read[0];
     const beside = {};
     for (const other of files) if (other !== file) beside[other.name] = await inBase64(other);
-    this.file.value = file.name.replace(/\.map$/, ".yaml");
     this.app.ask({ do: "open", name: file.name, text, beside });
   }
 }
@@ -176,6 +190,10 @@ function readSteps(text) {
   const steps = text.split(",").map((part) => part.trim()).filter(Boolean);
   const read = steps.map((step) => (Number.isNaN(Number(step)) ? step : Number(step)));
   return read.length > 1 ? read : read[0];
+}
+
+function playSign() {
+  return byId("start").querySelector("svg").cloneNode(true);
 }
 
 function isScenario({ text }) {

@@ -23,7 +23,10 @@ class LiveApp extends App {
     return isOpen && this.history.last === 0 && !this.player.isPlaying ? "Start the mission" : "";
   }
 
+  // What takes long is shown at once to be under way.
   ask(message) {
+    const work = WORK[message.do];
+    if (work) notifyWork(`${work} …`);
     if (!this.link.send(message)) notify("The server is not there; nothing was done. Trying again …");
   }
 
@@ -40,10 +43,17 @@ class LiveApp extends App {
     if (kind === "refused") this.refuse(message);
   }
 
-  // The whole mission so far, after the line was down.
+  // The whole mission so far: the line was down, it begins anew, or an incident was undone.
   reopen(record) {
+    const { selection, options } = this;
     this.load(record);
+    Object.assign(this, { selection: this.knows(selection) ? selection : {}, options });
     this.showAll();
+    this.panel?.forget();
+  }
+
+  knows({ task = 0 }) {
+    return task < this.history.scenario.tasks.length;
   }
 
   refuse({ text, key }) {
@@ -76,6 +86,12 @@ class LiveApp extends App {
     notify(`Incident in ${text}.`, isLoss ? "" : "plain");
   }
 
+  // By task, the step in which it will be done if nothing more happens.
+  expect(doneAt) {
+    this.history.expected = doneAt;
+    this.show(true);
+  }
+
   // No plan can beat it, as worked out while the page was there already.
   learnBound(bound) {
     this.history.lowerBound = bound;
@@ -85,9 +101,9 @@ class LiveApp extends App {
 
   takeState(state) {
     const { is_playing, speed, watchers, incidents, leaving = [], planning = "" } = state;
-    const { is_fleet = false, warning = "" } = state;
+    const { is_fleet = false, warning = "", has_editor = false } = state;
     this.tellPlanning(planning);
-    this.state = { watchers, incidents, isFleet: is_fleet, warning, planning };
+    this.state = { watchers, incidents, isFleet: is_fleet, warning, planning, hasEditor: has_editor };
     const { robots } = this.history.scenario;
     this.history.leaving = leaving.map((name) => robots.findIndex((robot) => robot.name === name));
     Object.assign(this.player, { isPlaying: is_playing, speed });
@@ -97,7 +113,7 @@ class LiveApp extends App {
 
   // What has happened is shown before the plan for it is there.
   tellPlanning(planning) {
-    if (planning) notify(`${capitalised(planning)}; planning …`, "plain");
+    if (planning) notifyWork(`${capitalised(planning)}; planning …`);
     else if (this.state.planning) notify("");
   }
 
@@ -107,6 +123,23 @@ class LiveApp extends App {
     if (!player.isFollowing || history.end.status !== "running") return "";
     if (player.isPlaying) return "running";
     return history.last ? "paused" : "not started";
+  }
+
+  // The server makes them, as the command line does, of all that was done so far.
+  downloads() {
+    return Object.entries(FILES).map(([name, text]) => downloadButton(text, () => this.fetchFile(name)));
+  }
+
+  async fetchFile(name) {
+    notifyWork(`Making ${name} …`);
+    try {
+      const answer = await fetch(`/download/${name}${location.search}`);
+      if (!answer.ok) throw new Error((await answer.text()).trim());
+      download(await answer.blob(), `${fileName(this.history.scenario.name)}-${name}`);
+      notify("");
+    } catch (error) {
+      notify(`${name} is not there: ${error.message}.`);
+    }
   }
 
   follow() {
@@ -187,6 +220,24 @@ class LiveApp extends App {
     else notify("This page shows a live mission; put the record beside it, or open it with `view`.");
   }
 }
+
+// What the server may take long for, by what is asked.
+const WORK = {
+  happen: "It is being told",
+  undo: "Going back",
+  restart: "Beginning anew",
+  edit: "Going back to the drawing",
+  take_over: "Taking it over",
+  save: "Saving",
+};
+
+const FILES = {
+  "mission.yaml": "Mission (YAML)",
+  "replay.json": "Record (JSON)",
+  "replay.html": "Page (HTML)",
+  "tables.zip": "Tables (CSV, zip)",
+  "replay.mcap": "MCAP for Foxglove",
+};
 
 function savedText({ paths, note }) {
   return `Saved: ${paths.join(", ")}${note ? `; ${note}` : ""}`;

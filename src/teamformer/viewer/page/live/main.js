@@ -1,19 +1,34 @@
 // Opens the page of a live mission: once the server has told how it stands.
 
+// What each first word of the server makes of the page.
+const APPS = {
+  mission: (message) => new LiveApp(message.record, server),
+  editor: (message) => new EditorApp(message.scenario, server),
+  starting: (message) => new StartingApp(message.scenario),
+};
+
 let app = null;
+let opening = null; // the word that the page was opened by
 const server = new Link(hearServer, (isOpen) => {
   if (!app) return;
   app.isCutOff = !isOpen;
-  app.panel.show();
+  app.panel?.show?.();
 });
 
 function hearServer(message) {
-  if (message.kind === "begun") return location.reload(); // the editor's mission runs
-  if (app) return app.hear(message);
-  if (message.kind === "mission") app = new LiveApp(message.record, server);
-  else if (message.kind === "editor") app = new EditorApp(message.scenario, server);
-  else return;
+  const { kind } = message;
+  if (kind === "begun") return location.reload(); // there is another mission, or a drawing
+  if (app) return isOther(kind) ? location.reload() : app.hear(message);
+  if (!APPS[kind]) return;
+  opening = kind;
+  app = APPS[kind](message);
   app.start();
+  document.title = `${app.history.scenario.name}, live`;
   app.hear(message);
   window.teamformer = lookInto(app);
+}
+
+// While the line was down, the server has gone on to something else.
+function isOther(kind) {
+  return kind in APPS && kind !== opening && !(kind === "starting" && opening === "editor");
 }

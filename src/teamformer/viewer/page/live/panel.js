@@ -12,16 +12,22 @@ class MissionPanel {
     this.offer = element("div", { class: "acts", id: "offer" });
     this.planAnew = act("Plan anew, 10 s", () => app.ask({ do: "replan", seconds: 10 }));
     this.incidents = element("ul", { id: "incidents", "aria-label": "Incidents" });
+    this.question = element("div", { class: "question", role: "group", "aria-label": "Really?", hidden: "" });
+    this.restart = act("Restart …", () => this.askToRestart());
+    this.edit = act("Back to the drawing …", () => this.askToEdit());
     this.form = element("form", { id: "new-task", hidden: "" });
     this.form.addEventListener("submit", (event) => this.submit(event));
+    box.addEventListener("keydown", (event) => event.key === "Escape" && this.escape(event));
     const acts = element(
       "div",
       { class: "acts" },
       act("New task …", () => this.askForTask(null)),
       this.planAnew,
       act("Save", () => app.ask({ do: "save" })),
+      this.restart,
+      this.edit,
     );
-    box.replaceChildren(this.head, this.outlook, acts, this.form, this.answer, this.offer, this.incidents);
+    box.replaceChildren(this.head, this.outlook, acts, this.question, this.form, this.answer, this.offer, this.incidents);
     box.hidden = false;
   }
 
@@ -38,10 +44,68 @@ class MissionPanel {
       `${status}${this.app.isCutOff ? ", connection lost" : doing || pages}`,
     );
     if (state.isFleet) this.outlook.textContent = state.warning; // which robots are not heard
-    const items = state.incidents.map(([step, text]) =>
-      element("li", {}, `${shortMoment(history.scenario.world, step)}: ${text}`),
-    );
-    this.incidents.replaceChildren(...items);
+    this.restart.hidden = state.isFleet;
+    this.edit.hidden = !state.hasEditor;
+    const { world } = history.scenario;
+    const items = state.incidents.map(([step, text]) => element("li", {}, `${shortMoment(world, step)}: ${text}`));
+    if (items.length && !state.isFleet) items.at(-1).append(" ", link("Undo", () => this.undo(), "undo"));
+    refill(this.incidents, items);
+  }
+
+  // At once where no step has been made since; else these steps are undone with it.
+  undo() {
+    const { state, history } = this.app;
+    const [step] = state.incidents.at(-1);
+    const go = () => this.app.ask({ do: "undo" });
+    if (step === history.last) return go();
+    const since = describeSpan(history.scenario.world, history.last - step);
+    this.doubt(`This also undoes the ${since} made since then.`, `Go back to ${describeMoment(history.scenario.world, step)}`, go);
+  }
+
+  askToRestart() {
+    const go = () => this.app.ask({ do: "restart" });
+    if (this.hasNothingToLose()) return go();
+    this.doubt("What was done and what happened is gone, unless it is saved.", "Restart", go);
+  }
+
+  askToEdit() {
+    const go = () => this.app.ask({ do: "edit" });
+    if (this.hasNothingToLose()) return go();
+    this.doubt("This mission ends; what was done is gone, unless it is saved.", "Back to the drawing", go);
+  }
+
+  // What is asked, or else the form, goes away; with neither, the selection does.
+  escape(event) {
+    if (this.question.hidden && this.form.hidden) return;
+    event.stopPropagation();
+    if (this.question.hidden) this.close();
+    else this.question.querySelector("button").click();
+  }
+
+  hasNothingToLose() {
+    return this.app.history.last === 0 && !this.app.state.incidents.length;
+  }
+
+  // A question before what cannot be taken back; the answer that changes nothing comes first.
+  doubt(question, yes, go) {
+    const before = document.activeElement;
+    const answer = (then) => () => {
+      this.question.hidden = true;
+      then();
+    };
+    const no = act("No", answer(() => before.isConnected && before.focus()));
+    this.question.replaceChildren(element("p", {}, question), element("div", { class: "acts" }, no, act(yes, answer(go))));
+    this.question.hidden = false;
+    no.focus();
+    this.question.scrollIntoView({ block: "nearest" });
+  }
+
+  // Another past: what was worked out for the old one holds no more.
+  forget() {
+    stopWork(this.answer);
+    for (const box of [this.answer, this.offer]) box.replaceChildren();
+    this.outlook.textContent = "";
+    this.question.hidden = true;
   }
 
   // What the server worked out: the mission's end, or what an incident would make of it.
@@ -49,10 +113,12 @@ class MissionPanel {
     const { world } = this.app.history.scenario;
     const end = describeOutcome(world, message);
     if (message.kind === "forecast") {
+      this.app.expect(message.done_at ?? []);
       this.outlook.textContent = `If nothing more happens: ${end}.`;
       return;
     }
     const more = message.steps - message.without.steps;
+    stopWork(this.answer);
     const mean = message.band ? " on average" : "";
     const change = more === 0 ? "no later" : `${describeSpan(world, Number(Math.abs(more).toFixed(1)))} ${more > 0 ? "later" : "earlier"}${mean}`;
     this.answer.textContent = `With ${message.text}: ${end}, ${change}.`;
@@ -62,7 +128,7 @@ class MissionPanel {
 
   searching({ seconds }) {
     this.offer.replaceChildren();
-    this.answer.textContent = `Searching for a better plan for ${seconds} s; the mission waits …`;
+    showWork(this.answer, `Searching for a better plan for ${seconds} s; the mission waits …`);
   }
 
   // A plan that would end the mission sooner can be taken over, for as long as nothing goes on.
@@ -80,7 +146,7 @@ class MissionPanel {
   }
 
   weigh(incident) {
-    this.answer.textContent = "Playing it ahead …";
+    showWork(this.answer, "Playing it ahead …");
     this.app.ask({ do: "what_if", ...incident });
   }
 
@@ -155,6 +221,8 @@ class MissionPanel {
   // A task that is refused can be mended; the field of the file's key that is wrong is marked.
   keepForm(key) {
     this.isAdding = false;
+    stopWork(this.answer);
+    this.answer.textContent = "";
     if (this.form.hidden) return;
     for (const field of this.form.elements) field.removeAttribute("aria-invalid");
     const field = this.form.querySelector(FIELDS_OF_KEYS[key] ?? "none");
@@ -166,6 +234,7 @@ class MissionPanel {
     this.isAdding = false;
     this.form.hidden = true;
     this.form.replaceChildren();
+    stopWork(this.answer);
     this.answer.textContent = "";
     this.app.select({});
     this.app.map.canvas.focus({ preventScroll: true });

@@ -59,12 +59,17 @@ const KEYS = {
   "=": (app) => app.player.faster(1),
   "-": (app) => app.player.faster(-1),
   f: (app) => app.fitView(),
-  F: (app) => app.fitView(),
   Escape: (app) => app.select({}),
-  g: (app) => app.look(app.view === "gantt" ? "map" : "gantt"),
-  G: (app) => app.look(app.view === "gantt" ? "map" : "gantt"),
+  g: (app) => lookOrBack(app, "gantt"),
+  t: (app) => lookOrBack(app, "tasks"),
+  r: (app) => lookOrBack(app, "robots"),
+  p: (app) => lookOrBack(app, "plots"),
   "?": () => toggleHelp(),
 };
+
+function lookOrBack(app, view) {
+  app.look(app.view === view ? "map" : view);
+}
 
 function toggleHelp() {
   const help = byId("help-text");
@@ -81,7 +86,7 @@ function pressKey(app, event) {
     at.matches("input:not([type=range]), textarea, select") || document.querySelector("dialog[open]");
   const isPressing = event.key === " " && at.closest("button, summary");
   if (isTyping || isPressing || event.ctrlKey || event.metaKey || event.altKey) return;
-  const act = KEYS[event.key];
+  const act = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (!act) return;
   event.preventDefault();
   act(app);

@@ -27,7 +27,33 @@ function refill(box, nodes) {
   box.replaceChildren(...nodes.filter(Boolean));
   if (key === undefined) return;
   const again = [...box.querySelectorAll("[data-key]")].find((node) => node.dataset.key === key);
+  if (again?.tabIndex === -1) moveStop(again);
   again?.focus({ preventScroll: true });
+}
+
+// Make the buttons of a list one stop of the Tab key; up and down go from one to the next.
+function oneStop(list) {
+  const buttons = () => [...list.querySelectorAll("button")];
+  list.dataset.stops = "one";
+  buttons().forEach((button, number) => (button.tabIndex = number ? -1 : 0));
+  list.addEventListener("keydown", (event) => {
+    const by = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+    const all = buttons().filter((button) => button.offsetParent);
+    const next = by && all[all.indexOf(event.target) + by];
+    if (!next) return;
+    event.preventDefault();
+    event.stopPropagation();
+    moveStop(next);
+    next.focus();
+  });
+  return list;
+}
+
+// Have Tab lead to another button of a list made by `oneStop`.
+function moveStop(button) {
+  const list = button.closest("[data-stops]");
+  for (const other of list?.querySelectorAll("button[tabindex='0']") ?? []) other.tabIndex = -1;
+  button.tabIndex = 0;
 }
 
 const unfolded = new Set();

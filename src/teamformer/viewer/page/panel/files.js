@@ -1,4 +1,4 @@
-// Records that are opened or dropped, and pictures and videos that are saved.
+// Records that are opened or dropped, and what is saved: pictures, videos, downloads.
 
 const LARGEST_RECORD = 512_000_000; // bytes
 
@@ -7,6 +7,7 @@ function connectFiles(app) {
   byId("open-beside").addEventListener("click", () => askForRecord(app, true));
   byId("save-picture").addEventListener("click", () => savePicture(app));
   byId("save-video").addEventListener("click", () => toggleVideo(app));
+  byId("downloads").replaceChildren(...app.downloads());
   addEventListener("dragover", (event) => {
     event.preventDefault();
     byId("drop").hidden = false;
@@ -38,6 +39,7 @@ function askForRecord(app, isBeside) {
 async function openRecordFile(app, file, isBeside) {
   try {
     if (file.size > LARGEST_RECORD) throw new Error("it is larger than 512 MB");
+    notifyWork(`Reading ${file.name} …`);
     app.open(readRecord(await file.text()), isBeside);
     notify(noticeText(app.history));
   } catch (error) {
@@ -70,17 +72,10 @@ function readRecord(text) {
 
 const KNOWN_FORMAT = 2;
 
-// What went wrong, or with "good" what went well.
-function notify(text, kind = "") {
-  byId("notice").textContent = text;
-  byId("notice").className = `notice ${kind}`;
-  byId("notice").hidden = !text;
-}
-
 // The map or the Gantt view as it is seen, with a line that says what it is.
 function savePicture(app) {
   byId("menu").open = false;
-  const shown = app.view === "gantt" ? app.gantt.canvas : app.map.canvas;
+  const shown = (app.drawing() ?? app.map).canvas;
   const sharpness = window.devicePixelRatio || 1;
   const canvas = document.createElement("canvas");
   canvas.width = shown.width;
@@ -103,6 +98,45 @@ function download(blob, name) {
   const url = URL.createObjectURL(blob);
   element("a", { href: url, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
+
+// The page as it came, with room for a record: what a page that is saved can do by itself.
+const [PAGE_BEFORE, PAGE_AFTER] = emptyPage();
+
+function emptyPage() {
+  const holder = byId("replay");
+  const record = holder.textContent;
+  holder.textContent = "\u0000";
+  const page = `<!doctype html>\n${document.documentElement.outerHTML}\n`;
+  holder.textContent = record;
+  return page.split("\u0000");
+}
+
+// What a page makes by itself of the record that it shows: mission, record, and page.
+function ownDownloads(app) {
+  const name = () => fileName(app.history.scenario.name);
+  const json = (tree) => new Blob([`${JSON.stringify(tree, null, 1)}\n`], { type: "application/json" });
+  const page = () => new Blob([PAGE_BEFORE, harmlessJson(app.record), PAGE_AFTER], { type: "text/html" });
+  return [
+    downloadButton("Mission (JSON)", () => download(json(app.record.scenario), `${name()}.json`)),
+    downloadButton("Record (JSON)", () => download(json(app.record), `${name()}-replay.json`)),
+    downloadButton("This page (HTML)", () => download(page(), `${name()}.html`)),
+    element("p", {}, "CSV: beside each table. MCAP, GIF and all tables: ", element("code", {}, "teamformer export")),
+  ];
+}
+
+// As `_json_for_html` writes it: no HTML reader takes it for markup.
+function harmlessJson(tree) {
+  const escapes = { "&": "\\u0026", "<": "\\u003c", ">": "\\u003e" };
+  return JSON.stringify(tree).replace(/[&<>]/g, (letter) => escapes[letter]);
+}
+
+function downloadButton(text, make) {
+  const on = () => {
+    byId("menu").open = false;
+    make();
+  };
+  return element("button", { type: "button", on }, text);
 }
 
 function fileName(name) {

@@ -182,5 +182,5 @@ function storyList(app, events) {
     const when = element("span", { class: "when" }, shortMoment(world, event.step));
     return element("li", { class: event.step > step ? "ahead" : "" }, when, go);
   });
-  return foldedList("story", "story", items, STORY_SHOWN);
+  return oneStop(foldedList("story", "story", items, STORY_SHOWN));
 }

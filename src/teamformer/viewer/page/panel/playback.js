@@ -39,6 +39,7 @@ function showStart(app) {
 function showSwitches(app) {
   for (const name of SWITCHES) byId(name).setAttribute("aria-pressed", String(app.options[name]));
   byId("messages").hidden = !app.history.hasMessages;
+  byId("zoom").hidden = app.view in app.tables || app.view === "plots";
   byId("rings").value = app.options.rings;
   byId("bars").value = app.options.bars;
   for (const view of VIEWS) {
@@ -49,4 +50,4 @@ function showSwitches(app) {
 }
 
 const SWITCHES = ["lines", "trails", "order", "messages", "names"];
-const VIEWS = ["map", "gantt"];
+const VIEWS = ["map", "gantt", "tasks", "robots", "plots"];

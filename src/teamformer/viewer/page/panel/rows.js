@@ -1,18 +1,22 @@
-// A long list of rows of one height, of which only those in sight are in the page.
+// A long list of rows of one height, of which only those in sight are in the page. The list is one
+// stop of the Tab key; up and down go from row to row.
 
 const ROWS_BEYOND = 4;
 
 class Rows {
-  // `build(item)` gives {class, title, children, on}: what a row looks like and does.
-  constructor(box) {
-    this.box = box;
-    this.sizer = element("div", { class: "sizer", role: "list" });
+  // `make(looks, index)` makes a row of what `build(item)` says of it: {row, button, placed}.
+  constructor(box, make = listRow) {
+    Object.assign(this, { box, make });
+    this.sizer = element("div", { class: "sizer", role: make === listRow ? "list" : "rowgroup" });
     box.append(this.sizer);
     this.items = [];
+    this.stop = 0; // the row that Tab leads to
     this.top = this.high = 0; // what is in sight, in pixels: asking the box would lay it out anew
     box.addEventListener("scroll", () => {
       if (box.scrollTop !== this.top) this.fill((this.top = box.scrollTop));
     });
+    this.sizer.addEventListener("keydown", (event) => this.press(event));
+    this.sizer.addEventListener("focusin", ({ target }) => this.moveStop(target));
     new ResizeObserver(() => this.fill((this.high = box.clientHeight))).observe(box);
   }
 
@@ -20,6 +24,7 @@ class Rows {
   show(items, height, build, emptyText, shown = null) {
     Object.assign(this, { items, height, build });
     this.sizer.style.height = `${items.length * height}px`;
+    this.sizer.hidden = !items.length;
     this.empty?.remove();
     this.empty = items.length ? null : element("p", { class: "empty" }, emptyText);
     if (this.empty) this.box.append(this.empty);
@@ -33,34 +38,50 @@ class Rows {
     if (!this.build) return;
     const first = Math.max(0, Math.floor(this.top / this.height) - ROWS_BEYOND);
     const inSight = Math.ceil(this.high / this.height) + 2 * ROWS_BEYOND;
-    const nodes = this.items
-      .slice(first, first + inSight)
-      .map((item, at) => this.row(item, first + at));
+    const last = Math.min(this.items.length, first + inSight) - 1;
+    const stop = Math.max(first, Math.min(last, this.stop));
+    const nodes = [];
+    for (let index = first; index <= last; index++) nodes.push(this.row(index, index === stop));
     refill(this.sizer, nodes);
   }
 
-  row(item, index) {
-    const { class: kind, title, children, on } = this.build(item);
-    const properties = {
-      type: "button",
-      class: `row ${kind ?? ""}`,
-      title,
-      on,
-      "data-key": String(index),
-    };
-    const button = element("button", properties, ...children);
-    const row = element(
-      "div",
-      { role: "listitem", "aria-setsize": this.items.length, "aria-posinset": index + 1 },
-      button,
-    );
-    button.style.top = `${index * this.height}px`;
-    button.style.height = `${this.height}px`;
+  row(index, isStop) {
+    const { row, button, placed } = this.make(this.build(this.items[index]), index, this.items.length);
+    button.dataset.key = String(index);
+    button.tabIndex = isStop ? 0 : -1;
+    placed.style.top = `${index * this.height}px`;
+    placed.style.height = `${this.height}px`;
     return row;
   }
 
+  press(event) {
+    const by = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const next = Math.max(0, Math.min(this.items.length - 1, this.stop + by));
+    this.keepInSight(next);
+    this.fill();
+    this.sizer.querySelector(`[data-key="${next}"]`)?.focus({ preventScroll: true });
+  }
+
+  moveStop(button) {
+    const before = this.sizer.querySelector("[tabindex='0']");
+    if (before) before.tabIndex = -1;
+    button.tabIndex = 0;
+    this.stop = Number(button.dataset.key);
+  }
+
   toTop() {
+    this.stop = 0;
     this.top = this.box.scrollTop = 0;
+  }
+
+  // Scroll no further than needed.
+  keepInSight(index) {
+    const top = index * this.height;
+    const least = top + this.height - this.high;
+    this.top = this.box.scrollTop = Math.max(0, Math.min(top, Math.max(this.top, least)));
   }
 
   // Bring an item near the middle unless it is in sight.
@@ -71,4 +92,11 @@ class Rows {
     this.top = Math.round(Math.max(0, Math.min(most, top - this.high / 2)));
     this.box.scrollTop = this.top;
   }
+}
+
+// A row that is one button: of {class, title, children, on}.
+function listRow({ class: kind, title, children, on }, index, count) {
+  const button = element("button", { type: "button", class: `row ${kind ?? ""}`, title: title ?? "", on }, ...children);
+  const row = element("div", { role: "listitem", "aria-setsize": count, "aria-posinset": index + 1 }, button);
+  return { row, button, placed: button };
 }

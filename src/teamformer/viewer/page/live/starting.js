@@ -1,0 +1,40 @@
+// The page while the first plan of a mission is made: the mission as it is drawn, and for how long.
+
+class StartingApp extends App {
+  constructor(tree) {
+    super(recordOfDraft(tree));
+    document.body.classList.add("starting");
+    this.options.lines = false;
+  }
+
+  start() {
+    super.start();
+    notifyWork("Making the first plan …");
+  }
+
+  downloads() {
+    return [element("p", {}, "The mission has not begun.")];
+  }
+
+  startText() {
+    return "";
+  }
+
+  // There is nothing yet but a map.
+  look() {
+    super.look("map");
+  }
+
+  statusText() {
+    return "planning";
+  }
+
+  // The server has told why the mission cannot be run: back to its drawing.
+  hear({ kind }) {
+    if (kind === "refused") location.reload();
+  }
+
+  address() {
+    return "";
+  }
+}

@@ -1,0 +1,54 @@
+// What changes over time: open tasks, idle robots and the way made, after each step.
+
+// {open, idle, way}, each with a number for every step from 0 on; `way` is the sum over all robots so
+// far, in cells, or squares of a plane. Worked out once for each length of the record.
+function curvesOf(history) {
+  const known = history.curves;
+  if (known?.made === history.last) return known;
+  const way = [0];
+  const idle = [0];
+  for (let step = 1; step <= history.last; step++) {
+    idle.push(phasesIn(history, step).reduce((sum, phase) => sum + (phase === IDLE), 0));
+    way.push(way[step - 1] + wayIn(history, step));
+  }
+  history.curves = { made: history.last, open: openAfterSteps(history), idle, way };
+  return history.curves;
+}
+
+// Tasks that are known and not done, after each step.
+function openAfterSteps({ scenario, doneAt, last }) {
+  const change = new Array(last + 2).fill(0);
+  scenario.tasks.forEach(({ appears }, task) => {
+    if (appears <= last) change[appears]++;
+    if (doneAt[task] <= last) change[doneAt[task]]--;
+  });
+  let sum = 0;
+  return change.slice(0, last + 1).map((by) => (sum += by));
+}
+
+// The way that all robots make in a step. They go by shortest ways, so where none turns back around
+// the end of a wall, which takes four cells in one step, it is what lies between the two places.
+function wayIn(history, step) {
+  const { world } = history.scenario;
+  const [before, after] = [history.at(step - 1), history.at(step)];
+  let sum = 0;
+  for (let robot = 0; robot < after.team.length; robot++) {
+    if (after.team[robot] === NOBODY || before.team[robot] === NOBODY) continue;
+    const [was, is] = [placeOf(before, robot), placeOf(after, robot)];
+    const [right, up] = [is.x - was.x, is.y - was.y];
+    sum += world.isPlane ? Math.hypot(right, up) : Math.abs(right) + Math.abs(up);
+  }
+  return sum;
+}
+
+// How many steps each robot was idle up to one, by robot.
+function idleStepsUpTo(history, step) {
+  history.idleSteps ??= [new Uint32Array(history.scenario.robots.length)];
+  const { idleSteps } = history;
+  for (let made = idleSteps.length; made <= step; made++) {
+    const row = idleSteps[made - 1].slice();
+    phasesIn(history, made).forEach((phase, robot) => (row[robot] += phase === IDLE));
+    idleSteps.push(row);
+  }
+  return idleSteps[step];
+}

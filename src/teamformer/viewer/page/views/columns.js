@@ -1,0 +1,129 @@
+// The columns of the tables: what each says of a task or a robot, and by what it sorts.
+
+// A cell is {text, sort, isAhead}: numbers sort before words, what is absent last; what is ahead or
+// expected is drawn paler. `isShown` says whether a mission has such a column at all.
+
+const STATES = ["can never be done", "open", "waiting", "on the way", "under way", "to come", "done"];
+
+const TASK_COLUMNS = [
+  { name: "Task", of: ({ scenario }, task) => word(taskName(scenario, task)) },
+  { name: "State", of: (moment, task) => stateCell(stateOfTask(moment, task)) },
+  { name: "Who", of: whoCell },
+  { name: "End", of: endCell },
+  { name: "Late", of: lateCell, isShown: ({ tasks }) => tasks.some(({ due }) => due < Infinity) },
+  { name: "Needs", of: ({ history, step }, task) => word(describeNeeds(history, task, step)) },
+];
+
+const ROBOT_COLUMNS = [
+  { name: "Robot", of: ({ scenario }, robot) => word(robotName(scenario, robot)) },
+  { name: "Doing", of: (moment, robot) => word(doingOf(moment, robot)) },
+  { name: "Next", of: nextCell },
+  { name: "Done", of: ({ deeds, step }, robot) => count(deeds[robot].filter((deed) => deed.step <= step).length) },
+  { name: "Idle", of: idleCell },
+  { name: "Brings", of: ({ scenario }, robot) => word(describeCounts(scenario, scenario.robots[robot].can)) },
+];
+
+// What the cells of one moment have in common, worked out once.
+function momentOf(app) {
+  const { history } = app;
+  const step = Math.min(app.player.step, history.last);
+  const scene = app.scene();
+  const plan = sharedPlanAt(history, step);
+  const moment = { history, step, scene, plan, scenario: history.scenario, deeds: deedsOfRobots(history) };
+  moment.next = nextTasks(moment);
+  return moment;
+}
+
+function word(text, isAhead = false) {
+  return { text, sort: text.toLowerCase(), isAhead };
+}
+
+function count(number) {
+  return { text: String(number), sort: number };
+}
+
+const NOTHING = { text: "-", sort: null };
+
+// One of STATES, for a task after a step.
+function stateOfTask({ history, scene }, task) {
+  const standing = standingOf(history, task, scene.step);
+  const words = { hidden: "to come", served: "under way", done: "done", blocked: "can never be done" };
+  if (standing !== "open") return words[standing];
+  const teams = scene.assignedTo.get(task) ?? [];
+  if (!teams.length) return "open";
+  return teams.some(({ activity }) => activity === "waits") ? "waiting" : "on the way";
+}
+
+function stateCell(state) {
+  return { text: state, sort: STATES.indexOf(state) };
+}
+
+// Those that did it or head for it; else, paler, those that the plan has do it, or that will have done it.
+function whoCell(moment, task) {
+  const { history, scene, plan, scenario, step } = moment;
+  const isDone = history.doneAt[task] <= step;
+  const there = (scene.assignedTo.get(task) ?? []).flatMap(({ robots }) => robots);
+  const served = serviceOf(history, task, step)?.robots ?? [];
+  const now = isDone ? history.doers[task] : [...new Set([...served, ...there])];
+  if (now.length) return word(listRobots(scenario, now));
+  const later = plan?.coalitions.get(task) ?? history.doers[task];
+  return later.length ? word(listRobots(scenario, later), true) : NOTHING;
+}
+
+// When a task is done: {at, isAhead}; null if nobody knows. A mission under way is played ahead by
+// the server, which says when each task would be done if nothing more happens.
+function endOfTask({ history, step }, task) {
+  if (history.doneAt[task] < Infinity) return { at: history.doneAt[task], isAhead: history.doneAt[task] > step };
+  const at = history.expected?.[task] ?? null;
+  return at === null ? null : { at, isAhead: true };
+}
+
+function endCell(moment, task) {
+  const end = endOfTask(moment, task);
+  return end ? { text: shortMoment(moment.scenario.world, end.at), sort: end.at, isAhead: end.isAhead } : NOTHING;
+}
+
+// By how much it is late, or will be; of one whose end nobody knows, by how much it is late already.
+function lateCell(moment, task) {
+  const end = endOfTask(moment, task);
+  const late = (end?.at ?? moment.step) - moment.scenario.tasks[task].due;
+  if (!(late > 0)) return NOTHING;
+  return { text: describeSpan(moment.scenario.world, late), sort: late, isAhead: !end || end.isAhead, isBad: true };
+}
+
+// What a robot's team does, in few words.
+function doingOf({ history, scene, scenario, step }, robot) {
+  const team = teamOfRobot(scene, robot);
+  if (!team || isLeaving(history, robot, step)) return "lost";
+  const task = team.goal === NOBODY ? "" : taskName(scenario, team.goal);
+  const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", idle: "idle", waits: `waits at ${task}` };
+  return words[team.activity] ?? `walks to ${task}`;
+}
+
+// By robot, the task that it goes on to after the one that it is about: as the plan has it, else as
+// the record goes on. Map robot -> task.
+function nextTasks({ history, plan, scene, step, deeds }) {
+  const next = new Map();
+  const isCurrent = (robot, task) => teamOfRobot(scene, robot)?.goal === task;
+  for (const [task, robots] of plan?.coalitions ?? []) {
+    if (history.doneAt[task] <= step) continue;
+    for (const robot of robots) if (!next.has(robot) && !isCurrent(robot, task)) next.set(robot, task);
+  }
+  if (plan) return next;
+  deeds.forEach((row, robot) => {
+    const deed = row.find(({ task, step: at }) => at > step && !isCurrent(robot, task));
+    if (deed) next.set(robot, deed.task);
+  });
+  return next;
+}
+
+function nextCell({ next, scenario, scene }, robot) {
+  if (!next.has(robot) || !teamOfRobot(scene, robot)) return NOTHING;
+  return word(taskName(scenario, next.get(robot)), true);
+}
+
+function idleCell({ history, step }, robot) {
+  if (!step) return NOTHING;
+  const share = idleStepsUpTo(history, step)[robot] / step;
+  return { text: percent(share), sort: share };
+}

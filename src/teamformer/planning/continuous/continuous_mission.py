@@ -14,7 +14,8 @@ from teamformer.grid import Grid, Place
 from teamformer.mission.links import is_linked
 from teamformer.mission.rules import HOME as ENDS_HOME
 from teamformer.model import Scenario
-from teamformer.planning.continuous.linked.problem import (
+from teamformer.planning.arcs.linked.solve import LinkedSolution
+from teamformer.planning.continuous.links import (
     HOME,
     MAKESPAN,
     MAX_TARDINESS,
@@ -25,12 +26,11 @@ from teamformer.planning.continuous.linked.problem import (
     LinkedProblem,
     link_problem,
 )
-from teamformer.planning.continuous.linked.solve import LinkedSolution
 from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, pose_problem
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
 from teamformer.planning.continuous.solve import Solution
-from teamformer.planning.continuous.times import Clock, release_of, time_mission
+from teamformer.planning.continuous.times import Clock, release_of
 from teamformer.planning.relaxation.problem import count_table
 from teamformer.roads import Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
@@ -83,8 +83,8 @@ class ContinuousMission:
         """Return a plan with its times by the mission's rules."""
         problem = self.problem
         base = problem.base if isinstance(problem, LinkedProblem) else problem
-        clock = Clock(self.scenario, self.ways, self.pace, self.origin, base.site)
-        return time_mission(self.scenario, clock, self.home, plan)
+        clock = Clock(self.scenario, self.ways, self.home, self.pace, self.origin, base.site)
+        return clock.time(plan)
 
 
 def pose_mission(scenario: Scenario) -> ContinuousMission:

@@ -15,7 +15,7 @@ from teamformer.planning.continuous.schedule import CoalitionPlan
 ROUNDS_EACH, MOST_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task, and so many at most: about a second."""
 
-FEW_TASKS, SECONDS_EACH = 60, 5.0
+FEW_TASKS, SECONDS_EACH = 60, 15.0
 """With fewer tasks than this a search anneals again after so many seconds; with more it anneals
 once in all the time there is."""
 
@@ -107,11 +107,15 @@ class _Best:
 
 
 def _search(problem: LinkedProblem, seed: int, best: _Best) -> None:
-    """Anneal once in the time there is, or several times, from the best plan each time."""
+    """Anneal once in the time there is, or several times, each time from the first plan.
+
+    What the best plan costs says too little of how hot to begin: it is not left any more then.
+    """
     search, seconds = LinkedSearch(problem, seed), best.seconds_left
     is_small = len(problem.group) < FEW_TASKS
     for left in range(max(1, round(seconds / SECONDS_EACH)) if is_small else 1, 0, -1):
-        search.begin_at(best.plan)
+        search.begin_anew()
+        search.quench()
         search.anneal_for(
             best.seconds_left / left, lambda: best.is_over, lambda: best.offer(search)
         )

@@ -22,6 +22,7 @@ CORE = {
     "grid",
     "capabilities",
     "plane",
+    "roads",
     "regions",
     "frame",
 }

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from teamformer.model import Task as Task
     from teamformer.plane import Plane as Plane
     from teamformer.policies.protocol import Policy as Policy
+    from teamformer.roads import Roads as Roads
     from teamformer.sim.env import Decision as Decision
     from teamformer.sim.env import TeamFormation as TeamFormation
     from teamformer.sim.multi_agent.parallel_env import (
@@ -65,6 +66,7 @@ _HOMES = {
     "Plan": "coordination:Plan",
     "Plane": "plane:Plane",
     "Policy": "policies.protocol:Policy",
+    "Roads": "roads:Roads",
     "Robot": "model:Robot",
     "Task": "model:Task",
     "TeamFormation": "sim.env:TeamFormation",

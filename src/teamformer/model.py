@@ -15,6 +15,7 @@ from teamformer.mission.places import possible_places
 from teamformer.mission.rules import opening_step
 from teamformer.plane import Plane
 from teamformer.regions import flood
+from teamformer.roads import GROUND, Roads
 
 MOST_WALKING = 10**6
 MOST_FORMING = 10**7
@@ -28,7 +29,7 @@ MORE_ARRIVALS = 20
 LEAST_WALKED = 0.01
 """The share of its steps that a team walks in at least, by step limits, whatever happens to it."""
 
-World = Grid | Plane
+World = Grid | Plane | Roads
 
 SLOWEST = 0.001
 """Cells a step, on a plane metres a second: slower ones would overflow the step counts."""
@@ -74,7 +75,8 @@ class Robot:
 
     `speed` is in cells a step, on a plane in metres a second. `breaks` says with what probability
     it is lost and back, where nobody knows. `delays` says how often it stands still; a team walks
-    in the steps in which none of its robots does.
+    in the steps in which none of its robots does. On roads `moves` says which ways are its own, and
+    `speed` by how much it is faster than they say.
     """
 
     name: str
@@ -84,6 +86,7 @@ class Robot:
     absences: tuple[Absence, ...] = ()  # in the order of time
     breaks: Breakdown | None = None
     delays: Delays | None = None
+    moves: str = GROUND
 
     @property
     def has_surprises(self) -> bool:
@@ -290,6 +293,8 @@ def default_step_limit(scenario: Scenario) -> int:
 def _longest_walk(scenario: Scenario) -> float:
     """Return a length that suffices between any two places that a robot can walk between."""
     world = scenario.world
+    if isinstance(world, Roads):
+        return world.longest_way
     across = world.width + world.height
     if not world.rows:
         return across

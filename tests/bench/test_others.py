@@ -7,12 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from home_care import HHCRSP
 from teamformer.bench.others.instances import read_instances
 from teamformer.bench.others.report import write_report
 from teamformer.bench.others.results import (
     Result,
     anytime_curve,
     compare,
+    measure,
     published_means,
     result_of,
 )
@@ -57,6 +59,22 @@ def test_instances_come_with_what_tables_say(folder: Path) -> None:
     assert (two.name, ten.name) == ("ral/env_2", "ral/env_10")
     assert two.published == {"mine": 12.5, "yours": 13.0, "theirs": 14.25}
     assert (two.best, ten.published, ten.best) == (12.5, {"mine": 11.0}, 11.0)
+
+
+def test_instances_of_home_care_come_with_the_best_costs_published(tmp_path: Path) -> None:
+    for name in ("kummer", "italian"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "kummer" / "a.json").write_text(json.dumps(HHCRSP))
+    (tmp_path / "italian" / "b.json").write_text(json.dumps(HHCRSP))
+    head = "| instance | distance_traveled | total_cost | solution |\n|:--|--:|--:|:--|\n"
+    (tmp_path / "kummer_best.md").write_text(f"{head}| a.json | 30 | 12.5 | sol-a |\n")
+    (tmp_path / "italian" / "best.md").write_text(f"{head}| b.json | 30 | 10.333 | sol-b |\n")
+    one, two = read_instances([tmp_path / "kummer", tmp_path / "italian"])
+    assert (one.name, one.best) == ("kummer/a", 12.5)
+    assert (two.name, two.best) == ("italian/b", 10.333)
+    made = measure(one, "plan", 1.0)
+    tour = 5 + 6 + 5  # c1 goes round by the shorter way, c2 there and back
+    assert made.makespan == pytest.approx((tour + 10) / 3)
 
 
 def test_published_means_are_of_methods_that_have_all_instances() -> None:

@@ -105,7 +105,8 @@ def continuous_missions(
     draw: st.DrawFn, most_robots: int = MOST_ROBOTS, most_tasks: int = MOST_TASKS
 ) -> Tree:
     """Return a mission in continuous time."""
-    world, caps = draw_world(draw), draw_names(draw, 1 + pick(draw, range(MOST_CAPABILITIES)))
+    world = draw_world(draw, can_be_roads=True)
+    caps = draw_names(draw, 1 + pick(draw, range(MOST_CAPABILITIES)))
     fleet = _draw_fleet(draw, world, caps, most_robots)
     tasks = _draw_tasks(draw, world, fleet, most_tasks)
     for task in tasks:
@@ -145,6 +146,8 @@ def _robots(
     robot = {"at": at, "can": _written(draw, can)}
     if now_and_then(draw, 3):
         robot["speed"] = pick(draw, SPEEDS)
+    if world.movers and now_and_then(draw, 2):
+        robot["moves"] = pick(draw, world.movers)
     have = fleet.brought.setdefault(world.part(at), {})
     for cap, count in can.items():
         have[cap] = have.get(cap, 0) + count
@@ -310,7 +313,7 @@ def _teams(draw: st.DrawFn, names: Sequence[str], robots: Sequence[Tree]) -> lis
     teams: dict[tuple[Any, ...], list[str]] = {}
     for name, robot in zip(names, robots, strict=True):
         if label := pick(draw, (1, 2, 0)):
-            teams.setdefault((*robot["at"], label), []).append(name)
+            teams.setdefault((str(robot["at"]), label), []).append(name)
     return list(teams.values())
 
 

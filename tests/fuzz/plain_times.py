@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from teamformer.grid import Place
 from teamformer.model import Robot, Scenario
+from teamformer.roads import Roads
 
 Routes = Sequence[Sequence[int]]
 """The tasks of each robot, in its order."""
@@ -43,6 +44,8 @@ class Ways:
 
     def time(self, robot: Robot, here: Place, there: Place) -> float:
         """Return how long a robot takes for a way; infinity where there is none."""
+        if isinstance(self._world, Roads):
+            return self._world.times[robot.moves][int(here[0])][int(there[0])] / robot.speed
         if not hasattr(self._world, "neighbours"):
             return math.dist(here, there) / robot.speed
         if there not in self._fields:

@@ -11,33 +11,39 @@ from hypothesis import strategies as st
 from drawing import now_and_then, pick
 from teamformer.grid import Grid
 
-Place = list[float]
+Place = list[float] | str
 
 SIDES = st.integers(1, 7)
 CENTIMETRES = st.integers(0, 600)
 WALLS = st.integers(0, 2**42 - 1)
 STEPS, ARRIVAL_RADII, UNITS = (1, 0.5, 0.2), (0.05, 0, 0.2, 1.0, 3.0), (0.2, 0.1, 0.5)
+WAYS = (1, 0, 2.5, 7, 0.125, 30)
 FRAME = {"cell": 0.25, "origin": [-1.5, 2.0, 0.1]}
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A world of a file, places where somebody can be, and the connected parts of a map."""
+    """A world of a file, places where somebody can be, and the connected parts of a map.
+
+    Places are as they stand in the file: `[x, y]`, on roads names. `movers` is of roads.
+    """
 
     tree: dict[str, Any]
     places: Sequence[Place]
     blocked: Sequence[Place] = ()
     parts: Sequence[int] = ()  # of the places
     unit: float = 1.0
+    movers: Sequence[str] = ()
 
     def part(self, place: Place) -> int:
         """Return the connected part of the world that a place lies in."""
         return self.parts[self.places.index(place)] if self.parts else 0
 
 
-def draw_world(draw: st.DrawFn) -> Drawn:
-    """Return a grid without walls or with them, or a plane."""
-    return pick(draw, (open_grid, walled_grid, plane))(draw)
+def draw_world(draw: st.DrawFn, can_be_roads: bool = False) -> Drawn:
+    """Return a grid without walls or with them, a plane, or roads where they may be."""
+    worlds = (open_grid, walled_grid, plane)
+    return pick(draw, (*worlds, roads) if can_be_roads else worlds)(draw)
 
 
 def open_grid(draw: st.DrawFn) -> Drawn:
@@ -77,6 +83,20 @@ def plane(draw: st.DrawFn) -> Drawn:
     points += [(min(width, points[0][0] + 4), points[0][1]), (width, points[1][1]), (0, 0)]
     places = [[x / 100, y / 100] for x, y in points]
     return Drawn(tree, places, unit=tree.get("unit", 0.2))
+
+
+def roads(draw: st.DrawFn) -> Drawn:
+    """Return roads as a text, some by air too; ways back may differ, and detours be shorter."""
+    names = [f"p{number}" for number in range(1 + draw(SIDES))]
+    tables = {}
+    for mover in ("ground", "air")[: 1 + now_and_then(draw, 2)]:
+        rows = [",".join(["from", *names])]
+        for name in names:
+            times = [0 if other == name else pick(draw, WAYS) for other in names]
+            rows.append(",".join([name, *(f"{time:g}" for time in times)]))
+        tables[mover] = "\n".join([*rows, ""])
+    is_one = len(tables) == 1
+    return Drawn({"roads": tables["ground"] if is_one else tables}, names, movers=tuple(tables))
 
 
 def _drawn_as(draw: st.DrawFn) -> dict[str, Any]:

@@ -26,6 +26,21 @@ tasks:
 sensing_radius: 1
 """
 
+FROM_WORLD = GOOD[GOOD.index("world") :]
+ON_ROADS = """\
+world:
+  roads: |
+    from, dock, bay
+    dock, 0, 4
+    bay, 5, 0
+time: continuous
+capabilities: [lift]
+robots:
+  - {name: a, at: dock, can: [lift]}
+tasks:
+  - {name: x, at: bay, needs: [lift]}
+"""
+
 CLOSED_IN = "world:\n  rows:\n    - '..@.'\n    - '..@.'\n    - '..@.'"
 
 
@@ -219,6 +234,37 @@ CASES = [
     ("{grid: [4, 3]}", "\n  rows:\n    - '....'\n    - '.x..'", 6, "row 2: 'x' is no cell"),
     ("{grid: [4, 3]}", "{map: none.map}", 3, "none.map: there is no such file"),
     ("{grid: [4, 3]}", "{map: floor.png}", 3, "this is no map; name a .map or a map_server .yaml"),
+    # roads
+    ("{grid: [4, 3]}", "{roads: none.csv}", 3, "none.csv: there is no such file; name a table"),
+    ("{grid: [4, 3]}", "{roads: [a.csv]}", 3, "roads of world is a list; name a file, or write"),
+    ("{grid: [4, 3]}", "{roads: {}}", 3, "the roads name no file; name one, or one for each"),
+    *(
+        (FROM_WORLD, ON_ROADS.replace(old, new), 4, f"roads of world, line {told}")
+        for old, new, told in (
+            ("from, dock, bay", '" from', "1: this is no table with commas"),
+            ("from, dock, bay", "from", "1: the first row names no places"),
+            ("from, dock, bay", "from, dock, dock", "1: the place 'dock' stands twice; rename one"),
+            ("from, dock, bay", "from, dock,", "1: the name of column 2 is empty or cannot be pri"),
+            ("bay, 5, 0", "buy, 5, 0", "3: this row is of 'buy', but column 2 is of 'bay'; name"),
+            ("bay, 5, 0", "bay, 5", "3: the table is not square: the row of 'bay' has 1 times; w"),
+            ("    bay, 5, 0\n", "", "2: the table is not square: there is no row of 'bay'; add it"),
+            ("bay, 5, 0", "bay, 5, 0\n    x, 1, 2", "4: the table is not square: the row of 'x' "),
+            ("bay, 5, 0", "bay, -1, 0", "3: the time from 'bay' to 'dock' is -1; write 0 to 1e9"),
+            ("bay, 5, 0", "bay, nan, 0", "3: the time from 'bay' to 'dock' is nan; write 0 to"),
+            ("bay, 5, 0", "bay, , 0", "3: the time from 'bay' to 'dock' is missing; write a num"),
+            ("bay, 5, 0", "bay, far, 0", "3: the time from 'bay' to 'dock' is 'far'; write a num"),
+        )
+    ),
+    (FROM_WORLD, ON_ROADS.replace("at: dock", "at: docc"), 11, "at of robot 1 is 'docc', which"),
+    (FROM_WORLD, ON_ROADS.replace("at: dock", "at: [0, 1]"), 11, "is a list; on roads name a"),
+    (
+        FROM_WORLD,
+        ON_ROADS.replace("at: dock", "at: dock, moves: air"),
+        11,
+        "robot 'a' moves by air, but there are only roads by ground; name a file under roads",
+    ),
+    (FROM_WORLD, ON_ROADS.replace("continuous", "steps"), 4, "roads are for continuous time: in"),
+    ("speed: 0.5", "moves: air", 7, "robot 'b' moves by air, which is for worlds of roads; drop"),
     # teams
     ("sensing_radius: 1", "teams: [[a, c]]", 10, "there is no robot 'c'; write the name of one"),
     ("sensing_radius: 1", "teams: [a]", 10, "team 1 is the text 'a'; write a list"),

@@ -8,6 +8,7 @@ from pathlib import Path
 from test_broken_files import CASES, GOOD, problems_of
 
 from teamformer.model import Breakdown
+from teamformer.roads import Roads
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.trees import ROBOT_KEYS, TASK_KEYS, TOP_KEYS
 from teamformer.scenarios.world_trees import FORMS
@@ -26,7 +27,8 @@ def test_the_table_has_every_key_and_says_which_must_be_there() -> None:
 
 
 def test_the_example_is_read(tmp_path: Path) -> None:
-    text, heavy, other, uncertain = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
+    examples = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
+    text, heavy, other, roads, uncertain = examples
     path = tmp_path / "example.yaml"
     path.write_text(text)
     scenario = read_scenario(path)
@@ -40,6 +42,15 @@ def test_the_example_is_read(tmp_path: Path) -> None:
     errands = read_scenario(path)
     assert [robot.name for robot in errands.robots] == ["cart-1", "cart-2", "cart-3", "eye"]
     assert errands.tasks[2].between == (10, 40)
+    [table] = re.findall(r"```\n(from, depot.*?)```", DOCS.read_text(), re.DOTALL)
+    (tmp_path / "clinic.csv").write_text(table)
+    (tmp_path / "clinic-air.csv").write_text(table.replace("7", "1"))
+    path.write_text(roads)
+    clinic = read_scenario(path)
+    assert isinstance(clinic.world, Roads)
+    assert clinic.world.times["ground"][0] == (0, 4, 7.5)
+    assert clinic.world.times["air"][2] == (1, 3, 0)
+    assert [clinic.world.name_of(task.at) for task in clinic.tasks] == ["lab", "ward"]
     path.write_text(uncertain)
     storm = read_scenario(path)
     assert storm.tasks[0].lasts == (2, 9)

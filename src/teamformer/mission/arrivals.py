@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from teamformer.capabilities import total
-from teamformer.grid import Place
+from teamformer.grid import Grid, Place
 from teamformer.mission.places import busiest_part
 from teamformer.model import Scenario, Task
 from teamformer.plane import Plane
@@ -79,6 +79,7 @@ def _draw_place(scenario: Scenario, part: int, rng: np.random.Generator) -> Plac
     if isinstance(world, Plane):
         x, y = (np.floor(rng.uniform(0, world.corner) * MILLIMETRES) / MILLIMETRES).tolist()
         return x, y
+    assert isinstance(world, Grid)
     while True:
         x, y = rng.integers(0, (world.width, world.height)).tolist()
         if world.is_free((x, y)) and world.region((x, y)) == part:

@@ -24,6 +24,7 @@ from teamformer.mission.places import believed_place, busiest_part, find_region_
 from teamformer.mission.rules import find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
 from teamformer.plane import Plane
+from teamformer.roads import Roads
 
 if TYPE_CHECKING:
     from teamformer.model import Robot, Scenario, Task, World
@@ -56,7 +57,7 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
 
 
 def _problems_of_world(world: World) -> Iterator[Problem]:
-    if isinstance(world, Plane):
+    if isinstance(world, Plane | Roads):
         yield from (Problem(("world",), message) for message in world.problems())
         return
     yield from (Problem(("world",), m) for m in (world.frame.problems() if world.frame else ()))
@@ -117,7 +118,10 @@ def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
         for number, thing in enumerate(things):
             where, what = (key, number, "at"), f"{key[:-1]} '{thing.name}'"
             x, y = thing.at
-            if not isinstance(world, Plane) and not (is_whole(x) and is_whole(y)):
+            if isinstance(world, Roads):
+                if not world.is_inside(thing.at):
+                    yield Problem(where, f"{what} is at {thing.at}, which is no place; name one")
+            elif not isinstance(world, Plane) and not (is_whole(x) and is_whole(y)):
                 yield Problem(
                     where, f"{what} is at [{x}, {y}], which is no cell; use whole numbers"
                 )

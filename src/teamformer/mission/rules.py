@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
 from teamformer.mission.links import find_link_problems, find_links
+from teamformer.roads import GROUND, Roads
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
@@ -34,6 +35,7 @@ def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
     if not is_time(scenario.forming):
         yield Problem(("forming",), f"forming is {scenario.forming:g}; use 0 to 1e9")
     yield from _problems_of_end(scenario)
+    yield from _problems_of_roads(scenario)
     if scenario.time == "continuous":
         yield from _problems_of_losses(scenario)
     yield from _problems_of_times(scenario)
@@ -137,6 +139,24 @@ def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
             if is_there and world.region(robot.at) != world.region(ends):
                 message = f"robot '{robot.name}' has no way to where the mission ends; move it"
                 yield Problem(("robots", number, "at"), message)
+
+
+def _problems_of_roads(scenario: Scenario) -> Iterator[Problem]:
+    world = scenario.world
+    if isinstance(world, Roads) and scenario.time == "steps":
+        message = "roads are for continuous time: in steps robots walk on a map"
+        remedy = "write time: continuous and plan it with `teamformer plan`"
+        yield Problem(("world", "roads"), f"{message}; {remedy}, or use a grid or a plane")
+    for number, robot in enumerate(scenario.robots):
+        where, what = ("robots", number, "moves"), f"robot '{robot.name}' moves by {robot.moves}"
+        if not isinstance(world, Roads):
+            if robot.moves != GROUND:
+                message = f"{what}, which is for worlds of roads; drop moves, or name roads"
+                yield Problem(where, message)
+        elif world.times and robot.moves not in world.times:
+            known = ", ".join(world.times)
+            message = f"{what}, but there are only roads by {known}"
+            yield Problem(where, f"{message}; name a file under roads, or change moves")
 
 
 def _problems_of_losses(scenario: Scenario) -> Iterator[Problem]:

@@ -29,6 +29,7 @@ def places_of(world: World, task: Task) -> list[Place]:
     """Return where a task may be, the nearest to where the scenario has it first."""
     if not task.within:
         return [task.at]
+    assert isinstance(world, Grid | Plane)
     cells = _cells(world, task) if isinstance(world, Grid) else _points(world, task)
     near = [place for place in cells if math.dist(place, task.at) <= task.within + ROUNDING]
     near.sort(key=lambda place: (round(math.dist(place, task.at) ** 2, 6), place[1], place[0]))

@@ -115,6 +115,7 @@ def spawn_places(world: World, robots: int, rng: np.random.Generator) -> list[Pl
             robots,
             rng,
         )
+    assert isinstance(world, Grid)
     if world.rows:
         near = _within_steps(world, (x, y), SPAWN_RADIUS)
         return [near[i] for i in rng.integers(len(near), size=robots).tolist()]
@@ -133,6 +134,7 @@ def random_places(world: World, count: int, rng: np.random.Generator) -> list[Pl
     """Return uniformly random free places, all of them connected."""
     if isinstance(world, Plane):
         return _random_points((0.0, 0.0), world.corner, count, rng)
+    assert isinstance(world, Grid)
     if not world.rows:
         return [(x, y) for x, y in rng.integers(0, _size(world), (count, 2)).tolist()]
     region = _largest_region(world)

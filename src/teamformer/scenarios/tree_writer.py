@@ -7,22 +7,26 @@ from typing import Any
 
 from teamformer.capabilities import Counts, exact
 from teamformer.frame import Frame
+from teamformer.grid import Place
 from teamformer.mission.arrivals import without_arrivals
 from teamformer.model import Arrivals, Robot, Scenario, Task, World
 from teamformer.plane import Plane
+from teamformer.roads import GROUND, Roads
+from teamformer.scenarios.maps.road_tables import write_times
 from teamformer.scenarios.tree_reader import INFINITE
 from teamformer.scenarios.trees import VERSION
 
 
 def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
     """Return the tree of a scenario's file, with maps written out as rows."""
+    world = scenario.world
     tree: dict[str, Any] = {
         "teamformer": VERSION,
         "name": scenario.name,
-        "world": world_to_tree(scenario.world),
+        "world": world_to_tree(world),
         "capabilities": list(scenario.capabilities),
-        "robots": [_robot_to_tree(robot) for robot in scenario.robots],
-        "tasks": [task_to_tree(task) for task in without_arrivals(scenario).tasks],
+        "robots": [_robot_to_tree(robot, world) for robot in scenario.robots],
+        "tasks": [task_to_tree(task, world) for task in without_arrivals(scenario).tasks],
     }
     if scenario.teams:
         tree["teams"] = [[scenario.robots[r].name for r in team] for team in scenario.teams]
@@ -41,7 +45,8 @@ def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
     if scenario.time != "steps":
         tree["time"] = scenario.time
     if scenario.ends is not None:
-        tree["ends"] = scenario.ends if isinstance(scenario.ends, str) else list(scenario.ends)
+        ends = scenario.ends
+        tree["ends"] = ends if isinstance(ends, str) else at_to_tree(ends, scenario.world)
     if scenario.forming:
         tree["forming"] = scenario.forming
     if scenario.cost is not None:
@@ -68,6 +73,9 @@ def world_to_tree(world: World) -> dict[str, Any]:
             "arrival_radius": world.arrival_radius,
             "unit": world.unit,
         }
+    if isinstance(world, Roads):
+        tables = {mover: write_times(world, mover) for mover in world.times}
+        return {"roads": tables[GROUND] if list(tables) == [GROUND] else tables}
     frame = {} if world.frame is None else {"frame": _frame_to_tree(world.frame)}
     if world.rows:
         return {"rows": list(world.rows), "y_axis": world.y_axis, **frame}
@@ -79,14 +87,21 @@ def _frame_to_tree(frame: Frame) -> dict[str, Any]:
     return {"cell": frame.cell, "origin": [frame.x, frame.y, frame.yaw]}
 
 
-def _robot_to_tree(robot: Robot) -> dict[str, Any]:
+def at_to_tree(at: Place, world: World) -> list[float] | str:
+    """Return where something is as it stands in a file."""
+    return world.name_of(at) if isinstance(world, Roads) else list(at)
+
+
+def _robot_to_tree(robot: Robot, world: World) -> dict[str, Any]:
     tree: dict[str, Any] = {
         "name": robot.name,
-        "at": list(robot.at),
+        "at": at_to_tree(robot.at, world),
         "can": counts_to_tree(robot.can),
     }
     if robot.speed != 1:
         tree["speed"] = robot.speed
+    if robot.moves != GROUND:
+        tree["moves"] = robot.moves
     tree |= absences_to_tree(robot)
     if robot.breaks is not None:
         repair = robot.breaks.repair
@@ -108,11 +123,11 @@ def absences_to_tree(robot: Robot) -> dict[str, Any]:
     return {key: steps[0] if is_one else steps for key, steps in times.items() if steps}
 
 
-def task_to_tree(task: Task) -> dict[str, Any]:
+def task_to_tree(task: Task, world: World) -> dict[str, Any]:
     """Return a task as it stands in a file."""
     tree: dict[str, Any] = {
         "name": task.name,
-        "at": list(task.at),
+        "at": at_to_tree(task.at, world),
         "needs": counts_to_tree(task.needs),
     }
     if task.within:

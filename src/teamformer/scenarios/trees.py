@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -10,10 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError
+from teamformer.grid import Place
 from teamformer.mission.checks import LARGEST_NUMBER, LATEST_RETURN
 from teamformer.mission.links import COST_PARTS
-from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task
+from teamformer.mission.rules import HOME
+from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
+from teamformer.roads import GROUND, Roads
 from teamformer.scenarios.tree_reader import LONGEST_TEXT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world
 from teamformer.scenarios.yaml.reader import Where
@@ -62,6 +66,7 @@ ROBOT_KEYS = {
     "back": False,
     "breaks": False,
     "delays": False,
+    "moves": False,
     "count": False,
 }
 TASK_KEYS = {
@@ -90,9 +95,8 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
     if not _knows_version(reader, top):
         return None
     world = read_world(reader, top.get("world", {"grid": [1, 1]}), folder)
-    is_plane = isinstance(world, Plane)
-    rules = _read_rules(reader, top, is_plane)
-    robots, entries = _read_robots(reader, top.get("robots", []), is_plane)
+    rules = _read_rules(reader, top, world)
+    robots, entries = _read_robots(reader, top.get("robots", []), world)
     if isinstance(world, Plane) and "arrival_radius" not in top["world"]:
         world = _with_usual_radius(world, robots)
     parts = {
@@ -100,7 +104,7 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
         "world": world,
         "capabilities": tuple(reader.names(("capabilities",), top.get("capabilities", []))),
         "robots": robots,
-        "tasks": _read_tasks(reader, top.get("tasks", []), is_plane, rules.get("time")),
+        "tasks": _read_tasks(reader, top.get("tasks", []), world, rules.get("time")),
         "teams": _read_teams(reader, top.get("teams", []), [robot.name for robot in robots]),
         **rules,
     }
@@ -133,7 +137,7 @@ def _knows_version(reader: Reader, top: Mapping[str, Any]) -> bool:
     return version <= VERSION
 
 
-def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robot, ...], list[int]]:
+def _read_robots(reader: Reader, value: Any, world: World) -> tuple[tuple[Robot, ...], list[int]]:
     """Return the robots, and for each the entry of the file that it comes from."""
     robots: list[Robot] = []
     entries: list[int] = []
@@ -146,12 +150,13 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
             longest -= len(f"-{count}")
         robot = Robot(
             name=reader.text((*where, "name"), keys.get("name", f"r{len(robots) + 1}"), longest),
-            at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
+            at=_read_at(reader, (*where, "at"), keys.get("at"), world),
             can=reader.counts((*where, "can"), keys.get("can", [])),
             speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
             absences=_read_absences(reader, where, keys),
             breaks=_read_breaks(reader, (*where, "breaks"), keys),
             delays=_read_delays(reader, (*where, "delays"), keys.get("delays")),
+            moves=reader.text((*where, "moves"), keys.get("moves", GROUND)),
         )
         if "count" not in keys:
             alike = [robot]
@@ -162,6 +167,24 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
         robots += alike
         entries += [number] * len(alike)
     return tuple(robots), entries
+
+
+def _read_at(reader: Reader, where: Where, value: Any, world: World) -> Place:
+    """Return where something is: `[x, y]`, on roads the name of a place. None was told before."""
+    if not isinstance(world, Roads):
+        return reader.place(where, [0, 0] if value is None else value, isinstance(world, Plane))
+    if value is None or not world.places:  # roads that are wrong were told
+        return 0, 0
+    if isinstance(value, list | dict):
+        reader.refuse(where, f"{name_of(where)} is {describe(value)}; on roads name a place")
+        return 0, 0
+    name = reader.text(where, value)
+    if name in world.places:
+        return world.at(name)
+    near = difflib.get_close_matches(name, world.places, 1)
+    remedy = f"did you mean '{near[0]}'?" if near else "name a place that has a row there"
+    reader.refuse(where, f"{name_of(where)} is '{shorten(name)}', which is on no road; {remedy}")
+    return 0, 0
 
 
 def _read_absences(reader: Reader, where: Where, keys: Mapping[str, Any]) -> tuple[Absence, ...]:
@@ -191,7 +214,7 @@ def _with_usual_radius(plane: Plane, robots: tuple[Robot, ...]) -> Plane:
     return replace(plane, arrival_radius=round(slowest, DECIMALS))
 
 
-def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) -> tuple[Task, ...]:
+def _read_tasks(reader: Reader, value: Any, world: World, time: str | None) -> tuple[Task, ...]:
     tasks = []
     for number, part in enumerate(reader.sequence(("tasks",), value)):
         where = ("tasks", number)
@@ -199,7 +222,7 @@ def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) ->
         tasks.append(
             Task(
                 name=reader.text((*where, "name"), keys.get("name", f"t{number + 1}")),
-                at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
+                at=_read_at(reader, (*where, "at"), keys.get("at"), world),
                 needs=reader.counts((*where, "needs"), keys.get("needs", [])),
                 duration=_read_duration(reader, (*where, "duration"), keys, time),
                 lasts=_read_lasts(reader, (*where, "duration"), keys.get("duration")),
@@ -328,7 +351,7 @@ def _without_methods(reader: Reader) -> Any:
     return {key: value for key, value in tree.items() if key not in KEYS_OF_METHODS}
 
 
-def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[str, Any]:
+def _read_rules(reader: Reader, top: Mapping[str, Any], world: World) -> dict[str, Any]:
     """Return the rules that the file sets; the others keep the model's defaults."""
     rules: dict[str, Any] = {}
     for key in ("sensing_radius", "join_radius", "finding_radius"):
@@ -347,8 +370,9 @@ def _read_rules(reader: Reader, top: Mapping[str, Any], is_plane: bool) -> dict[
         rules["cost"] = _read_cost(reader, top["cost"])
     if "ends" in top:
         ends = top["ends"]
-        is_place = isinstance(ends, list)
-        rules["ends"] = reader.place(("ends",), ends, is_plane) if is_place else reader.word(ends)
+        is_name = isinstance(world, Roads) and ends != HOME
+        is_place = isinstance(ends, list) or is_name
+        rules["ends"] = _read_at(reader, ("ends",), ends, world) if is_place else reader.word(ends)
     return rules
 
 

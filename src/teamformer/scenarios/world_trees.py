@@ -10,8 +10,12 @@ from teamformer.frame import Frame
 from teamformer.grid import BLOCKED, FREE, LARGEST_MAP, Grid
 from teamformer.model import World
 from teamformer.plane import Plane
+from teamformer.roads import GROUND, Roads, Rows
+from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.maps.formats import read_map, read_origin
-from teamformer.scenarios.tree_reader import Reader
+from teamformer.scenarios.maps.road_tables import LARGEST_FILE, parse_times
+from teamformer.scenarios.tree_reader import Reader, name_of
+from teamformer.scenarios.yaml.reader import Where
 from teamformer.scenarios.yaml.words import describe
 
 FORMS = {
@@ -19,6 +23,7 @@ FORMS = {
     "rows": {"rows", "y_axis", "frame"},
     "map": {"map", "cell"},
     "plane": {"plane", "step", "arrival_radius", "unit"},
+    "roads": {"roads"},
 }
 KEYS = dict.fromkeys(sorted(set().union(*FORMS.values())), False)
 WHERE = ("world",)
@@ -32,8 +37,8 @@ def read_world(reader: Reader, value: Any, folder: Path | None) -> World:
     forms = [form for form in FORMS if form in world]
     if len(forms) != 1:
         if isinstance(value, dict):
-            choice = "grid: [width, height], rows: [...], map: FILE and plane: [width, height]"
-            reader.refuse(WHERE, f"the world needs exactly one of {choice}")
+            choice = "grid: [width, height], rows: [...], map: FILE, plane: [width, height]"
+            reader.refuse(WHERE, f"the world needs exactly one of {choice} and roads: FILE")
         return STAND_IN
     for extra in sorted(set(world) - FORMS[forms[0]]):
         reader.refuse((*WHERE, extra), f"'{extra}' does not go with '{forms[0]}'; remove it")
@@ -43,6 +48,8 @@ def read_world(reader: Reader, value: Any, folder: Path | None) -> World:
         return _read_rows(reader, world)
     if forms == ["map"]:
         return _read_map(reader, world, folder)
+    if forms == ["roads"]:
+        return _read_roads(reader, world["roads"], folder)
     return _read_plane(reader, world)
 
 
@@ -114,6 +121,46 @@ def _read_plane(reader: Reader, world: dict[str, Any]) -> Plane:
     keys = ("step", "arrival_radius", "unit")
     given = {key: reader.number((*WHERE, key), world[key]) for key in keys if key in world}
     return Plane(width, height, **given)
+
+
+def _read_roads(reader: Reader, value: Any, folder: Path | None) -> Roads:
+    """Return roads by a table, or one for each mover; they have no places if they are wrong."""
+    where, places = (*WHERE, "roads"), tuple[str, ...]()
+    times: dict[str, Rows] = {}
+    tables = value if isinstance(value, dict) else {GROUND: value}
+    if not tables:
+        reader.refuse(where, "the roads name no file; name one, or one for each kind of mover")
+    for key, table in tables.items():
+        at = (*where, key) if isinstance(value, dict) else where
+        mover = reader.text(at, key)
+        if not isinstance(table, str):
+            remedy = "name a file, or write the table as a text of lines"
+            reader.refuse(at, f"{name_of(at)} is {describe(table)}; {remedy}")
+        elif read := _read_table(reader, at, table, folder):
+            if times and read[0] != places:
+                other = next(iter(times))
+                message = f"the places of {mover} are not those of {other}"
+                reader.refuse(at, f"{message}; name them alike, in one order")
+            places, times[mover] = read
+    return Roads(places, times) if len(times) == len(tables) else Roads((), {})
+
+
+def _read_table(
+    reader: Reader, at: Where, table: str, folder: Path | None
+) -> tuple[tuple[str, ...], Rows] | None:
+    """Return the places and times of a table, the name of a file or the text of one."""
+    text, name = table, f"{name_of(at)}, line "
+    try:
+        if "\n" not in table:
+            if folder is None:
+                remedy = "write the table as a text of lines"
+                raise TeamformerError("roads in another file cannot be read here", remedy)
+            text = read_text(folder / table, LARGEST_FILE, "name a table beside this file")
+            name = f"{table}:"
+        return parse_times(text, lambda line: f"{name}{line}:")
+    except TeamformerError as error:
+        reader.refuse(at, f"{error}; {error.hint}" if error.hint else str(error))
+        return None
 
 
 def _read_y_axis(

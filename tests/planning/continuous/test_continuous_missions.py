@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
 from teamformer.planning.continuous.schedule import COST, MAKESPAN, empty_plan, schedule_of
 from teamformer.planning.continuous.solve import Solution, _Best, plan_together
+from teamformer.roads import Roads
 
 POLICIES = pytest.mark.parametrize("policy", PLANNERS)
 WITH_COST = pytest.mark.parametrize("policy", ["central", "plan"])
@@ -199,3 +201,49 @@ def test_the_best_plan_is_over_first_however_early_robots_are_home_on_average() 
         best.offer(other.plan)
         assert best.makespan == 100
         assert best.solution().makespan == 100
+
+
+def roads(**movers: list[list[float]]) -> Roads:
+    return Roads(("p0", "p1", "p2"), {name: tuple(map(tuple, t)) for name, t in movers.items()})
+
+
+def on_roads(world: Roads, robots: list[Robot], at: list[str], **more: Any) -> Scenario:
+    """Return tasks that need one robot, at places by name."""
+    tasks = tuple(Task(f"t{n}", world.at(name), {"a": 1}) for n, name in enumerate(at))
+    return Scenario("roads", world, ("a", "b"), tuple(robots), tasks, time="continuous", **more)
+
+
+@POLICIES
+def test_roads_are_taken_in_the_direction_that_is_shorter(policy: str) -> None:
+    """Round one way 1 + 2 + 3, round the other 20 + 30 + 10."""
+    world = roads(ground=[[0, 1, 10], [20, 0, 2], [3, 30, 0]])
+    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1", "p2"], ends="home")
+    made = planned(scenario, policy)
+    assert (made.makespan, made.order) == (6, (0, 1))
+
+
+@POLICIES
+def test_the_way_to_where_a_mission_ends_is_not_the_way_from_there(policy: str) -> None:
+    world = roads(ground=[[0, 1, 10], [20, 0, 2], [3, 30, 0]])
+    robot = Robot("r", world.at("p0"), {"a": 1}, speed=2)
+    made = planned(on_roads(world, [robot], ["p1"], ends=world.at("p2")), policy)
+    assert made.makespan == (1 + 2) / 2
+
+
+def test_movers_have_roads_of_their_own() -> None:
+    world = roads(ground=[[0, 9, 9]] * 3, air=[[0, 2, 4], [5, 0, 9], [6, 9, 0]])
+    robots = [Robot("r", world.at("p0"), {"a": 1}), Robot("d", world.at("p0"), {"b": 1})]
+    scenario = on_roads(world, [robots[0], replace(robots[1], moves="air")], ["p1"], ends="home")
+    both = replace(scenario.tasks[0], needs={"a": 1, "b": 1})
+    made = planned(replace(scenario, tasks=(both,)), "plan")
+    assert [route.back for route in made.routes] == [9 + 0, 9 + 5]
+    assert [route.stops[0].arrive for route in made.routes] == [9, 2]
+
+
+def test_no_bound_forgets_that_a_detour_may_be_shorter() -> None:
+    """Home from t1 takes 50, by way of t0 2: a plan that is over at 3 is there, and proven."""
+    world = roads(ground=[[0, 10, 1], [1, 0, 60], [50, 1, 0]])
+    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1", "p2"], ends="home")
+    made = planned(scenario, "central")
+    assert (made.makespan, made.is_proven) == (3, True)
+    assert made.bound == pytest.approx(3, abs=1e-5)

@@ -10,20 +10,27 @@ from pathlib import Path
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
+from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.imports import import_missions
+from teamformer.scenarios.imports.trees import read_json
 
 Published = dict[str, float]
-"""Makespans by method."""
+"""Makespans by method, or costs."""
 
 HINT = "name folders of them: teamformer bench others FOLDER"
 NUMBER = re.compile(r"\d+(\.\d*)?(e-?\d+)?")
+LARGEST_TABLE = 1_000_000  # bytes
+BEST = "best published"
 SUMMARY = "best_known"
 """A column that only repeats the best of the others."""
 
 
 @dataclass(frozen=True)
 class Instance:
-    """A mission of others, the folder that it belongs to, and what is published of it."""
+    """A mission of others, the folder that it belongs to, and what is published of it.
+
+    That are makespans, or costs where plans are judged by a cost.
+    """
 
     collection: str
     mission: Scenario
@@ -43,7 +50,8 @@ class Instance:
 def read_instances(folders: Sequence[Path]) -> list[Instance]:
     """Return all instances in folders, each with what tables (`*.csv`) beside it say.
 
-    A folder holds HeteroMRTA's `env_*.json`, DCMRTA's folders `env_*`, or SADCHER's JSON files.
+    A folder holds HeteroMRTA's `env_*.json`, DCMRTA's folders `env_*`, SADCHER's JSON files, or
+    those of HHCRSP, for which what `*best.md` says is read, in the folder or beside it.
     """
     names = [folder.resolve().name for folder in folders]
     if len(set(names)) < len(names):
@@ -60,18 +68,27 @@ def read_instances(folders: Sequence[Path]) -> list[Instance]:
 def _instances_in(folder: Path) -> Iterator[Instance]:
     if not folder.is_dir():
         raise TeamformerError(f"{folder}: this is no folder", HINT)
-    tables = _read_tables(folder)
+    tables, best = _read_tables(folder), _read_best(folder)
     for path in sorted(folder.iterdir(), key=_natural):
-        if path.is_dir() and (path / "graph.yaml").is_file():
-            form = "dcmrta"
-        elif path.suffix == ".json":
-            form = "hetero-mrta" if path.stem.startswith("env_") else "sadcher"
-        else:
+        form = _form_of(path)
+        if form is None:
             continue
         number = re.fullmatch(r"env_(\d+)", path.stem)
-        published = tables.get(int(number[1]), {}) if number else {}
+        published = tables.get(int(number[1]), {}) if number else best.get(path.name, {})
         for mission in import_missions(form, path):
             yield Instance(folder.resolve().name, mission, published)
+
+
+def _form_of(path: Path) -> str | None:
+    """Return the format of what lies in a folder; None if it is no instance."""
+    if path.is_dir() and (path / "graph.yaml").is_file():
+        return "dcmrta"
+    if path.suffix != ".json":
+        return None
+    if path.stem.startswith("env_"):
+        return "hetero-mrta"
+    tree = read_json(path)
+    return "hhcrsp" if isinstance(tree.value, dict) and "patients" in tree.value else "sadcher"
 
 
 def _natural(path: Path) -> tuple[str, int]:
@@ -94,6 +111,19 @@ def _read_tables(folder: Path) -> dict[int, Published]:
                 for name, value in row.items()
                 if name != SUMMARY and NUMBER.fullmatch(value or "")
             }
+    return told
+
+
+def _read_best(folder: Path) -> dict[str, Published]:
+    """Return the best costs known by file, from Markdown tables in a folder or beside it."""
+    told: dict[str, Published] = {}
+    for path in sorted([*folder.glob("*best.md"), *folder.resolve().parent.glob("*_best.md")]):
+        lines = read_text(path, LARGEST_TABLE).splitlines()
+        rows = [[cell.strip() for cell in line.split("|")] for line in lines]
+        for row in rows[1:]:
+            told_of = dict(zip(rows[0], row, strict=False))
+            if NUMBER.fullmatch(told_of.get("total_cost", "")):
+                told[told_of.get("instance", "")] = {BEST: float(told_of["total_cost"])}
     return told
 
 

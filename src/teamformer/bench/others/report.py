@@ -59,7 +59,10 @@ def table_of_means(results: Sequence[Result]) -> list[list[str]]:
 def _sections(results: Sequence[Result]) -> Iterator[str]:
     limits = sorted({result.time_limit for result in results if result.method == "central"})
     had = f"; `central` had {limits[0]:g} s" if limits else ""
-    yield f"Means{had}. Wins, ties and losses are against the best published of each instance."
+    yield (
+        f"Means{had}. Wins, ties and losses are against the best published of each instance. "
+        "Where plans are judged by a cost, it stands in place of the makespan."
+    )
     yield markdown(COLUMNS, table_of_means(results), 1).rstrip()
     methods = list(dict.fromkeys(result.method for result in results))
     headers = ("instance", "best published", "bound", *methods)

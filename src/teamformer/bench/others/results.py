@@ -25,7 +25,10 @@ MOMENTS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0)
 
 @dataclass(frozen=True)
 class Result:
-    """What a method reached on an instance; `curve` holds (seconds, makespan)."""
+    """What a method reached on an instance; `curve` holds (seconds, makespan).
+
+    Where plans are judged by a cost, it stands in place of the makespan.
+    """
 
     collection: str
     instance: str
@@ -71,7 +74,7 @@ def measure(instance: Instance, method: str, time_limit: float) -> Result:
         collection=instance.collection,
         instance=instance.name,
         method=method,
-        makespan=round(made.makespan, DIGITS),
+        makespan=round(made.makespan if made.cost is None else made.cost, DIGITS),
         bound=round(made.bound, DIGITS),
         proven=made.is_proven,
         seconds=round(seconds, 3),

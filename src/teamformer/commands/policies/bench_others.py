@@ -21,7 +21,8 @@ from teamformer.bench.others.report import (
 from teamformer.bench.others.results import Result, measure, result_of
 from teamformer.commands.console import Counting, out, prepare_folder, say
 from teamformer.errors import TeamformerError
-from teamformer.planning.continuous.rules import PLANNERS, is_compiled, warm_up
+from teamformer.mission.links import is_linked
+from teamformer.planning.continuous.rules import LINKED_PLANNERS, PLANNERS, is_compiled, warm_up
 from teamformer.whole_files import write_whole
 
 ROWS, REPORT = "rows.jsonl", "report.md"
@@ -35,12 +36,15 @@ def bench_others(
     as_json: bool,
 ) -> int:
     """Measure and show; return the exit status."""
+    is_asked = bool(methods)
     methods = methods or tuple(PLANNERS)
     for method in methods:
         if method not in PLANNERS:
             hint = f"use {', '.join(PLANNERS)}"
             raise TeamformerError(f"--methods {method} is unknown here", hint)
     instances = read_instances(folders)
+    if not is_asked and any(is_linked(instance.mission) for instance in instances):
+        methods = tuple(LINKED_PLANNERS)
     if folder is not None:
         prepare_folder(folder)
     known = [] if folder is None else _rows_in(folder / ROWS)

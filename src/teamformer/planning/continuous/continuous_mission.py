@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,8 @@ from teamformer.grid import Grid, Place
 from teamformer.mission.links import is_linked
 from teamformer.mission.rules import HOME as ENDS_HOME
 from teamformer.model import Scenario
-from teamformer.planning.continuous.linked.problem import (
+from teamformer.planning.arcs.linked.solve import LinkedSolution
+from teamformer.planning.continuous.links import (
     HOME,
     MAKESPAN,
     MAX_TARDINESS,
@@ -24,13 +26,13 @@ from teamformer.planning.continuous.linked.problem import (
     LinkedProblem,
     link_problem,
 )
-from teamformer.planning.continuous.linked.solve import LinkedSolution
 from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, pose_problem
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
 from teamformer.planning.continuous.solve import Solution
-from teamformer.planning.continuous.times import Clock, release_of, time_mission
+from teamformer.planning.continuous.times import Clock, release_of
 from teamformer.planning.relaxation.problem import count_table
+from teamformer.roads import Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
 Times = npt.NDArray[np.float64]
@@ -81,8 +83,8 @@ class ContinuousMission:
         """Return a plan with its times by the mission's rules."""
         problem = self.problem
         base = problem.base if isinstance(problem, LinkedProblem) else problem
-        clock = Clock(self.scenario, self.ways, self.pace, self.origin, base.site)
-        return time_mission(self.scenario, clock, self.home, plan)
+        clock = Clock(self.scenario, self.ways, self.home, self.pace, self.origin, base.site)
+        return clock.time(plan)
 
 
 def pose_mission(scenario: Scenario) -> ContinuousMission:
@@ -90,10 +92,12 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     robots, tasks = scenario.robots, scenario.tasks
     starts = list(dict.fromkeys(robot.at for robot in robots))
     places = [*(task.at for task in tasks), *starts]
-    speeds, pace = np.unique([robot.speed for robot in robots], return_inverse=True)
-    between = _distances(scenario, places, places)
-    ways = between[None, :, : len(tasks)] / speeds[:, None, None]
-    home = _ways_home(scenario, places, between, starts)
+    paces = sorted({(robot.moves, robot.speed) for robot in robots})
+    pace = np.array([paces.index((robot.moves, robot.speed)) for robot in robots])
+    ways = np.array(
+        [_distances(scenario, moves, places, places[: len(tasks)]) / v for moves, v in paces]
+    )
+    home = _ways_home(scenario, places)
     scale = _scale(scenario, ways, home)
     number_of = {task.name: number for number, task in enumerate(tasks)}
     origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
@@ -155,28 +159,30 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
         )
 
 
-def _distances(scenario: Scenario, origins: list[Place], goals: list[Place]) -> Times:
-    """Return the lengths of ways, as (origins, goals); infinite where there is none."""
-    if not isinstance(scenario.world, Grid):
+def _distances(
+    scenario: Scenario, moves: str, origins: Sequence[Place], goals: Sequence[Place]
+) -> Times:
+    """Return how long ways take at speed 1, as (origins, goals); infinite where there is none."""
+    world = scenario.world
+    if isinstance(world, Roads):
+        here, there = ([int(number) for number, _ in some] for some in (origins, goals))
+        return np.array(world.times[moves])[np.ix_(here, there)]
+    if not isinstance(world, Grid):
         return straight_ways(origins, goals)
-    cells = travel_matrix(scenario.world, origins, goals)
+    cells = travel_matrix(world, origins, goals)
     return np.where(cells < UNREACHABLE, cells.astype(np.float64), np.inf)
 
 
-def _ways_home(
-    scenario: Scenario, places: list[Place], between: Times, starts: list[Place]
-) -> Times:
+def _ways_home(scenario: Scenario, places: Sequence[Place]) -> Times:
     """Return how long each robot takes home from each place, (robots, places)."""
-    robots = scenario.robots
-    speed = np.array([robot.speed for robot in robots])[:, None]
-    if scenario.ends is None:
+    robots, ends = scenario.robots, scenario.ends
+    if ends is None:
         return np.zeros((len(robots), len(places)))
-    if scenario.ends == ENDS_HOME:
-        tasks = len(scenario.tasks)
-        homes = [tasks + starts.index(robot.at) for robot in robots]
-        return np.asarray(between[:, homes].T / speed)
-    assert not isinstance(scenario.ends, str)
-    return np.asarray(_distances(scenario, [scenario.ends], places) / speed)
+    home = {(r.moves, r.at if ends == ENDS_HOME else ends): np.empty(0) for r in robots}
+    for moves, goal in home:
+        assert not isinstance(goal, str)
+        home[moves, goal] = _distances(scenario, moves, places, [goal])[:, 0]
+    return np.array([home[r.moves, r.at if ends == ENDS_HOME else ends] / r.speed for r in robots])
 
 
 def _scale(scenario: Scenario, ways: Times, home: Times) -> float:

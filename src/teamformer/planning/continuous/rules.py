@@ -9,12 +9,12 @@ from itertools import islice
 from teamformer.errors import TeamformerError
 from teamformer.jit import needs_compiling
 from teamformer.planning.arcs.annealing import ArcSearch, anneal_arcs
+from teamformer.planning.arcs.linked.search import LinkedSearch, anneal_links
+from teamformer.planning.arcs.linked.solve import LinkedSolution, plan_linked, solve_linked
 from teamformer.planning.continuous.bounds.makespan import improving_bounds
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, refuse_no_way
 from teamformer.planning.continuous.first_plan import draw_plan
-from teamformer.planning.continuous.linked.problem import LinkedProblem, link_problem
-from teamformer.planning.continuous.linked.search import LinkedSearch, anneal_linked
-from teamformer.planning.continuous.linked.solve import LinkedSolution, plan_linked, solve_linked
+from teamformer.planning.continuous.links import LinkedProblem, link_problem
 from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.routes import MissionPlan
@@ -66,7 +66,7 @@ def plan_continuous(mission: ContinuousMission, method: str, seconds: float) -> 
 def is_compiled(is_linked: bool = False) -> bool:
     """Say whether the search was compiled before, so that nobody has to wait for it."""
     if is_linked:
-        return not needs_compiling(anneal_linked)
+        return not needs_compiling(anneal_links)
     return not needs_compiling(anneal_arcs)
 
 
@@ -85,7 +85,7 @@ def warm_up(is_linked: bool = False) -> None:
     if is_linked:
         linked = LinkedSearch(link_problem(problem, (), [1, 0, 0, 0, 0]), 0)
         linked.begin_anew()
-        linked.anneal(1, 1, 0, 10, 10)
+        linked.anneal(1.0, 10)
         return
     search = ArcSearch(problem, 0)
     search.begin_anew()

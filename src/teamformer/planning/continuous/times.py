@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import groupby
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.mission.links import cost_of, groups_of
+from teamformer.mission.links import cost_of
 from teamformer.mission.rules import latest_end
 from teamformer.model import Scenario
 from teamformer.planning.continuous.routes import MissionPlan, Route, Stop
@@ -18,100 +17,116 @@ Times = npt.NDArray[np.float64]
 
 
 class Clock:
-    """Robots on their ways from task to task.
+    """When tasks start by a plan, and what it has robots do.
 
-    `ways` is (paces, places, tasks); `site` (places,) is the same for places at one position.
+    `ways` is (paces, places, tasks), `home` (robots, places); `site` (places,) is the same for
+    places at one position. Nobody has begun yet.
     """
 
     def __init__(
         self,
         scenario: Scenario,
         ways: Times,
+        home: Times,
         pace: npt.NDArray[np.int64],
         origin: npt.NDArray[np.int64],
         site: npt.NDArray[np.int32],
     ) -> None:
-        self._scenario, self._ways, self._pace, self._site = scenario, ways, pace, site
+        self._scenario, self._ways, self._home = scenario, ways, home
+        self._pace, self._origin, self._site = pace, origin, site
         self._number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
-        self.at, self.free = origin.copy(), np.zeros(len(origin))
-        self.start: dict[int, float] = {}
-        self.end: dict[int, float] = {}
-        self.stops: list[list[Stop]] = [[] for _ in scenario.robots]
-        self.travel = 0.0
 
-    def do(self, tasks: Sequence[int], plan: CoalitionPlan) -> None:
-        """Let the coalitions of tasks, which are linked if they are several, do them next."""
-        arrivals = [self._go(task, plan.coalition[task, : plan.size[task]]) for task in tasks]
-        self._keep_gaps(tasks)
-        for task, arrive in zip(tasks, arrivals, strict=True):
-            coalition = plan.coalition[task, : plan.size[task]]
-            self.end[task] = self.start[task] + self._scenario.tasks[task].duration
-            for robot, when in zip(coalition.tolist(), arrive.tolist(), strict=True):
-                self.stops[robot].append(Stop(task, when, self.start[task], self.end[task]))
-            self.at[coalition], self.free[coalition] = task, self.end[task]
+    def time(self, plan: CoalitionPlan) -> MissionPlan:
+        """Return a plan with its times.
 
-    def _go(self, task: int, coalition: npt.NDArray[np.int32]) -> Times:
-        """Send a coalition to a task; return when its robots are there."""
-        wanted, at = self._scenario.tasks[task], self.at[coalition]
-        ways = self._ways[self._pace[coalition], at, task]
-        arrive: Times = self.free[coalition] + ways
-        start = max(release_of(self._scenario, task), *arrive.tolist())
-        if len(set(self._site[at].tolist())) > 1:
-            start = max(start, float(arrive.max()) + self._scenario.forming)
-        ends = (self.end[self._number_of[name]] for name in wanted.after)
-        self.start[task] = max([start, *ends])
-        self.travel += float(ways.sum())
-        return arrive
+        Tasks are timed in the plan's order; where starts are linked again and again until nothing
+        changes, as a task may wait for one that comes later.
+        """
+        before = self._places_before(plan)
+        start = np.zeros(len(plan.order))
+        is_linked = any(task.starts for task in self._scenario.tasks)
+        for _ in range(len(start) + 1 if is_linked else 1):
+            was = start.copy()
+            for task in plan.order.tolist():
+                start[task] = max(start[task], self._ready(task, before[task], start))
+                self._keep_gaps(task, start)
+            if (start == was).all():
+                break
+        return self._tell(plan, before, start)
 
-    def _keep_gaps(self, tasks: Sequence[int]) -> None:
-        """Start linked tasks later until all gaps are kept."""
-        for _ in tasks if len(tasks) > 1 else ():
-            for task in tasks:
-                for name, (least, most) in self._scenario.tasks[task].starts.items():
-                    other = self._number_of[name]
-                    self.start[task] = max(self.start[task], self.start[other] + least)
-                    self.start[other] = max(self.start[other], self.start[task] - most)
+    def _places_before(self, plan: CoalitionPlan) -> list[dict[int, int]]:
+        """Return, by task, the place that each of its robots comes from."""
+        at = self._origin.copy()
+        before: list[dict[int, int]] = [{} for _ in plan.order]
+        for task in plan.order.tolist():
+            for robot in plan.coalition[task, : plan.size[task]].tolist():
+                before[task][robot], at[robot] = int(at[robot]), task
+        return before
 
+    def _free(self, place: int, start: Times) -> float:
+        """Return when a robot can leave a place."""
+        tasks = self._scenario.tasks
+        return float(start[place]) + tasks[place].duration if place < len(tasks) else 0.0
 
-def time_mission(scenario: Scenario, clock: Clock, home: Times, plan: CoalitionPlan) -> MissionPlan:
-    """Return a plan with its times; `home` is (robots, places), and nobody has begun yet."""
-    for tasks in _in_groups(scenario, plan.order.tolist()):
-        clock.do(tasks, plan)
-    way_home = home[np.arange(len(clock.at)), clock.at]
-    back = clock.free + way_home
-    late = {
-        task: clock.end[task] - latest_end(scenario.tasks[task].between)
-        for task in sorted(clock.end)
-    }
-    late = {task: by for task, by in late.items() if by > 0}
-    makespan = float(back.max())
-    parts = {
-        "makespan": makespan,
-        "travel": clock.travel + float(way_home.sum()),
-        "tardiness": sum(late.values()),
-        "max_tardiness": max(late.values(), default=0.0),
-    }
-    return MissionPlan(
-        makespan=makespan,
-        bound=0.0,
-        is_proven=False,
-        routes=tuple(
-            Route(robot, tuple(stops), float(back[robot]))
-            for robot, stops in enumerate(clock.stops)
-        ),
-        late=late,
-        cost=None if scenario.cost is None else cost_of(scenario.cost, parts),
-    )
+    def _way(self, robot: int, place: int, task: int) -> float:
+        return float(self._ways[self._pace[robot], place, task])
+
+    def _ready(self, task: int, before: dict[int, int], start: Times) -> float:
+        """Return when a task can start, but for its links."""
+        arrive = [self._free(p, start) + self._way(robot, p, task) for robot, p in before.items()]
+        ready = max(release_of(self._scenario, task), *arrive)
+        if len({int(self._site[place]) for place in before.values()}) > 1:
+            ready = max(ready, max(arrive) + self._scenario.forming)
+        numbers = (self._number_of[name] for name in self._scenario.tasks[task].after)
+        return max([ready, *(self._free(number, start) for number in numbers)])
+
+    def _keep_gaps(self, task: int, start: Times) -> None:
+        """Let a task, and those that it is linked with, start later where a gap says so."""
+        for name, (least, most) in self._scenario.tasks[task].starts.items():
+            other = self._number_of[name]
+            start[task] = max(start[task], start[other] + least)
+            start[other] = max(start[other], start[task] - most)
+
+    def _tell(
+        self, plan: CoalitionPlan, before: Sequence[dict[int, int]], start: Times
+    ) -> MissionPlan:
+        """Return the plan that starts tasks at these times."""
+        scenario, at, travel = self._scenario, self._origin.copy(), 0.0
+        stops: list[list[Stop]] = [[] for _ in scenario.robots]
+        late = {}
+        for task in plan.order.tolist():
+            end = self._free(task, start)
+            for robot, place in before[task].items():
+                way = self._way(robot, place, task)
+                arrive = self._free(place, start) + way
+                stops[robot].append(Stop(task, arrive, float(start[task]), end))
+                at[robot], travel = task, travel + way
+            by = end - latest_end(scenario.tasks[task].between)
+            if by > 0:
+                late[task] = by
+        home = self._home[np.arange(len(at)), at]
+        back = [
+            self._free(int(place), start) + float(way) for place, way in zip(at, home, strict=True)
+        ]
+        parts = {
+            "makespan": max(back),
+            "travel": travel + float(home.sum()),
+            "tardiness": sum(late.values()),
+            "max_tardiness": max(late.values(), default=0.0),
+        }
+        return MissionPlan(
+            makespan=max(back),
+            bound=0.0,
+            is_proven=False,
+            routes=tuple(
+                Route(robot, tuple(stops[robot]), back[robot]) for robot in range(len(back))
+            ),
+            late=dict(sorted(late.items())),
+            cost=None if scenario.cost is None else cost_of(scenario.cost, parts),
+        )
 
 
 def release_of(scenario: Scenario, task: int) -> float:
     """Return when a task may begin, whoever is there."""
     wanted = scenario.tasks[task]
     return max(float(wanted.appears), wanted.between[0] if wanted.between else 0.0)
-
-
-def _in_groups(scenario: Scenario, order: Sequence[int]) -> Iterator[list[int]]:
-    """Return an order's tasks, those together that are linked, which stand beside one another."""
-    group_of = {task: at for at, group in enumerate(groups_of(scenario.tasks)) for task in group}
-    for _, tasks in groupby(order, key=group_of.__getitem__):
-        yield list(tasks)

@@ -110,6 +110,7 @@ def _ways(scenario: Scenario) -> tuple[Whole, npt.NDArray[np.float64]]:
     places = tasks + [robot.at for robot in scenario.robots]
     if isinstance(scenario.world, Grid):
         return travel_matrix(scenario.world, places, tasks).T, speed
+    assert isinstance(scenario.world, Plane)
     pace = _most_walked(scenario.world, speed, scenario.forming_steps)
     touching = np.where(np.arange(len(places)) < len(tasks), 2, 1) * scenario.world.arrival_radius
     metres = straight_ways(tasks, places) * (1 - 1 / (MICROMETRES * pace.min())) - touching

@@ -46,6 +46,7 @@ class Ways:
         """Return cells, or metres on a plane."""
         if isinstance(self._world, Plane):
             return math.dist(place, goal)
+        assert isinstance(self._world, Grid)
         if not self._world.rows:
             return abs(place[0] - goal[0]) + abs(place[1] - goal[1])
         if goal not in self._floods:

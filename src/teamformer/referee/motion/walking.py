@@ -31,6 +31,7 @@ def move_team(
     if isinstance(world, Grid):
         fault = _walk_cells(world, team, to, waits)
     else:
+        assert isinstance(world, Plane)
         fault = _walk_metres(world, team, to, waits or team.is_delayed, meets)
     team.walked_from = None if waits or fault or team.is_delayed else team.at
     team.walked_at = team.speed

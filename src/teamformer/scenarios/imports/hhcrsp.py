@@ -3,22 +3,18 @@
 Caregivers leave the office and come back; a patient needs one service, or two by different
 caregivers who start at once or so long after one another. Who starts after a patient's time window
 is tardy. The cost is the mean of the distance, the total tardiness and the largest one.
-Ways are in minutes and as long as the places are apart: a file with other ways is refused.
+Ways are in minutes, by a matrix that need not be symmetric: those of Mankowska are straight lines,
+those of Kummer and of the Italian instances are by roads.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from teamformer.grid import Place
 from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.scenarios.imports.trees import Numbers, Part, read_json, refuse_detours
-
-EXACT = 2e-3
-"""How far a way may be from the distance of its places: files round it to three places."""
+from teamformer.roads import GROUND, Roads
+from teamformer.scenarios.imports.trees import Part, read_json
 
 COST = {"travel": 1.0, "tardiness": 1.0, "max_tardiness": 1.0}
 
@@ -28,10 +24,7 @@ def read(path: Path) -> list[Scenario]:
     tree = read_json(path)
     patients = [part for _, part in tree["patients"].parts()]
     office = _office(tree)
-    spots = np.array([_place(part) for part in (office, *patients)])
-    names = [part["id"].text() for part in (office, *patients)]
-    _compare_ways(tree, names, spots)
-    spots -= spots.min(axis=0)
+    world = _read_roads(tree, [part["id"].text() for part in (office, *patients)])
     usual = {
         part["id"].text(): part["default_duration"].number(0)
         for _, part in tree["services"].parts()
@@ -40,16 +33,16 @@ def read(path: Path) -> list[Scenario]:
     return [
         Scenario(
             name=path.stem,
-            world=Plane(*(max(1.0, float(side)) for side in spots.max(axis=0))),
+            world=world,
             capabilities=tuple(usual),
             robots=tuple(
-                Robot(part["id"].text(), _point(spots[0]), _abilities(part))
+                Robot(part["id"].text(), world.at(world.places[0]), _abilities(part))
                 for _, part in caregivers
             ),
             tasks=tuple(
                 task
-                for part, spot in zip(patients, spots[1:], strict=True)
-                for task in _services(part, _point(spot), usual)
+                for part in patients
+                for task in _services(part, world.at(part["id"].text()), usual)
             ),
             time="continuous",
             ends="home",
@@ -65,22 +58,20 @@ def _office(tree: Part) -> Part:
     return offices[0][1]
 
 
-def _compare_ways(tree: Part, names: list[str], spots: Numbers) -> None:
+def _read_roads(tree: Part, names: list[str]) -> Roads:
     part = tree["distances"]
     ways = part.matrix()
     if len(ways) != len(names):
         part.refuse(
             f"has {len(ways)} rows; with {len(names) - 1} patients it should be {len(names)}"
         )
-    refuse_detours(part, names, ways, EXACT)
-    apart = np.linalg.norm(spots[:, None] - spots[None], axis=2)
-    i, j = np.unravel_index(np.argmax(np.abs(apart - ways)), ways.shape)
-    if abs(apart[i, j] - ways[i, j]) > EXACT:
-        part.refuse(
-            f"does not hold straight ways: from {names[i]} to {names[j]} it is {ways[i, j]:g}, "
-            f"but their places are {apart[i, j]:g} apart",
-            "take an instance whose ways are straight lines, as Mankowska's are",
-        )
+    if (ways < 0).any():
+        i, j = (int(place) for place in divmod(int(ways.argmin()), len(names)))
+        part.refuse(f"has {ways[i, j]:g} from {names[i]} to {names[j]}; here should be 0 or more")
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        tree["patients"].refuse(f"has '{twice}' twice, as a patient or the office")
+    return Roads(tuple(names), {GROUND: tuple(tuple(row) for row in ways.tolist())})
 
 
 def _services(patient: Part, spot: Place, usual: dict[str, float]) -> list[Task]:
@@ -131,17 +122,3 @@ def _pair(part: Part) -> tuple[float, float]:
 
 def _abilities(caregiver: Part) -> dict[str, int]:
     return {part.text(): 1 for _, part in caregiver["abilities"].parts()}
-
-
-def _place(part: Part) -> tuple[float, float]:
-    if "location" not in part.value:
-        part.refuse(
-            "has no location, and ways that are no straight lines are not known here",
-            "take an instance with locations, as Mankowska's have",
-        )
-    spot = part["location"]
-    return spot[0].number(), spot[1].number()
-
-
-def _point(spot: Numbers) -> Place:
-    return float(spot[0]), float(spot[1])

@@ -24,6 +24,15 @@ def _lines(key: str, value: Any) -> Iterator[str]:
         yield "world:"
         for name, part in value.items():
             yield from (f"  {line}" for line in _lines(name, part))
+    elif key == "world" and "roads" in value:
+        yield "world:"
+        tables = value["roads"]
+        if isinstance(tables, str):
+            yield from _block("  roads", tables)
+        else:
+            yield "  roads:"
+            for mover, table in tables.items():
+                yield from _block(f"    {_flow(mover)}", table)
     elif key in ("rows", "robots", "tasks", "teams"):
         yield f"{key}:"
         yield from (f"  - {_flow(part)}" for part in value)
@@ -31,6 +40,13 @@ def _lines(key: str, value: Any) -> Iterator[str]:
         yield f"{key}: {INFINITE}"
     else:
         yield f"{key}: {_flow(value)}"
+
+
+def _block(key: str, text: str) -> Iterator[str]:
+    """Return a text of lines as it is, farther in than its key."""
+    yield f"{key}: |"
+    margin = " " * (len(key) - len(key.lstrip()) + 2)
+    yield from (margin + line for line in text.splitlines())
 
 
 def _flow(value: Any) -> str:

@@ -47,7 +47,9 @@ def truth_to_tree(scenario: Scenario, truth: Scenario) -> dict[str, Any]:
             robots[robot.name] = said
     tree: dict[str, Any] = {"tasks": tasks, "robots": robots}
     if scenario.arrivals is not None:
-        tree["arrivals"] = [task_to_tree(task) for task in scenario.tasks if task.has_arrived]
+        tree["arrivals"] = [
+            task_to_tree(task, scenario.world) for task in scenario.tasks if task.has_arrived
+        ]
     return tree
 
 

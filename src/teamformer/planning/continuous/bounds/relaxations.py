@@ -21,6 +21,7 @@ class Relaxation(NamedTuple):
     """What holds in every plan."""
 
     ways: Ticks  # (paces, places, tasks) never longer than a detour by other tasks
+    home: Ticks  # (kinds, places) the same home
     head: Ticks  # (tasks,) no earlier start
     tail: Ticks  # (tasks,) what is left at least when a task has ended
 
@@ -28,15 +29,16 @@ class Relaxation(NamedTuple):
 def relax(problem: CoalitionProblem) -> Relaxation:
     """Work out ways, heads and tails."""
     ways = _shortest(problem)
-    return Relaxation(ways, *_heads_and_tails(problem, ways))
+    home = _shortest_home(problem, ways)
+    return Relaxation(ways, home, *_heads_and_tails(problem, ways, home))
 
 
 def bound_by_chains_and_work(problem: CoalitionProblem, relaxation: Relaxation) -> int:
     """Return ticks that no plan beats."""
     chains = relaxation.head + problem.duration + relaxation.tail
     caps = range(problem.needs.shape[1])
-    work = [_work(problem, relaxation.ways, cap) for cap in caps]
-    return max([int(chains.max()), _idle_bound(problem), *work])
+    work = [_work(problem, relaxation, cap) for cap in caps]
+    return max([int(chains.max()), _idle_bound(problem, relaxation.home), *work])
 
 
 def _shortest(problem: CoalitionProblem) -> Ticks:
@@ -47,11 +49,20 @@ def _shortest(problem: CoalitionProblem) -> Ticks:
     return ways
 
 
+def _shortest_home(problem: CoalitionProblem, ways: Ticks) -> Ticks:
+    """Return ways home that are never longer than a detour by a task."""
+    home, tasks = problem.home.copy(), len(problem.needs)
+    for kind, robots in enumerate(problem.like):
+        by = ways[problem.pace[robots[0]]] + home[kind, :tasks]  # (places, tasks)
+        np.minimum(home[kind], by.min(axis=1), out=home[kind])
+    return home
+
+
 def _able(problem: CoalitionProblem, cap: int) -> Ticks:
     return np.flatnonzero(problem.counts[:, cap])
 
 
-def _heads_and_tails(problem: CoalitionProblem, ways: Ticks) -> tuple[Ticks, Ticks]:
+def _heads_and_tails(problem: CoalitionProblem, ways: Ticks, home: Ticks) -> tuple[Ticks, Ticks]:
     """Return heads and tails, with those of tasks before and after taken in."""
     tasks = len(problem.needs)
     head, tail = problem.release.copy(), np.zeros(tasks, np.int64)
@@ -60,7 +71,7 @@ def _heads_and_tails(problem: CoalitionProblem, ways: Ticks) -> tuple[Ticks, Tic
         if not needing.any():
             continue
         there = ways[problem.pace[able], problem.origin[able]].min(axis=0)  # (tasks,)
-        back = problem.home[problem.kind[able], :tasks].min(axis=0)
+        back = home[problem.kind[able], :tasks].min(axis=0)
         head[needing] = np.maximum(head, there)[needing]
         tail[needing] = np.maximum(tail, back)[needing]
     for _ in range(tasks if (problem.before[:, 0] != NOBODY).any() else 0):
@@ -71,21 +82,21 @@ def _heads_and_tails(problem: CoalitionProblem, ways: Ticks) -> tuple[Ticks, Tic
     return head, tail
 
 
-def _idle_bound(problem: CoalitionProblem) -> int:
-    """Return the longest way straight home, which the robot has even if it does nothing."""
-    return int(problem.home[problem.kind, problem.origin].min(initial=0))
+def _idle_bound(problem: CoalitionProblem, home: Ticks) -> int:
+    """Return the longest way home, which the robot has even if it does nothing."""
+    return int(home[problem.kind, problem.origin].max(initial=0))
 
 
-def _work(problem: CoalitionProblem, ways: Ticks, cap: int) -> int:
+def _work(problem: CoalitionProblem, relaxation: Relaxation, cap: int) -> int:
     """Return the work of a capability, shared out evenly: services, ways there and home."""
     able, tasks = _able(problem, cap), np.flatnonzero(problem.needs[:, cap])
     if not len(tasks):
         return 0
     places = np.concatenate([tasks, np.unique(problem.origin[able])])
-    into = ways[np.unique(problem.pace[able])][:, places][:, :, tasks].min(axis=0)
+    into = relaxation.ways[np.unique(problem.pace[able])][:, places][:, :, tasks].min(axis=0)
     into[np.arange(len(tasks)), np.arange(len(tasks))] = FAR
     cheapest = problem.duration[tasks] + into.min(axis=0)
     needed = int((problem.needs[tasks, cap] * cheapest).sum())
     counts = problem.counts[able, cap].astype(np.int64)
-    back = problem.home[problem.kind[able]][:, tasks].min(axis=1)
+    back = relaxation.home[problem.kind[able]][:, tasks].min(axis=1)
     return -(-(needed + int((counts * back).sum())) // int(counts.sum()))

@@ -1,0 +1,83 @@
+"""A first plan of linked tasks: groups one after the other, each by robots that are able.
+
+It is plain Python: it is made once for millions of changes, and compiles in no time.
+"""
+
+from __future__ import annotations
+
+from random import Random
+
+import numpy as np
+
+from teamformer.planning.continuous.links import LinkedProblem
+from teamformer.planning.continuous.problem import NOBODY
+from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
+
+
+def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | None:
+    """Return a plan, its linked tasks beside one another; None if some task finds no coalition.
+
+    Without `draws` the group that is due first is next, by robots that are there soonest; with
+    them both are drawn.
+    """
+    base, group_of = problem.base, problem.group.tolist()
+    before = [[other for other in row if other != NOBODY] for row in base.before.tolist()]
+    members = [[task for task in row if task != NOBODY] for row in problem.members.tolist()]
+    waiting = [{group_of[other] for task in tasks for other in before[task]} for tasks in members]
+    due = [min((int(base.due[t]), int(base.release[t])) for t in tasks) for tasks in members]
+    left, plan, order = set(range(len(members))), empty_plan(base), list[int]()
+    place, free = base.origin.astype(np.int64), np.zeros(len(base.origin), np.int64)
+    while left:
+        ready = [group for group in sorted(left) if not waiting[group] & left]
+        group = _draw(ready, draws) if draws else min(ready, key=lambda one: (due[one], one))
+        left.remove(group)
+        taken: set[int] = set()
+        tasks = list(members[group])
+        while tasks:
+            task = _draw(tasks, draws) if draws else tasks[0]
+            comes = np.maximum(free + base.ways[base.pace, place, task], base.release[task])
+            coalition = _able_coalition(problem, task, taken, comes, draws)
+            if coalition is None:
+                return None
+            plan.size[task] = len(coalition)
+            plan.coalition[task, : len(coalition)] = coalition
+            taken |= set(coalition)
+            tasks.remove(task)
+            place[coalition] = task
+            free[coalition] = comes[coalition].max() + base.duration[task]
+        order += members[group]
+    plan.order[:] = order
+    return plan
+
+
+def _able_coalition(
+    problem: LinkedProblem,
+    task: int,
+    taken: set[int],
+    comes: np.ndarray[tuple[int], np.dtype[np.int64]],
+    draws: Random | None,
+) -> list[int] | None:
+    """Return robots that bring what a task needs, none of them to spare; None if too few are left.
+
+    None of `taken` is among them.
+    """
+    counts, needs = problem.base.counts, problem.base.needs[task]
+    free = [robot for robot in range(len(counts)) if robot not in taken]
+    coalition: list[int] = []
+    while (lacking := needs - counts[coalition].sum(axis=0)).max() > 0:
+        helps = [robot for robot in free if (counts[robot][lacking > 0] > 0).any()]
+        if not helps:
+            return None
+        soonest = min(helps, key=lambda robot: (comes[robot], robot))
+        coalition.append(_draw(helps, draws) if draws else soonest)
+        free.remove(coalition[-1])
+    for robot in list(coalition):
+        others = [other for other in coalition if other != robot]
+        if (counts[others].sum(axis=0) >= needs).all():
+            coalition = others
+    return coalition
+
+
+def _draw(choices: list[int], draws: Random) -> int:
+    """Draw one of several; `random` is what Python keeps the same from version to version."""
+    return choices[int(draws.random() * len(choices))]

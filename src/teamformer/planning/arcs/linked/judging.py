@@ -1,0 +1,311 @@
+"""Times and costs of a graph in which starts are linked, worked out only as far as they change.
+
+Tasks that are linked are timed together: each when its robots are there, then later where a gap
+says so. A gap may make a task wait for one that starts after it; then what comes after the former
+is timed again. Robots that would wait for one another for ever never come to an end, so that a
+change is refused where too much is timed.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.arcs.graph import ArcProblem, Graph, back_of, start_of
+from teamformer.planning.arcs.judging import (
+    BACK,
+    END,
+    ENTRY,
+    HOMES,
+    LOGGED,
+    NEXT,
+    PREV,
+    WAITING,
+    WAITS,
+    Trial,
+    connect,
+    follow,
+    record,
+    wait,
+)
+from teamformer.planning.continuous.links import (
+    FREE,
+    HOME,
+    MAKESPAN,
+    MAX_TARDINESS,
+    PARTS,
+    TARDINESS,
+    TRAVEL,
+    Floats,
+    LinkedProblem,
+)
+from teamformer.planning.continuous.problem import NOBODY, Ticks, Whole
+
+KIND, KEY, TAKEN = range(10, 13)
+"""What an entry of the log has changed, beside what it may in any graph."""
+
+MOST_TIMED, TIMED_EACH = 200, 2
+"""How many tasks are timed after a change at most: so many, and each so many times."""
+
+NOW, THEN, BEST = range(3)
+"""Costs: of the graph as it is, with the change at hand, and of the best one."""
+
+
+class Links(NamedTuple):
+    """What is linked with what, and what plans are judged by; see `LinkedProblem`."""
+
+    group: Whole  # (tasks,)
+    members: Whole  # (groups, most + 1)
+    gap: Ticks  # (tasks, tasks)
+    weight: Floats  # (PARTS,)
+
+
+class Ledger(NamedTuple):
+    """What a graph costs, and would with the change at hand."""
+
+    part: Ticks  # (PARTS,)
+    then: Ticks  # (PARTS,)
+    cost: Floats  # (3,)
+    start: Ticks  # (tasks,) room for the starts of a group
+    is_less_late: Whole  # (1,) whether the task that was the latest is late by less
+
+
+def links_of(problem: LinkedProblem) -> Links:
+    """Return a problem's links and weights as kernels take them."""
+    return Links(problem.group, problem.members, problem.gap, problem.weight)
+
+
+def empty_ledger(problem: LinkedProblem) -> Ledger:
+    """Return a ledger in which nothing costs anything."""
+    return Ledger(
+        part=np.zeros(PARTS, np.int64),
+        then=np.zeros(PARTS, np.int64),
+        cost=np.zeros(3),
+        start=np.zeros(len(problem.group), np.int64),
+        is_less_late=np.zeros(1, np.int32),
+    )
+
+
+def empty_trial(problem: LinkedProblem, graph: Graph) -> Trial:
+    """Return room for a change; a task may be timed more than once in it."""
+    nodes, robots = len(graph.nodes), len(graph.back)
+    timed = (MOST_TIMED + TIMED_EACH * nodes) * problem.members.shape[1]
+    room = 8 * len(graph.seats) + 4 * nodes + robots + timed
+    return Trial(
+        number=np.zeros(6, np.int64),
+        log=np.zeros(room, ENTRY).view(np.recarray),
+        agenda=np.zeros(nodes + 1, WAITING).view(np.recarray),
+        homes=np.zeros(robots, np.int32),
+        is_listed=np.zeros(robots, np.int32),
+    )
+
+
+@kernel
+def begin_change(trial: Trial, ledger: Ledger) -> None:
+    """Begin a change."""
+    trial.number[LOGGED] = 0
+    trial.number[WAITS] = 0
+    trial.number[HOMES] = 0
+    ledger.is_less_late[0] = 0
+    for part in range(len(ledger.part)):
+        ledger.then[part] = ledger.part[part]
+
+
+@kernel
+def way_out(problem: ArcProblem, graph: Graph, seat: int) -> int:
+    """Return how long the way takes along the arc that leaves a seat."""
+    record_of = graph.seats[seat]
+    to = graph.seats[record_of.next].node
+    if to >= problem.ways.shape[1]:
+        return problem.home[record_of.kind, record_of.node]
+    return problem.ways[problem.kinds[record_of.kind].pace, record_of.node, to]
+
+
+@kernel
+def lead(
+    problem: ArcProblem, graph: Graph, trial: Trial, ledger: Ledger, seat: int, to: int
+) -> None:
+    """Lead the arc that leaves a seat to another one."""
+    ledger.then[TRAVEL] -= way_out(problem, graph, seat)
+    connect(graph, trial, seat, to)
+    ledger.then[TRAVEL] += way_out(problem, graph, seat)
+
+
+@kernel
+def propagate(
+    problem: ArcProblem, links: Links, graph: Graph, trial: Trial, ledger: Ledger, most: int
+) -> bool:
+    """Time what has changed; say if that came to an end after so many tasks."""
+    number, nodes, start = trial.number, graph.nodes, ledger.start
+    while number[WAITS] > 0:
+        most -= 1
+        if most < 0:
+            return False
+        number[WAITS] -= 1
+        task = trial.agenda[number[WAITS]].task
+        nodes[task].is_waiting = 0
+        members = links.members[links.group[task]]
+        for other in members:
+            if other == NOBODY:
+                break
+            start[other] = start_of(problem, graph, other, nodes[other].first)
+        if members[1] != NOBODY:
+            _keep_gaps(links, members, start)
+        for other in members:
+            if other == NOBODY:
+                break
+            if start[other] + nodes[other].duration != nodes[other].end:
+                _start(problem, graph, trial, ledger, other)
+    return True
+
+
+@kernel
+def _keep_gaps(links: Links, members: Whole, start: Ticks) -> None:
+    """Start tasks of a group later until all gaps are kept; gaps do not contradict each other."""
+    is_changed = True
+    while is_changed:
+        is_changed = False
+        for task in members:
+            if task == NOBODY:
+                break
+            for other in members:
+                if other == NOBODY:
+                    break
+                gap = links.gap[other, task]
+                if gap > FREE and start[other] + gap > start[task]:
+                    start[task] = start[other] + gap
+                    is_changed = True
+
+
+@kernel
+def _start(problem: ArcProblem, graph: Graph, trial: Trial, ledger: Ledger, task: int) -> None:
+    """Let a task start when the ledger says, and have all that follows it timed."""
+    node, then = graph.nodes[task], ledger.then
+    end = ledger.start[task] + node.duration
+    was_late, is_late = max(0, node.end - node.due), max(0, end - node.due)
+    then[TARDINESS] += is_late - was_late
+    then[MAX_TARDINESS] = max(then[MAX_TARDINESS], is_late)
+    if is_late < was_late and was_late == ledger.part[MAX_TARDINESS]:
+        ledger.is_less_late[0] = 1
+    record(trial, END, task, node.end)
+    node.end = end
+    for seat in range(node.first, node.first + node.taken):
+        follow(graph, trial, graph.seats[seat].next)
+    if node.has_links:
+        for other in problem.after[task]:
+            if other == NOBODY:
+                break
+            if not graph.nodes[other].is_waiting:
+                wait(graph, trial, other, graph.nodes[other].key)
+
+
+@kernel
+def sum_up_change(
+    problem: ArcProblem, links: Links, graph: Graph, trial: Trial, ledger: Ledger
+) -> None:
+    """Work out what the graph costs with the change at hand; homes only where they count."""
+    number, then, back = trial.number, ledger.then, graph.back
+    counts_homes = links.weight[MAKESPAN] > 0 or links.weight[HOME] > 0
+    is_changed = False
+    for index in range(number[HOMES]):
+        robot = trial.homes[index]
+        trial.is_listed[robot] = 0
+        if counts_homes:
+            now = back_of(problem, graph, robot)
+            if now != back[robot]:
+                record(trial, BACK, robot, back[robot])
+                then[HOME] += now - back[robot]
+                back[robot] = now
+                is_changed = True
+    number[HOMES] = 0
+    if is_changed:
+        then[MAKESPAN] = 0
+        for robot in range(len(back)):
+            then[MAKESPAN] = max(then[MAKESPAN], back[robot])
+    if ledger.is_less_late[0]:
+        then[MAX_TARDINESS] = 0
+        for task in range(len(problem.near)):
+            late = graph.nodes[task].end - graph.nodes[task].due
+            then[MAX_TARDINESS] = max(then[MAX_TARDINESS], late)
+    ledger.cost[THEN] = 0.0
+    for part in range(len(then)):
+        ledger.cost[THEN] += links.weight[part] * then[part]
+
+
+@kernel
+def undo_change(graph: Graph, trial: Trial) -> None:
+    """Make all as it was before the change."""
+    number, seats, nodes = trial.number, graph.seats, graph.nodes
+    for place in range(number[WAITS]):
+        nodes[trial.agenda[place].task].is_waiting = 0
+    for index in range(number[HOMES]):
+        trial.is_listed[trial.homes[index]] = 0
+    for entry_of in range(number[LOGGED] - 1, -1, -1):
+        what, index, old = (
+            trial.log[entry_of].what,
+            trial.log[entry_of].index,
+            trial.log[entry_of].old,
+        )
+        if what == END:
+            nodes[index].end = old
+        elif what == NEXT:
+            seats[index].next = old
+        elif what == PREV:
+            seats[index].prev = old
+        elif what == KIND:
+            seats[index].kind = old
+        elif what == KEY:
+            nodes[index].key = old
+        elif what == TAKEN:
+            nodes[index].taken = old
+        else:
+            graph.back[index] = old
+
+
+@kernel
+def accept_change(graph: Graph, trial: Trial, ledger: Ledger) -> None:
+    """Give tasks the keys of their starts."""
+    for place in range(trial.number[LOGGED]):
+        if trial.log[place].what == END or trial.log[place].what == KEY:
+            node = graph.nodes[trial.log[place].index]
+            node.key = 2 * (node.end - node.duration) + 1
+    for part in range(len(ledger.part)):
+        ledger.part[part] = ledger.then[part]
+    ledger.cost[NOW] = ledger.cost[THEN]
+
+
+@entry
+def time_links(
+    problem: ArcProblem, links: Links, graph: Graph, trial: Trial, ledger: Ledger, most: int
+) -> bool:
+    """Work out all times and the cost of a graph that is timed as if nothing were linked.
+
+    Say if the times come to an end.
+    """
+    tasks, seats = len(problem.near), graph.seats
+    for part in range(len(ledger.part)):
+        ledger.part[part] = 0
+    for task in range(tasks):
+        node = graph.nodes[task]
+        late = max(0, node.end - node.due)
+        ledger.part[TARDINESS] += late
+        for seat in range(node.first, node.first + node.taken):
+            ledger.part[TRAVEL] += way_out(problem, graph, seat)
+    for robot in range(len(graph.back)):
+        ledger.part[TRAVEL] += way_out(problem, graph, len(seats) - 2 * len(graph.back) + robot)
+        ledger.part[HOME] += graph.back[robot]
+        ledger.part[MAKESPAN] = max(ledger.part[MAKESPAN], graph.back[robot])
+    begin_change(trial, ledger)
+    for task in range(tasks):
+        wait(graph, trial, task, graph.nodes[task].key)
+    if not propagate(problem, links, graph, trial, ledger, most):
+        undo_change(graph, trial)
+        return False
+    for robot in range(len(graph.back)):
+        follow(graph, trial, len(seats) - len(graph.back) + robot)
+    ledger.is_less_late[0] = 1
+    sum_up_change(problem, links, graph, trial, ledger)
+    accept_change(graph, trial, ledger)
+    return True

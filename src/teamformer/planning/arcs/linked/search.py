@@ -1,0 +1,237 @@
+"""The search: annealing (Kirkpatrick et al. 1983) of a graph in which starts are linked.
+
+Times are whole numbers. What they cost is a sum in floating point, always in the same order, so
+that a plan is the same on every machine all the same.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from random import Random
+
+import numpy as np
+
+from teamformer.jit import entry, kernel
+from teamformer.planning.arcs.annealing import FEWEST_ROUNDS, SECONDS_AT_ONCE, copy_graph
+from teamformer.planning.arcs.graph import (
+    ArcProblem,
+    Graph,
+    empty_graph,
+    lay,
+    pose_arcs,
+    read_off,
+)
+from teamformer.planning.arcs.judging import Trial
+from teamformer.planning.arcs.linked.candidates import Room, empty_room
+from teamformer.planning.arcs.linked.exchanges import exchange_rests
+from teamformer.planning.arcs.linked.first_plan import construct
+from teamformer.planning.arcs.linked.judging import (
+    BEST,
+    MOST_TIMED,
+    NOW,
+    THEN,
+    TIMED_EACH,
+    Ledger,
+    Links,
+    accept_change,
+    begin_change,
+    empty_ledger,
+    empty_trial,
+    links_of,
+    propagate,
+    sum_up_change,
+    time_links,
+    undo_change,
+)
+from teamformer.planning.arcs.linked.moves import move
+from teamformer.planning.continuous.links import MAX_TARDINESS, TARDINESS, TRAVEL, LinkedProblem
+from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
+from teamformer.rules.arrays import Array
+from teamformer.rules.chance import SLACKS, STEPS, draw_below
+
+NEAR = 60
+"""How many tasks are near to each: more than elsewhere, since who is cheap matters, not who is soon
+there, and windows make most near tasks useless at a moment."""
+
+EXCHANGES = 30  # percent
+"""How many changes exchange the rests of two robots' ways; the others move tasks."""
+
+LATE = 20  # percent
+"""How many changes begin at the latest task, or before it on the way of a robot that does it."""
+
+BACKWARDS = 5
+"""How many tasks before the latest one that is at most."""
+
+TRIES = 100
+"""How many first plans are begun before nobody is said to be able: linked tasks take robots from
+one another."""
+
+HOT, COOLER, COOLINGS = 2, 0.96, 100
+"""An annealing begins at what a visit costs on average, times the first of these, and is cooled
+down by the second so many times, to a sixtieth."""
+
+QUENCHED = 40
+"""Rounds for each task without heat, before the first annealing: what a plan costs then says how
+hot it begins."""
+
+
+class LinkedSearch:
+    """A search: the graph where it stands, the best one since it began, and room to work in."""
+
+    def __init__(self, problem: LinkedProblem, seed: int) -> None:
+        base = problem.base
+        self.problem = problem
+        self.arcs = pose_arcs(base, min(len(base.needs) - 1, NEAR))
+        self.graph, self._best = empty_graph(base), empty_graph(base)
+        self._links, self._ledger = links_of(problem), empty_ledger(problem)
+        self._trial = empty_trial(problem, self.graph)
+        self._room = empty_room(self.arcs, self._links, len(self.graph.seats))
+        self._draws = Random(seed)
+        self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)
+
+    def begin_anew(self) -> bool:
+        """Make a first plan; say whether every task has found an able coalition."""
+        for number in range(TRIES):
+            plan = construct(self.problem, self._draws if number else None)
+            if plan is not None and self.begin_at(plan):
+                return True
+        return False
+
+    def begin_at(self, plan: CoalitionPlan) -> bool:
+        """Stand at a plan; say whether nobody waits in it for ever."""
+        parts = (self.arcs, self._links, self.graph, self._trial, self._ledger)
+        lay(self.arcs, self.graph, plan, np.zeros(len(self.problem.base.counts), np.int64))
+        if not time_links(*parts, MOST_TIMED + TIMED_EACH * len(plan.order)):
+            return False
+        copy_graph(self.graph, self._best)
+        self._ledger.cost[BEST] = self._ledger.cost[NOW]
+        return True
+
+    def begin_at_best(self) -> None:
+        """Go back to the best plan."""
+        self.begin_at(self.best)
+
+    @property
+    def leg(self) -> float:
+        """Return what a robot's visit to a task costs on average."""
+        return float(self._ledger.cost[NOW]) / int(self.graph.nodes.taken.sum())
+
+    @property
+    def ticks(self) -> int:
+        """Return the ticks that a visit takes on average, with half of the way to a near task."""
+        near = np.take_along_axis(self.arcs.ways[0][: len(self.arcs.near)], self.arcs.near, axis=1)
+        way = float(near.mean()) if near.size else 0.0
+        return max(1, int(self.problem.base.duration.mean() + way / 2))
+
+    @property
+    def heat(self) -> float:
+        """Return where an annealing begins."""
+        return HOT * self.leg
+
+    def quench(self) -> None:
+        """Take whatever is better, without heat, for some rounds."""
+        self.anneal(0.0, QUENCHED * len(self.problem.group))
+
+    def anneal(self, heat: float, rounds: int) -> None:
+        """Make so many rounds at one heat."""
+        parts = (self.graph, self._best, self._trial, self._ledger, self._room, self.random)
+        anneal_links(self.arcs, self._links, *parts, SLACKS, self.ticks, float(heat), rounds)
+
+    def anneal_for(
+        self, seconds: float, is_over: Callable[[], bool], offer: Callable[[], None]
+    ) -> None:
+        """Anneal for so many seconds, and call `offer` whenever a better plan is found."""
+        hot, at_once, cost = self.heat, FEWEST_ROUNDS, self.cost
+        begun = now = time.perf_counter()
+        while now < begun + seconds and not is_over():
+            self.anneal(hot * COOLER ** (COOLINGS * (now - begun) / seconds), at_once)
+            if self.cost < cost:
+                cost = self.cost
+                offer()
+            took, now = time.perf_counter() - now, time.perf_counter()
+            at_once = max(1, min(2 * at_once, int(at_once * SECONDS_AT_ONCE / max(took, 1e-7))))
+
+    @property
+    def cost(self) -> float:
+        """Return what the best plan costs."""
+        return float(self._ledger.cost[BEST])
+
+    @property
+    def best(self) -> CoalitionPlan:
+        """Return the best plan."""
+        plan = empty_plan(self.problem.base)
+        read_off(self.arcs, self._best, plan)
+        tasks = len(plan.order)
+        plan.order[:] = np.argsort(self._best.nodes.key[:tasks], kind="stable")
+        return plan
+
+
+@entry
+def anneal_links(
+    problem: ArcProblem,
+    links: Links,
+    graph: Graph,
+    best: Graph,
+    trial: Trial,
+    ledger: Ledger,
+    room: Room,
+    random: Array,
+    slacks: Array,
+    leg: int,
+    heat: float,
+    rounds: int,
+) -> None:
+    """Make changes; keep those that are better or, in heat, a bit worse."""
+    cost, most = ledger.cost, MOST_TIMED + TIMED_EACH * len(problem.near)
+    is_best, must_copy = False, False
+    room.heat[0] = heat
+    for _ in range(rounds):
+        allowed = cost[NOW] + heat * slacks[draw_below(random, len(slacks))] / STEPS
+        task = _draw_task(links, graph, ledger, random)
+        begin_change(trial, ledger)
+        if draw_below(random, 100) < EXCHANGES:
+            is_able = exchange_rests(problem, links, graph, trial, ledger, room, random, task)
+        else:
+            is_able = move(problem, links, graph, trial, ledger, room, random, task, leg)
+        is_kept = is_able and links.weight[TRAVEL] * ledger.then[TRAVEL] <= allowed
+        if is_kept and propagate(problem, links, graph, trial, ledger, most):
+            sum_up_change(problem, links, graph, trial, ledger)
+            is_kept = cost[THEN] <= allowed
+        else:
+            is_kept = False
+        if is_kept and is_best and cost[THEN] >= cost[NOW]:
+            is_kept, must_copy = False, True  # not yet: the best is written down first
+        if is_kept:
+            accept_change(graph, trial, ledger)
+            is_best = cost[NOW] < cost[BEST]
+        else:
+            undo_change(graph, trial)
+            if must_copy:
+                copy_graph(graph, best)
+                cost[BEST] = cost[NOW]
+                is_best, must_copy = False, False
+    if is_best:
+        copy_graph(graph, best)
+        cost[BEST] = cost[NOW]
+
+
+@kernel
+def _draw_task(links: Links, graph: Graph, ledger: Ledger, random: Array) -> int:
+    """Draw a task: now and then the latest one or one before it, else any."""
+    nodes, seats, tasks = graph.nodes, graph.seats, len(links.group)
+    task = draw_below(random, tasks)
+    latest = ledger.part[MAX_TARDINESS]
+    is_counted = links.weight[TARDINESS] > 0 or links.weight[MAX_TARDINESS] > 0
+    if latest == 0 or not is_counted or draw_below(random, 100) >= LATE:
+        return task
+    for _ in range(tasks):
+        if nodes[task].end - nodes[task].due == latest:
+            break
+        task = task + 1 if task + 1 < tasks else 0
+    for _ in range(draw_below(random, BACKWARDS + 1)):
+        before = seats[seats[nodes[task].first + draw_below(random, nodes[task].taken)].prev].node
+        if before >= tasks:
+            break
+        task = before
+    return task

@@ -1,0 +1,92 @@
+"""Places that roads join: how long each way takes is written down, and no map is needed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+GROUND = "ground"
+"""How robots move that do not say how."""
+
+LONGEST_WAY = 1e9
+"""In the mission's unit of time."""
+
+Rows = tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Roads:
+    """Named places, and how long the way from each to each takes at speed 1, in the mission's unit.
+
+    `times[mover][a][b]` is the time from place number a to place number b; the way back may take
+    another time. There is a matrix for each kind of mover: robots say by `moves` which is theirs.
+    A robot or task at place number a is `at` (a, 0); `at` turns a name into that. A world of roads
+    has no coordinates and no steps: its missions are in continuous time.
+    """
+
+    places: tuple[str, ...]
+    times: Mapping[str, Rows]
+
+    rows: ClassVar[tuple[str, ...]] = ()  # nothing is blocked
+    # What the other worlds have too; only steps would need it, where roads are refused.
+    width: ClassVar[float] = 1.0
+    height: ClassVar[float] = 1.0
+    corner: ClassVar[tuple[float, float]] = (1.0, 1.0)
+    arrival_radius: ClassVar[float] = 0.0
+    unit: ClassVar[float] = 1.0
+    y_axis: ClassVar[str] = "up"
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        return {name: number for number, name in enumerate(self.places)}
+
+    def at(self, name: str) -> tuple[float, float]:
+        """Return where a robot or task is that is at a named place; KeyError if there is none."""
+        return self._numbers[name], 0
+
+    def name_of(self, place: tuple[float, float]) -> str:
+        """Return the name of a place."""
+        return self.places[int(place[0])]
+
+    def is_inside(self, place: tuple[float, float]) -> bool:
+        """Say whether this is one of the places."""
+        number, zero = place
+        return zero == 0 and number in range(len(self.places))
+
+    def is_free(self, place: tuple[float, float]) -> bool:
+        """Say whether a robot can be there: at every place."""
+        return self.is_inside(place)
+
+    def region(self, place: tuple[float, float]) -> int:
+        """Return the connected part that a place lies in: there is only one."""
+        return 0
+
+    def pace(self, speed: float) -> float:
+        """Return by how much a robot is faster than the times say."""
+        return speed
+
+    @property
+    def longest_way(self) -> float:
+        """Return the longest time between two places, whatever moves."""
+        return max((max(row) for rows in self.times.values() for row in rows), default=0.0)
+
+    def problems(self) -> Iterator[str]:
+        """Return what is wrong with the roads themselves."""
+        if not self.places:
+            yield "the roads have no places; name one or more"
+        if len(self._numbers) < len(self.places):
+            twice = next(name for name in self.places if self.places.count(name) > 1)
+            yield f"the roads have two places '{twice}'; rename one"
+        if not self.times:
+            yield "the roads have no times; give a matrix"
+        for mover, rows in self.times.items():
+            if {len(row) for row in rows} | {len(rows)} != {len(self.places)}:
+                yield f"the times by {mover} are no square matrix of {len(self.places)} places"
+            for a, row in enumerate(rows):
+                for b, time in enumerate(row):
+                    if not (0 <= time <= LONGEST_WAY and math.isfinite(time)):
+                        yield f"the time by {mover} from place {a} to {b} is {time:g}; use 0 to 1e9"
+                        return

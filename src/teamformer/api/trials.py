@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.api.missions import PathOrName
+from teamformer.critical_path.of_record import path_of_record
+from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.referee import judge
 from teamformer.referee.verdict import Verdict
 from teamformer.sim.replay.reading import read_replay
@@ -19,7 +20,7 @@ from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.comparison import compare_methods
 from teamformer.trials.methods import Method, Player, as_method, default_for, load_method
-from teamformer.trials.planned import plan_mission
+from teamformer.trials.planned import PlannedMission, plan_mission
 from teamformer.trials.rows import best_known, result_row
 from teamformer.trials.trial import Trial as PlayedTrial
 from teamformer.trials.trial import run_trial
@@ -78,7 +79,16 @@ class Trial:
     @property
     def row(self) -> dict[str, Any]:
         """Return what `teamformer run --json` prints."""
-        return result_row(self.played, best_known([self.played]))
+        path = path_rows(self.record.mission, self.critical_path)
+        return result_row(self.played, best_known([self.played])) | {"critical_path": path}
+
+    @property
+    def critical_path(self) -> tuple[Stretch, ...]:
+        """Return the chain that the end hangs on: who did what from when to when, in order.
+
+        Its stretches add up to the makespan; it is empty unless all tasks were done.
+        """
+        return path_of_record(self.record)
 
     def check(self) -> Verdict:
         """Return what the referee says of the record: `.is_legal`, `.findings`."""
@@ -136,12 +146,14 @@ def compare(
     return compare_methods(mission, chosen, seeds, _run_one).rows()
 
 
-def plan(mission: Scenario, seconds: float = 10.0, method: str = "central") -> MissionPlan | None:
+def plan(
+    mission: Scenario, seconds: float = 10.0, method: str = "central"
+) -> PlannedMission | None:
     """Return who goes where when, without playing the mission; None if no plan was found.
 
-    The plan has `makespan`, `bound`, `order`, `coalitions` and `routes`, in the mission's unit of
-    time. `method` is `central`, which takes so many `seconds`; or in continuous time also `plan`,
-    what every robot computes, or `reactive`.
+    The plan has `makespan`, `bound`, `order`, `coalitions`, `routes` and `critical_path`, in the
+    mission's unit of time. `method` is `central`, which takes so many `seconds`; or in continuous
+    time also `plan`, what every robot computes, or `reactive`.
 
     >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
     >>> made.bound <= made.makespan <= 27

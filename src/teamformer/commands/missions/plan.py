@@ -9,13 +9,20 @@ from rich.text import Text
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, prepare_folder, print_json, say
+from teamformer.critical_path.words import why_so_late
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
 from teamformer.planning.continuous.routes import MissionPlan, Route
 from teamformer.planning.continuous.rules import is_compiled
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import load_method
-from teamformer.trials.planned import plan_mission, plan_row, refuse_unplannable, rules_not_planned
+from teamformer.trials.planned import (
+    PlannedMission,
+    plan_mission,
+    plan_row,
+    refuse_unplannable,
+    rules_not_planned,
+)
 from teamformer.viewer.gantt import write_gantt
 
 LONGEST_TABLE = 40  # robots
@@ -54,7 +61,7 @@ def _announce(scenario: Scenario, method: str) -> None:
         say("not everything is known: this is planned for what is to be expected")
 
 
-def _show(scenario: Scenario, made: MissionPlan) -> None:
+def _show(scenario: Scenario, made: PlannedMission) -> None:
     cost = "" if made.cost is None else f", at a cost of {made.cost:g}"
     out.print(f"{scenario.name}: over at {made.makespan:g}{cost}{_known(made)}", markup=False)
     for task, by in made.late.items():
@@ -66,6 +73,8 @@ def _show(scenario: Scenario, made: MissionPlan) -> None:
     out.print(table)
     if len(made.routes) > LONGEST_TABLE:
         say(f"and {len(made.routes) - LONGEST_TABLE} robots more; --json tells all")
+    for line in why_so_late(scenario, made.critical_path):
+        out.print(line, markup=False)
 
 
 def _known(made: MissionPlan) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,23 +25,7 @@ from teamformer.trials.trial import Trial as PlayedTrial
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
 from teamformer.viewer.html import replay_page, write_page
-
-
-@dataclass(frozen=True)
-class Page:
-    """A page of a record; a notebook shows it in a frame.
-
-    >>> page = tf.run(tf.setting("4N4T-C4")).show()
-    >>> page.height
-    620
-    """
-
-    text: str  # of the whole page, which needs no network
-    height: int = 620  # of the frame, in pixels
-
-    def _repr_html_(self) -> str:
-        frame = 'style="width: 100%; border: 0" sandbox="allow-scripts allow-downloads"'
-        return f'<iframe height="{self.height}" {frame} srcdoc="{html.escape(self.text)}"></iframe>'
+from teamformer.viewer.notebook_page import Page
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Page:
     620
     """
 
-    text: str  # of the whole page, which needs no network
+    text: str = field(repr=False)  # of the whole page, which needs no network
     height: int = 620  # of the frame, in pixels
 
     def _repr_html_(self) -> str:

@@ -11,7 +11,6 @@ import pytest
 
 import teamformer
 import teamformer as tf
-from teamformer.advice import suggestions
 from teamformer.api import advice, missions, trials
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.viewer import notebook_page
@@ -25,7 +24,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-MODULES = [teamformer, missions, trials, advice, suggestions, notebook_page]
+MODULES = [teamformer, missions, trials, advice, notebook_page]
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: m.__name__)

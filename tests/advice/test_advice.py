@@ -193,6 +193,6 @@ def test_the_command_prints_and_draws_it(
     assert "Impossible: without robot r2." in text
     assert teamformer("advise", str(file)) == 0
     said = capsys.readouterr().out
-    assert "small: takes 16 steps by plan" in said
+    assert "small: takes 16 steps by plan, the median of 21 searches (16 to 16)" in said
     assert "could be spared: one fewer robot like r0 16" in said
     assert teamformer("advise", str(tmp_path / "none.yaml")) == 2

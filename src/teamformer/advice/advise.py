@@ -96,10 +96,12 @@ class _Measuring:
             return
         self._failed.add(about)
         if about == self._own:
+            is_planned = self._mission.time == "continuous"
+            verb = f"plan MISSION --method {DEFAULT}" if is_planned else "run MISSION"
             raise TeamformerError(
                 f"{self._mission.name}: not all tasks are done by {self._method}, "
                 "so there is nothing to compare changes with",
-                "`teamformer run MISSION` tells which are left; advise on a mission that is done",
+                f"`teamformer {verb}` says why; mend that first",
             )
 
     def advice(self) -> Advice:
@@ -112,6 +114,8 @@ class _Measuring:
             method=self._method,
             makespan=makespan,
             written=own[0],
+            least=min(own),
+            most=max(own),
             searches=len(own),
             suggestions=tuple(suggestions),
             impossible=tuple(change for n, change in changes if n in self._failed),

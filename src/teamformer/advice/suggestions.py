@@ -41,23 +41,18 @@ class Suggestion:
 class Advice:
     """What would help a mission, the largest gain first.
 
-    `makespan` is the mission's own, the median of `searches`; `written` is that of the first of
-    them, which is what `teamformer run` or `plan --method plan` makes of the file as it is.
+    `makespan` is the mission's own, the median of so many `searches`, which came to `least` to
+    `most`; `written` is that of the first of them, which takes the file as it is written.
     `impossible` are the changes with which the mission cannot be done; for `unmeasured` ones there
     was no time.
-
-    >>> advice = tf.advise(tf.load("examples/four-robots.yaml"), seconds=20)
-    >>> advice.makespan
-    27.0
-    >>> best = advice.suggestions[0]
-    >>> tf.run(best.mission).makespan < 27
-    True
     """
 
     mission: Scenario
     method: str
     makespan: float
     written: float
+    least: float
+    most: float
     searches: int
     suggestions: tuple[Suggestion, ...]
     impossible: tuple[Change, ...] = ()
@@ -87,6 +82,7 @@ class Advice:
             "measure": "makespan" if self.mission.cost is None else "cost",
             "makespan": _told(self.makespan),
             "written": _told(self.written),
+            "range": [_told(self.least), _told(self.most)],
             "searches": self.searches,
             "advice": [
                 {

@@ -10,6 +10,7 @@ from typing import Any
 from teamformer.api.missions import PathOrName
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
+from teamformer.critical_path.words import why_so_late
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge
@@ -72,6 +73,15 @@ class Trial:
         Its stretches add up to the makespan; it is empty unless all tasks were done.
         """
         return path_of_record(self.record)
+
+    @property
+    def why_so_late(self) -> list[str]:
+        """Return the same in words, line by line, as `teamformer run` prints it.
+
+        >>> print(*tf.run(tf.setting("4N4T-C4")).why_so_late[:1])
+        why so late: 15 steps are 13 walking, 2 forming
+        """
+        return why_so_late(self.record.mission, self.critical_path)
 
     def check(self) -> Verdict:
         """Return what the referee says of the record: `.is_legal`, `.findings`."""

@@ -59,10 +59,12 @@ def advice_page(advice: Mapping[str, Any]) -> str:
 def _sentences(advice: Mapping[str, Any]) -> list[str]:
     """Return what stands above the picture."""
     measure = "it takes" if advice["measure"] == "makespan" else "it costs"
+    least, most = advice["range"]
     lines = [
         f"By {advice['method']} {measure} {advice['makespan']:g}, the median of "
-        f"{advice['searches']} searches. Each bar is what a change wins; the pale band is what "
-        "luck alone may look like. At the right is what the mission takes with the change."
+        f"{advice['searches']} searches ({least:g} to {most:g}). Each bar is what a change wins; "
+        "the pale band is what luck alone may look like. At the right is what the mission takes "
+        "with the change."
     ]
     if advice["impossible"]:
         lines.append(f"Impossible: {', '.join(advice['impossible'])}.")
@@ -77,8 +79,9 @@ def _sentences(advice: Mapping[str, Any]) -> list[str]:
 def _drawing(advice: Mapping[str, Any]) -> str:
     rows = _shown(advice["advice"])
     ends = [end for row in rows for end in (row["gain"], row["noise"], -row["noise"])]
-    most = max([0.0, *ends])
-    least = max(min([0.0, *ends]), -max(LONGEST_LOSS * most, 1e-9)) if most else min(ends)
+    most, least = max([0.0, *ends]), min([0.0, *ends])
+    if most > 0:
+        least = max(least, -LONGEST_LOSS * most)
     scale = WIDTH / max(most - least, 1e-9)
     zero = LABEL - least * scale
     height, width = TOP + ROW * len(rows) + 8, LABEL + WIDTH + END
@@ -104,9 +107,13 @@ def _axis(least: float, most: float, zero: float, scale: float, height: int) -> 
     for number in range(int(least / step), int(most / step) + 1):
         x, looks = zero + number * step * scale, "grid" if number else "zero"
         parts.append(f'<line class="{looks}" x1="{x:.1f}" x2="{x:.1f}" y1="20" y2="{height}"/>')
-        label = f"{number * step:+g}" if number else "0"
+        label = _signed(number * step)
         parts.append(f'<text class="dim" x="{x:.1f}" y="14" text-anchor="middle">{label}</text>')
     return parts
+
+
+def _signed(value: float) -> str:
+    return f"{value:+g}" if value else "0"
 
 
 def _row(row: Mapping[str, Any], y: int, zero: float, scale: float, least: float) -> list[str]:
@@ -116,14 +123,14 @@ def _row(row: Mapping[str, Any], y: int, zero: float, scale: float, least: float
     name = str(row["change"])
     cut = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
     looks = "unsure" if abs(gain) <= noise else "wins" if gain > 0 else "loses"
-    told = f"{name}: {row['makespan']:g}, {gain:+g}; luck up to {noise:g}"
+    told = f"{name}: {row['makespan']:g}, {_signed(gain)}; luck up to {noise:g}"
     return [
         f"<g><title>{html.escape(told)}</title>"
         f'<text x="{LABEL - 12}" y="{middle + 4}" text-anchor="end">{html.escape(cut)}</text>',
         _rect("noise", zero - noise * scale, zero + noise * scale, y + 2, ROW - 4),
         _rect(looks, min(zero, end), max(zero, end), y + (ROW - BAR) // 2, BAR),
         f'<text x="{LABEL + WIDTH + 12}" y="{middle + 4}">{row["makespan"]:g}'
-        f'<tspan class="dim" dx="10">{gain:+g}</tspan></text></g>',
+        f'<tspan class="dim" dx="10">{_signed(gain)}</tspan></text></g>',
     ]
 
 

@@ -69,7 +69,8 @@ def _show(advice: Advice) -> None:
     unit = " steps" if mission.time != "continuous" and mission.cost is None else ""
     out.print(
         f"{mission.name}: {what} {advice.makespan:g}{unit} by {advice.method}, the median of "
-        f"{advice.searches} searches; as it is written {advice.written:g}",
+        f"{advice.searches} searches ({advice.least:g} to {advice.most:g}); "
+        f"as it is written {advice.written:g}",
         markup=False,
     )
     helpful = advice.helpful

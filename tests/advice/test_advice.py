@@ -166,6 +166,20 @@ def test_a_mission_that_is_not_done_is_refused() -> None:
         advise_on(mission, PLENTY)
 
 
+@pytest.mark.slow
+def test_the_first_advice_on_the_warehouse_is_confirmed_by_running_it() -> None:
+    mission = tf.load(Path(__file__).parents[2] / "examples" / "warehouse.yaml")
+    advice = advise_on(mission, PLENTY)
+    first, own = advice.suggestions[0], tf.run(mission).makespan
+    assert first.is_sure
+    assert own == advice.written
+    found = tf.run(first.mission).makespan
+    assert found is not None
+    assert found < own
+    assert abs(found - first.makespan) <= advice.most - advice.least
+
+
+@pytest.mark.slow  # each process loads everything
 def test_processes_find_the_same() -> None:
     jobs = [
         Search(number, change.mission, "plan", order)

@@ -52,7 +52,7 @@ SEES = {
     "critical_path": {*CORE, "rules.constants", "planning.continuous", "sim.replay"},
     "trials": {*BELOW_POLICIES, "policies", "critical_path"},
     "referee": {*CORE, "scenarios", "sim.replay"},
-    "advice": {*BELOW_POLICIES, "policies", "trials", "viewer"},
+    "advice": {*BELOW_POLICIES, "policies", "critical_path", "trials", "viewer"},
     "viewer": {"errors", "whole_files"},
     "export": {*CORE, "rules.constants", "sim.replay"},
     "live": {*BELOW_POLICIES, "policies", "trials"},

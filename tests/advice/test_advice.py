@@ -15,6 +15,7 @@ from teamformer.advice.advise import advise_on
 from teamformer.advice.changes import changes_of
 from teamformer.advice.measuring import Noise, Search, in_order, search, searched
 from teamformer.advice.suggestions import Advice
+from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import TeamformerError
 from teamformer.model import Absence, Scenario
 from teamformer.scenarios.files import write_scenario
@@ -156,8 +157,23 @@ def test_luck_is_no_advice() -> None:
 def test_what_there_was_no_time_for_is_told() -> None:
     advice = advise_on(two_far_tasks(), 0.0)
     assert advice.searches == 3  # the mission itself
-    assert not advice.suggestions or len(advice.suggestions) == 1
-    assert len(advice.unmeasured) >= 11
+    assert advice.suggestions == ()
+    assert len(advice.unmeasured) == 12
+    assert [it.what for it in advice.impossible] == ["without robot r2"]
+
+
+def test_what_the_end_hangs_on_is_measured_first() -> None:
+    """t1 takes all 16 steps, by a robot like r0."""
+    path = [Stretch(0, 12, "walking", 1, 1), Stretch(12, 16, "serving", 1, 1)]
+    share = {it.what: it.share_of(path) for it in changes_of(two_far_tasks())}
+    assert {what for what, steps in share.items() if steps} == {
+        "one more robot like r0",
+        "one fewer robot like r0",
+        "robots like r0 can also b",
+        "robots like r0 can also c",
+        "without task t1",
+    }
+    assert set(share.values()) == {0, 16}
 
 
 def test_a_mission_that_is_not_done_is_refused() -> None:

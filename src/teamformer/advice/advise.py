@@ -11,6 +11,7 @@ from statistics import median_low
 from teamformer.advice.changes import changes_of
 from teamformer.advice.measuring import Found, Noise, Progress, Search, searched
 from teamformer.advice.suggestions import Advice, Suggestion
+from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import TeamformerError
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
@@ -34,8 +35,9 @@ def advise_on(
 
     It ends when the searches, of all workers, have taken so many seconds of processor time; so what
     comes out does not depend on what else the machine does, unless time is short. Every change is
-    searched once before any is searched again. What is not known of a mission is
-    taken as it is to be expected. Raises `TeamformerError` for a mission that is not completed.
+    searched once before any is searched again, first those that the mission's critical path is
+    about. What is not known of a mission is taken as it is to be expected. Raises `TeamformerError`
+    for a mission that is not completed.
     """
     if mission.time == "continuous":
         warm_up(is_linked(mission))
@@ -67,6 +69,7 @@ class _Measuring:
         self._own = len(self._changes)  # the number of the mission itself
         self._found: defaultdict[int, list[float]] = defaultdict(list)
         self._failed = {n for n, change in enumerate(self._changes) if change.mission is None}
+        self._path: tuple[Stretch, ...] = ()  # of the mission as it is written
         self.made = 0
         self.most = ROUNDS * (OF_THE_MISSION + len(self._changes) - len(self._failed))
 
@@ -80,17 +83,24 @@ class _Measuring:
         """Yield the searches to make, until time is up; the mission itself is searched anyway."""
         for turn in range(ROUNDS):
             for order in range(turn * OF_THE_MISSION, (turn + 1) * OF_THE_MISSION):
-                yield Search(self._own, self._mission, self._method, order)
-            for number, change in enumerate(self._changes):
+                yield Search(self._own, self._mission, self._method, order, with_path=order == 0)
+            for number in self._promising_first():
+                change = self._changes[number]
                 if self._spent > self._seconds:
                     return
                 if change.mission is not None and number not in self._failed:
                     yield Search(number, change.mission, self._method, turn)
 
+    def _promising_first(self) -> list[int]:
+        """Return the changes, those first that the critical path is about for the longest time."""
+        numbers = range(len(self._changes))
+        return sorted(numbers, key=lambda number: -self._changes[number].share_of(self._path))
+
     def take(self, about: int, found: Found) -> None:
         """Take the result of a search. Raises `TeamformerError` if the mission itself has none."""
         self.made += 1
         self._spent += found.seconds
+        self._path = found.path or self._path
         if found.value is not None:
             self._found[about].append(found.value)
             return

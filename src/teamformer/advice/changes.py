@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import ScenarioError
 from teamformer.model import Robot, Scenario, Task
+from teamformer.rules.constants import NOBODY
 
 MORE, FEWER, FASTER, TAUGHT, LEFT_OUT = KINDS = ("more", "fewer", "faster", "taught", "left out")
 
 
 @dataclass(frozen=True)
 class Change:
-    """A change of a mission, in words, and the mission with it; None if it is then impossible."""
+    """A change of a mission, in words, and the mission with it; None if it is then impossible.
+
+    `robots` and `task` are what it is about, by number; there may be no task.
+    """
 
     kind: str  # one of KINDS
     what: str
     mission: Scenario | None
+    robots: tuple[int, ...] = ()
+    task: int = NOBODY
+
+    def share_of(self, path: Sequence[Stretch]) -> float:
+        """Return for how long a critical path is about its robots or its task."""
+        parts = (s for s in path if s.robot in self.robots or s.task == self.task != NOBODY)
+        return sum(stretch.end - stretch.begin for stretch in parts)
 
 
 def changes_of(mission: Scenario) -> Iterator[Change]:
@@ -30,31 +42,36 @@ def changes_of(mission: Scenario) -> Iterator[Change]:
     kinds = _kinds(mission)
     for robots in kinds:
         first = mission.robots[robots[0]]
-        yield _change(MORE, f"one more robot like {first.name}", _adding(mission, first))
+        yield _change(MORE, f"one more robot like {first.name}", _adding(mission, first), robots)
     for robots in kinds:
         name = mission.robots[robots[0]].name
         what = f"one fewer robot like {name}" if len(robots) > 1 else f"without robot {name}"
-        yield _change(FEWER, what, _without_robot(mission, robots[-1]))
+        yield _change(FEWER, what, _without_robot(mission, robots[-1]), robots)
     for number in _different(mission):
         what = f"{mission.robots[number].name} at double speed"
-        yield _change(FASTER, what, _faster(mission, number))
+        yield _change(FASTER, what, _faster(mission, number), [number])
     for robots in kinds:
         for cap in mission.capabilities:
             if not mission.robots[robots[0]].can.get(cap):
                 name = mission.robots[robots[0]].name
                 who = f"robots like {name}" if len(robots) > 1 else name
-                yield _change(TAUGHT, f"{who} can also {cap}", _taught(mission, robots, cap))
-    for task in mission.tasks:
+                what = f"{who} can also {cap}"
+                yield _change(TAUGHT, what, _taught(mission, robots, cap), robots)
+    for number, task in enumerate(mission.tasks):
         if len(mission.tasks) > 1:
-            yield _change(LEFT_OUT, f"without task {task.name}", _without_task(mission, task))
+            left_out = _change(LEFT_OUT, f"without task {task.name}", _without_task(mission, task))
+            yield replace(left_out, task=number)
 
 
-def _change(kind: str, what: str, make: Callable[[], Scenario]) -> Change:
+def _change(
+    kind: str, what: str, make: Callable[[], Scenario], robots: Sequence[int] = ()
+) -> Change:
     """Return a change; one that makes the mission impossible has none."""
     try:
-        return Change(kind, what, make())
+        mission = make()
     except ScenarioError:
-        return Change(kind, what, None)
+        return Change(kind, what, None, tuple(robots))
+    return Change(kind, what, mission, tuple(robots))
 
 
 def _kinds(mission: Scenario) -> list[list[int]]:

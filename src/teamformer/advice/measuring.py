@@ -12,6 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.advice.changes import with_robots
+from teamformer.critical_path.of_plan import path_of_plan
+from teamformer.critical_path.of_record import path_of_record
+from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
@@ -40,6 +43,7 @@ class Search:
     mission: Scenario
     method: str
     order: int = 0
+    with_path: bool = False  # whether what the end hangs on is asked for too
 
 
 class Found(NamedTuple):
@@ -47,27 +51,38 @@ class Found(NamedTuple):
 
     value: float | None
     seconds: float  # of processor time that the search took
+    path: tuple[Stretch, ...] = ()
 
 
 def search(job: Search) -> Found:
     """Make a search."""
     begun = time.process_time()
-    value = _makespan_or_cost(in_order(job.mission, job.order), job.method)
-    return Found(value, time.process_time() - begun)
+    mission = in_order(job.mission, job.order)
+    make = _planned if mission.time == "continuous" else _played
+    value, path = make(mission, job.method, job.with_path)
+    return Found(value, time.process_time() - begun, path)
 
 
-def _makespan_or_cost(mission: Scenario, method: str) -> float | None:
-    if mission.time != "continuous":
-        trial = run_trial(expected_mission(mission), load_method(method))
-        makespan = trial.replay.end.makespan
-        return None if makespan is None else float(makespan)
+def _played(
+    mission: Scenario, method: str, with_path: bool
+) -> tuple[float | None, tuple[Stretch, ...]]:
+    replay = run_trial(expected_mission(mission), load_method(method)).replay
+    makespan = replay.end.makespan
+    path = path_of_record(replay) if with_path else ()
+    return None if makespan is None else float(makespan), path
+
+
+def _planned(
+    mission: Scenario, method: str, with_path: bool
+) -> tuple[float | None, tuple[Stretch, ...]]:
     try:
         made = plan_continuous(pose_mission(mission), method, 0.0)
     except TeamformerError:  # no coalitions for tasks that are linked
-        return None
+        return None, ()
     if made is None:
-        return None
-    return made.makespan if made.cost is None else made.cost
+        return None, ()
+    path = path_of_plan(mission, made) if with_path else ()
+    return made.makespan if made.cost is None else made.cost, path
 
 
 def in_order(mission: Scenario, order: int) -> Scenario:

@@ -32,7 +32,8 @@ class Changing(Generic[Value]):
 
     def set(self, steps: int, value: Value) -> bool:
         """Have a value from a number of steps on; return whether it is another one."""
-        if self._values[-1] == value:
+        last = self._values[-1]
+        if last is value or last == value:  # large teams are compared only when they are others
             return False
         self._since.append(steps)
         self._values.append(value)

@@ -11,7 +11,7 @@ import typer
 from teamformer.cli.app import app
 
 VERBS = (
-    *("run", "compare", "generate", "import", "plan", "live"),
+    *("run", "compare", "generate", "import", "plan", "advise", "live"),
     *("methods", "bench", "train", "check", "view", "export"),
     *("fleet start", "fleet add", "fleet agent", "fleet rehearse", "fleet watch"),
     *("robotarium fly", "robotarium deploy"),
@@ -50,6 +50,7 @@ def test_what_others_scripts_rely_on_is_there(name: str) -> None:
         "compare": "--methods --seeds --json",
         "plan": "--time-limit --json",
         "check": "--scenario --json",
+        "advise": "--json",
         "fleet start": "--json",
         "fleet rehearse": "--seed --schedule --schedules --json",
     }

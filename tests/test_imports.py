@@ -30,7 +30,17 @@ CORE |= {"coordination", "extras", "own_code", "jit", "kernels", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim", "coordinators"}
 BELOW_COMMANDS = {
     *BELOW_POLICIES,
-    *("policies", "trials", "referee", "viewer", "export", "live", "bench"),
+    *(
+        "policies",
+        "critical_path",
+        "trials",
+        "advice",
+        "referee",
+        "viewer",
+        "export",
+        "live",
+        "bench",
+    ),
 }
 SEES = {
     "core": CORE,
@@ -40,8 +50,10 @@ SEES = {
     "sim": {*CORE, "rules", "scenarios"},
     "coordinators": {*CORE, "rules", "planning"},
     "policies": BELOW_POLICIES,
-    "trials": {*BELOW_POLICIES, "policies"},
+    "critical_path": {*CORE, "rules.constants", "planning.continuous", "sim.replay"},
+    "trials": {*BELOW_POLICIES, "policies", "critical_path"},
     "referee": {*CORE, "scenarios", "sim.replay"},
+    "advice": {*BELOW_POLICIES, "policies", "critical_path", "trials", "viewer"},
     "viewer": {"errors", "whole_files"},
     "export": {*CORE, "rules.constants", "sim.replay"},
     "live": {*BELOW_POLICIES, "policies", "trials", "viewer", "export"},  # for its downloads
@@ -50,7 +62,7 @@ SEES = {
     "bench": {*BELOW_POLICIES, "policies", "trials", "referee"},
     "robotarium": {*BELOW_POLICIES, "policies", "trials"},
     "fleet": {*BELOW_POLICIES, "policies", "trials", "live"},  # whose pages may watch it
-    "api": {*BELOW_POLICIES, "policies", "trials", "referee", "viewer"},
+    "api": {*BELOW_POLICIES, "policies", "critical_path", "trials", "referee", "viewer", "advice"},
     "commands": {*BELOW_COMMANDS, "train", "robotarium", "fleet"},
     "cli": {*BELOW_COMMANDS, "commands"},
 }

@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from typing import TypeAlias
 
+    from teamformer.advice.suggestions import Advice as Advice
+    from teamformer.api.advice import advise as advise
     from teamformer.api.missions import generate as generate
     from teamformer.api.missions import load as load
     from teamformer.api.missions import save as save
     from teamformer.api.missions import setting as setting
-    from teamformer.api.trials import Page as Page
     from teamformer.api.trials import Trial as Trial
     from teamformer.api.trials import check as check
     from teamformer.api.trials import compare as compare
@@ -43,12 +44,15 @@ if TYPE_CHECKING:
     )
     from teamformer.sim.view import View as View
     from teamformer.trials.methods import Method as Method
+    from teamformer.viewer.notebook_page import Page as Page
 
     Mission: TypeAlias = Scenario
 
 _HOMES = {
-    "Page": "api.trials:Page",
+    "Advice": "advice.suggestions:Advice",
+    "Page": "viewer.notebook_page:Page",
     "Trial": "api.trials:Trial",
+    "advise": "api.advice:advise",
     "check": "api.trials:check",
     "compare": "api.trials:compare",
     "generate": "api.missions:generate",

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from missions import continuous_missions
 from plain_times import Times, Ways, all_plans, times_of
+from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
@@ -102,3 +103,20 @@ def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
 def _weighed(made: MissionPlan) -> float:
     """Return what a plan without a cost is judged by: a late tick weighs two of the makespan."""
     return made.makespan + 2 * sum(made.late.values())
+
+
+@fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)
+def test_the_critical_path_adds_up(mission: Any, method: str) -> None:
+    """It goes forward, but where a start that is linked with a later one waits for that."""
+    scenario = scenario_from_tree(mission)
+    made = planned(scenario, method)
+    if made is None or not made.makespan:
+        return
+    path = path_of_plan(scenario, made)
+    ends = [stretch.end for stretch in path]
+    assert [stretch.begin for stretch in path] == [0, *ends[:-1]]
+    assert ends[-1] == made.makespan
+    for stretch in path:
+        assert stretch.end > stretch.begin or stretch.doing == "linked"
+        if stretch.doing in ("waiting", "idle"):
+            raise AssertionError(f"nobody knows why: {stretch}")

@@ -6,6 +6,8 @@ from typing import Any
 
 from methods import METHODS, play
 from missions import SEEDS, missions
+from teamformer.critical_path.of_record import path_of_record
+from teamformer.critical_path.words import why_so_late
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge
 from teamformer.scenarios.files import scenario_from_tree
@@ -32,3 +34,16 @@ def test_nothing_is_faster_than_its_bound(mission: Any, method: str, seed: int) 
     if end.makespan is not None:
         assert bound is not None
         assert bound <= end.makespan
+
+
+@fuzzed(25, RUN, mission=missions(), method=METHODS, seed=SEEDS)
+def test_the_critical_path_adds_up(mission: Any, method: str, seed: int) -> None:
+    replay = play(scenario_from_tree(mission), method, seed).replay
+    path = path_of_record(replay)
+    if replay.end.makespan is None:
+        assert path == ()
+        return
+    ends = [stretch.end for stretch in path]
+    assert [stretch.begin for stretch in path] == [0, *ends[:-1]]
+    assert ends[-1] == replay.end.makespan
+    assert len(why_so_late(replay.mission, path)) > 1

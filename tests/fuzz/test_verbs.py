@@ -15,6 +15,7 @@ import teamformer.cli
 from methods import METHODS
 from missions import SEEDS, continuous_missions, missions
 from teamformer.cli.app import app
+from teamformer.commands.missions import advise
 from texts import text_of
 from watching import fuzzed
 
@@ -87,3 +88,15 @@ def test_a_good_file_in_steps_is_planned(mission: Any, folder: Path) -> None:
     file = folder / "mission.yaml"
     file.write_text(text_of(mission), encoding="utf-8")
     assert typed("plan", file, "--time-limit", 0.05, "--json") in (DONE, NOT_DONE)
+
+
+@fuzzed(4, "advise FILE PAGE", mission=st.one_of(missions(), continuous_missions()))
+def test_advice_on_a_good_file_is_given(mission: Any, folder: Path) -> None:
+    """Or refused, if the mission is not completed as it is."""
+    file, page = folder / "mission.yaml", folder / "advice.html"
+    page.unlink(missing_ok=True)
+    file.write_text(text_of(mission), encoding="utf-8")
+    with patch.object(advise, "SECONDS", 0.1):
+        status = typed("advise", file, page)
+    assert status in (DONE, 2)
+    assert page.exists() == (status == DONE)

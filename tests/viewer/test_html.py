@@ -102,3 +102,18 @@ def test_names_of_a_plan_stay_while_its_time_scrolls(browser: Any) -> None:
     assert box["x"] >= 0
     assert box["x"] + box["width"] < page.locator(".times").bounding_box()["x"]
     page.close()
+
+
+def test_the_page_of_a_plan_frames_what_the_end_hangs_on() -> None:
+    """From 0 to 4 robot a's row, from 4 to 20 robot b's, with a line between the rows at 4."""
+    routes = [{"robot": robot, "stops": [], "back": 20} for robot in "ab"]
+    plan = {"scenario": "s", "makespan": 20, "bound": 0, "proven": False, "late": {}}
+    path = [
+        {"from": begin, "to": end, "doing": "walking", "robot": robot, "task": "t"}
+        for begin, end, robot in [(0, 3, "a"), (3, 4, "a"), (4, 20, "b")]
+    ]
+    text = gantt_page({**plan, "routes": routes, "critical_path": path})
+    frames = re.findall(r'rect class="path" x="(.*?)" y="(.*?)" width="(.*?)"', text)
+    assert frames == [("110.0", "35.0", "220.0"), ("330.0", "61.0", "880.0")]
+    assert re.findall(r'<path class="path" d="(.*?)"', text) == ["M330.0 47.0V73.0"]
+    assert "orange" in text

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from teamformer.api.missions import PathOrName
+from teamformer.critical_path.of_record import path_of_record
+from teamformer.critical_path.stretches import Stretch, path_rows
+from teamformer.critical_path.words import why_so_late
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.referee import judge
 from teamformer.referee.verdict import Verdict
 from teamformer.sim.replay.reading import read_replay
@@ -19,29 +20,13 @@ from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.comparison import compare_methods
 from teamformer.trials.methods import Method, Player, as_method, default_for, load_method
-from teamformer.trials.planned import plan_mission
+from teamformer.trials.planned import PlannedMission, plan_mission
 from teamformer.trials.rows import best_known, result_row
 from teamformer.trials.trial import Trial as PlayedTrial
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
 from teamformer.viewer.html import replay_page, write_page
-
-
-@dataclass(frozen=True)
-class Page:
-    """A page of a record; a notebook shows it in a frame.
-
-    >>> page = tf.run(tf.setting("4N4T-C4")).show()
-    >>> page.height
-    620
-    """
-
-    text: str  # of the whole page, which needs no network
-    height: int = 620  # of the frame, in pixels
-
-    def _repr_html_(self) -> str:
-        frame = 'style="width: 100%; border: 0" sandbox="allow-scripts allow-downloads"'
-        return f'<iframe height="{self.height}" {frame} srcdoc="{html.escape(self.text)}"></iframe>'
+from teamformer.viewer.notebook_page import Page
 
 
 @dataclass(frozen=True)
@@ -78,7 +63,25 @@ class Trial:
     @property
     def row(self) -> dict[str, Any]:
         """Return what `teamformer run --json` prints."""
-        return result_row(self.played, best_known([self.played]))
+        path = path_rows(self.record.mission, self.critical_path)
+        return result_row(self.played, best_known([self.played])) | {"critical_path": path}
+
+    @property
+    def critical_path(self) -> tuple[Stretch, ...]:
+        """Return the chain that the end hangs on: who did what from when to when, in order.
+
+        Its stretches add up to the makespan; it is empty unless all tasks were done.
+        """
+        return path_of_record(self.record)
+
+    @property
+    def why_so_late(self) -> list[str]:
+        """Return the same in words, line by line, as `teamformer run` prints it.
+
+        >>> print(*tf.run(tf.setting("4N4T-C4")).why_so_late[:1])
+        why so late: 15 steps are 13 walking, 2 forming
+        """
+        return why_so_late(self.record.mission, self.critical_path)
 
     def check(self) -> Verdict:
         """Return what the referee says of the record: `.is_legal`, `.findings`."""
@@ -136,12 +139,14 @@ def compare(
     return compare_methods(mission, chosen, seeds, _run_one).rows()
 
 
-def plan(mission: Scenario, seconds: float = 10.0, method: str = "central") -> MissionPlan | None:
+def plan(
+    mission: Scenario, seconds: float = 10.0, method: str = "central"
+) -> PlannedMission | None:
     """Return who goes where when, without playing the mission; None if no plan was found.
 
-    The plan has `makespan`, `bound`, `order`, `coalitions` and `routes`, in the mission's unit of
-    time. `method` is `central`, which takes so many `seconds`; or in continuous time also `plan`,
-    what every robot computes, or `reactive`.
+    The plan has `makespan`, `bound`, `order`, `coalitions`, `routes` and `critical_path`, in the
+    mission's unit of time. `method` is `central`, which takes so many `seconds`; or in continuous
+    time also `plan`, what every robot computes, or `reactive`.
 
     >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
     >>> made.bound <= made.makespan <= 27

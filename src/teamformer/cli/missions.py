@@ -123,6 +123,20 @@ def plan(
 
 
 @app.command()
+def advise(
+    mission: MissionPath,
+    page: Annotated[
+        Path | None, typer.Argument(metavar="[PAGE]", help="a picture of it to write, an .html")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say what would help most and who could be spared, by planning again; takes a minute."""
+    from teamformer.commands.missions.advise import advise as command
+
+    raise typer.Exit(command(mission, page, as_json))
+
+
+@app.command()
 def live(
     mission: Annotated[
         Path | None, typer.Argument(metavar="[MISSION]", help="none: draw one in the editor")

@@ -22,10 +22,10 @@ def fly(
     mission: MissionPath,
     method: Method = None,
     seed: Seed = 0,
-    simulator: Annotated[str, typer.Option(help="plant, ours, or rps, the official one")] = "plant",
-    noise: Annotated[
-        bool, typer.Option("--noise", help="robots obey 66 ms late, and see 2 mm and 1 degree off")
-    ] = False,
+    simulator: Annotated[
+        str,
+        typer.Option(help="plant; noisy, the same 66 ms late, 2 mm off; or rps, the official one"),
+    ] = "plant",
     out: Annotated[Path | None, typer.Option("-o", "--out", help="folder for pictures")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -33,7 +33,7 @@ def fly(
     from teamformer.commands.robots.robotarium import FlightOptions
     from teamformer.commands.robots.robotarium import fly as command
 
-    options = FlightOptions(method, seed, simulator, noise, out)
+    options = FlightOptions(method, seed, simulator, out)
     raise typer.Exit(command(mission, options, as_json))
 
 

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from typing import Any
 
+from teamformer.critical_path.of_plan import path_of_plan
+from teamformer.critical_path.of_record import path_of_record
+from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.errors import Problem, ScenarioError, TeamformerError
 from teamformer.mission.links import is_linked
 from teamformer.mission.rules import rules_not_played
@@ -22,7 +26,14 @@ DIGITS = 6
 """Places after the point that are told of a time."""
 
 
-def plan_mission(mission: Scenario, method: str, seconds: float) -> MissionPlan | None:
+@dataclass(frozen=True)
+class PlannedMission(MissionPlan):
+    """A plan with the chain that its end hangs on, the first stretch first."""
+
+    critical_path: tuple[Stretch, ...] = ()
+
+
+def plan_mission(mission: Scenario, method: str, seconds: float) -> PlannedMission | None:
     """Return the plan that a method makes in so many seconds; None if it finds none.
 
     A mission in steps is planned by `central`, for what is to be expected, and the routes are read
@@ -31,19 +42,24 @@ def plan_mission(mission: Scenario, method: str, seconds: float) -> MissionPlan 
     refuse_unplannable(mission, method)
     if mission.time == "continuous":
         warm_up(is_linked(mission))
-        return plan_continuous(pose_mission(mission), method, seconds)
+        made = plan_continuous(pose_mission(mission), method, seconds)
+        if made is None:
+            return None
+        told = {field.name: getattr(made, field.name) for field in fields(MissionPlan)}
+        return PlannedMission(**told, critical_path=path_of_plan(mission, made))
     trial = run_trial(expected_mission(mission), load_method(method, seconds))
     end, bound = trial.replay.end, trial.replay.lower_bound or 0
     if end.makespan is None:
         return None
     number_of = {task.name: number for number, task in enumerate(mission.tasks)}
-    return MissionPlan(
+    return PlannedMission(
         makespan=end.makespan,
         bound=bound,
         is_proven=end.makespan <= bound,
         routes=routes_of(trial.replay),
         late={number_of[name]: by for name, by in lateness(trial.replay).items()},
         curve=() if trial.plan is None else trial.plan.curve,
+        critical_path=path_of_record(trial.replay),
     )
 
 
@@ -68,7 +84,7 @@ def rules_not_planned(mission: Scenario) -> Iterator[Problem]:
         yield from rules_not_played(mission)
 
 
-def plan_row(mission: Scenario, made: MissionPlan) -> dict[str, Any]:
+def plan_row(mission: Scenario, made: PlannedMission) -> dict[str, Any]:
     """Return what `--json` prints of a plan; times are in the mission's unit."""
     tasks, robots = mission.tasks, mission.robots
     return {
@@ -94,5 +110,6 @@ def plan_row(mission: Scenario, made: MissionPlan) -> dict[str, Any]:
             for route in made.routes
         ],
         "late": {tasks[task].name: round(by, DIGITS) for task, by in made.late.items()},
+        "critical_path": path_rows(mission, made.critical_path),
         "curve": [[round(seconds, 3), round(when, DIGITS)] for seconds, when in made.curve],
     }

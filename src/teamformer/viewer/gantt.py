@@ -7,7 +7,8 @@ import hashlib
 import html
 import math
 from collections.abc import Mapping, Sequence
-from itertools import zip_longest
+from itertools import groupby, zip_longest
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ text{font:12px system-ui,sans-serif;fill:#1d2733}
 .way{stroke:#9aa7b5;stroke-width:2}.wait{fill:#e3e8ee}.grid{stroke:#e3e8ee}
 .bound{stroke:#b3402a;stroke-dasharray:4 3}.task text{fill:#fff;font-size:11px}
 .beside{font-size:10px}
+.path{fill:none;stroke:#d9730d;stroke-width:2.5}
 .late rect{stroke:#b3402a;stroke-width:3}
 @media(prefers-color-scheme:dark){body{background:#12181f;color:#dfe6ee}text{fill:#dfe6ee}
 p{color:#9aa7b5}.wait{fill:#2a3542}.grid{stroke:#2a3542}}
@@ -58,6 +60,8 @@ def _summary(plan: Mapping[str, Any]) -> str:
     if "cost" in plan:
         over += f", at a cost of {plan['cost']:g}"
     legend = "Lines are ways, pale bars waits"
+    if plan.get("critical_path"):
+        legend += "; orange is the chain that the end hangs on"
     if plan["bound"] <= 0:
         return f"{over}{late}. {legend}."
     over += f"; no plan is over before {plan['bound']:g}{late}."
@@ -76,6 +80,7 @@ def _drawing(plan: Mapping[str, Any]) -> str:
         y = TOP + ROW * number
         names.append(_name(str(route["robot"]), y))
         parts += _row(route, y, scale, hue, plan["late"])
+    parts += _critical_path(plan, scale)
     left = LABEL - 8  # half of the axis's first number is left of the time's beginning
     width = LABEL + WIDTH + 24 - left
     return (
@@ -86,6 +91,27 @@ def _drawing(plan: Mapping[str, Any]) -> str:
         f'width="{width}" height="{height}" '
         f'viewBox="{left} 0 {width} {height}">{"".join(parts)}</svg></div></div>'
     )
+
+
+def _critical_path(plan: Mapping[str, Any], scale: float) -> list[str]:
+    """Return frames around what the end hangs on, and lines from row to row between them."""
+    row_of = {route["robot"]: number for number, route in enumerate(plan["routes"])}
+    parts: list[str] = []
+    before: float | None = None
+    for robot, part in groupby(plan.get("critical_path", ()), key=itemgetter("robot")):
+        stretches = list(part)
+        begin, end = LABEL + stretches[0]["from"] * scale, LABEL + stretches[-1]["to"] * scale
+        row = row_of.get(robot)
+        middle = TOP - 8.0 if row is None else TOP + ROW * (row + 0.5)
+        if before is not None and before != middle:
+            parts.append(f'<path class="path" d="M{begin:.1f} {before}V{middle}"/>')
+        height = 0 if row is None else ROW - 2
+        parts.append(
+            f'<rect class="path" x="{min(begin, end):.1f}" y="{middle - height / 2}" '
+            f'width="{abs(end - begin):.1f}" height="{height}"/>'
+        )
+        before = middle
+    return parts
 
 
 def _name(robot: str, y: int) -> str:

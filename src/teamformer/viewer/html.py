@@ -17,13 +17,20 @@ from teamformer.whole_files import write_whole
 SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "record/over_time"),
+    *("record/reasons", "record/critical_path", "record/over_time"),
     *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
     *("draw/teams", "draw/groups", "draw/extras", "draw/names", "draw/map"),
     *("panel/dom", "panel/notice", "panel/chips", "panel/waiting", "panel/inspector"),
     *("panel/rows", "panel/lists", "panel/header", "panel/playback", "panel/timeline"),
     *("panel/files", "panel/controls"),
-    *("views/bars", "views/gantt", "views/columns", "views/table", "views/plots"),
+    *(
+        "views/bars",
+        "views/critical_path",
+        "views/gantt",
+        "views/columns",
+        "views/table",
+        "views/plots",
+    ),
     *("player", "companion", "app", "look"),
 )
 """The scripts of every page in the order in which they are put together."""

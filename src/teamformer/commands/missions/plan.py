@@ -11,12 +11,19 @@ from rich.text import Text
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, prepare_folder, print_json, say
+from teamformer.critical_path.words import why_so_late
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
 from teamformer.planning.continuous.rules import is_compiled
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import load_method
-from teamformer.trials.planned import plan_mission, plan_row, refuse_unplannable, rules_not_planned
+from teamformer.trials.planned import (
+    PlannedMission,
+    plan_mission,
+    plan_row,
+    refuse_unplannable,
+    rules_not_planned,
+)
 from teamformer.viewer.gantt import write_gantt
 
 LONGEST_TABLE = 40  # robots
@@ -40,7 +47,7 @@ def plan(path: Path, method: str, time_limit: float, folder: Path | None, as_jso
     if as_json:
         print_json(row)
     else:
-        _show(row)
+        _show(scenario, made, row)
     return 0
 
 
@@ -55,7 +62,7 @@ def _announce(scenario: Scenario, method: str) -> None:
         say("not everything is known: this is planned for what is to be expected")
 
 
-def _show(row: Mapping[str, Any]) -> None:
+def _show(scenario: Scenario, made: PlannedMission, row: Mapping[str, Any]) -> None:
     """Print a plan, given as `--json` prints it: every output rounds the same way."""
     cost = f", at a cost of {row['cost']:g}" if "cost" in row else ""
     over = f"{row['scenario']}: over at {row['makespan']:g}{cost}{_known(row)}"
@@ -71,6 +78,8 @@ def _show(row: Mapping[str, Any]) -> None:
     out.print(table)
     if len(routes) > LONGEST_TABLE:
         say(f"and {len(routes) - LONGEST_TABLE} robots more; --json tells all")
+    for line in why_so_late(scenario, made.critical_path):
+        out.print(line, markup=False)
 
 
 def _known(row: Mapping[str, Any]) -> str:

@@ -20,6 +20,9 @@ from teamformer.commands.console import (
     print_json,
     say,
 )
+from teamformer.critical_path.of_record import path_of_record
+from teamformer.critical_path.stretches import path_rows
+from teamformer.critical_path.words import why_so_late
 from teamformer.errors import ReaderGoneError, TeamformerError
 from teamformer.export.reasons import story_lines
 from teamformer.mission.rules import rules_not_played
@@ -78,7 +81,8 @@ def run(
     with suppress(ReaderGoneError):  # the record is written all the same
         if as_json:
             row = result_row(trial, best_known=best_known([trial]))
-            told = {} if robot is None else {"story": story}
+            chain = path_rows(trial.replay.mission, path_of_record(trial.replay))
+            told = {"critical_path": chain} | ({} if robot is None else {"story": story})
             print_json(row | told)
         else:
             _show(trial)
@@ -157,6 +161,8 @@ def _show(trial: Trial) -> None:
         out.print(f"late: {task} by {steps:g} steps", markup=False, style="red")
     if lost := _losses(replay):
         out.print(f"lost: {lost}", markup=False, style="red")
+    for line in why_so_late(replay.mission, path_of_record(replay)):
+        out.print(line, markup=False)
     if trial.plan is not None:
         out.print(_improvements(trial.plan))
         out.print(plan_line(trial.plan))

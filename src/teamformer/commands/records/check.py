@@ -7,6 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.commands.console import out, print_json
+from teamformer.critical_path.of_record import path_of_record
+from teamformer.critical_path.stretches import path_rows
+from teamformer.critical_path.words import why_so_late
 from teamformer.errors import TeamformerError
 from teamformer.mission.arrivals import without_arrivals
 from teamformer.model import Scenario
@@ -33,6 +36,7 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
             for how in _differences(without_arrivals(replay.scenario), read_scenario(scenario))
         ]
     claimed = _claims(replay)
+    chain = () if verdict.findings else path_of_record(replay)  # of what really happened
     if as_json:
         print_json(
             {
@@ -42,6 +46,7 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
                 "late": verdict.late,
                 "scenario_compared": scenario is not None,
                 "claimed": claimed,
+                "critical_path": path_rows(replay.mission, chain),
             }
         )
         return 1 if findings else 0
@@ -55,6 +60,8 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
     else:
         ending = f"{tasks} tasks done, {replay.end.status}"
         out.print(f"legal: {steps} steps, {ending}", markup=False, style="green")
+    for line in why_so_late(replay.mission, chain):
+        out.print(line, markup=False)
     against = "" if scenario is None else f"; the scenario is that of {scenario}"
     out.print(f"checked {GUARANTEE}{against}", markup=False, style="dim")
     words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in claimed.items())

@@ -27,6 +27,9 @@ from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.trials.methods import Method, load_method
 from teamformer.whole_files import write_whole
 
+SIMULATORS = ("plant", "noisy", "rps")
+"""Ours, ours with delay and noise, and the official one."""
+
 SEED = 0
 """Of what is deployed: where its robots face at first."""
 
@@ -38,17 +41,15 @@ class FlightOptions:
     method: str | None = None
     seed: int = 0
     simulator: str = "plant"
-    has_noise: bool = False
     folder: Path | None = None
 
 
 def fly(path: Path, options: FlightOptions, as_json: bool) -> int:
     """Fly a mission, write its pictures and show what came of it; return the exit status."""
     scenario = read_scenario(path, find_problems)
-    if options.simulator not in ("plant", "rps"):
-        raise TeamformerError(f"there is no simulator '{options.simulator}'", "use plant or rps")
-    if options.simulator == "rps" and options.has_noise:
-        raise TeamformerError("rps has no noise", "use --simulator plant")
+    if options.simulator not in SIMULATORS:
+        choices = f"use {', '.join(SIMULATORS)}"
+        raise TeamformerError(f"there is no simulator '{options.simulator}'", choices)
     method = _decentralised(options.method, scenario)
     film: Any = None
     if options.folder is not None:
@@ -62,7 +63,7 @@ def fly(path: Path, options: FlightOptions, as_json: bool) -> int:
         method,
         options.seed,
         "rps" if options.simulator == "rps" else "plant",
-        ROUGH if options.has_noise else Weather(),
+        ROUGH if options.simulator == "noisy" else Weather(),
         watch=None if film is None else film.watch,
     )
     if options.folder is not None:

@@ -28,6 +28,7 @@ function lookInto(app) {
     detail: () => app.map.shown.detail,
     groups: () => app.map.shown.groups.map(({ x, y, count }) => ({ x, y, count })),
     told: () => toldOf(app.history),
+    criticalPath: () => criticalPath(app.history),
     bars: (robot) => ganttRow(app, robot),
     curves: () => curvesOf(app.history),
     said: () => app.plots.said(app.player.step),

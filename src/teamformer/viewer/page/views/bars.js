@@ -115,6 +115,7 @@ function describeBar(gantt, robot, step) {
   const done = gantt.deeds[robot].filter((deed) => deed.step > run.from && deed.step <= run.to);
   const deeds = done.map(({ task, step: at }) => `${taskName(scenario, task)} done ${describeWhen(scenario.world, at)}`);
   const name = robotName(scenario, robot);
+  if (isOnPath(gantt, robot, step)) deeds.push("the end hangs on it");
   return [`${name}: ${PHASE_NAMES[PHASES[run.phase]]}${about}, ${from} to ${to}`, ...deeds].join("\n");
 }
 

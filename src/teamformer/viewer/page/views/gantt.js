@@ -137,6 +137,7 @@ class Gantt {
       this.drawRow(ctx, robot, AXIS_HEIGHT + robot * row - this.box.scrollTop, row);
     }
     this.drawAxis(ctx);
+    drawCriticalPath(ctx, this);
     this.drawNow(ctx);
     this.showLegend();
   }
@@ -149,6 +150,7 @@ class Gantt {
     this.shares = phaseShares(history, history.last);
     this.runs = history.scenario.robots.map((_, robot) => phaseRuns(history, robot));
     this.deeds = deedsOfRobots(history);
+    this.path = criticalPath(history);
   }
 
   fit() {
@@ -229,6 +231,9 @@ class Gantt {
       return element("li", {}, dot, `${PHASE_NAMES[name]} ${percent(means[phase])}`);
     });
     const diamond = element("span", { class: "diamond" });
-    byId("phases").replaceChildren(...items, element("li", {}, diamond, "a task done"));
+    items.push(element("li", {}, diamond, "a task done"));
+    const frame = element("span", { class: "frame" });
+    if (this.path.length) items.push(element("li", {}, frame, "what the end hangs on"));
+    byId("phases").replaceChildren(...items);
   }
 }

@@ -1,0 +1,166 @@
+"""Missions with one thing changed: a robot more or less, faster, able to do more; a task less."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from teamformer.critical_path.stretches import Stretch
+from teamformer.errors import ScenarioError
+from teamformer.model import Robot, Scenario, Task
+from teamformer.rules.constants import NOBODY
+
+MORE, FEWER, FASTER, TAUGHT, LEFT_OUT = KINDS = ("more", "fewer", "faster", "taught", "left out")
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of a mission, in words, and the mission with it; None if it is then impossible.
+
+    `robots` and `task` are what it is about, by number; there may be no task.
+    """
+
+    kind: str  # one of KINDS
+    what: str
+    mission: Scenario | None
+    robots: tuple[int, ...] = ()
+    task: int = NOBODY
+
+    def share_of(self, path: Sequence[Stretch]) -> float:
+        """Return for how long a critical path is about its robots or its task."""
+        parts = (s for s in path if s.robot in self.robots or s.task == self.task != NOBODY)
+        return sum(stretch.end - stretch.begin for stretch in parts)
+
+
+def changes_of(mission: Scenario) -> Iterator[Change]:
+    """Yield every change that is measured, in a fixed order.
+
+    One more robot of each kind, where the first of it starts; one fewer, the last of it; each robot
+    at double speed; each capability taught to each kind that lacks it; each task left out. Robots
+    are of one kind if they bring the same and are equally fast.
+    """
+    kinds = _kinds(mission)
+    for robots in kinds:
+        first = mission.robots[robots[0]]
+        yield _change(MORE, f"one more robot like {first.name}", _adding(mission, first), robots)
+    for robots in kinds:
+        name = mission.robots[robots[0]].name
+        what = f"one fewer robot like {name}" if len(robots) > 1 else f"without robot {name}"
+        yield _change(FEWER, what, _without_robot(mission, robots[-1]), robots)
+    for number in _different(mission):
+        what = f"{mission.robots[number].name} at double speed"
+        yield _change(FASTER, what, _faster(mission, number), [number])
+    for robots in kinds:
+        for cap in mission.capabilities:
+            if not mission.robots[robots[0]].can.get(cap):
+                name = mission.robots[robots[0]].name
+                who = f"robots like {name}" if len(robots) > 1 else name
+                what = f"{who} can also {cap}"
+                yield _change(TAUGHT, what, _taught(mission, robots, cap), robots)
+    for number, task in enumerate(mission.tasks):
+        if len(mission.tasks) > 1:
+            left_out = _change(LEFT_OUT, f"without task {task.name}", _without_task(mission, task))
+            yield replace(left_out, task=number)
+
+
+def _change(
+    kind: str, what: str, make: Callable[[], Scenario], robots: Sequence[int] = ()
+) -> Change:
+    """Return a change; one that makes the mission impossible has none."""
+    try:
+        mission = make()
+    except ScenarioError:
+        return Change(kind, what, None, tuple(robots))
+    return Change(kind, what, mission, tuple(robots))
+
+
+def _kinds(mission: Scenario) -> list[list[int]]:
+    """Return the robots of each kind, in order."""
+    kinds: dict[object, list[int]] = {}
+    for number, robot in enumerate(mission.robots):
+        key = (robot.speed, tuple(sorted(robot.can.items())))
+        kinds.setdefault(key, []).append(number)
+    return list(kinds.values())
+
+
+def _different(mission: Scenario) -> list[int]:
+    """Return the robots that differ, by what they are and where they start: the first of equals."""
+    first: dict[object, int] = {}
+    for number, robot in enumerate(mission.robots):
+        key = (robot.speed, tuple(sorted(robot.can.items())), robot.at, robot.absences)
+        first.setdefault(key, number)
+    return list(first.values())
+
+
+def _adding(mission: Scenario, like: Robot) -> Callable[[], Scenario]:
+    names = {robot.name for robot in mission.robots}
+    number = next(n for n in range(2, len(names) + 3) if f"{like.name}-{n}" not in names)
+    new = replace(like, name=f"{like.name}-{number}", absences=())
+    return lambda: replace(mission, robots=(*mission.robots, new), step_limit=0)
+
+
+def _without_robot(mission: Scenario, gone: int) -> Callable[[], Scenario]:
+    def make() -> Scenario:
+        left = [number for number in range(len(mission.robots)) if number != gone]
+        return with_robots(mission, left)
+
+    return make
+
+
+def with_robots(mission: Scenario, chosen: list[int]) -> Scenario:
+    """Return a mission with some of its robots, in another order; teams keep those chosen.
+
+    Raises `ScenarioError` if they cannot do it.
+    """
+    number_of = {robot: number for number, robot in enumerate(chosen)}
+    teams = (tuple(sorted(number_of[r] for r in team if r in number_of)) for team in mission.teams)
+    return replace(
+        mission,
+        robots=tuple(mission.robots[robot] for robot in chosen),
+        teams=tuple(team for team in teams if len(team) > 1),
+        step_limit=0,
+    )
+
+
+def _faster(mission: Scenario, number: int) -> Callable[[], Scenario]:
+    robot = mission.robots[number]
+    return lambda: _with_robot(mission, number, replace(robot, speed=2 * robot.speed))
+
+
+def _with_robot(mission: Scenario, number: int, robot: Robot) -> Scenario:
+    robots = (*mission.robots[:number], robot, *mission.robots[number + 1 :])
+    return replace(mission, robots=robots, step_limit=0)
+
+
+def _taught(mission: Scenario, robots: list[int], cap: str) -> Callable[[], Scenario]:
+    """Teach robots a capability: as much of it as the robot that brings least of it."""
+    brought = [robot.can[cap] for robot in mission.robots if robot.can.get(cap)]
+
+    def make() -> Scenario:
+        taught = [
+            replace(robot, can={**robot.can, cap: min(brought, default=1)})
+            if number in robots
+            else robot
+            for number, robot in enumerate(mission.robots)
+        ]
+        return replace(mission, robots=tuple(taught), step_limit=0)
+
+    return make
+
+
+def _without_task(mission: Scenario, gone: Task) -> Callable[[], Scenario]:
+    """Leave a task out; what was after it is after what that was after."""
+
+    def make() -> Scenario:
+        left = []
+        for task in mission.tasks:
+            if task.name == gone.name:
+                continue
+            after = [name for name in task.after if name != gone.name]
+            if len(after) < len(task.after):
+                after += [name for name in gone.after if name not in after]
+            starts = {name: gap for name, gap in task.starts.items() if name != gone.name}
+            left.append(replace(task, after=tuple(after), starts=starts))
+        return replace(mission, tasks=tuple(left), step_limit=0)
+
+    return make

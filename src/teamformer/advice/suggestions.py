@@ -1,0 +1,106 @@
+"""What was found to help, as it is told: suggestions, the largest gain first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from teamformer.advice.changes import FEWER, Change
+from teamformer.model import Scenario
+from teamformer.viewer.advice_page import advice_page
+from teamformer.viewer.notebook_page import Page
+
+DIGITS = 6
+"""Places after the point that are told of a time."""
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """A change, how long the mission takes with it, and what that wins.
+
+    `makespan` is the median of `searches` searches, `gain` what it is less than without the change,
+    both in the mission's unit of time; for a mission with a cost they are of the cost. Luck alone
+    hardly ever gives a gain above `noise`. `mission` is the changed one.
+    """
+
+    change: str
+    kind: str  # one of `changes.KINDS`
+    makespan: float
+    gain: float
+    noise: float
+    searches: int
+    mission: Scenario
+
+    @property
+    def is_sure(self) -> bool:
+        """Say whether the gain is more than noise."""
+        return self.gain > self.noise
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What would help a mission, the largest gain first.
+
+    `makespan` is the mission's own, the median of so many `searches`, which came to `least` to
+    `most`; `written` is that of the first of them, which takes the file as it is written.
+    `impossible` are the changes with which the mission cannot be done; for `unmeasured` ones there
+    was no time.
+    """
+
+    mission: Scenario
+    method: str
+    makespan: float
+    written: float
+    least: float
+    most: float
+    searches: int
+    suggestions: tuple[Suggestion, ...]
+    impossible: tuple[Change, ...] = ()
+    unmeasured: tuple[Change, ...] = ()
+
+    @property
+    def helpful(self) -> tuple[Suggestion, ...]:
+        """Return the changes that win more than noise."""
+        return tuple(it for it in self.suggestions if it.is_sure)
+
+    @property
+    def spare(self) -> tuple[Suggestion, ...]:
+        """Return the robots without which the mission takes no longer, but for noise."""
+        fewer = (it for it in self.suggestions if it.kind == FEWER)
+        return tuple(it for it in fewer if -it.gain <= it.noise)
+
+    def show(self, height: int = 620) -> Page:
+        """Return a picture of it, a page that a notebook shows in a frame of so many pixels."""
+        return Page(advice_page(self.row), height)
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Return what `teamformer advise --json` prints."""
+        return {
+            "scenario": self.mission.name,
+            "method": self.method,
+            "measure": "makespan" if self.mission.cost is None else "cost",
+            "makespan": _told(self.makespan),
+            "written": _told(self.written),
+            "range": [_told(self.least), _told(self.most)],
+            "searches": self.searches,
+            "advice": [
+                {
+                    "change": it.change,
+                    "kind": it.kind,
+                    "makespan": _told(it.makespan),
+                    "gain": _told(it.gain),
+                    "noise": _told(it.noise),
+                    "sure": it.is_sure,
+                    "searches": it.searches,
+                }
+                for it in self.suggestions
+            ],
+            "impossible": [change.what for change in self.impossible],
+            "unmeasured": [change.what for change in self.unmeasured],
+        }
+
+
+def _told(value: float) -> float:
+    """Return a number as it is told: a whole one without a point."""
+    return int(value) if value == int(value) else round(value, DIGITS)

@@ -1,0 +1,95 @@
+"""`teamformer advise`: what would help most, and who could be spared."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from rich.table import Table
+from rich.text import Text
+
+from teamformer.advice.advise import advise_on
+from teamformer.advice.changes import FEWER
+from teamformer.advice.suggestions import Advice
+from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.console import (
+    Counting,
+    ended_like_ctrl_c,
+    out,
+    prepare_file,
+    print_json,
+    say,
+)
+from teamformer.mission.links import is_linked
+from teamformer.model import Scenario
+from teamformer.planning.continuous.rules import is_compiled
+from teamformer.scenarios.files import read_scenario
+from teamformer.trials.methods import default_for, load_method
+from teamformer.trials.planned import rules_not_planned
+from teamformer.viewer.advice_page import write_advice
+
+SECONDS = 60.0
+"""Processor time that searches may take in all; `tf.advise(mission, seconds=...)` takes longer."""
+
+MOST_LINES = 15
+
+
+def advise(path: Path, page: Path | None, as_json: bool) -> int:
+    """Measure what would help a mission and show it; return the exit status."""
+    mission = read_scenario(path, rules_not_planned)
+    if page is not None:
+        prepare_file(page)
+    _announce(mission)
+    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    with ended_like_ctrl_c(), Counting("searches") as counting:
+        advice = advise_on(mission, SECONDS, workers or 1, counting.update)
+    if page is not None:
+        write_advice(advice.row, page)
+        say(f"page: {page}")
+    if as_json:
+        print_json(advice.row)
+    else:
+        _show(advice)
+    return 0
+
+
+def _announce(mission: Scenario) -> None:
+    """Say what the user has to wait for, and what is measured."""
+    if mission.time != "continuous":
+        announce_compiling([load_method(default_for(mission))], mission)
+        if mission.has_surprises:
+            say("not everything is known: this is measured for what is to be expected")
+    elif not is_compiled(is_linked(mission)):
+        say("compiling the planner, on the first run only (half a minute, more if busy) ...")
+
+
+def _show(advice: Advice) -> None:
+    mission = advice.mission
+    what = "takes" if mission.cost is None else "costs"
+    unit = " steps" if mission.time != "continuous" and mission.cost is None else ""
+    out.print(
+        f"{mission.name}: {what} {advice.makespan:g}{unit} by {advice.method}, the median of "
+        f"{advice.searches} searches ({advice.least:g} to {advice.most:g}); "
+        f"as it is written {advice.written:g}",
+        markup=False,
+    )
+    helpful = advice.helpful
+    table = Table("what would help", what, "gain", "luck up to", box=None, header_style="dim")
+    for it in helpful[:MOST_LINES]:
+        numbers = (f"{it.makespan:g}", f"{it.gain:g}", f"{it.noise:.3g}")
+        table.add_row(Text(it.change), *numbers)
+    out.print(table if helpful else "no change wins more than luck may give")
+    if len(helpful) > MOST_LINES:
+        out.print(f"and {len(helpful) - MOST_LINES} more; --json tells all")
+    for line in _lines_on_sparing(advice):
+        out.print(line, markup=False)
+    if advice.unmeasured:
+        say(f"there was no time for {len(advice.unmeasured)} changes; tf.advise takes longer")
+
+
+def _lines_on_sparing(advice: Advice) -> list[str]:
+    """Return who could be spared, and who could not."""
+    spare = [f"{it.change} {it.makespan:g}" for it in advice.spare]
+    needed = [change.what for change in advice.impossible if change.kind == FEWER]
+    lines = [f"could be spared: {', '.join(spare) or 'nobody'}"]
+    return lines + ([f"impossible: {', '.join(needed)}"] if needed else [])

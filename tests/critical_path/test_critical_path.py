@@ -1,0 +1,230 @@
+"""Critical paths: by hand in small missions, and what holds for the path of any mission."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import teamformer as tf
+from random_worlds import random_world, with_precedence_and_windows, with_surprises
+from small_worlds import make, robot, task
+from teamformer.critical_path.of_plan import path_of_plan
+from teamformer.critical_path.of_record import path_of_record
+from teamformer.critical_path.stretches import Stretch, path_rows
+from teamformer.critical_path.words import why_so_late
+from teamformer.export.moments import moments
+from teamformer.model import Absence, Scenario
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.routes import MissionPlan
+from teamformer.planning.continuous.rules import plan_continuous
+from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.record import Replay
+from teamformer.trials.methods import load_method
+from teamformer.trials.trial import run_trial
+
+
+def played(mission: Scenario, method: str = "plan", seed: int = 0) -> Replay:
+    return run_trial(mission, load_method(method), seed).replay
+
+
+def planned(mission: Scenario) -> MissionPlan:
+    made = plan_continuous(pose_mission(mission), "plan", 0.1)
+    assert made is not None
+    return made
+
+
+def told(path: tuple[Stretch, ...]) -> list[tuple[Any, ...]]:
+    return [(s.begin, s.end, s.doing, s.robot, s.task) for s in path]
+
+
+def test_the_path_leads_over_who_comes_last() -> None:
+    """Robot a is at the task after 2 steps and waits; b takes 9, then they form and serve 3."""
+    mission = make([robot("a", 0), robot("b", 11)], [task("ab", 2, duration=3)])
+    assert told(path_of_record(played(mission))) == [
+        (0, 9, "walking", 1, 0),
+        (9, 10, "forming", 1, 0),
+        (10, 13, "serving", 1, 0),
+    ]
+
+
+def test_the_path_goes_back_through_tasks() -> None:
+    """Robot a does t0 in 4 steps and 2 of work; b waits for it at t1, 6 on, where they form."""
+    mission = make([robot("a", 0), robot("b", 10)], [task("a", 4, duration=2), task("ab", 10)])
+    assert told(path_of_record(played(mission))) == [
+        (0, 4, "walking", 0, 0),
+        (4, 6, "serving", 0, 0),
+        (6, 12, "walking", 0, 1),
+        (12, 13, "forming", 0, 1),
+    ]
+
+
+def test_where_robots_wait_for_a_task_to_become_known_the_path_ends() -> None:
+    """The robot stands where t1 appears after 20 steps, and does it in the next one."""
+    mission = make([robot("a", 0)], [task("a", 5), task("a", 5, appears=20)])
+    assert told(path_of_record(played(mission))) == [
+        (0, 20, "unknown", NOBODY, 1),
+        (20, 21, "waiting", 0, 1),
+    ]
+
+
+def test_the_path_goes_on_with_the_task_that_another_is_after() -> None:
+    """Robot b is at t1 after 2 steps, which may begin when a has done t0: 6 steps and 3 of work."""
+    mission = make([robot("a", 0), robot("b", 10)], [task("a", 6, duration=3), task("b", 12)])
+    mission = replace(mission, tasks=(mission.tasks[0], replace(mission.tasks[1], after=("t0",))))
+    path = told(path_of_record(played(mission)))
+    assert path[:2] == [(0, 6, "walking", 0, 0), (6, 9, "serving", 0, 0)]
+    assert [row[1] for row in path[2:]][-1] == played(mission).end.makespan
+    assert {row[3] for row in path[2:]} == {1}
+
+
+def test_a_window_that_opens_late_is_the_reason() -> None:
+    mission = make([robot("a", 0)], [task("a", 3)])
+    mission = replace(mission, tasks=(replace(mission.tasks[0], between=(10, 20)),))
+    path = told(path_of_record(played(mission)))
+    assert path[0] == (0, 10, "closed", NOBODY, 0)
+
+
+def test_who_was_lost_holds_up_the_others() -> None:
+    """Both are needed; b walks 3 of its 9 cells, is lost in step 3 and there again in step 12."""
+    away = replace(robot("b", 11), absences=(Absence(3, 12),))
+    mission = make([robot("a", 0), away], [task("ab", 2)])
+    mission = replace(mission, robots=(mission.robots[0], replace(away, name="r1")))
+    path = told(path_of_record(played(mission)))
+    assert (2, 12, "lost", 1, NOBODY) in path
+    assert path[-2:] == [(12, 18, "walking", 1, 0), (18, 19, "forming", 1, 0)]
+
+
+def test_there_is_no_path_to_an_end_that_was_not_reached() -> None:
+    mission = make([robot("a", 0, lost=2)], [task("a", 5)])
+    assert path_of_record(played(mission)) == ()
+    assert why_so_late(mission, ()) == []
+
+
+def test_in_words_and_rows() -> None:
+    mission = make([robot("a", 0), robot("b", 10)], [task("a", 4, duration=2), task("ab", 10)])
+    path = path_of_record(played(mission))
+    assert why_so_late(mission, path) == [
+        "why so late: 13 steps are 10 walking, 1 forming, 2 serving",
+        "  0-6: t0: r0 walks 4, serves 2",
+        "  6-13: t1: r0 walks 6, forms a team 1",
+    ]
+    assert path_rows(mission, path)[0] == {
+        "from": 0,
+        "to": 4,
+        "doing": "walking",
+        "robot": "r0",
+        "task": "t0",
+    }
+
+
+def continuous(mission: Scenario, **rules: Any) -> Scenario:
+    return replace(mission, time="continuous", **rules)
+
+
+def test_in_continuous_time_the_last_to_arrive_counts_and_the_way_home() -> None:
+    """Robot b takes 9 at half speed: 18, then 2.5 to form and 3 of work, and 18 back."""
+    mission = make([robot("a", 0), robot("b", 11, speed=0.5)], [task("ab", 2, duration=3)])
+    mission = continuous(mission, forming=2.5, ends="home")
+    assert told(path_of_plan(mission, planned(mission))) == [
+        (0, 18, "walking", 1, 0),
+        (18, 20.5, "forming", 1, 0),
+        (20.5, 23.5, "serving", 1, 0),
+        (23.5, 41.5, "walking", 1, NOBODY),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("second", "path"),
+    [
+        ({"after": ("t0",)}, [(0, 6, "walking", 0, 0), (6, 9, "serving", 0, 0)]),
+        ({"between": (9.0, 30.0)}, [(0, 9, "closed", NOBODY, 1)]),
+        ({"appears": 9}, [(0, 9, "unknown", NOBODY, 1)]),
+        ({"starts": {"t0": (3.0, 5.0)}}, [(0, 6, "walking", 0, 0), (6, 9, "linked", NOBODY, 0)]),
+    ],
+)
+def test_in_continuous_time_a_task_may_have_to_wait(second: Any, path: Any) -> None:
+    """Robot b is at t1 after 2 and may begin at 9: t0 takes robot a 6 and 3 of work."""
+    mission = make([robot("a", 0), robot("b", 10)], [task("a", 6, duration=3), task("b", 12)])
+    later = replace(mission.tasks[1], duration=4, **second)
+    mission = continuous(replace(mission, tasks=(mission.tasks[0], later)))
+    assert told(path_of_plan(mission, planned(mission))) == [*path, (9, 13, "serving", 1, 1)]
+
+
+def test_a_task_that_must_not_start_too_long_before_another_waits_for_it() -> None:
+    """t1 starts at 15, when robot b is there; t0 at most 2 before that, so at 13, and takes 10."""
+    mission = make([robot("a", 0), robot("b", 0)], [task("a", 6, duration=10), task("b", 15)])
+    later = replace(mission.tasks[1], starts={"t0": (0.0, 2.0)})
+    mission = continuous(replace(mission, tasks=(mission.tasks[0], later)))
+    assert told(path_of_plan(mission, planned(mission))) == [
+        (0, 15, "walking", 1, 1),
+        (15, 13, "linked", NOBODY, 1),
+        (13, 23, "serving", 0, 0),
+    ]
+
+
+METHODS = ("plan", "crews", "heuristic", "join-all", "teamformer")
+
+
+def random_mission(seed: int) -> Scenario:
+    """Return a mission with everything in it, on a plane every third time."""
+    rng = np.random.default_rng(seed)
+    mission = random_world(rng, is_plane=seed % 3 == 0)
+    mission = with_precedence_and_windows(mission, rng) if seed % 2 else mission
+    return with_surprises(mission, rng) if seed % 5 == 0 else mission
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_stretches_add_up_and_tell_what_the_record_tells(method: str) -> None:
+    """Held against `moments`, which goes through records in a way of its own."""
+    completed = 0
+    for seed in range(20):
+        replay = played(random_mission(seed), method, seed)
+        path = path_of_record(replay)
+        if replay.end.makespan is None:
+            assert path == ()
+            continue
+        completed += 1
+        assert sum(stretch.end - stretch.begin for stretch in path) == replay.end.makespan
+        assert [0, *(s.end for s in path)] == [*(s.begin for s in path), replay.end.makespan]
+        seen = list(moments(replay))
+        for stretch in path:
+            if stretch.robot == NOBODY:
+                assert stretch.begin == 0
+                assert stretch.doing in ("unknown", "closed")
+                continue
+            for step in range(int(stretch.begin) + 1, int(stretch.end) + 1):
+                shown = seen[step].phase[stretch.robot]
+                if shown == "forming" and stretch.doing == "serving":
+                    continue  # others come or leave while it serves
+                assert shown == stretch.doing, (seed, stretch, step)
+    assert completed > 10
+
+
+def test_in_continuous_time_the_stretches_add_up_and_tell_what_the_plan_tells() -> None:
+    for seed in range(25):
+        mission = tf.generate(seed, robots=5, tasks=8, capabilities=3, world=tf.Grid(12, 12))
+        rng = np.random.default_rng(seed)
+        mission = with_precedence_and_windows(mission, rng)
+        tasks = tuple(replace(t, duration=float(rng.integers(5)) / 4) for t in mission.tasks)
+        forming, ends = float(rng.integers(3)) / 2, (None, "home")[seed % 2]
+        mission = continuous(mission, tasks=tasks, forming=forming, ends=ends)
+        made = planned(mission)
+        path = path_of_plan(mission, made)
+        assert path[0].begin == 0
+        assert path[-1].end == made.makespan
+        assert all(one.end == other.begin for one, other in pairwise(path))
+        stops = {(r.robot, s.task): s for r in made.routes for s in r.stops}
+        for stretch in path:
+            if stretch.doing == "serving":
+                stop = stops[stretch.robot, stretch.task]
+                assert (stop.start, stop.end) == (stretch.begin, stretch.end)
+            elif stretch.doing == "walking" and stretch.task != NOBODY:
+                assert stops[stretch.robot, stretch.task].arrive == stretch.end
+            elif stretch.doing == "forming":
+                assert stretch.end - stretch.begin == pytest.approx(mission.forming)
+            else:
+                assert stretch.doing in ("walking", "closed", "unknown"), stretch

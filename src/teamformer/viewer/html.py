@@ -31,7 +31,7 @@ SCRIPTS = (
         "views/table",
         "views/plots",
     ),
-    *("player", "companion", "app", "look"),
+    *("views/plots", "player", "companion", "app", "look"),
 )
 """The scripts of every page in the order in which they are put together."""
 

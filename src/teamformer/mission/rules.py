@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
 from teamformer.mission.links import find_link_problems, find_links
+from teamformer.mission.loads import rules_without_loads
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
@@ -36,6 +37,7 @@ def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
     yield from _problems_of_end(scenario)
     if scenario.time == "continuous":
         yield from _problems_of_losses(scenario)
+        yield from rules_without_loads(scenario, "robots in continuous time")
     yield from _problems_of_times(scenario)
     yield from _problems_of_precedence(scenario)
     yield from find_link_problems(scenario)
@@ -83,6 +85,7 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
     Robots that are processes of their own, or stand in an arena, refuse such missions.
     """
     yield from rules_of_sure_missions(scenario)
+    yield from rules_without_loads(scenario, "a fleet or the Robotarium")
     for number, task in enumerate(scenario.tasks):
         for key in ("after", "between"):
             if getattr(task, key):

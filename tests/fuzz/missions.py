@@ -61,8 +61,8 @@ def missions(
 ) -> Tree:
     """Return a mission in steps.
 
-    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between` and `to`, so
-    that fleets of processes can do it. One that `is_tiny` has two robots and tasks at most.
+    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between` and loads,
+    so that fleets of processes can do it. One that `is_tiny` has two robots and tasks at most.
     """
     most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
     is_sure = is_sure or is_plain or pick(draw, (True, False, False))
@@ -115,6 +115,7 @@ def continuous_missions(
             task["duration"] = pick(draw, TIMES)
         if now_and_then(draw):
             task["appears"] = pick(draw, (3, 0, 9))
+    _write_loads(draw, world, tasks)
     _write_windows(draw, tasks, can_be_short=False)
     group_of = _write_links(draw, tasks, fleet)
     _write_precedence(draw, tasks, group_of)

@@ -58,5 +58,3 @@ def test_robots_that_cannot_carry_yet_say_so(tmp_path: Path) -> None:
         "task 'crate' has a load, which a fleet or the Robotarium cannot carry yet; "
         "drop to and unload, or use `teamformer run`, `compare` or `live`"
     )
-    with pytest.raises(ScenarioError, match="robots in continuous time cannot carry yet"):
-        read(tmp_path, MISSION.replace("[5, 0]", "[0, 1]") + "time: continuous\n")

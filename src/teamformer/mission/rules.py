@@ -37,7 +37,6 @@ def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
     yield from _problems_of_end(scenario)
     if scenario.time == "continuous":
         yield from _problems_of_losses(scenario)
-        yield from rules_without_loads(scenario, "robots in continuous time")
     yield from _problems_of_times(scenario)
     yield from _problems_of_precedence(scenario)
     yield from find_link_problems(scenario)

@@ -21,6 +21,7 @@ class Clock:
     """Robots on their ways from task to task.
 
     `ways` is (paces, places, tasks); `site` (places,) is the same for places at one position.
+    `carry` (paces, tasks) is how long loads are carried.
     """
 
     def __init__(
@@ -30,8 +31,10 @@ class Clock:
         pace: npt.NDArray[np.int64],
         origin: npt.NDArray[np.int64],
         site: npt.NDArray[np.int32],
+        carry: Times,
     ) -> None:
         self._scenario, self._ways, self._pace, self._site = scenario, ways, pace, site
+        self._carry = carry
         self._number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
         self.at, self.free = origin.copy(), np.zeros(len(origin))
         self.start: dict[int, float] = {}
@@ -45,7 +48,9 @@ class Clock:
         self._keep_gaps(tasks)
         for task, arrive in zip(tasks, arrivals, strict=True):
             coalition = plan.coalition[task, : plan.size[task]]
-            self.end[task] = self.start[task] + self._scenario.tasks[task].duration
+            wanted, slowest = self._scenario.tasks[task], self._pace[coalition].min()
+            takes = wanted.duration + float(self._carry[slowest, task]) + wanted.unload
+            self.end[task] = self.start[task] + takes
             for robot, when in zip(coalition.tolist(), arrive.tolist(), strict=True):
                 self.stops[robot].append(Stop(task, when, self.start[task], self.end[task]))
             self.at[coalition], self.free[coalition] = task, self.end[task]

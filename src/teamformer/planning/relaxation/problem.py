@@ -101,7 +101,7 @@ def relax_ways(
     cells = np.ascontiguousarray(np.minimum(cells, no_way))
     carry = np.ascontiguousarray(cells.diagonal())
     np.fill_diagonal(cells, 0)  # which is not the way from a task's end to its beginning
-    quickest = steps[[_fastest(counts, pace, need) for need in needs], carry]
+    quickest = steps[[fastest_pace(counts, pace, need) for need in needs], carry]
     duration = np.array([task.duration + task.unload for task in tasks], np.int32)
     return Relaxed(
         cells=cells,
@@ -120,7 +120,7 @@ def relax_ways(
     )
 
 
-def _fastest(counts: Whole, pace: npt.NDArray[np.intp], need: Whole) -> int:
+def fastest_pace(counts: Whole, pace: npt.NDArray[np.intp], need: Whole) -> int:
     """Return the pace at which a team goes at most that has what is needed; 0 if none has it."""
     paces = range(int(pace.max()), 0, -1)
     return next((p for p in paces if (counts[pace >= p].sum(axis=0) >= need).all()), 0)

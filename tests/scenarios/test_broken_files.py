@@ -40,6 +40,10 @@ def problems_of(folder: Path, text: str | bytes, name: str = "case.yaml") -> lis
 
 NEEDS = "needs: [lift, scan]"
 PLACES = GOOD[GOOD.index("{grid") : GOOD.index("at: [3, 2]")]
+WORLD_AND_TASKS = GOOD[GOOD.index("world") : GOOD.index("sensing")]
+WALLED_IN = WORLD_AND_TASKS.replace("world: {grid: [4, 3]}", CLOSED_IN).replace(
+    "at: [3, 2]", "at: [0, 2], to: [3, 2]"
+)
 
 CASES = [
     # time, end, precedence and windows
@@ -58,6 +62,9 @@ CASES = [
     ("scan]}\nsens", "scan]}\n  - {name: y, at: [0, 0], needs: [lift], starts: {x: [4, 3]}}\nsens",
      10, "task 'y' starts 4 to 3 after 'x'; use [least, most], 0 or more and in this order"),
     # loads
+    (WORLD_AND_TASKS, WALLED_IN, 13,
+     "nobody can bring the load of task 'x' from [0, 2] to [3, 2]: no way leads there"),
+    (NEEDS, f"{NEEDS}, to: [9, 9]", 9, "the load of task 'x' is brought to [9, 9], outside"),
     (NEEDS, f"{NEEDS}, unload: 2", 9, "task 'x' has unload 2 but nothing to carry; add to: [x, y]"),
     (NEEDS, f"{NEEDS}, to: [4, 2]", 9,
      "the load of task 'x' is brought to [4, 2], outside the map; x goes from 0 to 3"),

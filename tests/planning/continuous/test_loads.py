@@ -1,4 +1,4 @@
-"""Loads in continuous time: they go as fast as their slowest carrier, and robots go on from there."""
+"""Loads in continuous time: as fast as their slowest carrier, who goes on from where they are."""
 
 from __future__ import annotations
 

@@ -147,3 +147,13 @@ def test_nobody_takes_up_a_load_in_passing_and_nobody_with_a_load_does_anything_
         env.step(env.planned_decision(env.view()))
     # far in step 5; crate: there in 7, back at 0 in 10; tile: passed in 9, and done in 11
     assert env.worlds.tasks[0]["done_at"].tolist() == [5, 10, 11]
+
+
+def test_views_tell_where_loads_are_brought() -> None:
+    lamp = Task("lamp", (2, 3), {"lift": 1})
+    scenario = piano()
+    env = TeamFormation([replace(scenario, tasks=(*scenario.tasks, lamp), step_limit=0)])
+    view = env.view()
+    row = dict(zip(view.task_number[0].tolist(), view.task_to_place[0].tolist(), strict=True))
+    assert row == {0: [9, 2], 1: [2, 3]}
+    assert TeamFormation([replace(scenario, tasks=(lamp,))]).view().task_to_place.size == 0

@@ -361,7 +361,7 @@ def test_incidents_make_sure_what_was_not() -> None:
 
 
 def test_a_load_on_its_way_is_set_down_by_an_incident_and_the_forecast_is_what_comes() -> None:
-    """Three of five robots have the upright up; one of them is lost, and another takes its place."""
+    """Three of five robots have the upright up; one is lost, and another takes its place."""
     run = mission("piano", "plan")
     while run.steps < 85:
         run.step()

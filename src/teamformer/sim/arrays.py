@@ -190,8 +190,8 @@ class Worlds(NamedTuple):
     demand: Array  # (worlds, caps) open tasks that need each capability
     order: Array  # (worlds, tasks) open tasks in order, the first count.open of them
     blocked: Array  # (worlds, height, width), or (worlds, 0, 0) if no world has walls
-    fields: Array  # (worlds, tasks, height, width) distances to tasks, or (worlds, 0, 0, 0)
-    to_fields: Array  # the same: to where loads are brought, or (worlds, 0, 0, 0) without loads
+    fields: Array  # (worlds, tasks, height, width) distances to tasks, or (worlds, 0, 0, 0);
+    # with loads twice as many rows: then come the distances to where each is brought
     near: Array  # (worlds, robots) teams found nearby
     near_key: Array  # (worlds, robots) what these are sorted by
     room: Array  # (worlds, caps) what still fits into a split
@@ -223,7 +223,6 @@ if TYPE_CHECKING:
         order: Array
         blocked: Array
         fields: Array
-        to_fields: Array
         near: Array
         near_key: Array
         room: Array
@@ -258,7 +257,6 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.order[w],
         worlds.blocked[w],
         worlds.fields[w],
-        worlds.to_fields[w],
         worlds.near[w],
         worlds.near_key[w],
         worlds.room[w],

@@ -63,7 +63,7 @@ def _steps_to_go(world: World, team: int, task: int) -> int:
     if world.rules.is_plane:
         to_go = np.sqrt(away_x * away_x + away_y * away_y) - world.rules.arrival_radius
     elif world.rules.has_walls:
-        to_go = np.float64(world.to_fields[task, int(y), int(x)])
+        to_go = np.float64(world.fields[len(world.tasks) + task, int(y), int(x)])
     else:
         to_go = away_x + away_y
     to_go -= world.teams[team].credit
@@ -95,5 +95,5 @@ def place_loads(world: World, step: int) -> None:
             if world.rules.has_walls:
                 for row in range(world.fields.shape[1]):
                     for column in range(world.fields.shape[2]):
-                        field = world.to_fields[task, row, column]
-                        world.fields[task, row, column] = field
+                        there = world.fields[len(world.tasks) + task, row, column]
+                        world.fields[task, row, column] = there

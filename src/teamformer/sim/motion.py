@@ -40,7 +40,7 @@ def move_teams(world: World) -> None:
 def _can_walk(world: World, team: int) -> bool:
     if world.teams[team].size == 0:
         return False
-    if world.teams[team].serves > 0 and not is_carrying(world, team):
+    if world.teams[team].serves > 0 and not (world.rules.has_loads and is_carrying(world, team)):
         return False
     if world.rules.has_delays and world.teams[team].is_delayed:
         return False

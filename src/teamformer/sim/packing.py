@@ -54,7 +54,7 @@ def pack_worlds(
         if isinstance(scenario.world, Grid) and scenario.world.rows:
             places = [believed_place(scenario.world, task) for task in scenario.tasks]
             _pack_map(worlds, w, scenario.world, places)
-            if len(worlds.to_fields[w]):
+            if worlds.rules["has_loads"][w]:
                 _pack_ways_of_loads(worlds, w, scenario.world, scenario.tasks)
     return worlds
 
@@ -75,7 +75,7 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
     spots = (count, tasks, max(map(_most_places, scenarios))) if hides_places else (count, 0, 0)
     walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
     has_loads = any(task.to is not None for s in scenarios for task in s.tasks)
-    to_walls = (tasks, *walls) if has_loads and walls[0] else (0, 0, 0)
+    fields = tasks * (2 if has_loads else 1) if walls[0] else 0
     worlds = Worlds(
         rules=np.zeros(count, dtype=RULES),
         count=np.zeros(count, dtype=COUNT),
@@ -96,8 +96,7 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
         demand=np.zeros((count, caps), dtype=np.int32),
         order=np.full((count, tasks), NOBODY, dtype=np.int32),
         blocked=np.ones((count, *walls), dtype=np.bool_),
-        fields=np.full((count, tasks if walls[0] else 0, *walls), UNREACHABLE, dtype=np.int32),
-        to_fields=np.full((count, *to_walls), UNREACHABLE, dtype=np.int32),
+        fields=np.full((count, fields, *walls), UNREACHABLE, dtype=np.int32),
         near=np.zeros((count, robots), dtype=np.int32),
         near_key=np.zeros((count, robots), dtype=np.int64),
         room=np.zeros((count, caps), dtype=np.int32),
@@ -271,5 +270,6 @@ def _pack_ways_of_loads(worlds: Worlds, w: int, grid: Grid, tasks: Sequence[Task
     """Write down how far it is from everywhere to where each load is brought."""
     for number, task in enumerate(tasks):
         if task.to is not None:
-            field = worlds.to_fields[w, number, : grid.height, : grid.width]
+            row = worlds.tasks.shape[1] + number
+            field = worlds.fields[w, row, : grid.height, : grid.width]
             field[:] = distance_fields(grid, [task.to])[0]

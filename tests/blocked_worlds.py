@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from random_worlds import random_decision, random_world
+from random_worlds import random_decision, random_world, with_loads
 from teamformer.model import Scenario
 from teamformer.sim.env import TeamFormation
 from teamformer.trials.methods import Player, as_method
 from teamformer.trials.trial import decide
 
 
-def blocked_worlds(player: Player, count: int, seed: int, is_plane: bool = False) -> list[Scenario]:
+def blocked_worlds(
+    player: Player, count: int, seed: int, is_plane: bool = False, have_loads: bool = False
+) -> list[Scenario]:
     """Return the worlds, of many in which anything may have happened before, that do not end."""
     rng = np.random.default_rng(seed)
     method, blocked = as_method(player), []
     together = min(count, 500)
     for _ in range(count // together):
         worlds = [random_world(rng, is_plane=is_plane) for _ in range(together)]
+        worlds = [with_loads(world, rng) for world in worlds] if have_loads else worlds
         env = TeamFormation(worlds, coordinator=method.coordinator)
         for _ in range(int(rng.integers(0, 25))):
             if env.is_running.any():

@@ -103,6 +103,18 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     return replace(scenario, tasks=tuple(tasks), robots=robots, **rules)
 
 
+def with_loads(scenario: Scenario, rng: np.random.Generator) -> Scenario:
+    """Return a scenario in which most tasks are carried to where another thing is, or begins."""
+    world, tasks = scenario.world, list[Task]()
+    places = [thing.at for thing in (*scenario.tasks, *scenario.robots)]
+    for task in scenario.tasks:
+        near = [place for place in places if world.region(place) == world.region(task.at)]
+        to = near[rng.integers(len(near))] if rng.random() < 0.7 else None
+        unload = int(rng.choice([0, 0, 1, 3])) if to is not None else 0
+        tasks.append(replace(task, to=to, unload=unload))
+    return replace(scenario, tasks=tuple(tasks), step_limit=0)
+
+
 def with_precedence_and_windows(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     """Return a scenario in which some tasks come after others, and some have to wait."""
     tasks: list[Task] = []

@@ -42,7 +42,7 @@ class Known:
     mission: Scenario
     step: int  # steps made
     open_tasks: tuple[int, ...]  # known, not done and not being served
-    places: tuple[Place, ...]  # of every robot; of lost ones any
+    places: tuple[Place, ...]  # of every robot, once it is free; of lost ones any
     teams: tuple[tuple[int, ...], ...]  # who is with whom; a robot in no team is lost
     free_at: tuple[int, ...]  # the step from which each robot is free: `step` or its service's end
     unseen_needs: frozenset[int] = frozenset()  # tasks of which nobody knows all needs

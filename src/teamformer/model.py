@@ -133,6 +133,9 @@ class Task:
     ends later is late. In continuous time durations may be fractions, and `starts` links tasks:
     this one starts so long after another does, at least and at most, done by other robots.
 
+    A task with `to` has a load. The team takes it up at `at`, which takes `duration` steps, carries
+    it `to` there as one, and stays `unload` steps; then the task is done.
+
     What is not known beforehand: `lasts` holds the least and the most steps that it may take, each
     number between them as likely as any other; `duration` is then what to expect. `may_need` says
     with what probability one more of a capability is needed. `within` says how far from `at` it may
@@ -148,6 +151,8 @@ class Task:
     after: tuple[str, ...] = ()
     between: tuple[float, float] | None = None
     starts: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    to: Place | None = None
+    unload: float = 0
     lasts: tuple[int, int] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
@@ -259,6 +264,7 @@ class Scenario:
 def default_step_limit(scenario: Scenario) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 
+    Four more are added for each load.
     They are walked by the slowest robot, in a team of all where robots are delayed, and as rarely
     as the one is there that breaks down most. A step for each robot and walk, for forming, every
     duration, every repair and the latest arrival are added; and where a task is to be looked for, a
@@ -280,8 +286,9 @@ def default_step_limit(scenario: Scenario) -> int:
         mean, until = scenario.arrivals.rate * scenario.arrivals.until, scenario.arrivals.until
         count += min(until, math.ceil(2 * mean) + MORE_ARRIVALS)
         latest = max(latest, until)
-    walks = (4 * (count + 1) + looks) * _longest_walk(scenario)
-    waits = sum(task.longest for task in scenario.tasks)
+    loads = sum(task.to is not None for task in scenario.tasks)
+    walks = (4 * (count + loads + 1) + looks) * _longest_walk(scenario)
+    waits = sum(task.longest + task.unload for task in scenario.tasks)
     waits += sum(r.breaks.repair[1] for r in scenario.robots if r.breaks and r.breaks.repair)
     if scenario.arrivals is not None:
         waits += (count - len(scenario.tasks)) * scenario.arrivals.duration

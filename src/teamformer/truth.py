@@ -114,7 +114,7 @@ def believed_mission(
     `places` says where tasks are believed to be; left out, it is where they are before anybody has
     looked. Durations and speeds are what to expect; nobody breaks down, and no more tasks appear.
     """
-    if not scenario.has_surprises:
+    if not scenario.has_surprises and not places:
         return scenario
     places = places or {}
     tasks = (

@@ -61,8 +61,8 @@ def missions(
 ) -> Tree:
     """Return a mission in steps.
 
-    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after` and `between`, so
-    that fleets of processes can do it. One that `is_tiny` has two robots and tasks at most.
+    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between` and loads,
+    so that fleets of processes can do it. One that `is_tiny` has two robots and tasks at most.
     """
     most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
     is_sure = is_sure or is_plain or pick(draw, (True, False, False))
@@ -81,6 +81,8 @@ def missions(
         if not is_sure:
             _write_surprises_of_task(draw, world, fleet, task)
     if not is_plain:
+        if not is_tiny:  # `plain_search` plays no loads
+            _write_loads(draw, world, tasks)
         _write_windows(draw, tasks, can_be_short=True)
         _write_precedence(draw, tasks, range(len(tasks)))
     tree = _write(draw, world, caps, fleet.robots, tasks)
@@ -114,6 +116,7 @@ def continuous_missions(
             task["duration"] = pick(draw, TIMES)
         if now_and_then(draw):
             task["appears"] = pick(draw, (3, 0, 9))
+    _write_loads(draw, world, tasks)
     _write_windows(draw, tasks, can_be_short=False)
     group_of = _write_links(draw, tasks, fleet)
     _write_precedence(draw, tasks, group_of)
@@ -220,6 +223,22 @@ def _part_around(world: Drawn, at: Place, within: float) -> int | None:
         if (place[0] - at[0]) ** 2 + (place[1] - at[1]) ** 2 <= within**2
     }
     return near.pop() if len(near) == 1 else None
+
+
+def _write_loads(draw: st.DrawFn, world: Drawn, tasks: Sequence[Tree]) -> None:
+    """Say where some tasks are brought, and how long that takes there."""
+    for task in tasks:
+        part = _part_of(world, task)
+        near = [place for place in world.places if world.part(place) == part]
+        if near and now_and_then(draw):
+            task["to"] = pick(draw, near)
+            if now_and_then(draw, 2):
+                task["unload"] = pick(draw, (1, 0, 4))
+
+
+def _part_of(world: Drawn, task: Tree) -> int | None:
+    """Return the part of the map that a task lies in; None if it may lie in several."""
+    return _part_around(world, task["at"], task.get("within", 0))
 
 
 def _write_windows(draw: st.DrawFn, tasks: Sequence[Tree], can_be_short: bool) -> None:

@@ -24,6 +24,7 @@ class Times:
     """When tasks start, when each robot is back, and what of it costs something."""
 
     start: list[float]
+    takes: list[float]  # how long each task does
     back: list[float]
     travel: float
     late: dict[int, float]
@@ -62,23 +63,39 @@ class Ways:
         return field
 
 
+def _end_of(scenario: Scenario, task: int) -> Place:
+    """Return where robots are once they have done a task."""
+    wanted = scenario.tasks[task]
+    return wanted.at if wanted.to is None else wanted.to
+
+
+def _takes(scenario: Scenario, task: int, crew: Sequence[int], ways: Ways) -> float:
+    """Return how long robots take for a task: a load goes as fast as its slowest carrier."""
+    wanted = scenario.tasks[task]
+    if wanted.to is None:
+        return wanted.duration
+    carried = [ways.time(scenario.robots[robot], wanted.at, wanted.to) for robot in crew]
+    return wanted.duration + max(carried, default=0.0) + wanted.unload
+
+
 def times_of(scenario: Scenario, routes: Routes, ways: Ways) -> Times | None:
     """Return the times of a plan; None if robots wait for one another for ever."""
     tasks, robots = scenario.tasks, scenario.robots
     number_of = {task.name: number for number, task in enumerate(tasks)}
     crews = [[r for r, route in enumerate(routes) if k in route] for k in range(len(tasks))]
+    takes = [_takes(scenario, k, crew, ways) for k, crew in enumerate(crews)]
     begun = [max(float(t.appears), t.between[0] if t.between else 0.0) for t in tasks]
     last = [[None, *route] for route in routes]
     least: list[tuple[int | None, int, float]] = []  # (k, l, t): l starts t after k does, or t
     for k, crew in enumerate(crews):
         came = {r: last[r][routes[r].index(k)] for r in crew}
-        at = {robots[r].at if one is None else tasks[one].at for r, one in came.items()}
+        at = {robots[r].at if one is None else _end_of(scenario, one) for r, one in came.items()}
         forming = scenario.forming if len(at) > 1 else 0.0
         for r, one in came.items():
-            here = robots[r].at if one is None else tasks[one].at
-            busy = 0.0 if one is None else tasks[one].duration
+            here = robots[r].at if one is None else _end_of(scenario, one)
+            busy = 0.0 if one is None else takes[one]
             least.append((one, k, busy + ways.time(robots[r], here, tasks[k].at) + forming))
-        least += [(number_of[o], k, tasks[number_of[o]].duration) for o in tasks[k].after]
+        least += [(number_of[o], k, takes[number_of[o]]) for o in tasks[k].after]
         for name, (soonest, latest) in tasks[k].starts.items():
             least += [(number_of[name], k, soonest), (k, number_of[name], -latest)]
     for _ in range(len(tasks) + 1):
@@ -86,22 +103,24 @@ def times_of(scenario: Scenario, routes: Routes, ways: Ways) -> Times | None:
         for one, k, wait in least:
             begun[k] = max(begun[k], wait + (0.0 if one is None else begun[one]))
         if begun == before:
-            return _told(scenario, routes, ways, begun)
+            return _told(scenario, routes, ways, begun, takes)
     return None
 
 
-def _told(scenario: Scenario, routes: Routes, ways: Ways, start: list[float]) -> Times:
+def _told(
+    scenario: Scenario, routes: Routes, ways: Ways, start: list[float], takes: list[float]
+) -> Times:
     tasks = scenario.tasks
     back, travel = [], 0.0
     for robot, route in zip(scenario.robots, routes, strict=True):
         at, free = robot.at, 0.0
         for k in route:
             travel += ways.time(robot, at, tasks[k].at)
-            at, free = tasks[k].at, start[k] + tasks[k].duration
+            at, free = _end_of(scenario, k), start[k] + takes[k]
         end = robot.at if scenario.ends == "home" else scenario.ends or at
         home = ways.time(robot, at, end)
         travel, back = travel + home, [*back, free + home]
-    over = {k: start[k] + t.duration - t.between[1] for k, t in enumerate(tasks) if t.between}
+    over = {k: start[k] + takes[k] - t.between[1] for k, t in enumerate(tasks) if t.between}
     late = {k: by for k, by in over.items() if by > 1e-9}
     parts = {
         "makespan": max(back),
@@ -113,7 +132,7 @@ def _told(scenario: Scenario, routes: Routes, ways: Ways, start: list[float]) ->
     if scenario.cost is not None:
         weighed = sum(weight * parts[name] for name, weight in scenario.cost.items())
         cost = weighed / sum(scenario.cost.values())
-    return Times(start, back, travel, late, cost)
+    return Times(start, takes, back, travel, late, cost)
 
 
 def all_plans(scenario: Scenario, ways: Ways) -> Iterator[Times]:

@@ -404,3 +404,19 @@ def test_incidents_make_sure_what_was_not() -> None:
     assert run.scenario.robots[0].breaks is None
     assert run.scenario.robots[0].absences == (Absence(3, 5),)
     assert judge(run.record()).findings == ()
+
+
+def test_a_load_on_its_way_is_set_down_by_an_incident_and_the_forecast_is_what_comes() -> None:
+    """Three of five robots have the upright up; one is lost, and another takes its place."""
+    run = mission("piano", "plan")
+    while run.steps < 85:
+        run.step()
+    lose = LostRobot("dolly-3")
+    undisturbed, disturbed = forecast(run.past()), forecast(run.past_with(lose))
+    run.happen(lose)
+    assert run.step().left[0][0] == 1
+    play(run, {})
+    assert undisturbed.ends == (104,)
+    assert disturbed.ends == (run.steps,)
+    assert run.steps > 104
+    assert judge(run.record()).is_legal

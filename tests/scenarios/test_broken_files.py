@@ -55,6 +55,10 @@ def problems_of(folder: Path, text: str | bytes, name: str = "case.yaml") -> lis
 
 NEEDS = "needs: [lift, scan]"
 PLACES = GOOD[GOOD.index("{grid") : GOOD.index("at: [3, 2]")]
+WORLD_AND_TASKS = GOOD[GOOD.index("world") : GOOD.index("sensing")]
+WALLED_IN = WORLD_AND_TASKS.replace("world: {grid: [4, 3]}", CLOSED_IN).replace(
+    "at: [3, 2]", "at: [0, 2], to: [3, 2]"
+)
 
 CASES = [
     # time, end, precedence and windows
@@ -72,6 +76,16 @@ CASES = [
      "takes 3 but has only 2 between 2 and 4; give it more time"),
     ("scan]}\nsens", "scan]}\n  - {name: y, at: [0, 0], needs: [lift], starts: {x: [4, 3]}}\nsens",
      10, "task 'y' starts 4 to 3 after 'x'; use [least, most], 0 or more and in this order"),
+    # loads
+    (WORLD_AND_TASKS, WALLED_IN, 13,
+     "nobody can bring the load of task 'x' from [0, 2] to [3, 2]: no way leads there"),
+    (NEEDS, f"{NEEDS}, to: [9, 9]", 9, "the load of task 'x' is brought to [9, 9], outside"),
+    (NEEDS, f"{NEEDS}, unload: 2", 9, "task 'x' has unload 2 but nothing to carry; add to: [x, y]"),
+    (NEEDS, f"{NEEDS}, to: [4, 2]", 9,
+     "the load of task 'x' is brought to [4, 2], outside the map; x goes from 0 to 3"),
+    (NEEDS, f"{NEEDS}, to: 4", 9, "to of task 1 is 4; write a cell as [x, y]"),
+    (NEEDS, f"{NEEDS}, to: [0, 0], unload: -1", 9, "task 'x' has unload -1; use 0 or more"),
+    (NEEDS, f"{NEEDS}, to: [0, 0], unload: 1.5", 9, "unload of task 1 is 1.5; write a whole"),
     ("sensing_radius: 1", "cost: {travl: 1}", 10,
      "cost has no key 'travl'; did you mean 'travel'?"),
     (NEEDS, f"{NEEDS}, duration: 2.5", 9, "duration of task 1 is 2.5; write a whole number"),

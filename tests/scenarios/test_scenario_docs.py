@@ -28,12 +28,15 @@ def test_the_table_has_every_key_and_says_which_must_be_there() -> None:
 
 def test_the_example_is_read(tmp_path: Path) -> None:
     examples = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
-    text, heavy, other, roads, uncertain = examples
+    text, loads, heavy, other, roads, uncertain = examples
     path = tmp_path / "example.yaml"
     path.write_text(text)
     scenario = read_scenario(path)
     assert scenario.teams == ((1, 2),)
     assert scenario.tasks[1].needs == {"lift": 2, "weld": 1}
+    path.write_text(loads)
+    grand = read_scenario(path).tasks[0]
+    assert (grand.to, grand.duration, grand.unload) == ((10, 1), 3, 2)
     path.write_text(heavy)
     piano = read_scenario(path)
     assert piano.units == {"lift": 250, "steer": 1000}

@@ -101,6 +101,8 @@ class PlainWorld:
             if robot.delays is not None
         }
         self.lost_at: dict[int, Place] = {}
+        self.carried: set[int] = set()  # loads under way; `serving` has steps at their goals left
+        self.let_go: dict[int, Place] = {}  # loads set down in a step, and where
         self.hope()
 
     def has(self, team: PlainTeam) -> list[int]:
@@ -425,7 +427,8 @@ class PlainWorld:
         still = self.draw_delays()
         delayed = [slot for slot, team in self.teams.items() if still & set(team.robots)]
         for slot, team in sorted(self.teams.items()):
-            if slot in walkers or team.serving or (team.formed and waits) or slot in delayed:
+            is_busy = team.serving and not self.carried & set(team.serving)
+            if slot in walkers or is_busy or (team.formed and waits) or slot in delayed:
                 continue
             if team.task is None:
                 team.credit = 0.0
@@ -481,6 +484,8 @@ class PlainWorld:
             self.lost_at[robot] = team.at
             if team.robots:
                 self.teams[team.robots[0]] = team
+            else:
+                self.let_go |= dict.fromkeys(self.carried & set(team.serving), team.at)
         self.lost += len(lost)
         return bool(lost)
 
@@ -495,24 +500,78 @@ class PlainWorld:
         step = self.steps + 1
         for _, team in sorted(self.teams.items()):
             for task in sorted(team.serving):
-                team.serving[task] -= 1
-                if not (self.covers(self.has(team), task) and self.is_at(team, task)):
-                    del team.serving[task]
-                elif team.serving[task] == 0:
-                    del team.serving[task]
-                    self.finish(task, step)
-                else:
-                    self.expect(task, team)
+                self.serve(team, task, step)
         for _, team in sorted(self.teams.items()):
+            if self.is_with_load(team, step):
+                continue
             for task in sorted(self.open):
-                is_free = not any(task in t.serving for t in self.teams.values())
-                if self.is_at(team, task) and is_free and self.covers(self.has(team), task):
-                    if self.truth.tasks[task].duration == 0:
-                        self.finish(task, step)
-                    else:
-                        team.serving[task] = self.truth.tasks[task].duration
-                        self.due[task] = max(1, self.s.tasks[task].duration)
-                        team.credit = 0.0
+                is_load = self.s.tasks[task].to is not None
+                if not is_load and self.is_ready(team, task):
+                    self.begin(team, task, step)
+        for task, place in self.let_go.items():
+            self.carried.remove(task)
+            self.believe(task, place)
+        self.let_go = {}
+
+    def serve(self, team: PlainTeam, task: int, step: int) -> None:
+        if task in self.carried:
+            self.carry(team, task, step)
+            return
+        team.serving[task] -= 1
+        if not (self.covers(self.has(team), task) and self.is_at(team, task)):
+            del team.serving[task]
+        elif team.serving[task] > 0:
+            self.expect(task, team)
+        elif self.s.tasks[task].to is None:
+            del team.serving[task]
+            self.finish(task, step)
+        else:
+            self.take_up(team, task, step)
+
+    def take_up(self, team: PlainTeam, task: int, step: int) -> None:
+        self.carried.add(task)
+        team.serving[task] = self.s.tasks[task].unload + 1
+        self.carry(team, task, step)
+        if task in self.carried:
+            self.believe(task, self.s.tasks[task].to)
+
+    def carry(self, team: PlainTeam, task: int, step: int) -> None:
+        if not self.covers(self.has(team), task):
+            del team.serving[task]
+            self.let_go[task] = team.at
+        elif self.is_same(team.at, self.s.tasks[task].to):
+            team.serving[task] -= 1
+            if team.serving[task] == 0:
+                self.carried.remove(task)
+                del team.serving[task]
+                self.finish(task, step)
+
+    def is_with_load(self, team: PlainTeam, step: int) -> bool:
+        """Let a team begin with the load that it has come for; say whether it is at one."""
+        task = team.task
+        if task is None or self.s.tasks[task].to is None:
+            return False
+        if not team.serving and self.is_ready(team, task):
+            self.begin(team, task, step)
+            return True
+        return task in team.serving
+
+    def is_ready(self, team: PlainTeam, task: int) -> bool:
+        """Say whether a team stands at a task that it can do and nobody does."""
+        is_served = any(task in t.serving for t in self.teams.values()) or task in self.let_go
+        is_free = task in self.open and not is_served
+        return is_free and self.is_at(team, task) and self.covers(self.has(team), task)
+
+    def begin(self, team: PlainTeam, task: int, step: int) -> None:
+        duration, is_load = self.truth.tasks[task].duration, self.s.tasks[task].to is not None
+        if duration == 0 and not is_load:
+            self.finish(task, step)
+            return
+        team.serving[task] = duration
+        self.due[task] = max(1, self.s.tasks[task].duration)
+        team.credit = 0.0
+        if duration == 0:
+            self.take_up(team, task, step)
 
     def expect(self, task: int, team: PlainTeam) -> None:
         """Expect the end of a service that is overdue amid the durations that are left."""
@@ -524,8 +583,27 @@ class PlainWorld:
 
     def rest(self, team: PlainTeam) -> int:
         """Return for how long a team is expected to serve."""
-        served = {k: self.truth.tasks[k].duration - left for k, left in team.serving.items()}
-        return max((self.due[task] - steps for task, steps in served.items()), default=0)
+        return max((self.rest_of(team, task) for task in team.serving), default=0)
+
+    def rest_of(self, team: PlainTeam, task: int) -> int:
+        left, goal = team.serving[task], self.s.tasks[task].to
+        if task not in self.carried:
+            loading = self.due[task] - (self.truth.tasks[task].duration - left)
+            if goal is None:
+                return loading
+            return loading + self.steps_to(team, goal) + self.s.tasks[task].unload
+        if self.is_same(team.at, goal):
+            return left
+        return self.steps_to(team, goal) + left - 1
+
+    def steps_to(self, team: PlainTeam, goal: Place) -> int:
+        if self.is_same(team.at, goal):
+            return 0
+        pace = min(self.s.robots[r].speed for r in team.robots)
+        if isinstance(self.s.world, Plane):
+            way = math.dist(team.at, goal) - self.here
+            return math.ceil(way / (pace * self.s.world.step) - 1e-9)
+        return math.ceil((self.way(team.at, goal) - team.credit) / pace - 1e-9)
 
     def is_at(self, team: PlainTeam, task: int) -> bool:
         return self.is_same(team.at, self.at[task])

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from teamformer.capabilities import describe
+from teamformer.grid import Place
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import opening_steps
@@ -18,9 +19,11 @@ class Event:
     """Something that happened in a step: who did it, and to which task if to one."""
 
     step: int
-    kind: str  # appears, splits, joins, lost, back, found, needs, done, or how the trial ended
+    kind: str  # appears, splits, joins, lost, back, found, needs, takes up, sets down, done, or
+    # how the trial ended
     robots: tuple[int, ...] = ()
     task: int | None = None
+    place: Place | None = None  # of what is set down
 
     def text(self, scenario: Scenario) -> str:
         """Return the event as a sentence; the scenario is the mission as it really was."""
@@ -35,6 +38,11 @@ class Event:
             return f"{task} found at [{x:g}, {y:g}]"
         if self.kind == "done":
             return f"{task} done by {names}"
+        if self.kind == "takes up":
+            return f"{task} taken up by {names}"
+        if self.kind == "sets down" and self.place is not None:
+            x, y = self.place
+            return f"{task} set down at [{x:g}, {y:g}]"
         if self.kind == "lost":
             return f"{names} lost"
         if self.kind == "back":
@@ -66,6 +74,10 @@ def events(replay: Replay) -> Iterator[Event]:
             yield Event(number, "found", task=task)
         for task in step.shown:
             yield Event(number, "needs", task=task)
+        for task, slot in step.taken:
+            yield Event(number, "takes up", teams.robots[slot], task)
+        for task, x, y in step.left:
+            yield Event(number, "sets down", task=task, place=(x, y))
         for task, slot in step.done:
             yield Event(number, "done", teams.robots[slot], task)
         for task in appears.get(number, ()):

@@ -127,7 +127,10 @@ class _Sheet:
             if self._opens[number] > moment.step:
                 continue
             is_done = self._done.get(number, moment.step + 1) <= moment.step
-            middle, colour = self._pixel(task.at), GREY if is_done else _colour(number)
+            middle, colour = (
+                self._pixel(moment.task_at[number]),
+                GREY if is_done else _colour(number),
+            )
             box = self._box(middle, self._unit * 0.46)
             fill = FAINT if is_done or number in served else None
             pen.rectangle(box, fill, colour, max(1, round(self._unit / 12)))

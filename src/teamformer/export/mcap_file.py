@@ -163,11 +163,12 @@ def _tasks(
             continue
         is_done = ends <= moment.step
         box = CubePrimitive(
-            pose=_pose(task.at),
+            pose=_pose(moment.task_at[number]),
             size=Vector3(x=0.8 * size, y=0.8 * size, z=0.05 * size),
             color=_colour(number, 0.25 if is_done else 0.9),
         )
-        texts, needs = [_text(task.name, task.at, size)], describe(task.needs)
+        texts = [_text(task.name, moment.task_at[number], size)]
+        needs = describe(task.needs)
         yield _entity(f"task/{task.name}", time, cubes=[box], texts=texts, needs=needs)
 
 
@@ -185,7 +186,7 @@ def _robots(scenario: Scenario, moment: Moment, time: int) -> Iterator[SceneEnti
             color=colour,
         )
         name = scenario.robots[robot].name
-        lines = [] if task == NOBODY else [_line(place, scenario.tasks[task].at, size, colour)]
+        lines = [] if task == NOBODY else [_line(place, moment.task_at[task], size, colour)]
         texts = [_text(name if slot != NOBODY else f"{name}, lost", place, size)]
         yield _entity(f"robot/{name}", time, cylinders=[disc], lines=lines, texts=texts)
 

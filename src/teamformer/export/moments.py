@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from teamformer.capabilities import covers, total
+from teamformer.export.services import Services, is_same_place
 from teamformer.grid import Place
-from teamformer.model import Scenario
-from teamformer.plane import Plane
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import Replay, Step
-from teamformer.sim.replay.task_times import opening_steps
 from teamformer.sim.replay.teams import Teams
 
 PHASES = ("walking", "waiting", "forming", "serving", "idle", "lost")
@@ -32,6 +28,7 @@ class Moment:
     task: tuple[int, ...]  # that its team heads for, or NOBODY
     pursued: tuple[int, ...]  # that its team was about in the step, or NOBODY
     phase: tuple[str, ...]
+    task_at: tuple[Place, ...]  # one a task: where it is, a load that is carried with its team
 
 
 def moments(replay: Replay) -> Iterator[Moment]:
@@ -44,18 +41,17 @@ def moments(replay: Replay) -> Iterator[Moment]:
 
 
 class _Activities:
-    """Who serves which task, and what each robot was about in a step."""
+    """What each robot was about in a step."""
 
     def __init__(self, replay: Replay) -> None:
         self._mission = replay.mission
         self.teams = Teams(replay)
-        self._serving: dict[int, set[int]] = {}  # task -> robots that began it
-        self._opens = opening_steps(replay)
-        self._is_done = [False] * len(self._mission.tasks)
+        self._services = Services(replay, self.teams)
 
     def moment(self, number: int, pursued: list[int], phase: list[str]) -> Moment:
         slots = tuple(self.teams.slot)
-        return Moment(number, slots, self._places(), self._tasks(), tuple(pursued), tuple(phase))
+        told, task_at = (tuple(pursued), tuple(phase)), self._services.task_places()
+        return Moment(number, slots, self._places(), self._tasks(), *told, task_at)
 
     def _places(self) -> tuple[Place, ...]:
         return tuple(self.teams.place(robot) for robot in range(len(self.teams.slot)))
@@ -69,9 +65,9 @@ class _Activities:
         was_at, was_for = self._places(), self._tasks()
         forming = self.teams.follow(step)
         slots = self.teams.slot
-        at_work = {slots[robot] for robots in self._serving.values() for robot in robots}
-        serving = {robot for robot, slot in enumerate(slots) if slot in at_work - {NOBODY}}
-        self._serve(step, number)
+        at_work = self._services.slots_at_work()
+        serving = {robot for robot, slot in enumerate(slots) if slot in at_work}
+        self._services.go_on(step, number)
         phases, told = [], dict(step.pursued)
         pursued = [
             NOBODY if slot == NOBODY else told.get(slot, before if now == NOBODY else now)
@@ -94,38 +90,5 @@ class _Activities:
             return WALKING
         if task == NOBODY:
             return IDLE
-        there = is_same_place(self._mission, after, self._mission.tasks[task].at)
+        there = is_same_place(self._mission, after, self._services.goal_of(task))
         return WAITING if there else WALKING
-
-    def _serve(self, step: Step, number: int) -> None:
-        """Bring up to date who serves which task; a record says only when one is done."""
-        for task, _ in step.done:
-            self._is_done[task] = True
-            self._serving.pop(task, None)
-        for task, robots in list(self._serving.items()):
-            left = [robot for robot in robots if self.teams.slot[robot] != NOBODY]
-            slot = self.teams.slot[min(left)] if left else NOBODY
-            if slot == NOBODY or not self._covers(slot, task):
-                del self._serving[task]
-        slots = sorted(self.teams.robots)
-        for task, wanted in enumerate(self._mission.tasks):
-            if wanted.duration == 0 or self._is_done[task] or self._opens[task] >= number:
-                continue
-            if task not in self._serving:
-                able = next((slot for slot in slots if self._covers(slot, task)), NOBODY)
-                if able != NOBODY:
-                    self._serving[task] = set(self.teams.robots[able])
-
-    def _covers(self, slot: int, task: int) -> bool:
-        wanted = self._mission.tasks[task]
-        if not is_same_place(self._mission, self.teams.at[slot], wanted.at):
-            return False
-        robots = (self._mission.robots[robot] for robot in self.teams.robots[slot])
-        return covers(total(robot.can for robot in robots), wanted.needs)
-
-
-def is_same_place(scenario: Scenario, one: Place, other: Place) -> bool:
-    """Say whether two places are one: the same cell, or points within the arrival radius."""
-    if isinstance(scenario.world, Plane):
-        return math.dist(one, other) <= scenario.world.arrival_radius + 1e-9
-    return one == other

@@ -203,14 +203,14 @@ def _possible_task(
     """Return a task as it could be.
 
     Where it is once it is found, else in one of the places left; what it needs once that is shown;
-    how long it takes once it is done.
+    how long it takes once it is done, or its load taken up.
     """
     at = drawn.at
     if task.within:
         at = real.at if seen["found_at"] != NOBODY else places[int(rng.integers(len(places)))]
     needs = real.needs if seen["shown_at"] != NOBODY else drawn.needs
     duration = drawn.duration
-    if seen["done_at"] != NOBODY:
+    if seen["done_at"] != NOBODY or seen["taken_at"] != NOBODY:
         duration = real.duration
     elif task.lasts is not None and seen["served"] > 0:
         duration = int(rng.integers(max(task.lasts[0], seen["served"] + 1), task.lasts[1] + 1))

@@ -20,6 +20,7 @@ from teamformer.capabilities import (
 )
 from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP, Grid, Place
+from teamformer.mission.loads import find_load_problems
 from teamformer.mission.places import believed_place, busiest_part, find_region_problems
 from teamformer.mission.rules import find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
@@ -117,28 +118,39 @@ def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
     for key, things in groups.items():
         for number, thing in enumerate(things):
             where, what = (key, number, "at"), f"{key[:-1]} '{thing.name}'"
-            x, y = thing.at
-            if isinstance(world, Roads):
-                if not world.is_inside(thing.at):
-                    yield Problem(where, f"{what} is at {thing.at}, which is no place; name one")
-            elif not isinstance(world, Plane) and not (is_whole(x) and is_whole(y)):
-                yield Problem(
-                    where, f"{what} is at [{x}, {y}], which is no cell; use whole numbers"
-                )
-            elif not world.is_inside(thing.at):
-                last_x, last_y = world.corner
-                yield Problem(
-                    where,
-                    f"{what} is at [{x}, {y}], outside the map; "
-                    f"x goes from 0 to {last_x} and y from 0 to {last_y}",
-                )
-            elif within := getattr(thing, "within", 0.0):
+            within = getattr(thing, "within", 0.0)
+            fault = _fault_of_place(world, thing.at, bool(within))
+            if fault:
+                yield Problem(where, f"{what} is at {fault}")
+            elif within:
                 yield from find_region_problems(
                     world, what, thing.at, within, (key, number, "within")
                 )
-            elif not world.is_free(thing.at):
-                advice = _way_out(world, thing.at)
-                yield Problem(where, f"{what} is at [{x}, {y}], inside an obstacle; {advice}")
+    for number, task in enumerate(scenario.tasks):
+        if task.to is None:
+            continue
+        fault = "" if isinstance(world, Roads) else _fault_of_place(world, task.to)
+        message = f"the load of task '{task.name}' is brought to {fault}" if fault else ""
+        if isinstance(world, Roads):
+            message = f"task '{task.name}' has 'to', and on roads no loads are carried; take it out"
+        if message:
+            yield Problem(("tasks", number, "to"), message)
+
+
+def _fault_of_place(world: World, place: Place, may_be_blocked: bool = False) -> str:
+    """Return a place with what is wrong with it and what to do; empty if nothing is."""
+    if isinstance(world, Roads):
+        return "" if world.is_inside(place) else f"{place}, which is no place; name one"
+    x, y = place
+    if not isinstance(world, Plane) and not (is_whole(x) and is_whole(y)):
+        return f"[{x}, {y}], which is no cell; use whole numbers"
+    if not world.is_inside(place):
+        last_x, last_y = world.corner
+        inside = f"x goes from 0 to {last_x} and y from 0 to {last_y}"
+        return f"[{x}, {y}], outside the map; {inside}"
+    if not may_be_blocked and not world.is_free(place):
+        return f"[{x}, {y}], inside an obstacle; {_way_out(world, place)}"
+    return ""
 
 
 def _way_out(world: World, place: Place) -> str:
@@ -263,10 +275,13 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
         yield from _problems_of_counts(
             task.needs, scenario.capabilities, (*where, "needs"), f"{what} needs"
         )
-        for key in ("duration", "appears") if scenario.time == "steps" else ("appears",):
+        whole = ("duration", "unload", "appears") if scenario.time == "steps" else ("appears",)
+        for key in whole:
             steps = getattr(task, key)
             said = f"{what} has {key}"
             yield from _problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")
+        if places_are_good:
+            yield from find_load_problems(scenario.world, task, number)
         known = {name: n for name, n in task.needs.items() if name in scenario.capabilities}
         if not covers(everybody, known):
             yield Problem((*where, "needs"), _impossible(what, everybody, known))

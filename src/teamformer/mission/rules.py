@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
 from teamformer.mission.links import find_link_problems, find_links
+from teamformer.mission.loads import rules_without_loads
 from teamformer.roads import GROUND, Roads
 
 if TYPE_CHECKING:
@@ -85,6 +86,7 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
     Robots that are processes of their own, or stand in an arena, refuse such missions.
     """
     yield from rules_of_sure_missions(scenario)
+    yield from rules_without_loads(scenario, "a fleet or the Robotarium")
     for number, task in enumerate(scenario.tasks):
         for key in ("after", "between"):
             if getattr(task, key):

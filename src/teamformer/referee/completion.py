@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Mapping
 
 from teamformer.capabilities import describe, missing
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario
+from teamformer.referee.loads import Loads
 from teamformer.referee.teams import Fleet, RecordedTeam, are_together
 from teamformer.referee.verdict import Notes
 
@@ -23,16 +25,27 @@ class _Places:
         self._reach = 0 if isinstance(world, Grid) else 1  # squares around
         self._side = 1.0 if isinstance(world, Grid) else max(world.arrival_radius, SMALLEST_SQUARE)
         self._tasks: dict[tuple[int, int], list[int]] = defaultdict(list)
-        for number, task in enumerate(scenario.tasks):
-            self._tasks[self._square(task.at)].append(number)
+        self._at = [task.at for task in scenario.tasks]
+        for number, place in enumerate(self._at):
+            self._tasks[self._square(place)].append(number)
+
+    def at(self, task: int) -> Place:
+        """Return where a task is; of a load that is carried, where it was taken up."""
+        return self._at[task]
+
+    def move(self, task: int, place: Place) -> None:
+        """Let a task be elsewhere."""
+        self._tasks[self._square(self._at[task])].remove(task)
+        self._at[task] = place
+        self._tasks[self._square(place)].append(task)
 
     def tasks_at(self, place: Place) -> list[int]:
         """Return the tasks that a team in a place stands at."""
         column, row = self._square(place)
         around = range(-self._reach, self._reach + 1)
         near = (self._tasks.get((column + i, row + j), ()) for i in around for j in around)
-        world, tasks = self._scenario.world, self._scenario.tasks
-        return sorted(k for part in near for k in part if are_together(world, place, tasks[k].at))
+        world = self._scenario.world
+        return sorted(k for part in near for k in part if are_together(world, place, self._at[k]))
 
     def _square(self, place: Place) -> tuple[int, int]:
         return int(place[0] / self._side), int(place[1] / self._side)
@@ -52,7 +65,8 @@ class Tasks:
         self._believed = (believed or scenario).tasks
         self._expected: dict[int, int] = {}  # task -> steps that its service is to take
         self._number = {task.name: number for number, task in enumerate(scenario.tasks)}
-        self._places = _Places(scenario)
+        self.places = _Places(scenario)
+        self.loads = Loads(scenario)
 
     def opens_after(self, task: int) -> int | None:
         """Return how many steps are made when a task becomes known; None if it never does.
@@ -94,34 +108,75 @@ class Tasks:
         steps = (self.opens_after(task) for task in range(len(self.scenario.tasks)))
         return {step for step in steps if step is not None}
 
-    def complete(self, fleet: Fleet, recorded: dict[int, int], step: int, notes: Notes) -> None:
-        """Work out what is done in a step and compare it with the record, task -> slot."""
+    def complete(
+        self,
+        fleet: Fleet,
+        recorded: dict[int, int],
+        heading: Mapping[int, int | None],
+        step: int,
+        notes: Notes,
+    ) -> None:
+        """Work out what is done in a step and compare it with the record, task -> slot.
+
+        `heading` says what the record has teams head for whose assignment has changed.
+        """
         found: dict[int, int] = {}
         self.any_broken_off = self.any_overdue = False
+        self.loads.begin_step(fleet)
         for slot, team in sorted(fleet.teams.items()):
             for task in sorted(team.services):
                 self._serve(fleet, slot, team, task, found)
-        served = {task for team in fleet.teams.values() for task in team.services}
         for slot, team in sorted(fleet.teams.items()):
-            for task in self._places.tasks_at(team.at):
-                is_free = task not in found and task not in served
-                if is_free and self.is_open(task, step - 1) and fleet.covers(team, task):
-                    self._begin(slot, team, task, found)
-                    served.add(task)
+            if self._is_with_load(fleet, slot, team, heading.get(slot, team.task), step, found):
+                continue
+            for task in self.places.tasks_at(team.at):
+                is_plain = task not in found and not self.loads.is_load(task)
+                if is_plain and self._can_begin(fleet, team, task, step):
+                    self._begin(fleet, slot, team, task, found)
+        self.loads.put_down(self.places)
         for task in sorted(found.keys() | recorded.keys()):
             self._compare(fleet, task, found.get(task), recorded.get(task), step, notes)
         for task in sorted(found.keys() | recorded.keys()):
             self.done.setdefault(task, step)
             for team in fleet.teams.values():
                 team.services.pop(task, None)
+                team.carries = None if team.carries == task else team.carries
+
+    def _is_with_load(
+        self,
+        fleet: Fleet,
+        slot: int,
+        team: RecordedTeam,
+        heads_for: int | None,
+        step: int,
+        found: dict[int, int],
+    ) -> bool:
+        """Let a team begin with the load that it has come for; say whether it is at one."""
+        if heads_for is None or not self.loads.is_load(heads_for) or heads_for in found:
+            return False
+        is_here = not team.services and fleet.is_at(team, self.places.at(heads_for))
+        if is_here and self._can_begin(fleet, team, heads_for, step):
+            self._begin(fleet, slot, team, heads_for, found)
+            return True
+        return heads_for in team.services
+
+    def _can_begin(self, fleet: Fleet, team: RecordedTeam, task: int, step: int) -> bool:
+        is_served = any(task in other.services for other in fleet.teams.values())
+        is_free = not is_served and task not in self.done and not self.loads.is_let_go(task)
+        return is_free and self.is_open(task, step - 1) and fleet.covers(team, task)
 
     def _serve(
         self, fleet: Fleet, slot: int, team: RecordedTeam, task: int, found: dict[int, int]
     ) -> None:
+        if team.carries == task:
+            self._carry(fleet, slot, team, task, found)
+            return
         team.services[task] -= 1
         if not fleet.covers(team, task):
             del team.services[task]
             self.any_broken_off = True
+        elif team.services[task] == 0 and self.loads.is_load(task):
+            self._take_up(fleet, slot, team, task, found)
         elif team.services[task] == 0:
             del team.services[task]
             found[task] = slot
@@ -135,12 +190,33 @@ class Tasks:
             self._expected[task] = (served + 1 + int(self._believed[task].longest) + 1) // 2
             self.any_overdue = True
 
-    def _begin(self, slot: int, team: RecordedTeam, task: int, found: dict[int, int]) -> None:
+    def _take_up(
+        self, fleet: Fleet, slot: int, team: RecordedTeam, task: int, found: dict[int, int]
+    ) -> None:
+        self.loads.take_up(slot, team, task)
+        self._carry(fleet, slot, team, task, found)
+
+    def _carry(
+        self, fleet: Fleet, slot: int, team: RecordedTeam, task: int, found: dict[int, int]
+    ) -> None:
+        """Let a team be with its load at the end of a step."""
+        if not fleet.covers(team, task):
+            self.loads.let_go(team, task)
+            self.any_broken_off = True
+        elif self.loads.is_delivered(fleet, team, task):
+            found[task] = slot
+
+    def _begin(
+        self, fleet: Fleet, slot: int, team: RecordedTeam, task: int, found: dict[int, int]
+    ) -> None:
         duration = int(self.scenario.tasks[task].duration)  # whole where there are steps
         if duration:
             team.services[task] = duration
             self._expected[task] = max(1, int(self._believed[task].duration))
             team.credit = 0.0
+        elif self.loads.is_load(task):
+            team.credit = 0.0
+            self._take_up(fleet, slot, team, task, found)
         else:
             found[task] = slot
 
@@ -175,11 +251,15 @@ class Tasks:
         team = fleet.teams.get(slot)
         if team is None:
             return f"there is no team of robot {self.scenario.robots[slot].name} as its lowest"
-        if not fleet.is_at(team, wanted.at):
-            return f"{fleet.name(team)} is at {list(team.at)}, the task at {list(wanted.at)}"
+        place = self.places.at(task) if wanted.to is None else wanted.to
+        if not fleet.is_at(team, place):
+            what = "the task" if wanted.to is None else "where its load is brought"
+            return f"{fleet.name(team)} is at {list(team.at)}, {what} at {list(place)}"
         if not fleet.covers(team, task):
             short = describe(missing(team.counts, wanted.needs))
             return f"{fleet.name(team)} lacks {short}"
+        if wanted.to is not None:
+            return f"{fleet.name(team)} has not brought its load there and unloaded it"
         if wanted.duration:
             return f"{fleet.name(team)} has not served it for {wanted.duration} steps"
         return f"another team than {fleet.name(team)} is first"

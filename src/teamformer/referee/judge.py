@@ -28,6 +28,7 @@ from teamformer.referee.formation import (
     split_teams,
 )
 from teamformer.referee.lifecycle import judge_ending, judge_orders, start_fleet, why_over
+from teamformer.referee.loads import follow_lost
 from teamformer.referee.motion.delays import Delays
 from teamformer.referee.motion.headway import Move, Ways, check_headway
 from teamformer.referee.motion.walking import move_team
@@ -86,6 +87,7 @@ class _Referee:
         check_rows(step, notes)
         moves = self._form_and_move(step, number, due, still)
         lose_robots(fleet, step, due, notes)
+        follow_lost(fleet, step, notes)
         any_back = return_robots(fleet, step, number, notes)
         _check_entries(fleet, step, slots, notes)
         if due or any_back:
@@ -94,6 +96,7 @@ class _Referee:
         is_elsewhere = self.search.go_on(fleet, tasks, self.lists.looked_at(), step, number, notes)
         any_shown = self.knowledge.show(fleet, tasks, step, number, notes)
         _complete(fleet, tasks, step, number, notes)
+        self.ways.goals.update(tasks.loads.new_goals())
         _assign(fleet, tasks, step, number, notes)
         is_news = bool(due) or any_back or is_elsewhere or any_shown
         check_assignments(fleet, tasks, number, is_news, notes)
@@ -166,7 +169,12 @@ def _complete(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes)
         if task in recorded:
             notes.note(f"task {fleet.scenario.tasks[task].name} is done twice")
         recorded[task] = slot
-    tasks.complete(fleet, recorded, number, notes)
+    heading = {entry.slot: entry.task for entry in step.teams}
+    for task, slot in step.done:  # what is done is nobody's assignment any more
+        if tasks.loads.is_load(task):
+            heading[slot] = task
+    tasks.complete(fleet, recorded, heading, number, notes)
+    tasks.loads.compare(step, notes)
 
 
 def _are_together(fleet: Fleet, pair: tuple[int, int]) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Replay, Step
 
-BY_FIRST = ("teams", "done", "moved", "pursued")
+BY_FIRST = ("teams", "done", "moved", "taken", "left", "pursued")
 """Rows of a step that begin with what they are about; and such that are only a number."""
 NUMBERS = ("lost", "back", "named", "shown", "found")
 

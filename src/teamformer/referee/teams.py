@@ -37,6 +37,7 @@ class RecordedTeam:
     met_at: Place | None = None  # where the other one of two that have just joined stood
     met_task: int | None = None  # and what it headed for: the one with the higher slot
     services: dict[int, int] = field(default_factory=dict)  # task -> steps left
+    carries: int | None = None  # the load; its service has the steps left where it is brought to
     counts: dict[str, float] = field(default_factory=dict)
     speed: float = 0.0
 

@@ -2,13 +2,13 @@
 
 Where the paper's worlds give a robot one capability and a task many, here a robot has a few and a
 task needs a few, some of them twice; robots differ in speed, tasks take time, ways are blocked.
-What is lifted may be in kilograms.
+What is lifted may be in kilograms, and may have to be brought somewhere.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from teamformer.capabilities import exact, total
 from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
+from teamformer.grid import Grid, Place
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.scenarios.generate import random_places, spawn_places
 from teamformer.scenarios.surprises import SURPRISES, make_uncertain
@@ -64,6 +64,10 @@ class Family:
     height: tuple[int, int] = (20, 20)
     blocked: float = 0.0  # share of the cells, scattered
     has_shelves: bool = False
+    yards: float = 0.0  # share of the missions in the open, without shelves
+    carried: float = 0.0  # share of the tasks with measured needs that are brought to a dock
+    unload: tuple[int, int] = (0, 0)
+    docks: int = 0
     sensing_radius: float = 3.0
 
 
@@ -111,6 +115,24 @@ FAMILIES = {
         slow=0.25,
         serving=0.5,
         blocked=0.05,
+    ),
+    "carry": Family(
+        robots=(6, 12),
+        tasks=(14, 36),
+        capabilities=("lift", "scan"),
+        abilities=(0.7, 0.3),
+        needs=(0.8, 0.2),
+        amounts={"lift": Amounts(brought=(20.0, 120.0), needed=(10.0, 250.0))},
+        slow=0.2,
+        serving=0.5,
+        duration=(1, 3),
+        width=(18, 36),
+        height=(12, 24),
+        has_shelves=True,
+        yards=0.5,
+        carried=0.9,
+        unload=(0, 3),
+        docks=4,
     ),
 }
 
@@ -162,10 +184,11 @@ def _draw_world(family: Family, rng: np.random.Generator) -> Grid:
     """Return an empty grid, one with scattered blocked cells, or one with rows of shelves."""
     width = int(rng.integers(family.width[0], family.width[1] + 1))
     height = int(rng.integers(family.height[0], family.height[1] + 1))
-    if not family.has_shelves and family.blocked == 0:
+    has_shelves = family.has_shelves and not (family.yards and rng.random() < family.yards)
+    if not has_shelves and family.blocked == 0:
         return Grid(width, height)
     is_blocked = rng.random((height, width)) < family.blocked  # (height, width)
-    if family.has_shelves:
+    if has_shelves:
         is_blocked |= _shelves(width, height)
     return Grid(width, height, tuple("".join(np.where(row, BLOCKED, FREE)) for row in is_blocked))
 
@@ -210,6 +233,7 @@ def _draw_tasks(
     present = [cap for cap in family.capabilities if cap in have]
     number = int(rng.integers(family.tasks[0], family.tasks[1] + 1))
     tasks = []
+    docks = random_places(world, family.docks, rng) if family.docks else []
     for task, at in enumerate(random_places(world, number, rng)):
         size = min(1 + int(rng.choice(len(family.needs), p=family.needs)), len(present))
         chosen = rng.permutation(present)[:size].tolist()
@@ -220,8 +244,19 @@ def _draw_tasks(
         }
         takes_time = rng.random() < family.serving
         duration = int(rng.integers(family.duration[0], family.duration[1] + 1))
-        tasks.append(Task(f"t{task}", at, needs, duration if takes_time else 0))
+        plain = Task(f"t{task}", at, needs, duration if takes_time else 0)
+        tasks.append(_with_load(family, plain, docks, rng) if docks else plain)
     return tuple(tasks)
+
+
+def _with_load(
+    family: Family, task: Task, docks: Sequence[Place], rng: np.random.Generator
+) -> Task:
+    """Return a task as it is, or one of which a load is brought to some dock."""
+    if rng.random() >= family.carried or not family.amounts.keys() & task.needs.keys():
+        return task
+    dock = docks[int(rng.integers(len(docks)))]
+    return replace(task, to=dock, unload=int(rng.integers(family.unload[0], family.unload[1] + 1)))
 
 
 def _brought(family: Family, cap: str, rng: np.random.Generator) -> float:
@@ -266,10 +301,18 @@ def about_half_of(mission: Scenario) -> int:
     way = TO_THE_NEXT * math.sqrt(free / len(mission.tasks))
     have = total(robot.can for robot in mission.robots)
     steps = [
-        sum(task.needs.get(cap, 0) * (way + task.duration) for task in mission.tasks) / have[cap]
+        sum(task.needs.get(cap, 0) * (way + _takes(task)) for task in mission.tasks) / have[cap]
         for cap in have
     ]
     return max(INCIDENT_STEPS[0], int(max(steps)))
+
+
+def _takes(task: Task) -> float:
+    """Return the steps of a task, carried straight on."""
+    if task.to is None:
+        return task.duration
+    (x, y), (to_x, to_y) = task.at, task.to
+    return task.duration + abs(to_x - x) + abs(to_y - y) + task.unload
 
 
 def _let_arrive(mission: Scenario, rng: np.random.Generator) -> Scenario:

@@ -144,6 +144,10 @@ def task_to_tree(task: Task, world: World) -> dict[str, Any]:
         tree["after"] = list(task.after)
     if task.between is not None:
         tree["between"] = list(task.between)
+    if task.to is not None:
+        tree["to"] = list(task.to)
+    if task.unload:
+        tree["unload"] = task.unload
     if task.starts:
         tree["starts"] = {name: list(gap) for name, gap in task.starts.items()}
     return tree

@@ -78,6 +78,8 @@ TASK_KEYS = {
     "after": False,
     "between": False,
     "starts": False,
+    "to": False,
+    "unload": False,
     "may_need": False,
     "within": False,
 }
@@ -232,6 +234,8 @@ def _read_tasks(reader: Reader, value: Any, world: World, time: str | None) -> t
                 after=tuple(reader.names((*where, "after"), keys.get("after", []))),
                 between=_read_window(reader, (*where, "between"), keys),
                 starts=_read_links(reader, (*where, "starts"), keys.get("starts", {})),
+                to=_read_at(reader, (*where, "to"), keys["to"], world) if "to" in keys else None,
+                unload=_read_time(reader, (*where, "unload"), keys.get("unload", 0), time),
             )
         )
     return tuple(tasks)
@@ -243,6 +247,10 @@ def _read_duration(
     value = keys.get("duration", 0)
     if isinstance(value, list):  # what to expect follows from the range
         return 0
+    return _read_time(reader, where, value, time)
+
+
+def _read_time(reader: Reader, where: Where, value: Any, time: str | None) -> float:
     return reader.number(where, value) if time == "continuous" else reader.whole(where, value)
 
 

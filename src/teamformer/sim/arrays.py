@@ -45,6 +45,7 @@ RULES = np.dtype(
         ("hides_needs", np.bool_),  # what some tasks need is not known
         ("hides_places", np.bool_),  # where some tasks are is not known
         ("has_delays", np.bool_),  # robots stand still now and then
+        ("has_loads", np.bool_),  # some tasks are carried
         ("has_walls", np.bool_),
         ("is_plane", np.bool_),
         ("sensing_radius", np.float64),  # cells, on a plane metres
@@ -137,6 +138,16 @@ TASK = np.dtype(
         ("believed_in", np.int32),  # the place that it is believed to be in
         ("moved_at", np.int32),  # the step in which it was last believed elsewhere, or NOBODY
         ("found_at", np.int32),  # the step in which its place became known, or NOBODY
+        ("is_load", np.bool_),  # it is taken up here, and brought to another place
+        ("is_carried", np.bool_),  # it is under way, or being unloaded
+        ("to_x", np.float64),  # where it is brought to
+        ("to_y", np.float64),
+        ("lies_x", np.float64),  # where it was set down
+        ("lies_y", np.float64),
+        ("unload", np.int32),  # steps
+        ("ahead", np.int32),  # of how many its way and unloading are expected to be
+        ("taken_at", np.int32),  # the step in which it was last taken up, or NOBODY
+        ("left_at", np.int32),  # the step in which it was last set down elsewhere, or NOBODY
         ("done_at", np.int32),  # step, or NOBODY
         ("done_by", np.int32),  # slot
         ("is_open", np.bool_),  # released and not done
@@ -179,7 +190,8 @@ class Worlds(NamedTuple):
     demand: Array  # (worlds, caps) open tasks that need each capability
     order: Array  # (worlds, tasks) open tasks in order, the first count.open of them
     blocked: Array  # (worlds, height, width), or (worlds, 0, 0) if no world has walls
-    fields: Array  # (worlds, tasks, height, width) distances to tasks, or (worlds, 0, 0, 0)
+    fields: Array  # (worlds, tasks, height, width) distances to tasks, or (worlds, 0, 0, 0);
+    # with loads twice as many rows: then come the distances to where each is brought
     near: Array  # (worlds, robots) teams found nearby
     near_key: Array  # (worlds, robots) what these are sorted by
     room: Array  # (worlds, caps) what still fits into a split

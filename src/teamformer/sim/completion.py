@@ -8,6 +8,7 @@ from teamformer.jit import kernel
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.allocation.assignment import can_do_alone
 from teamformer.sim.arrays import APPEARED, BROKEN_OFF, COMPLETED, DONE, INFEASIBLE, STEP_LIMIT
+from teamformer.sim.carrying import expect_arrival, is_delivered, note_place
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
 from teamformer.sim.surprises.beliefs import expect_end
 
@@ -25,15 +26,34 @@ def complete_tasks(world: World, step: int) -> None:
         if world.tasks[task].server != NOBODY:
             _serve(world, world.tasks[task].server, task, step)
     for team in range(world.rules.robots):
-        if world.teams[team].size == 0:
+        if world.teams[team].size == 0 or (world.rules.has_loads and _is_loaded(world, team, step)):
             continue
         for i in range(find_tasks_here(world, team)):
             task = world.here[i]
-            if _is_free(world, task) and can_do_alone(world, team, task):
+            is_free = _is_free(world, task) and not world.tasks[task].is_load
+            if is_free and can_do_alone(world, team, task):
                 _begin(world, team, task, step)
     if world.count.done > done_before:
         _close_gaps_in_order(world)
         _drop_assignments_to_done(world)
+
+
+@kernel
+def _is_loaded(world: World, team: int, step: int) -> bool:
+    """Let a team take up the load that it has come for; say whether it has one.
+
+    It then does nothing else. Nobody takes up a load on the way to something else.
+    """
+    task = world.teams[team].task
+    if task == NOBODY or not world.tasks[task].is_load:
+        return False
+    if world.teams[team].serves > 0:
+        return bool(world.tasks[task].server == team)
+    is_free = _is_free(world, task) and not world.tasks[task].is_carried
+    if is_free and stands_at(world, team, task) and can_do_alone(world, team, task):
+        _begin(world, team, task, step)
+        return True
+    return False
 
 
 @kernel
@@ -48,14 +68,52 @@ def _serve(world: World, team: int, task: int, step: int) -> None:
     So does one that is carried away from it: its motion may come from outside.
     """
     world.tasks[task].served += 1
-    if not (can_do_alone(world, team, task) and stands_at(world, team, task)):
+    if world.tasks[task].is_carried:
+        _carry(world, team, task, step)
+    elif not (can_do_alone(world, team, task) and stands_at(world, team, task)):
         _end_service(world, team, task)
         world.count.news |= BROKEN_OFF
+    elif world.tasks[task].is_load:
+        _load(world, team, task, step)
     elif world.tasks[task].served == world.tasks[task].takes:
         _end_service(world, team, task)
         _finish(world, team, task, step)
     else:
         expect_end(world, task)
+
+
+@kernel
+def _load(world: World, team: int, task: int, step: int) -> None:
+    """One step of loading; the load is under way once it was the last."""
+    if world.tasks[task].served == world.tasks[task].takes:
+        _take_up(world, team, task, step)
+    else:
+        expect_end(world, task)
+        expect_arrival(world, team, task)
+
+
+@kernel
+def _take_up(world: World, team: int, task: int, step: int) -> None:
+    world.tasks[task].is_carried = True
+    world.tasks[task].taken_at = step
+    world.tasks[task].expected = 0
+    world.tasks[task].served = 1
+    _carry(world, team, task, step)
+
+
+@kernel
+def _carry(world: World, team: int, task: int, step: int) -> None:
+    """The end of a step with a load; a team that has lost what it takes lets go of it."""
+    if not can_do_alone(world, team, task):
+        note_place(world, task, world.teams[team].x, world.teams[team].y)
+        _end_service(world, team, task)
+        world.count.news |= BROKEN_OFF
+    elif is_delivered(world, team, task):
+        world.tasks[task].is_carried = False
+        _end_service(world, team, task)
+        _finish(world, team, task, step)
+    else:
+        expect_arrival(world, team, task)
 
 
 @kernel
@@ -66,14 +124,19 @@ def _end_service(world: World, team: int, task: int) -> None:
 
 @kernel
 def _begin(world: World, team: int, task: int, step: int) -> None:
-    if world.tasks[task].takes == 0:
+    is_load = world.tasks[task].is_load
+    if world.tasks[task].takes == 0 and not is_load:
         _finish(world, team, task, step)
-    else:
-        world.tasks[task].server = team
-        world.tasks[task].served = 0
-        world.tasks[task].expected = max(1, world.tasks[task].duration)
-        world.teams[team].serves += 1
-        world.teams[team].credit = 0.0
+        return
+    world.tasks[task].server = team
+    world.tasks[task].served = 0
+    world.tasks[task].expected = max(1, world.tasks[task].duration)
+    world.teams[team].serves += 1
+    world.teams[team].credit = 0.0
+    if is_load and world.tasks[task].takes == 0:
+        _take_up(world, team, task, step)
+    elif is_load:
+        expect_arrival(world, team, task)
 
 
 @kernel

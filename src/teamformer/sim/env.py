@@ -109,7 +109,8 @@ class TeamFormation:
         tasks = self.worlds.needs.shape[1]
         if any(scenario.arrivals for scenario in self.scenarios):  # nobody knows how many
             tasks = max(tasks, NEXT_TASKS)
-        self._room = make_view(count, robots, tasks, caps, hides_needs, hides_places)
+        has_loads = bool(self.worlds.rules["has_loads"].any())
+        self._room = make_view(count, robots, tasks, caps, hides_needs, hides_places, has_loads)
         self._first_row = np.zeros(count + 1, dtype=np.int64)
         self._first_member = np.zeros(count + 1, dtype=np.int64)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None

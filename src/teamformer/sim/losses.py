@@ -85,3 +85,4 @@ def _take_out(world: World, robot: int) -> None:
     for served in range(world.rules.tasks):
         if world.tasks[served].server == old:
             world.tasks[served].server = slot
+            world.tasks[served].lies_x, world.tasks[served].lies_y = x, y

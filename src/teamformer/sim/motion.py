@@ -15,6 +15,7 @@ from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
 from teamformer.rules.distances import UNREACHABLE, fill_field
 from teamformer.rules.steps import downhill
+from teamformer.sim.carrying import is_carrying
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
 from teamformer.sim.surprises.delays import delay_teams
 
@@ -37,7 +38,9 @@ def move_teams(world: World) -> None:
 
 @kernel
 def _can_walk(world: World, team: int) -> bool:
-    if world.teams[team].size == 0 or world.teams[team].serves > 0:
+    if world.teams[team].size == 0:
+        return False
+    if world.teams[team].serves > 0 and not (world.rules.has_loads and is_carrying(world, team)):
         return False
     if world.rules.has_delays and world.teams[team].is_delayed:
         return False

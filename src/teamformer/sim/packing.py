@@ -54,6 +54,8 @@ def pack_worlds(
         if isinstance(scenario.world, Grid) and scenario.world.rows:
             places = [believed_place(scenario.world, task) for task in scenario.tasks]
             _pack_map(worlds, w, scenario.world, places)
+            if worlds.rules["has_loads"][w]:
+                _pack_ways_of_loads(worlds, w, scenario.world, scenario.tasks)
     return worlds
 
 
@@ -72,6 +74,8 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
     hides_places = any(task.within for s in scenarios for task in s.tasks)
     spots = (count, tasks, max(map(_most_places, scenarios))) if hides_places else (count, 0, 0)
     walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
+    has_loads = any(task.to is not None for s in scenarios for task in s.tasks)
+    fields = tasks * (2 if has_loads else 1) if walls[0] else 0
     worlds = Worlds(
         rules=np.zeros(count, dtype=RULES),
         count=np.zeros(count, dtype=COUNT),
@@ -92,7 +96,7 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
         demand=np.zeros((count, caps), dtype=np.int32),
         order=np.full((count, tasks), NOBODY, dtype=np.int32),
         blocked=np.ones((count, *walls), dtype=np.bool_),
-        fields=np.full((count, tasks if walls[0] else 0, *walls), UNREACHABLE, dtype=np.int32),
+        fields=np.full((count, fields, *walls), UNREACHABLE, dtype=np.int32),
         near=np.zeros((count, robots), dtype=np.int32),
         near_key=np.zeros((count, robots), dtype=np.int64),
         room=np.zeros((count, caps), dtype=np.int32),
@@ -105,7 +109,7 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
     worlds.tasks["appears"] = NEVER
     for field in ("next_here", "server", "done_at", "done_by"):
         worlds.tasks[field] = NOBODY
-    for field in ("shown_at", "moved_at", "found_at"):
+    for field in ("shown_at", "moved_at", "found_at", "taken_at", "left_at"):
         worlds.tasks[field] = NOBODY
     worlds.robots["next"] = NOBODY
     worlds.count["news"] = START
@@ -126,6 +130,7 @@ def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
         "hides_needs": any(task.may_need for task in scenario.tasks),
         "has_delays": any(robot.delays for robot in scenario.robots),
         "hides_places": any(task.within for task in scenario.tasks),
+        "has_loads": any(task.to is not None for task in scenario.tasks),
         "has_walls": bool(scenario.world.rows),
         "is_plane": plane is not None,
         "sensing_radius": max(scenario.sensing_radius, here),
@@ -213,6 +218,9 @@ def _pack_tasks(
         record["appears"], record["awaits"] = opening_step(task), len(task.after)
         for name in task.after:
             worlds.precedes[w, number_of[name], k] = True
+        if task.to is not None:
+            record["is_load"], record["unload"] = True, task.unload
+            record["to_x"], record["to_y"] = task.to
         record["region"] = scenario.world.region(place)
         record["is_open"] = is_known_from_start(task)
         column, row = (int(along * cells_per_length) for along in place)
@@ -256,3 +264,12 @@ def _most_places(scenario: Scenario) -> int:
 def _pack_map(worlds: Worlds, w: int, grid: Grid, places: Sequence[Place]) -> None:
     worlds.blocked[w, : grid.height, : grid.width] = blocked_cells(grid)
     worlds.fields[w, : len(places), : grid.height, : grid.width] = distance_fields(grid, places)
+
+
+def _pack_ways_of_loads(worlds: Worlds, w: int, grid: Grid, tasks: Sequence[Task]) -> None:
+    """Write down how far it is from everywhere to where each load is brought."""
+    for number, task in enumerate(tasks):
+        if task.to is not None:
+            row = worlds.tasks.shape[1] + number
+            field = worlds.fields[w, row, : grid.height, : grid.width]
+            field[:] = distance_fields(grid, [task.to])[0]

@@ -8,6 +8,7 @@ from teamformer.jit import entry, kernel
 from teamformer.rules.arrays import Array
 from teamformer.sim.allocation.assignment import allocate_tasks
 from teamformer.sim.arrays import RUNNING, world_at
+from teamformer.sim.carrying import place_loads
 from teamformer.sim.completion import (
     complete_tasks,
     drop_assignments,
@@ -51,6 +52,8 @@ def step_worlds(
             if world.rules.hides_places:
                 is_news |= find_tasks(world)
             finish_step(world, is_news, weights, rewards[w])
+            if world.rules.has_loads:
+                place_loads(world, world.count.steps)
         else:
             rewards[w, :] = 0.0
 
@@ -76,6 +79,8 @@ def finish_worlds(
             if world.rules.hides_places:
                 is_news |= find_tasks(world)
             finish_step(world, is_news, weights, rewards[w])
+            if world.rules.has_loads:
+                place_loads(world, world.count.steps)
         else:
             rewards[w, :] = 0.0
 

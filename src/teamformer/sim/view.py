@@ -41,7 +41,8 @@ class View(NamedTuple):
     Teams are the nearest within the sensing radius: of those equally far (all in the same place
     are), first the ones that bring what the own task still needs, of these the ones with the same
     assignment, then those with the nearest slots. Tasks are the own assignment, then the open tasks
-    in their shared order.
+    in their shared order. What is not carried ends in its own place; where no task is carried,
+    nobody is told so.
     """
 
     world: Array  # (teams,) int32, index into the batch
@@ -65,6 +66,7 @@ class View(NamedTuple):
     can_join: Array  # (teams, seen) bool, wanting its counts more is legal
     task_number: Array  # (teams, tasks) int32
     task_place: Array  # (teams, tasks, 2) float64
+    task_to_place: Array  # (teams, tasks, 2) where its load is brought, or (teams, 0, 2)
     task_needs: Array  # (teams, tasks, caps) int16, as is believed
     task_may_need: Array  # (teams, tasks, caps) float32 probability of one more, or (teams, 0, 0)
     task_within: Array  # (teams, tasks) float32 how far away it may be, 0 if known, or (teams, 0)
@@ -237,6 +239,8 @@ def _write_tasks(world: World, view: View, row: int, team: int) -> None:
     for padded in range(column, columns):
         view.task_number[row, padded] = NOBODY
         view.task_place[row, padded, 0] = view.task_place[row, padded, 1] = 0.0
+        if view.task_to_place.shape[1] > 0:
+            view.task_to_place[row, padded, 0] = view.task_to_place[row, padded, 1] = 0.0
         for cap in range(view.counts.shape[1]):
             view.task_needs[row, padded, cap] = 0
         for cap in range(view.task_may_need.shape[2]):
@@ -251,6 +255,11 @@ def _write_task(world: World, view: View, row: int, column: int, task: int) -> N
     view.task_number[row, column] = task
     view.task_place[row, column, 0] = world.tasks[task].x
     view.task_place[row, column, 1] = world.tasks[task].y
+    if view.task_to_place.shape[1] > 0:
+        is_load = world.tasks[task].is_load
+        to_x = world.tasks[task].to_x if is_load else world.tasks[task].x
+        to_y = world.tasks[task].to_y if is_load else world.tasks[task].y
+        view.task_to_place[row, column, 0], view.task_to_place[row, column, 1] = to_x, to_y
     for cap in range(view.counts.shape[1]):
         view.task_needs[row, column, cap] = world.needs[task, cap]
     for cap in range(view.task_may_need.shape[2]):
@@ -269,6 +278,7 @@ def make_view(
     caps: int,
     hides_needs: bool = False,
     hides_places: bool = False,
+    has_loads: bool = False,
 ) -> View:
     """Return room for the views of so many worlds of up to these sizes."""
     teams, seen, shown = worlds * robots, min(NEAREST_TEAMS, robots - 1), min(NEXT_TASKS, tasks)
@@ -295,6 +305,7 @@ def make_view(
         can_join=np.zeros((teams, seen), dtype=np.bool_),
         task_number=np.zeros((teams, shown), dtype=np.int32),
         task_place=np.zeros((teams, shown, 2)),
+        task_to_place=np.zeros((teams, shown if has_loads else 0, 2)),
         task_needs=np.zeros((teams, shown, caps), dtype=np.int32),
         task_may_need=np.zeros(may_need, dtype=np.float32),
         task_within=np.zeros((teams, shown if hides_places else 0), dtype=np.float32),

@@ -84,6 +84,14 @@ class Recorder:
                 shown=tuple(shown.tolist()),
                 found=tuple(np.flatnonzero(tasks["found_at"] == steps).tolist()),
                 moved=self._moved(tasks, steps),
+                taken=tuple(
+                    (int(k), int(tasks["done_by" if k in done else "server"][k]))
+                    for k in np.flatnonzero(tasks["taken_at"] == steps)
+                ),
+                left=tuple(
+                    self._task_at(int(k), tasks[k])
+                    for k in np.flatnonzero(tasks["left_at"] == steps)
+                ),
                 pursued=_pursued(before, after),
             )
         )
@@ -152,11 +160,15 @@ class Recorder:
         return tuple(slot for slot in sorted(formed) if is_commanded[slot])
 
     def _moved(self, tasks: Array, steps: int) -> tuple[TaskAt, ...]:
-        """Return the tasks that are believed elsewhere since a step."""
+        """Return the tasks that are believed elsewhere since a step, be it taken up by now."""
+        spots = self._env.worlds.spots[0]
         return tuple(
-            TaskAt(int(k), self._along(tasks["x"][k]), self._along(tasks["y"][k]))
+            self._task_at(int(k), spots[k, tasks["believed_in"][k]])
             for k in np.flatnonzero(tasks["moved_at"] == steps)
         )
+
+    def _task_at(self, task: int, place: Array) -> TaskAt:
+        return TaskAt(task, self._along(place["x"]), self._along(place["y"]))
 
     def _joins(self, before: Groups, formed: Groups) -> tuple[tuple[int, int], ...]:
         """Return (joiner, partner) for each team that holds two earlier teams."""

@@ -22,7 +22,7 @@ from teamformer.planning.bounds.open_paths import (
     shortest_path,
     span,
 )
-from teamformer.planning.relaxation.problem import Relaxed, relax
+from teamformer.planning.relaxation.problem import Relaxed, relax, without_directions
 from teamformer.rules.constants import FAR, NOBODY
 
 Numbers = npt.NDArray[np.integer[Any]]
@@ -49,6 +49,7 @@ def bound_makespan(problem: Relaxed, start: Numbers | None = None) -> int:
     `start` (tasks,), if given, is a step that no task starts before.
     """
     start = earliest_starts(problem) if start is None else start
+    problem = without_directions(problem)
     is_possible = start < FAR  # what can never be done bounds nothing
     bounds = (start + problem.duration)[is_possible].tolist()
     caps = np.flatnonzero(problem.needs[is_possible].any(axis=0)).tolist()

@@ -61,8 +61,11 @@ def raise_by_routes(
     """Raise a lower bound on the makespan of any policy until nothing more can be proven so.
 
     Every better bound is offered as it is proven. `problem` is the scenario's. Nothing is tried
-    that has more to look at in one go than `largest`. Returns the best bound.
+    that has more to look at in one go than `largest`, nor for loads, which end elsewhere than they
+    begin. Returns the best bound.
     """
+    if problem.carry.any():
+        return bound
     kinds, legs = size_of_kinds(problem)
     if BUILDING * kinds + legs * 2 ** MEMORIES[0] * bound > largest:
         return bound

@@ -26,12 +26,12 @@ from teamformer.planning.continuous.links import (
     LinkedProblem,
     link_problem,
 )
-from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, pose_problem
+from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, Whole, pose_problem
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.times import Clock, release_of
-from teamformer.planning.relaxation.problem import count_table
+from teamformer.planning.relaxation.problem import count_table, ends_of
 from teamformer.roads import Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
@@ -53,6 +53,7 @@ class ContinuousMission:
     home: Times  # (robots, places)
     origin: npt.NDArray[np.int64]  # (robots,) the place where each starts
     pace: npt.NDArray[np.int64]  # (robots,) row of `ways`
+    carry: Times  # (paces, tasks) how long a load is carried; 0 for other tasks
     scale: float
     problem: CoalitionProblem | LinkedProblem
 
@@ -60,16 +61,21 @@ class ContinuousMission:
         """Return a solution in the mission's unit; its times are worked out from the true ways.
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
+        Loads are carried as fast as can be there, so that a plan in which one goes slower is not
+        proven to be the best.
         """
         timed = self.time(solution.plan)
         if isinstance(solution, LinkedSolution):
             return replace(timed, curve=self._weighed(solution.curve))
         rounding = len(self.scenario.tasks) + 2  # ways and durations in a chain, half a tick each
         bound = max(0.0, (solution.bound - rounding) / self.scale)
+        is_as_timed = (
+            not self._has_slow_loads or timed.makespan <= bound + 2 * rounding / self.scale
+        )
         return replace(
             timed,
             bound=min(timed.makespan, bound),
-            is_proven=solution.is_proven,
+            is_proven=solution.is_proven and is_as_timed,
             curve=tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve),
         )
 
@@ -79,26 +85,40 @@ class ContinuousMission:
             return ()
         return tuple((seconds, cost / self.scale) for seconds, cost in curve)
 
+    @property
+    def _has_slow_loads(self) -> bool:
+        """Say whether loads may be carried at several paces."""
+        return len(self.carry) > 1 and bool(self.carry.any())
+
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules."""
         problem = self.problem
         base = problem.base if isinstance(problem, LinkedProblem) else problem
-        clock = Clock(self.scenario, self.ways, self.home, self.pace, self.origin, base.site)
-        return clock.time(plan)
+        parts = (self.ways, self.home, self.pace, self.origin, base.site, self.carry)
+        return Clock(self.scenario, *parts).time(plan)
 
 
 def pose_mission(scenario: Scenario) -> ContinuousMission:
     """Return a mission in continuous time as a problem in ticks."""
     robots, tasks = scenario.robots, scenario.tasks
     starts = list(dict.fromkeys(robot.at for robot in robots))
-    places = [*(task.at for task in tasks), *starts]
+    places = [*ends_of(tasks), *starts]
     paces = sorted({(robot.moves, robot.speed) for robot in robots})
     pace = np.array([paces.index((robot.moves, robot.speed)) for robot in robots])
-    ways = np.array(
-        [_distances(scenario, moves, places, places[: len(tasks)]) / v for moves, v in paces]
-    )
+    begins = [task.at for task in tasks]
+    metres = {moves: _distances(scenario, moves, places, begins) for moves, _ in paces}
+    ways = np.array([metres[moves] / speed for moves, speed in paces])
+    carry = np.array([metres[moves].diagonal() / speed for moves, speed in paces])
+    carry[:, [task.to is None for task in tasks]] = 0.0
+    np.einsum("pkk->pk", ways[:, : len(tasks)])[:] = 0.0  # not the way from an end to a beginning
     home = _ways_home(scenario, places)
-    scale = _scale(scenario, ways, home)
+    scale = _scale(scenario, ways, home, carry)
+    counts = count_table([robot.can for robot in robots], scenario)
+    needs = count_table([task.needs for task in tasks], scenario)
+    takes = [
+        task.duration + _least_carried(counts, carry[pace, number], needs[number]) + task.unload
+        for number, task in enumerate(tasks)
+    ]
     number_of = {task.name: number for number, task in enumerate(tasks)}
     origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
     problem = pose_problem(
@@ -106,9 +126,9 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         home=_ticks(home, scale),
         pace=pace,
         origin=origin,
-        counts=count_table([robot.can for robot in robots], scenario),
-        needs=count_table([task.needs for task in tasks], scenario),
-        duration=_ticks([task.duration for task in tasks], scale),
+        counts=counts,
+        needs=needs,
+        duration=_ticks(takes, scale),
         release=_ticks([release_of(scenario, task) for task in range(len(tasks))], scale),
         due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
         precedence=[
@@ -118,7 +138,7 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
     )
     linked = _link(scenario, problem, scale) if is_linked(scenario) else problem
-    return ContinuousMission(scenario, ways, home, origin, pace, scale, linked)
+    return ContinuousMission(scenario, ways, home, origin, pace, carry, scale, linked)
 
 
 def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> LinkedProblem:
@@ -185,10 +205,20 @@ def _ways_home(scenario: Scenario, places: Sequence[Place]) -> Times:
     return np.array([home[r.moves, r.at if ends == ENDS_HOME else ends] / r.speed for r in robots])
 
 
-def _scale(scenario: Scenario, ways: Times, home: Times) -> float:
+def _least_carried(counts: Whole, carry: Times, need: Whole) -> float:
+    """Return how long a load is carried at least by robots that have what is needed.
+
+    `carry` (robots,) is how long each takes; it is infinite if all together are not enough.
+    """
+    times = (when for when in np.unique(carry) if (counts[carry <= when].sum(axis=0) >= need).all())
+    return float(next(times, np.inf))
+
+
+def _scale(scenario: Scenario, ways: Times, home: Times, carry: Times) -> float:
     """Return a power of ten: ticks in a unit, so many that everything takes MOST_TICKS or less."""
     longest = max(part[np.isfinite(part)].max(initial=0.0) for part in (ways, home))
-    total = sum(task.duration + scenario.forming for task in scenario.tasks)
+    total = sum(task.duration + task.unload + scenario.forming for task in scenario.tasks)
+    total += float(carry.max(axis=0).sum())
     total += longest * (len(scenario.tasks) + 1) + 1e-6
     total += max(release_of(scenario, task) for task in range(len(scenario.tasks)))
     scale = 1e-6

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,8 @@ class Clock:
     """When tasks start by a plan, and what it has robots do.
 
     `ways` is (paces, places, tasks), `home` (robots, places); `site` (places,) is the same for
-    places at one position. Nobody has begun yet.
+    places at one position; `carry` (paces, tasks) is how long loads are carried. Nobody has begun
+    yet.
     """
 
     def __init__(
@@ -31,9 +32,12 @@ class Clock:
         pace: npt.NDArray[np.int64],
         origin: npt.NDArray[np.int64],
         site: npt.NDArray[np.int32],
+        carry: Times,
     ) -> None:
         self._scenario, self._ways, self._home = scenario, ways, home
         self._pace, self._origin, self._site = pace, origin, site
+        self._carry = carry
+        self._takes = np.zeros(len(scenario.tasks))  # by the coalitions of the plan at hand
         self._number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
@@ -43,6 +47,7 @@ class Clock:
         changes, as a task may wait for one that comes later.
         """
         before = self._places_before(plan)
+        self._takes = np.array([self._time_taken(task, doers) for task, doers in enumerate(before)])
         start = np.zeros(len(plan.order))
         is_linked = any(task.starts for task in self._scenario.tasks)
         for _ in range(len(start) + 1 if is_linked else 1):
@@ -65,8 +70,15 @@ class Clock:
 
     def _free(self, place: int, start: Times) -> float:
         """Return when a robot can leave a place."""
-        tasks = self._scenario.tasks
-        return float(start[place]) + tasks[place].duration if place < len(tasks) else 0.0
+        return float(start[place] + self._takes[place]) if place < len(start) else 0.0
+
+    def _time_taken(self, task: int, robots: Iterable[int]) -> float:
+        """Return how long a task takes: its service, and the way with its load by the slowest."""
+        wanted = self._scenario.tasks[task]
+        carried = max(
+            (float(self._carry[self._pace[robot], task]) for robot in robots), default=0.0
+        )
+        return wanted.duration + carried + wanted.unload
 
     def _way(self, robot: int, place: int, task: int) -> float:
         return float(self._ways[self._pace[robot], place, task])

@@ -88,7 +88,7 @@ def _cut_tour(shared: Shared, lists: CrewRoutes, is_able: Array) -> None:
     between = np.zeros((count, count), dtype=np.int64)
     for task in range(count):
         for other in range(count):
-            between[task, other] = np.int64(shared.ways[task, other])
+            between[task, other] = np.int64(min(shared.ways[task, other], shared.ways[other, task]))
     start = np.zeros(count, dtype=np.int64)
     for task in range(count):
         for robot in range(len(shared.place)):

@@ -7,6 +7,10 @@ that stays in one place may serve all tasks there at once, as a team does. A rob
 serves only tasks that end before l; one that comes back counts as always there. The makespan is the
 last end.
 
+A load ends elsewhere than it begins: the way from its task begins where it is brought to, so ways
+differ by direction. Its duration counts the least steps that a team that can do it carries it, and
+its unloading.
+
 On a plane, ways are counted in cells that are a small fraction of a step long. They are counted
 from the edge of one place to the edge of the next, so that tasks whose places touch are in the same
 place here, and in favour of the robots, so that no plan under the rules is faster.
@@ -21,9 +25,9 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.capabilities import Counts
-from teamformer.grid import Grid
+from teamformer.grid import Grid, Place
 from teamformer.mission.rules import opening_step
-from teamformer.model import Robot, Scenario
+from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.rules.constants import FAR, MICROMETRES, NOBODY, ROUNDING
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
@@ -38,7 +42,9 @@ MOST_CELLS = 200_000
 class Relaxed(NamedTuple):
     """The relaxed problem as plain arrays; times are in steps."""
 
-    cells: Whole  # (tasks, places) from places to tasks; places are the tasks, then the starts
+    cells: (
+        Whole  # (tasks, places) from places to tasks; places are the tasks' ends, then the starts
+    )
     steps: Whole  # (paces, cells) steps that 0, 1, ... cells take; last column: no way, FAR
     pace: Whole  # (robots,) row of `steps`
     speed: npt.NDArray[np.float64]  # (robots,) cells a step
@@ -49,6 +55,8 @@ class Relaxed(NamedTuple):
     appears: Whole  # (tasks,) steps made when the task becomes known
     lost: Whole  # (robots,) first step the robot is missing from; FAR for never
     ready: Whole  # (robots,) the step from which the robot is free; 0 at the start
+    carry: Whole  # (tasks,) cells that a load is carried; 0 for other tasks
+    quickest: Whole  # (tasks,) steps that this takes at least, which `duration` counts
 
 
 class Future(NamedTuple):
@@ -60,25 +68,79 @@ class Future(NamedTuple):
 
 def relax(scenario: Scenario) -> Relaxed:
     """Return the relaxed problem of a scenario."""
-    robots, tasks = scenario.robots, scenario.tasks
-    cells, speed = _ways(scenario)
+    future = future_of(scenario)
+    return relax_ways(
+        scenario,
+        scenario.tasks,
+        scenario.robots,
+        *_ways(scenario),
+        future,
+        ready=np.zeros(len(scenario.robots), dtype=np.int32),
+    )
+
+
+def relax_ways(
+    scenario: Scenario,
+    tasks: Sequence[Task],
+    robots: Sequence[Robot],
+    cells: Whole,
+    speed: npt.NDArray[np.float64],
+    future: Future,
+    ready: Whole,
+) -> Relaxed:
+    """Return the relaxed problem of some tasks and robots of a scenario.
+
+    `cells` are the ways from the ends of tasks and from starts to tasks, (tasks, places), and
+    `speed` (robots,) is what robots walk of them in a step.
+    """
     no_way = 1 + int(cells[cells < UNREACHABLE].max())
     speeds, pace = np.unique(speed, return_inverse=True)
-    future = future_of(scenario)
     counts = count_table([robot.can for robot in robots], scenario)
+    needs = count_table([task.needs for task in tasks], scenario)
+    steps = steps_of_cells(speeds, no_way)
+    cells = np.ascontiguousarray(np.minimum(cells, no_way))
+    carry = np.ascontiguousarray(cells.diagonal())
+    np.fill_diagonal(cells, 0)  # which is not the way from a task's end to its beginning
+    quickest = steps[[fastest_pace(counts, pace, need) for need in needs], carry]
+    duration = np.array([task.duration + task.unload for task in tasks], np.int32)
     return Relaxed(
-        cells=np.ascontiguousarray(np.minimum(cells, no_way)),
-        steps=steps_of_cells(speeds, no_way),
+        cells=cells,
+        steps=steps,
         pace=pace.astype(np.int32),
         speed=speed,
         counts=counts,
-        needs=count_table([task.needs for task in tasks], scenario),
+        needs=needs,
         able=able_robots(counts),
-        duration=np.array([task.duration for task in tasks], dtype=np.int32),
+        duration=duration + quickest,
         appears=future.appears,
         lost=future.lost,
-        ready=np.zeros(len(robots), dtype=np.int32),
+        ready=ready,
+        carry=carry,
+        quickest=quickest,
     )
+
+
+def fastest_pace(counts: Whole, pace: npt.NDArray[np.intp], need: Whole) -> int:
+    """Return the pace at which a team goes at most that has what is needed; 0 if none has it."""
+    paces = range(int(pace.max()), 0, -1)
+    return next((p for p in paces if (counts[pace >= p].sum(axis=0) >= need).all()), 0)
+
+
+def ends_of(tasks: Sequence[Task]) -> list[Place]:
+    """Return where robots are once they have done each task."""
+    return [task.at if task.to is None else task.to for task in tasks]
+
+
+def without_directions(problem: Relaxed) -> Relaxed:
+    """Return a problem whose ways between tasks are as short as the shorter of both directions.
+
+    So they are no longer, whoever goes which way.
+    """
+    if not problem.carry.any():
+        return problem
+    cells, tasks = problem.cells.copy(), len(problem.cells)
+    cells[:, :tasks] = np.minimum(cells[:, :tasks], cells[:, :tasks].T)
+    return problem._replace(cells=cells)
 
 
 def future_of(scenario: Scenario) -> Future:
@@ -107,7 +169,7 @@ def is_true_relaxation(problem: Relaxed) -> bool:
 def _ways(scenario: Scenario) -> tuple[Whole, npt.NDArray[np.float64]]:
     """Return the cells from places to tasks, (tasks, places), and what robots walk in a step."""
     tasks, speed = [t.at for t in scenario.tasks], np.array([r.speed for r in scenario.robots])
-    places = tasks + [robot.at for robot in scenario.robots]
+    places = ends_of(scenario.tasks) + [robot.at for robot in scenario.robots]
     if isinstance(scenario.world, Grid):
         return travel_matrix(scenario.world, places, tasks).T, speed
     assert isinstance(scenario.world, Plane)

@@ -113,7 +113,7 @@ def leg_from(robots: Array, steps: Array, cells: Array, robot: int, task: int) -
     """Return the steps from a task to the robot's next; 0 if it has none."""
     if robots[robot].next == NOBODY:
         return 0
-    return steps[robots[robot].pace, cells[task, robots[robot].next]]
+    return steps[robots[robot].pace, cells[robots[robot].next, task]]
 
 
 @kernel

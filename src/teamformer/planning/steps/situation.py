@@ -10,17 +10,17 @@ from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import (
+    Future,
     Relaxed,
-    able_robots,
-    count_table,
+    ends_of,
     future_of,
-    steps_of_cells,
+    relax_ways,
 )
 from teamformer.planning.relaxation.relaxed_plan import Array
-from teamformer.planning.steps.crossings import Crossings, find_crossings
+from teamformer.planning.steps.crossings import Crossings, find_crossings, without_loads
 from teamformer.planning.steps.team_plan import TeamPlan
 from teamformer.rules.constants import FAR
-from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
+from teamformer.rules.distances import straight_ways, travel_matrix
 
 MOST_CELLS = 20_000
 """Of a plane: how many cells the longest way is counted in."""
@@ -45,26 +45,26 @@ def situation_of(known: Known) -> Situation:
     for team in known.teams:
         company[[number[robot] for robot in team]] = min(number[robot] for robot in team)
     tasks = known.open_tasks
-    spots = [scenario.tasks[task].at for task in tasks]
-    places = [*spots, *(known.places[robot] for robot in robots)]
+    wanted = [scenario.tasks[task] for task in tasks]
+    spots = [task.at for task in wanted]
+    places = [*ends_of(wanted), *(known.places[robot] for robot in robots)]
     cells, speed = _ways(scenario, spots, places, robots)
-    no_way = 1 + int(cells[cells < UNREACHABLE].max())
-    speeds, pace = np.unique(speed, return_inverse=True)
-    counts = count_table([scenario.robots[r].can for r in robots], scenario)
-    problem = Relaxed(
-        cells=np.ascontiguousarray(np.minimum(cells, no_way)),
-        steps=steps_of_cells(speeds, no_way),
-        pace=pace.astype(np.int32),
-        speed=speed,
-        counts=counts,
-        needs=count_table([scenario.tasks[task].needs for task in tasks], scenario),
-        able=able_robots(counts),
-        duration=np.array([scenario.tasks[task].duration for task in tasks], np.int32),
-        appears=np.full(len(tasks), known.step, np.int32),
-        lost=np.full(len(robots), FAR, np.int32),
+    problem = relax_ways(
+        scenario,
+        wanted,
+        [scenario.robots[robot] for robot in robots],
+        cells,
+        speed,
+        Future(
+            appears=np.full(len(tasks), known.step, np.int32),
+            lost=np.full(len(robots), FAR, np.int32),
+        ),
         ready=np.array([known.free_at[robot] for robot in robots], np.int32),
     )
-    crossings = find_crossings(scenario.world, spots, places, speeds)
+    crossings = find_crossings(scenario.world, spots, places, np.unique(speed))
+    is_load = np.array([task.to is not None for task in wanted])
+    if is_load.any():
+        crossings = without_loads(crossings, is_load)
     return Situation(robots, tasks, problem, crossings, company, scenario.forming_steps)
 
 

@@ -157,9 +157,10 @@ def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
             count += 1
         groups.pace[group] = min(groups.pace[group], problem.pace[robot])
         groups.leaving[group] += 1
-    until = 0
+    until, pace = 0, groups.pace[groups.touched[0]]
     for place in range(count):
         group = groups.touched[place]
+        pace = min(pace, groups.pace[group])
         groups.size[group] -= groups.leaving[group]
         groups.splits[group] += groups.size[group] > 0
         leave = groups.free[group] + groups.splits[group] * groups.forming[0]
@@ -181,6 +182,8 @@ def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
     start = max(pair_off(groups.arrive, count), problem.appears[task] + 1)
     groups.start[task] = start
     groups.end[task] = start + problem.duration[task]
+    if problem.carry[task] > 0:
+        groups.end[task] += problem.steps[pace, problem.carry[task]] - problem.quickest[task]
     groups.free[task] = max(until, groups.end[task])
     groups.is_done[task] = True
     groups.size[task] = plan.size[task]

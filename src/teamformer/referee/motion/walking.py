@@ -26,7 +26,8 @@ def move_team(
 
     `meets` says whether it has joined another at the end of its way.
     """
-    waits = bool(team.services) or (team.has_formed and fleet.scenario.forming_steps > 0)
+    is_busy = bool(team.services) and team.carries is None
+    waits = is_busy or (team.has_formed and fleet.scenario.forming_steps > 0)
     world = fleet.scenario.world
     if isinstance(world, Grid):
         fault = _walk_cells(world, team, to, waits)
@@ -40,7 +41,7 @@ def move_team(
     name, way = fleet.name(team), f"from {list(team.at)} to {list(to)}"
     if not world.is_free(to):
         notes.note(f"{name} is at {list(to)}, where no robot can be")
-    elif fault and team.services:
+    elif fault and is_busy:
         notes.note(f"{name} moves {way} while it serves a task")
     elif fault and waits:
         notes.note(f"{name} moves {way} in the step in which it formed")

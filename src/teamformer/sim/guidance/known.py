@@ -17,10 +17,16 @@ def known_of(worlds: Worlds, w: int, scenario: Scenario, news: int) -> Known:
     robots, tasks, teams = worlds.robots[w], worlds.tasks[w], worlds.teams[w]
     step = int(worlds.count["steps"][w])
     free_at = np.full(len(teams), step)  # (slots,)
+    x, y = teams["x"].copy(), teams["y"].copy()  # where teams are once they are free
     for task in np.flatnonzero(tasks["server"] != NOBODY).tolist():
-        server, rest = int(tasks["server"][task]), tasks["expected"][task] - tasks["served"][task]
+        server = int(tasks["server"][task])
+        rest = tasks["ahead"][task]
+        if not tasks["is_carried"][task]:
+            rest += tasks["expected"][task] - tasks["served"][task]
         until = step + int(rest)
         free_at[server] = max(int(free_at[server]), until)
+        if tasks["is_load"][task]:
+            x[server], y[server] = tasks["to_x"][task], tasks["to_y"][task]
     slots = robots["team"][: len(scenario.robots)]
     along = int if isinstance(scenario.world, Grid) else float
     members = {slot: np.flatnonzero(slots == slot) for slot in np.unique(slots[slots != NOBODY])}
@@ -28,7 +34,7 @@ def known_of(worlds: Worlds, w: int, scenario: Scenario, news: int) -> Known:
         mission=_believed(worlds, w, scenario),
         step=step,
         open_tasks=tuple(np.flatnonzero(tasks["is_open"] & (tasks["server"] == NOBODY)).tolist()),
-        places=tuple((along(teams["x"][slot]), along(teams["y"][slot])) for slot in slots),
+        places=tuple((along(x[slot]), along(y[slot])) for slot in slots),
         teams=tuple(tuple(members[slot].tolist()) for slot in sorted(members)),
         free_at=tuple(free_at[slots].tolist()),
         unseen_needs=frozenset(np.flatnonzero(tasks["hides_needs"]).tolist()),
@@ -52,6 +58,12 @@ def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
             needs[task] = scenario.out_of_units(believed)
     along = int if isinstance(scenario.world, Grid) else float
     at = worlds.tasks[["x", "y"]][w]
-    unsure = [task for task in tasks if scenario.tasks[task].within]
+    unsure = [task for task in tasks if scenario.tasks[task].within or _is_left(worlds, w, task)]
     places = {task: (along(at["x"][task]), along(at["y"][task])) for task in unsure}
     return believed_mission(scenario, needs, places)
+
+
+def _is_left(worlds: Worlds, w: int, task: int) -> bool:
+    """Say whether a load lies where it was set down on its way."""
+    record = worlds.tasks[w, task]
+    return bool(record["left_at"] != NOBODY and record["server"] == NOBODY and record["is_open"])

@@ -196,7 +196,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         view, robots = self._view, len(self._env.scenarios[0].robots)
         first, end = view.first_member[row : row + 2]
         arrays = {name: getattr(view, name)[row] for name in OF_TEAM}
-        for name in ("task_may_need", "task_within"):
+        for name in ("task_may_need", "task_within", "task_to_place"):
             if not getattr(view, name).size:
                 del arrays[name]
         arrays["member"] = np.full(robots, NOBODY, dtype=np.int32)  # (robots,)
@@ -227,7 +227,9 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         if array.dtype == np.int8 or name == "task_may_need":
             return 0, 1
         if name == "rest":
-            return 0, int(max(task.longest for task in scenario.tasks))
+            is_carried = any(task.to is not None for task in scenario.tasks)
+            longest = int(max(task.longest for task in scenario.tasks))
+            return 0, scenario.step_limit if is_carried else longest
         if array.dtype == np.float32:
             return 0, np.inf
         return NOBODY, max(len(scenario.robots), most_tasks(scenario))

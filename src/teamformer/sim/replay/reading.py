@@ -265,6 +265,14 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
             TaskAt(number_below(task, tasks), along(x), along(y))
             for task, x, y in rows_of(tree.get("moved", []), 3)
         ),
+        taken=tuple(
+            (number_below(task, tasks), number_below(slot, robots))
+            for task, slot in rows_of(tree.get("taken", []), 2)
+        ),
+        left=tuple(
+            TaskAt(number_below(task, tasks), along(x), along(y))
+            for task, x, y in rows_of(tree.get("left", []), 3)
+        ),
         pursued=tuple(
             (number_below(slot, robots), number_below(task, tasks))
             for slot, task in rows_of(tree.get("pursued", []), 2)

@@ -55,6 +55,8 @@ class Step:
     shown: tuple[int, ...] = ()  # tasks whose needs have become known
     found: tuple[int, ...] = ()  # tasks whose place has become known
     moved: tuple[TaskAt, ...] = ()  # tasks that are elsewhere than believed, or believed elsewhere
+    taken: tuple[tuple[int, int], ...] = ()  # loads taken up: task, team that carries it then
+    left: tuple[TaskAt, ...] = ()  # loads that were set down on their way, and lie there
     pursued: tuple[tuple[int, int], ...] = ()  # slot, task that news took back before it was told
 
 

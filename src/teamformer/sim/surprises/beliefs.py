@@ -91,5 +91,14 @@ def expected_rest(world: World, team: int) -> int:
         for position in range(world.count.open):
             task = world.order[position]
             if world.tasks[task].server == team:
-                rest = max(rest, world.tasks[task].expected - world.tasks[task].served)
+                rest = max(rest, expected_left(world, task))
     return rest
+
+
+@kernel
+def expected_left(world: World, task: int) -> int:
+    """Return for how many steps more a task that is being served is expected to be."""
+    left = world.tasks[task].ahead
+    if not world.tasks[task].is_carried:
+        left += world.tasks[task].expected - world.tasks[task].served
+    return left

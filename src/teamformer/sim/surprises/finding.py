@@ -14,11 +14,10 @@ import numpy as np
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
-from teamformer.rules.distances import UNREACHABLE, fill_field
 from teamformer.sim.arrays import FOUND, SCOUTING
 from teamformer.sim.motion import field_towards
-from teamformer.sim.spatial_index import cell_of
 from teamformer.sim.surprises.looking import soonest_left
+from teamformer.sim.task_places import put_task
 
 if TYPE_CHECKING:
     from teamformer.sim.arrays import World
@@ -137,39 +136,5 @@ def _micrometres(squared: float) -> np.int64:
 @allocating_kernel
 def _believe_in(world: World, task: int, spot: int, step: int) -> None:
     """Believe a task to be in one of its places."""
-    _leave_cell(world, task)
-    world.tasks[task].x, world.tasks[task].y = world.spots[task, spot].x, world.spots[task, spot].y
+    put_task(world, task, world.spots[task, spot].x, world.spots[task, spot].y)
     world.tasks[task].believed_in, world.tasks[task].moved_at = spot, step
-    _enter_cell(world, task)
-    if world.rules.has_walls:
-        field = world.fields[task]
-        for row in range(field.shape[0]):
-            for column in range(field.shape[1]):
-                field[row, column] = UNREACHABLE
-        fill_field(world.blocked, int(world.tasks[task].x), int(world.tasks[task].y), field)
-
-
-@kernel
-def _leave_cell(world: World, task: int) -> None:
-    cell = cell_of(world, world.tasks[task].x, world.tasks[task].y)
-    if world.cells[cell].first_task == task:
-        world.cells[cell].first_task = world.tasks[task].next_here
-        return
-    before = world.cells[cell].first_task
-    while world.tasks[before].next_here != task:
-        before = world.tasks[before].next_here
-    world.tasks[before].next_here = world.tasks[task].next_here
-
-
-@kernel
-def _enter_cell(world: World, task: int) -> None:
-    """Put a task into its cell's chain, which is in task order."""
-    cell = cell_of(world, world.tasks[task].x, world.tasks[task].y)
-    before, after = np.int64(NOBODY), np.int64(world.cells[cell].first_task)
-    while after != NOBODY and after < task:
-        before, after = after, np.int64(world.tasks[after].next_here)
-    world.tasks[task].next_here = after
-    if before == NOBODY:
-        world.cells[cell].first_task = task
-    else:
-        world.tasks[before].next_here = task

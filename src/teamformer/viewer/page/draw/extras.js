@@ -21,10 +21,12 @@ function drawAssignments(view) {
 function drawAssignment(view, team) {
   const { ctx } = view;
   const from = teamSpot(view, team);
-  const to = taskBox(view, team.assigned);
+  const { at, isUp } = view.sites[team.assigned];
+  const [right, down] = [view.camera.x(at[0]), view.camera.y(at[1])];
+  const to = isUp ? { x: right, y: down, half: 0.3 * view.camera.cell } : taskBox(view, team.assigned);
   if (Math.hypot(to.x - from.x, to.y - from.y) < from.r + to.half + 4) return;
   const { world } = view.scenario;
-  const way = wayTo(world, [team.x, team.y], view.sites[team.assigned].at);
+  const way = wayTo(world, [team.x, team.y], at);
   const corners = way.slice(1, -1).map(([x, y]) => ({ x: view.camera.x(x), y: view.camera.y(y) }));
   const points = [from, ...corners, to];
   points[points.length - 1] = shorten(to, points.at(-2), to.half + 2);

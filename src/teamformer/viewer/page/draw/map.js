@@ -73,6 +73,7 @@ class TrialMap {
     if (view.options.trails) drawTrails(view);
     if (view.options.order) drawOrder(view);
     if (view.options.messages) drawMessages(view);
+    drawDestinations(view);
     drawTasks(view, still.changing);
     drawAssignments(view);
     drawTeams(view);

@@ -30,9 +30,9 @@ function drawTaskName(view, taken, task) {
   const { theme, scenario, sites, history, scene } = view;
   const standing = standingOf(history, task, scene.step);
   if (standing === "hidden") return;
-  const { at, mates } = sites[task];
-  const { half } = taskBox(view, mates.at(-1));
-  const [x, y] = [view.camera.x(at[0]), taskBox(view, mates.at(-1)).y];
+  const { at, mates, isUp } = sites[task];
+  const box = taskBox(view, mates.at(-1));
+  const [x, y, half] = [isUp ? box.x : view.camera.x(at[0]), box.y, box.half];
   const colour = standing === "done" ? theme.faint : theme.muted;
   drawName(view, taken, namesOfPlace(scenario, task, mates), { x, y: y + half + 10 }, colour);
 }

@@ -30,6 +30,7 @@ function drawTask(view, task, box, standing) {
 
 // A task with no robots around looks the same from moment to moment.
 function isUnchanging({ history, sites, scene, places, placesAfter }, task, standing) {
+  if (sites[task].isUp) return false;
   const cell = cellKey(...sites[task].at);
   if (places.cells.has(cell) || placesAfter.cells.has(cell)) return false;
   return (
@@ -58,9 +59,11 @@ function taskImage(view, task, half, reach, standing) {
 }
 
 // The square of a task in pixels.
-function taskBox({ camera, sites, places, placesAfter, part, detail }, task) {
+function taskBox(view, task) {
+  const { camera, sites, places, placesAfter, part, detail } = view;
   const { cell } = camera;
-  const { at } = sites[task];
+  const { at, isUp } = sites[task];
+  if (isUp) return loadBox(view, task);
   const [x, y] = [camera.x(at[0]), camera.y(at[1])];
   if (detail !== "robots") return { x, y, half: Math.max(1.5, 0.3 * cell) };
   const [from, to] = [places, placesAfter].map((known) =>
@@ -70,9 +73,46 @@ function taskBox({ camera, sites, places, placesAfter, part, detail }, task) {
   return { x: x + pixels("right"), y: y + pixels("down"), half: pixels("half") };
 }
 
+// A load goes with its team, whose robots it embraces.
+function loadBox(view, task) {
+  const { history, scene, camera } = view;
+  const { robots } = serviceOf(history, task, scene.step);
+  const there = robots.filter((robot) => scene.state.team[robot] !== NOBODY);
+  const { x, y, r } = teamSpot(view, { robots: there });
+  return { x, y, half: Math.max(TASK_HALF * camera.cell, r + 3) };
+}
+
+// Where loads go that are not there yet: a dashed square, and a line to it.
+function drawDestinations(view) {
+  const { ctx, camera, history, scenario, scene } = view;
+  scenario.tasks.forEach(({ to }, task) => {
+    const standing = standingOf(history, task, scene.step);
+    if (!to || standing === "hidden" || standing === "done") return;
+    const goal = { x: camera.x(to[0]), y: camera.y(to[1]), half: 0.3 * camera.cell };
+    const from = taskBox(view, task);
+    ctx.strokeStyle = taskColour(task, view.isDark);
+    ctx.lineWidth = 1.5;
+    ctx.globalAlpha = 0.6;
+    ctx.setLineDash([4, 3]);
+    tracedSquare(ctx, goal.x, goal.y, goal.half);
+    ctx.stroke();
+    if (Math.hypot(from.x - goal.x, from.y - goal.y) > from.half + goal.half) {
+      const [start, end] = [shorten(from, goal, from.half), shorten(goal, from, goal.half)];
+      ctx.globalAlpha = 0.3;
+      ctx.beginPath();
+      ctx.moveTo(start.x, start.y);
+      ctx.lineTo(end.x, end.y);
+      ctx.stroke();
+    }
+    ctx.setLineDash([]);
+    ctx.globalAlpha = 1;
+  });
+}
+
 // Robots stand in the middle of a task that has its place for itself.
 function isCovered({ places, sites }, task) {
-  const { at, mates } = sites[task];
+  const { at, mates, isUp } = sites[task];
+  if (isUp) return true;
   return mates.length === 1 && places.cells.has(cellKey(...at));
 }
 
@@ -188,6 +228,8 @@ function drawOwnOutline(view, task, { x, y, half }) {
 // How much of a service is made, as a thick line around the outline.
 function drawProgress(view, task, { x, y, half }) {
   const { ctx } = view;
+  const { duration } = view.scenario.tasks[task];
+  if (view.sites[task].isUp || !duration) return;
   const service = serviceOf(view.history, task, view.scene.step);
   const made = view.scene.step + view.part - service.from;
   const outer = half + 4;
@@ -195,7 +237,7 @@ function drawProgress(view, task, { x, y, half }) {
   tracedSquare(ctx, x, y, outer);
   ctx.strokeStyle = taskColour(task, view.isDark);
   ctx.lineWidth = 5;
-  ctx.setLineDash([(length * made) / view.scenario.tasks[task].duration, length]);
+  ctx.setLineDash([(length * made) / duration, length]);
   ctx.stroke();
   ctx.setLineDash([]);
 }

@@ -123,8 +123,16 @@ function placeText(history, task, step) {
   const { world, tasks } = history.scenario;
   const { around, within } = tasks[task];
   const at = describePlace(world, sitesAt(history, step)[task].at);
-  if (history.foundAt[task] <= step) return `At ${at}`;
+  if (history.foundAt[task] <= step) return loadPlaceText(history, task, step, at);
   return `Within ${describeWay(world, within)} of ${describePlace(world, around)}, believed at ${at}`;
+}
+
+// Where a task is, and where its load goes.
+function loadPlaceText({ scenario }, task, step, at) {
+  const { to, unload } = scenario.tasks[task];
+  if (!to) return `At ${at}`;
+  const stay = unload ? `, unloading takes ${describeSpan(scenario.world, unload)}` : "";
+  return `At ${at}, to be brought to ${describePlace(scenario.world, to)}${stay}`;
 }
 
 // Once it is done, how long it really took is known.

@@ -24,7 +24,9 @@ function frames(recorded) {
     doers: scenario.tasks.map(() => []), // the robots of the team that did it
     shownAt: scenario.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
     foundAt: scenario.tasks.map(({ within }) => (within ? Infinity : 0)),
-    moves: [], // {step, task, at} of tasks that are believed elsewhere from then on
+    moves: [], // {step, task, at, isUp} of tasks that are elsewhere from then on, or believed to be
+    lies: scenario.tasks.map(({ at }) => at), // where tasks really are; loads where they were taken up
+    carriedBy: new Map(), // load -> the slot of the team that has it up after the latest step read
     absences: scenario.robots.map(() => []), // [{from, to, place}], steps; `to` is open till it is back
     headings: scenario.robots.map(() => NOBODY), // by slot, the task last headed for
   };
@@ -164,7 +166,11 @@ function stepTaker(history) {
   history.keyframes.push(copyState(state));
   return (change, step) => {
     recordStep(history, state, change, step);
+    recordLoads(history, change, step);
     keepServices(state, change, step);
+    for (const [task, slot] of change.taken ?? []) {
+      history.events.push({ step, kind: "taken", task, slot, size: sizeOf(state, slot) });
+    }
     recordCompletions(history, state, change, step);
     if (change.done) openNextTasks(history, arrivals, step);
     for (const task of arrivals.get(step) ?? []) {
@@ -213,10 +219,27 @@ function recordStep(history, state, change, step) {
   recordHeadings(history, state, change, step);
 }
 
+// Loads that are taken up are where they are brought, and `isUp`, until they are done or set down.
+function recordLoads({ scenario, moves, events, lies, carriedBy }, change, step) {
+  for (const [task, ...at] of change.left ?? []) {
+    moves.push({ step, task, at });
+    events.push({ step, kind: "left", task, at });
+    lies[task] = at;
+    carriedBy.delete(task);
+  }
+  for (const [task, slot] of change.taken ?? []) {
+    moves.push({ step, task, at: scenario.tasks[task].to, isUp: true });
+    carriedBy.set(task, slot);
+  }
+  for (const [task] of change.done ?? []) {
+    if (carriedBy.delete(task)) moves.push({ step, task, at: scenario.tasks[task].to });
+  }
+}
+
 // Where tasks are believed to be after a step: by task {at, mates}, as in the scenario.
 function sitesAt(history, step) {
   const { moves, scenario } = history;
-  if (!scenario.isUnsure) return scenario.tasks;
+  if (!scenario.doTasksMove) return scenario.tasks;
   let count = moves.length;
   while (count > 0 && moves[count - 1].step > step) count--;
   return history.sitesAfter(count);
@@ -225,7 +248,7 @@ function sitesAt(history, step) {
 // The same after the first moves.
 function sitesAfter({ moves, scenario }, count) {
   const sites = scenario.tasks.map(({ first }) => ({ at: first }));
-  for (const { task, at } of moves.slice(0, count)) sites[task] = { at };
+  for (const { task, at, isUp } of moves.slice(0, count)) sites[task] = { at, isUp };
   shareSites(sites);
   return sites;
 }

@@ -25,10 +25,11 @@ function truthInSquares(truth, square) {
 }
 
 function stepInSquares({ square }, step) {
-  if (!square || !(step.teams || step.moved)) return step;
+  if (!square || !(step.teams || step.moved || step.left)) return step;
   const team = ([slot, x, y, task]) => [slot, x / square, y / square, task];
-  const moved = ([task, x, y]) => [task, x / square, y / square];
-  return { ...step, teams: (step.teams ?? []).map(team), moved: (step.moved ?? []).map(moved) };
+  const placed = ([task, x, y]) => [task, x / square, y / square];
+  const [moved, left] = [step.moved, step.left].map((rows) => (rows ?? []).map(placed));
+  return { ...step, teams: (step.teams ?? []).map(team), moved, left };
 }
 
 function scenarioInSquares(scenario, square) {
@@ -37,7 +38,11 @@ function scenarioInSquares(scenario, square) {
   return {
     ...scenario,
     robots: scenario.robots.map(placed),
-    tasks: scenario.tasks.map((task) => ({ ...placed(task), within: (task.within ?? 0) / square })),
+    tasks: scenario.tasks.map((task) => ({
+      ...placed(task),
+      within: (task.within ?? 0) / square,
+      to: task.to?.map((along) => along / square),
+    })),
     sensing_radius: Math.max(radius, scenario.world.arrival_radius) / square,
   };
 }

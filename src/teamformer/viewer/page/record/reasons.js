@@ -5,6 +5,7 @@ function reasonFor(history, team, step) {
   if (team.justDone !== NOBODY) return "";
   if (team.activity === "told") return step === 0 ? "" : planText(history, step);
   if (team.assigned === NOBODY && !team.service) return reasonForRest(history, team, step);
+  if (team.carries) return "it brings all that the load takes, and stays with it until it is unloaded";
   if (team.service) return "it brings all that the task needs, and stays until that is done";
   return [reasonForTask(history, team, step), planText(history, step)].filter(Boolean).join("; ");
 }

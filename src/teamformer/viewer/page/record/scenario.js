@@ -19,7 +19,7 @@ function readScenario(tree, truth, isHopeful) {
       delay: robot.delays?.chance ?? robot.delays ?? 0, // of how many steps it stands still in
     })),
     tasks,
-    isUnsure: tasks.some(({ within }) => within),
+    doTasksMove: tasks.some(({ within, to }) => within || to), // in what is believed, or carried
     sensingRadius: readRadius(tree.sensing_radius),
   };
   for (const task of tasks) task.first = firstPlace(scenario.world, task);
@@ -32,7 +32,7 @@ function readScenario(tree, truth, isHopeful) {
 // before; `mayNeed` has pairs of a capability and the probability that one more is needed. It is at
 // `at`, known to be `within` a distance of `around`, and `first` believed to be in the nearest place.
 function readTask(
-  { name, at, within, needs, may_need, duration, appears, after, between },
+  { name, at, within, needs, may_need, duration, appears, after, between, to, unload },
   numbers,
   truth,
   isHopeful,
@@ -56,6 +56,8 @@ function readTask(
     opens,
     appears: after?.length ? Infinity : opens,
     after: after ?? [],
+    to: to ?? null, // where a load is brought, and how long it takes there
+    unload: unload ?? 0,
     due: between?.[1] ?? Infinity,
   };
 }
@@ -82,8 +84,9 @@ function sharePlaces(scenario) {
 }
 
 function shareSites(sites) {
-  const groups = groupTasks(sites, ({ at }) => cellKey(...at));
-  for (const site of sites) site.mates = groups.get(cellKey(...site.at));
+  const keyOf = ({ at, isUp }) => (isUp ? "up" : cellKey(...at));
+  const groups = groupTasks(sites, keyOf);
+  sites.forEach((site, task) => (site.mates = site.isUp ? [task] : groups.get(keyOf(site))));
 }
 
 function groupTasks(tasks, keyOf) {

@@ -1,6 +1,7 @@
 // What there is to see after a step: teams with what they can do, and how each task stands.
 
-// A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, activity}.
+// A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, activity,
+// carries}.
 // `site` is where its task is believed to be, `goal` is the task whose colour the ring may take: the one served, just done or headed for.
 function sceneAt(history, step) {
   const state = history.at(step);
@@ -11,6 +12,7 @@ function sceneAt(history, step) {
   for (const team of teams.values()) {
     describeGoal(history, step, team, serving.get(team.slot), justDone.get(team.slot));
     team.site = sites[team.assigned] ?? null;
+    team.carries = team.service !== null && sites[team.service.task].isUp === true;
     team.activity = activityOf(history.scenario.world, team);
   }
   tellWhoAwaitsAPlan(history, step, [...teams.values()]);

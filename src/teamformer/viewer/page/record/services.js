@@ -6,15 +6,18 @@ function serviceKeeper(history) {
   const { scenario, services, events } = history;
   const lasting = scenario.tasks
     .map((_, task) => task)
-    .filter((task) => scenario.tasks[task].duration > 0);
+    .filter((task) => scenario.tasks[task].duration > 0 || scenario.tasks[task].to)
+    .sort((one, other) => !scenario.tasks[one].to - !scenario.tasks[other].to || one - other);
   const running = new Map(); // task -> its service, with the robots that began it
   return (state, change, step) => {
     if (!lasting.length) return;
     const teamsAt = teamFinder(scenario.world, state);
-    endServices(scenario, running, state, change, step);
+    endServices(history, running, state, change, step);
     for (const task of lasting) {
-      if (running.has(task) || isClosed(history, task, step) || isDoneIn(change, task)) continue;
-      const service = findServer(scenario, state, teamsAt, task, step);
+      if (running.has(task) || isClosed(history, task, step)) continue;
+      if (isDoneIn(change, task) || isSetDownIn(change, task)) continue;
+      const busy = [...running].filter(([other]) => scenario.tasks[other].to).map(([, { slot }]) => slot);
+      const service = findServer(history, state, teamsAt, task, step, busy);
       if (!service) continue;
       running.set(task, service);
       services[task].push(service);
@@ -31,14 +34,11 @@ function isDoneIn(change, task) {
   return (change.done ?? []).some(([done]) => done === task);
 }
 
-function endServices(scenario, running, state, change, step) {
+function endServices(history, running, state, change, step) {
   for (const [task, service] of running) {
     const slot = service.robots.map((robot) => state.team[robot]).find((team) => team !== NOBODY);
-    if (
-      !isDoneIn(change, task) &&
-      slot !== undefined &&
-      standsAndCovers(scenario, state, slot, task)
-    ) {
+    const isOver = slot === undefined || isDoneIn(change, task) || isSetDownIn(change, task);
+    if (!isOver && goesOn(history, state, slot, task)) {
       service.slot = slot;
     } else {
       service.to = step;
@@ -47,18 +47,33 @@ function endServices(scenario, running, state, change, step) {
   }
 }
 
-function findServer(scenario, state, teamsAt, task, step) {
-  const slot = teamsAt(scenario.tasks[task].at).find((team) =>
-    covers(countsOfTeam(scenario, state, team), scenario.tasks[task].needs),
+function isSetDownIn(change, task) {
+  return (change.left ?? []).some(([left]) => left === task);
+}
+
+// A load is taken up only by a team that heads for it; `busy` teams have one and do nothing else.
+function findServer(history, state, teamsAt, task, step, busy) {
+  const { scenario } = history;
+  const { needs, to } = scenario.tasks[task];
+  const slot = teamsAt(history.lies[task]).find(
+    (team) =>
+      !busy.includes(team) &&
+      (!to || state.task[team] === task) &&
+      covers(countsOfTeam(scenario, state, team), needs),
   );
   if (slot === undefined) return null;
   return { slot, from: step, to: Infinity, robots: robotsOfTeam(state, slot) };
 }
 
-function standsAndCovers(scenario, state, slot, task) {
-  const { at, needs } = scenario.tasks[task];
-  const stands = isSamePlace(scenario.world, [state.x[slot], state.y[slot]], at);
-  return stands && covers(countsOfTeam(scenario, state, slot), needs);
+function goesOn(history, state, slot, task) {
+  const { scenario, carriedBy } = history;
+  const isAbout = carriedBy.has(task) || standsAt(history, state, slot, task);
+  return isAbout && covers(countsOfTeam(scenario, state, slot), scenario.tasks[task].needs);
+}
+
+function standsAt(history, state, slot, task) {
+  const place = [state.x[slot], state.y[slot]];
+  return isSamePlace(history.scenario.world, place, history.lies[task]);
 }
 
 // Returns what finds the slots of the teams in a place, lowest first.

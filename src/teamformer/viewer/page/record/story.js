@@ -36,6 +36,7 @@ function slotAfter(event, team, robot) {
       return event.robot === robot ? robot : undefined;
     case "heads":
     case "begins":
+    case "taken":
     case "done":
       return event.slot === team ? team : undefined;
     default:

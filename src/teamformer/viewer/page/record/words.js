@@ -56,6 +56,7 @@ function describeDoing(scenario, team, step) {
   switch (team.activity) {
     case "serves": {
       const made = step - team.service.from;
+      if (scenario.tasks[team.goal].to) return `${describeLoading(scenario, team)} ${name}`;
       return `does ${name}, ${describePart(scenario.world, made, scenario.tasks[team.goal])}`;
     }
     case "done":
@@ -74,6 +75,16 @@ function describeDoing(scenario, team, step) {
         : `walks to ${name}, ${way}; lacks ${lack}`;
     }
   }
+}
+
+// What a team does with its load, up to the load's name.
+function describeLoading({ world, tasks }, team) {
+  if (!team.carries) return "takes up";
+  const { to } = tasks[team.goal];
+  const place = describePlace(world, to);
+  if (isSamePlace(world, [team.x, team.y], to)) return `at ${place} unloads`;
+  const way = describeWay(world, walkingDistance(world, [team.x, team.y], to));
+  return `with ${way} to go to ${place} carries`;
 }
 
 // How much of a service is made.
@@ -145,6 +156,8 @@ function describeStanding(history, task, scene) {
     case "done":
       return `done ${describeWhen(scenario.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "served": {
+      if (sitesAt(history, step)[task].isUp) return "being carried";
+      if (scenario.tasks[task].to) return "being taken up";
       const made = step - serviceOf(history, task, step).from;
       return `under way, ${describePart(scenario.world, made, scenario.tasks[task])}`;
     }
@@ -186,6 +199,10 @@ function eventText(history, event) {
       return `${team} heads for ${task}`;
     case "begins":
       return `${team} begins ${task}`;
+    case "taken":
+      return `${team} has taken up ${task}`;
+    case "left":
+      return `${task} is set down at ${describePlace(scenario.world, event.at)}`;
     case "done":
       return `${task} done by ${team}`;
     default:

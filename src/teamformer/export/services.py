@@ -1,0 +1,111 @@
+"""Who serves which task in a record, which says only when one is done, and where loads are."""
+
+from __future__ import annotations
+
+import math
+
+from teamformer.capabilities import covers, total
+from teamformer.grid import Place
+from teamformer.model import Scenario
+from teamformer.plane import Plane
+from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.record import Replay, Step
+from teamformer.sim.replay.task_times import opening_steps
+from teamformer.sim.replay.teams import Teams
+
+
+class Services:
+    """Who serves which task after a step; `teams` are those of the same step."""
+
+    def __init__(self, replay: Replay, teams: Teams) -> None:
+        self._mission, self._teams = replay.mission, teams
+        self._serving: dict[int, set[int]] = {}  # task -> robots that began it
+        self._opens = opening_steps(replay)
+        self._is_done = [False] * len(self._mission.tasks)
+        self._lies = [task.at for task in self._mission.tasks]  # loads where they were taken up
+        self._up: dict[int, Place] = {}  # load that is carried -> where it is brought to
+
+    def slots_at_work(self) -> set[int]:
+        """Return the slots of teams that serve something."""
+        slots = {self._teams.slot[robot] for robots in self._serving.values() for robot in robots}
+        return slots - {NOBODY}
+
+    def goal_of(self, task: int) -> Place:
+        """Return where a team heads for that is to do a task."""
+        return self._up.get(task, self._lies[task])
+
+    def task_places(self) -> tuple[Place, ...]:
+        """Return where every task is; a load that is carried is with its team."""
+        places = list(self._lies)
+        for task in self._up:
+            slot = self._slot_of(task)
+            if slot != NOBODY:
+                places[task] = self._teams.at[slot]
+        return tuple(places)
+
+    def go_on(self, step: Step, number: int) -> None:
+        """Go on to the end of a step."""
+        for task, _ in step.done:
+            self._end(task)
+            self._is_done[task] = True
+            self._lies[task] = self._mission.tasks[task].to or self._lies[task]
+        for task, x, y in step.left:
+            self._end(task)
+            self._lies[task] = (x, y)
+        for task in list(self._serving):
+            slot = self._slot_of(task)
+            if slot == NOBODY or not self._can_serve(slot, task):
+                self._end(task)
+        let_go = {row.task for row in step.left}
+        for task in sorted(self._waiting(number) - let_go, key=lambda k: (not self._is_load(k), k)):
+            self._begin(task)
+        for task, _ in step.taken:
+            to = self._mission.tasks[task].to
+            if not self._is_done[task] and to is not None:
+                self._up[task] = to
+
+    def _end(self, task: int) -> None:
+        self._serving.pop(task, None)
+        self._up.pop(task, None)
+
+    def _slot_of(self, task: int) -> int:
+        """Return the team that those are in who began a task."""
+        left = [r for r in self._serving.get(task, ()) if self._teams.slot[r] != NOBODY]
+        return self._teams.slot[min(left)] if left else NOBODY
+
+    def _is_load(self, task: int) -> bool:
+        return self._mission.tasks[task].to is not None
+
+    def _waiting(self, number: int) -> set[int]:
+        """Return the open tasks that take a while and nobody serves."""
+        return {
+            task
+            for task, wanted in enumerate(self._mission.tasks)
+            if (wanted.duration > 0 or self._is_load(task))
+            and not self._is_done[task]
+            and self._opens[task] < number
+            and task not in self._serving
+        }
+
+    def _begin(self, task: int) -> None:
+        """Let the first team begin that can; who has a load does nothing else."""
+        busy = {self._slot_of(other) for other in self._serving if self._is_load(other)}
+        for slot in sorted(self._teams.robots.keys() - busy):
+            is_meant = not self._is_load(task) or self._teams.task[slot] == task
+            if is_meant and self._can_serve(slot, task):
+                self._serving[task] = set(self._teams.robots[slot])
+                return
+
+    def _can_serve(self, slot: int, task: int) -> bool:
+        is_there = is_same_place(self._mission, self._teams.at[slot], self._lies[task])
+        if task not in self._up and not is_there:
+            return False
+        robots = (self._mission.robots[robot] for robot in self._teams.robots[slot])
+        return covers(total(robot.can for robot in robots), self._mission.tasks[task].needs)
+
+
+def is_same_place(scenario: Scenario, one: Place, other: Place) -> bool:
+    """Say whether two places are one: the same cell, or points within the arrival radius."""
+    if isinstance(scenario.world, Plane):
+        return math.dist(one, other) <= scenario.world.arrival_radius + 1e-9
+    return one == other

@@ -1,0 +1,36 @@
+"""Loads: tasks that are brought from one place to another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from teamformer.errors import Problem
+from teamformer.mission.places import believed_place
+
+if TYPE_CHECKING:
+    from teamformer.model import Scenario, Task, World
+
+
+def find_load_problems(world: World, task: Task, number: int) -> Iterator[Problem]:
+    """Return why the load of a task cannot be brought to where it is to go."""
+    if task.to is None:
+        if task.unload:
+            message = f"task '{task.name}' has unload {task.unload:g} but nothing to carry"
+            yield Problem(("tasks", number, "unload"), f"{message}; add to: [x, y] or drop it")
+        return
+    place = believed_place(world, task)
+    if world.region(place) != world.region(task.to):
+        (x, y), (to_x, to_y) = place, task.to
+        message = f"nobody can bring the load of task '{task.name}' from [{x}, {y}]"
+        remedy = "no way leads there; move one of the two or open the map"
+        yield Problem(("tasks", number, "to"), f"{message} to [{to_x}, {to_y}]: {remedy}")
+
+
+def rules_without_loads(scenario: Scenario, who: str) -> Iterator[Problem]:
+    """Return why `who`, such as a fleet of processes, cannot do a mission: it has loads."""
+    for number, task in enumerate(scenario.tasks):
+        if task.to is not None:
+            message = f"task '{task.name}' has a load, which {who} cannot carry yet"
+            remedy = "drop to and unload, or use `teamformer run`, `compare` or `live`"
+            yield Problem(("tasks", number, "to"), f"{message}; {remedy}")

@@ -1,0 +1,96 @@
+"""Records with loads: honest ones are legal, and forged ones are found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from coordinations import RandomPlans
+from random_worlds import random_world, with_loads, with_surprises
+from teamformer.coordinators.crews import Crews
+from teamformer.coordinators.shared_plan import SharedPlan
+from teamformer.grid import Grid
+from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.policies.scripted.join_fitting import JoinFitting
+from teamformer.policies.scripted.joining import JoinAll
+from teamformer.referee import judge
+from teamformer.sim.replay.reading import replay_from_tree
+from teamformer.sim.replay.record import Replay, Step, TaskAt
+from teamformer.sim.replay.writing import replay_to_tree
+from teamformer.trials.methods import as_method
+from teamformer.trials.trial import run_trial
+
+
+@pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
+@pytest.mark.parametrize(
+    "player", [JoinAll(), JoinFitting(), Crews(), SharedPlan(), RandomPlans(3)]
+)
+def test_honest_records_with_loads_are_legal(player: object, is_plane: bool) -> None:
+    rng = np.random.default_rng(5 + is_plane)
+    taken = left = 0
+    for number in range(25):
+        scenario = random_world(rng, is_plane=is_plane)
+        scenario = with_surprises(scenario, rng) if number % 2 else scenario
+        replay = run_trial(with_loads(scenario, rng), as_method(player), number).replay
+        verdict = judge(replay)
+        assert verdict.is_legal, (number, verdict.findings)
+        assert replay_from_tree(replay_to_tree(replay), "record") == replay
+        taken += sum(len(step.taken) for step in replay.steps)
+        left += sum(len(step.left) for step in replay.steps)
+    assert taken > 25
+
+
+def forged(replay: Replay, number: int, **changes: object) -> list[str]:
+    """Return what the referee says of a record with one of its steps changed."""
+    steps = list(replay.steps)
+    steps[number - 1] = replace(steps[number - 1], **changes)
+    verdict = judge(replace(replay, steps=tuple(steps)))
+    return [finding.message.partition(": ")[2] for finding in verdict.findings]
+
+
+def lost_on_the_way() -> Replay:
+    """Return a record in which b is lost beside a crate at x = 4, and c helps a to bring it to 8.
+
+    a and b join in step 1, take it up in step 3, and have brought it to x = 4 by step 5.
+    """
+    robots = (
+        Robot("a", (0, 0), {"lift": 1}),
+        Robot("b", (0, 0), {"lift": 1}, absences=(Absence(5),)),
+        Robot("c", (9, 0), {"lift": 1}),
+    )
+    crate = Task("crate", (2, 0), {"lift": 2}, to=(8, 0), unload=1)
+    scenario = Scenario("lost", Grid(10, 1), ("lift",), robots, (crate,))
+    return run_trial(scenario, as_method(SharedPlan()), 0).replay
+
+
+def test_where_a_load_is_set_down_is_judged() -> None:
+    replay = lost_on_the_way()
+    assert judge(replay).is_legal
+    assert replay.steps[2].taken == ((0, 0),)
+    assert replay.steps[4].left == (TaskAt(0, 4, 0),)
+    (again,) = [n for n, step in enumerate(replay.steps, start=1) if step.taken and n > 3]
+    assert replay.steps[again - 1].taken == ((0, 0),)
+    moved = forged(replay, 5, left=(TaskAt(0, 7, 0),))
+    assert "the record sets down the load of task crate, which does not happen so" in moved
+    assert "the record does not say who sets down the load of task crate, or where" in forged(
+        replay, 5, left=()
+    )
+    assert "the record does not say who takes up the load of task crate, or where" in forged(
+        replay, 3, taken=()
+    )
+    twice = forged(replay, 4, taken=((0, 0),))
+    assert "the record takes up the load of task crate, which does not happen so" in twice
+
+
+def test_load_that_is_done_before_it_is_there_is_found() -> None:
+    replay = lost_on_the_way()
+    steps = replay.steps
+    early: tuple[Step, ...] = (
+        *steps[:-2],
+        replace(steps[-2], done=steps[-1].done),
+        replace(steps[-1], done=()),
+    )
+    findings = [finding.message for finding in judge(replace(replay, steps=early)).findings]
+    assert any("task crate cannot be done" in text for text in findings)

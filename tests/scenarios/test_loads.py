@@ -1,0 +1,60 @@
+"""Loads in files: read, written back, and refused where nobody can carry them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from teamformer.errors import ScenarioError
+from teamformer.mission.rules import rules_not_played, rules_of_simulated_missions
+from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
+
+MISSION = """\
+teamformer: 1
+world:
+  rows: ["....@.", "....@."]
+capabilities: [lift]
+robots: [{at: [0, 0], can: [lift]}]
+tasks:
+  - name: crate
+    at: [3, 1]
+    needs: [lift]
+    to: [5, 0]
+"""
+
+
+def read(folder: Path, text: str) -> Any:
+    path = folder / "crate.yaml"
+    path.write_text(text)
+    return read_scenario(path)
+
+
+def test_load_that_no_way_leads_to_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        read(tmp_path, MISSION)
+    assert str(caught.value).endswith(
+        "crate.yaml:10: nobody can bring the load of task 'crate' from [3, 1] to [5, 0]: "
+        "no way leads there; move one of the two or open the map"
+    )
+
+
+def test_loads_are_written_as_they_were_read(tmp_path: Path) -> None:
+    scenario = read(tmp_path, MISSION.replace("[5, 0]", "[0, 1]\n    unload: 3"))
+    assert (scenario.tasks[0].to, scenario.tasks[0].unload) == ((0, 1), 3)
+    tree = scenario_to_tree(scenario)
+    assert tree["tasks"][0]["to"] == [0, 1]
+    assert tree["tasks"][0]["unload"] == 3
+    assert scenario_from_tree(tree) == scenario
+
+
+def test_robots_that_cannot_carry_yet_say_so(tmp_path: Path) -> None:
+    scenario = read(tmp_path, MISSION.replace("[5, 0]", "[0, 1]"))
+    assert list(rules_not_played(scenario)) == []
+    [problem] = rules_of_simulated_missions(scenario)
+    assert problem.where == ("tasks", 0, "to")
+    assert problem.message == (
+        "task 'crate' has a load, which a fleet or the Robotarium cannot carry yet; "
+        "drop to and unload, or use `teamformer run`, `compare` or `live`"
+    )

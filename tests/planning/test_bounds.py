@@ -8,13 +8,16 @@ import pytest
 from plain_plans import fastest_makespan, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.model import Scenario
+from teamformer.grid import Grid
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.bounds.makespan import bound_makespan, lower_bound
 from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.relaxation.solve import solve
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.trials.trial import run_trials
+from teamformer.trials.methods import load_method
+from teamformer.trials.trial import run_trial, run_trials
 
 
 def walking_bound(scenario: Scenario) -> int:
@@ -87,3 +90,23 @@ def test_slow_robots_do_tasks_in_passing() -> None:
 def test_a_task_beyond_all_robots_bounds_nothing() -> None:
     scenario = make([robot("a", 0, lost=3), robot("b", 0)], [task("a", 9), task("b", 4)])
     assert walking_bound(scenario) == 4
+
+
+def test_a_load_that_is_set_down_is_brought_by_several_teams_and_bounded_all_the_same() -> None:
+    """a and b have it up at x = 1 in step 2, and b is lost at x = 9 in step 10; c waits at 10.
+
+    c joins a there and they go on: much sooner than if c had come all the way to fetch it, which
+    takes its 9 steps to x = 1, one to join and 10 with the load.
+    """
+    robots = (
+        Robot("a", (0, 0), {"lift": 1}),
+        Robot("b", (0, 0), {"lift": 1}, absences=(Absence(10),)),
+        Robot("c", (10, 0), {"lift": 1}),
+    )
+    crate = Task("crate", (1, 0), {"lift": 2}, to=(11, 0))
+    scenario = Scenario("relay", Grid(12, 1), ("lift",), robots, (crate,))
+    makespan = run_trial(scenario, load_method("plan"), 0).replay.end.makespan
+    assert makespan is not None
+    assert lower_bound(scenario) <= makespan < 9 + 1 + 10
+    assert lower_bound(scenario) == 2 + 10  # one step to join, one to walk, and ten with the crate
+    assert solve(scenario, 0.5).bound <= makespan

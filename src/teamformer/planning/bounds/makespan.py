@@ -8,6 +8,7 @@ steps that forming costs before a task can start at all.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,12 @@ from teamformer.planning.bounds.open_paths import (
     shortest_path,
     span,
 )
-from teamformer.planning.relaxation.problem import Relaxed, relax, without_directions
+from teamformer.planning.relaxation.problem import (
+    Relaxed,
+    may_set_down,
+    relax,
+    without_directions,
+)
 from teamformer.rules.constants import FAR, NOBODY
 
 Numbers = npt.NDArray[np.integer[Any]]
@@ -39,14 +45,25 @@ LEFT_OUT = (0.0, 0.5, 0.8)
 
 def lower_bound(scenario: Scenario) -> int:
     """Return a number of steps in which no policy can complete a scenario faster."""
+    if not may_set_down(scenario):
+        problem = relax(scenario)
+        return bound_makespan(problem, earliest_formed(scenario, problem))
+    robots = tuple(replace(robot, absences=()) for robot in scenario.robots)
+    scenario = replace(scenario, robots=robots)
     problem = relax(scenario)
-    return bound_makespan(problem, earliest_formed(scenario, problem))
+    is_whole = np.array([task.to is None for task in scenario.tasks])
+    return bound_makespan(problem, earliest_formed(scenario, problem), is_whole)
 
 
-def bound_makespan(problem: Relaxed, start: Numbers | None = None) -> int:
+def bound_makespan(
+    problem: Relaxed,
+    start: Numbers | None = None,
+    is_whole: npt.NDArray[np.bool_] | None = None,
+) -> int:
     """Return a lower bound on the makespan of a relaxed problem, and of any plan by the rules.
 
-    `start` (tasks,), if given, is a step that no task starts before.
+    `start` (tasks,), if given, is a step that no task starts before. `is_whole` (tasks,) says which
+    tasks are done from their beginning to their end by one team; without it all are.
     """
     start = earliest_starts(problem) if start is None else start
     problem = without_directions(problem)
@@ -54,7 +71,10 @@ def bound_makespan(problem: Relaxed, start: Numbers | None = None) -> int:
     bounds = (start + problem.duration)[is_possible].tolist()
     caps = np.flatnonzero(problem.needs[is_possible].any(axis=0)).tolist()
     for cap in caps:
-        tasks = np.flatnonzero(is_possible & (problem.needs[:, cap] > 0))
+        is_on_paths = is_possible if is_whole is None else is_possible & is_whole
+        tasks = np.flatnonzero(is_on_paths & (problem.needs[:, cap] > 0))
+        if len(tasks) == 0:
+            continue
         bounds.append(_bound_capability(problem, cap, tasks, start, EFFORT / len(caps)))
     return max(bounds, default=0)
 

@@ -99,7 +99,7 @@ def relax_ways(
     needs = count_table([task.needs for task in tasks], scenario)
     steps = steps_of_cells(speeds, no_way)
     cells = np.ascontiguousarray(np.minimum(cells, no_way))
-    carry = np.ascontiguousarray(cells.diagonal())
+    carry = cells.diagonal().copy()
     np.fill_diagonal(cells, 0)  # which is not the way from a task's end to its beginning
     quickest = steps[[fastest_pace(counts, pace, need) for need in needs], carry]
     duration = np.array([task.duration + task.unload for task in tasks], np.int32)
@@ -154,6 +154,16 @@ def future_of(scenario: Scenario) -> Future:
 def _lost_for_good(robot: Robot) -> int:
     """Return the step that a robot is missing from; one that comes back counts as always there."""
     return FAR if robot.lost_for_good is None else robot.lost_for_good
+
+
+def may_set_down(scenario: Scenario) -> bool:
+    """Say whether loads may be set down on their way, so that several teams bring them by turns.
+
+    Then robots that will be lost help with what ends later, and nobody has to go all the way: a
+    relaxed schedule bounds nothing.
+    """
+    has_losses = any(robot.absences for robot in scenario.robots)
+    return has_losses and any(task.to is not None for task in scenario.tasks)
 
 
 def is_true_relaxation(problem: Relaxed) -> bool:

@@ -21,7 +21,12 @@ from teamformer.planning.relaxation.cp_sat import (
     make_solver,
     minimise,
 )
-from teamformer.planning.relaxation.problem import Relaxed, is_true_relaxation, relax
+from teamformer.planning.relaxation.problem import (
+    Relaxed,
+    is_true_relaxation,
+    may_set_down,
+    relax,
+)
 from teamformer.planning.relaxation.schedule import Schedule
 from teamformer.planning.relaxation.threshold import HOT, Search
 from teamformer.rules.constants import FAR
@@ -79,13 +84,15 @@ def solve(
     """
     _compile()
     progress = SolverProgress(relax(scenario), time_limit)
+    progress.is_bounding = not may_set_down(scenario)
     if (earliest_starts(progress.problem) >= FAR).any():
-        progress.is_infeasible = True
+        progress.is_infeasible = progress.is_bounding
         return progress.report()
     search = Search(progress.problem, seed, hint)
     search.run(1)
     progress.offer(search.best)
-    progress.raise_bound(bound_makespan(progress.problem))
+    if progress.is_bounding:
+        progress.raise_bound(bound_makespan(progress.problem))
     if count_arcs(progress.problem) <= LARGEST_MODEL:
         rounds = FIRST_ROUNDS * len(scenario.tasks)
         _cool_down(progress, search, rounds, progress.seconds_left / 2)
@@ -102,6 +109,7 @@ class SolverProgress:
         self.best: Schedule | None = None
         self.is_exhausted = False  # nothing better is left to be found
         self.is_infeasible = False
+        self.is_bounding = True  # what is proven of the relaxed problem holds for all plans
         self.stop_solver: Callable[[], None] = lambda: None
         self.bound = 0
         self._curve: list[tuple[float, int]] = []
@@ -207,7 +215,7 @@ def _prove(progress: SolverProgress, seed: int) -> None:
     circuits = build_circuits(problem, progress.bound, horizon)
     solver.parameters.max_time_in_seconds = progress.seconds_left
     has_seen_all, bound = minimise(circuits, solver, progress.offer)
-    if is_true_relaxation(problem):
+    if progress.is_bounding and is_true_relaxation(problem):
         progress.raise_bound(bound)
         progress.is_infeasible = bound > horizon and best is None
     progress.is_exhausted |= has_seen_all

@@ -24,6 +24,9 @@ from teamformer.rules.chance import SLACKS, STEPS, draw_below
 BLINK = 12
 """Every so many arcs one is overlooked, so that the search does not always see the same."""
 
+ELSEWHERE = 50  # percent
+"""How often a task that is taken out must not go back to where it was."""
+
 DEPOTS = 24
 """How many robots are looked at that might begin with the task."""
 
@@ -79,7 +82,10 @@ def gather(
     nodes, seats = graph.nodes, graph.seats
     room.number[FOUND] = 0
     room.number[STAMP] += 1
+    is_elsewhere = draw_below(random, 100) < ELSEWHERE
     for index in range(was):
+        if is_elsewhere:
+            room.seen[room.was[index]] = room.number[STAMP]
         _consider(problem, links, graph, room, random, task, cut, room.was[index])
     for other in problem.near[task]:
         node = nodes[other]

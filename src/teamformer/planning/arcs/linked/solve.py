@@ -15,7 +15,7 @@ from teamformer.planning.continuous.schedule import CoalitionPlan
 ROUNDS_EACH, MOST_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task, and so many at most: about a second."""
 
-FEW_TASKS, SECONDS_EACH = 60, 15.0
+FEW_TASKS, SECONDS_EACH = 100, 15.0
 """With fewer tasks than this a search anneals again after so many seconds; with more it anneals
 once in all the time there is."""
 

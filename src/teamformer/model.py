@@ -72,6 +72,7 @@ class Delays:
 class Robot:
     """A robot: where it starts, what it can do, how fast it is, and when it is absent.
 
+    One that `flies` is stopped by no obstacle; a team flies if all its robots do.
     `speed` is in cells a step, on a plane in metres a second. `breaks` says with what probability
     it is lost and back, where nobody knows. `delays` says how often it stands still; a team walks
     in the steps in which none of its robots does.
@@ -84,6 +85,7 @@ class Robot:
     absences: tuple[Absence, ...] = ()  # in the order of time
     breaks: Breakdown | None = None
     delays: Delays | None = None
+    flies: bool = False
 
     @property
     def has_surprises(self) -> bool:

@@ -51,8 +51,9 @@ class Fleet:
     @property
     def everything(self) -> dict[str, int]:
         """Return what all bring together."""
-        caps = {cap for have in self.brought.values() for cap in have}
-        return {cap: sum(have.get(cap, 0) for have in self.brought.values()) for cap in caps}
+        brings = [_thousandths(robot["can"]) for robot in self.robots]
+        caps = {cap for can in brings for cap in can}
+        return {cap: sum(can.get(cap, 0) for can in brings) for cap in caps}
 
 
 @st.composite
@@ -61,13 +62,14 @@ def missions(
 ) -> Tree:
     """Return a mission in steps.
 
-    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after` and `between`, so
-    that fleets of processes can do it. One that `is_tiny` has two robots and tasks at most.
+    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between` and robots
+    that fly over walls, so that fleets of processes can do it. One that `is_tiny` has two robots
+    and tasks at most.
     """
     most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
     is_sure = is_sure or is_plain or pick(draw, (True, False, False))
     world, caps = draw_world(draw), draw_names(draw, 1 + pick(draw, range(MOST_CAPABILITIES)))
-    fleet = _draw_fleet(draw, world, caps, most_robots)
+    fleet = _draw_fleet(draw, world, caps, most_robots, not (is_plain and world.blocked))
     for robot in fleet.robots:
         _write_losses(draw, robot)
         if not is_sure:
@@ -128,26 +130,38 @@ def continuous_missions(
     return tree
 
 
-def _draw_fleet(draw: st.DrawFn, world: Drawn, caps: Sequence[str], most: int) -> Fleet:
+def _draw_fleet(
+    draw: st.DrawFn, world: Drawn, caps: Sequence[str], most: int, can_fly: bool = True
+) -> Fleet:
     fleet = Fleet({cap: pick(draw, GRAINS) if now_and_then(draw) else 1000 for cap in caps})
     homes = [pick(draw, world.places), pick(draw, world.places)]
     while are_more(draw, fleet.robots, most):
-        fleet.robots.append(draw(_robots(world, caps, homes, fleet)))
+        fleet.robots.append(draw(_robots(world, caps, homes, fleet, can_fly)))
     return fleet
 
 
 @st.composite
 def _robots(
-    draw: st.DrawFn, world: Drawn, caps: Sequence[str], homes: Sequence[Place], fleet: Fleet
+    draw: st.DrawFn,
+    world: Drawn,
+    caps: Sequence[str],
+    homes: Sequence[Place],
+    fleet: Fleet,
+    can_fly: bool,
 ) -> Tree:
     at = pick(draw, homes if now_and_then(draw, 2) else (homes[0], pick(draw, world.places)))
     can = {cap: (1 + now_and_then(draw)) * fleet.grain[cap] for cap in some(draw, caps, 3)}
     robot = {"at": at, "can": _written(draw, can)}
     if now_and_then(draw, 3):
         robot["speed"] = pick(draw, SPEEDS)
-    have = fleet.brought.setdefault(world.part(at), {})
-    for cap, count in can.items():
-        have[cap] = have.get(cap, 0) + count
+    parts = {world.part(at)}
+    if can_fly and now_and_then(draw):
+        robot["moves"] = "air"
+        parts = {world.part(place) for place in world.places}
+    for part in parts:
+        have = fleet.brought.setdefault(part, {})
+        for cap, count in can.items():
+            have[cap] = have.get(cap, 0) + count
     return robot
 
 

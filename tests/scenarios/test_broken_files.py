@@ -179,6 +179,8 @@ CASES = [
     ("can: [scan]", "can: {scan: -0.5}", 7, "robot 'b' can 'scan' -0.5 times; use more than 0"),
     ("can: [scan]", "can: scan", 7, "write a list of capabilities or a mapping to counts"),
     ("can: [scan]", "can: [scan, scan]", 7, "'scan' stands twice in this list; to mean two write"),
+    ("speed: 0.5", "moves: water", 7, "moves of robot 2 is 'water'; write ground or air"),
+    ("speed: 0.5", "moves: [air]", 7, "moves of robot 2 is"),
     ("speed: 0.5", "speed: fast", 7, "speed of robot 2 is the text 'fast'; write a number"),
     ("speed: 0.5", "speed: .nan", 7, "speed of robot 2 is nan; write a number up to"),
     ("speed: 0.5", "speed: .inf", 7, "speed of robot 2 is inf; write a number up to"),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
 from teamformer.mission.links import find_link_problems, find_links
+from teamformer.mission.reach import can_reach
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
@@ -83,6 +84,11 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
     Robots that are processes of their own, or stand in an arena, refuse such missions.
     """
     yield from rules_of_sure_missions(scenario)
+    for number, robot in enumerate(scenario.robots):
+        if robot.flies and scenario.world.rows:
+            message = f"robot '{robot.name}' flies over obstacles, which only `teamformer run` and"
+            remedy = "`teamformer plan` know; drop moves, or use one of these"
+            yield Problem(("robots", number, "moves"), f"{message} {remedy}")
     for number, task in enumerate(scenario.tasks):
         for key in ("after", "between"):
             if getattr(task, key):
@@ -134,7 +140,7 @@ def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
     elif world.rows:
         for number, robot in enumerate(scenario.robots):
             is_there = world.is_inside(robot.at) and world.is_free(robot.at)
-            if is_there and world.region(robot.at) != world.region(ends):
+            if is_there and not can_reach(world, robot, ends):
                 message = f"robot '{robot.name}' has no way to where the mission ends; move it"
                 yield Problem(("robots", number, "at"), message)
 

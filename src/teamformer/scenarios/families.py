@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from teamformer.capabilities import exact, total
 from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
+from teamformer.grid import Grid, Place
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.scenarios.generate import random_places, spawn_places
 from teamformer.scenarios.surprises import SURPRISES, make_uncertain
@@ -64,6 +64,8 @@ class Family:
     height: tuple[int, int] = (20, 20)
     blocked: float = 0.0  # share of the cells, scattered
     has_shelves: bool = False
+    walls: tuple[int, int] = (0, 0)  # across the map, each with a gap of one cell
+    airborne: tuple[str, ...] = ()  # robots that have one of these fly
     sensing_radius: float = 3.0
 
 
@@ -111,6 +113,22 @@ FAMILIES = {
         slow=0.25,
         serving=0.5,
         blocked=0.05,
+    ),
+    "air-ground": Family(
+        robots=(8, 14),
+        tasks=(24, 44),
+        capabilities=("scan", "lift", "weld", "power"),
+        abilities=(1.0,),
+        needs=(0.5, 0.4, 0.1),
+        twice=0.25,
+        slow=0.25,
+        serving=0.4,
+        duration=(2, 6),
+        width=(20, 32),
+        height=(14, 24),
+        has_shelves=True,
+        walls=(2, 4),
+        airborne=("scan",),
     ),
 }
 
@@ -167,6 +185,8 @@ def _draw_world(family: Family, rng: np.random.Generator) -> Grid:
     is_blocked = rng.random((height, width)) < family.blocked  # (height, width)
     if family.has_shelves:
         is_blocked |= _shelves(width, height)
+    if family.walls[1] > 0:
+        _build_walls(is_blocked, family, rng)
     return Grid(width, height, tuple("".join(np.where(row, BLOCKED, FREE)) for row in is_blocked))
 
 
@@ -177,6 +197,18 @@ def _shelves(width: int, height: int) -> NDArray[np.bool_]:
     in_column = (x < SHELF[0]) & (np.arange(width) >= AISLE) & (np.arange(width) < width - AISLE)
     in_row = (y < SHELF[1]) & (np.arange(height) >= AISLE) & (np.arange(height) < height - AISLE)
     return in_row[:, None] & in_column[None, :]
+
+
+def _build_walls(is_blocked: NDArray[np.bool_], family: Family, rng: np.random.Generator) -> None:
+    """Build walls across the map, up or along, each with a gap that a later one may close."""
+    height, width = is_blocked.shape
+    for _ in range(int(rng.integers(family.walls[0], family.walls[1] + 1))):
+        is_up = rng.random() < 0.5
+        across, along = (width, height) if is_up else (height, width)
+        place, gap = int(rng.integers(2, across - 2)), int(rng.integers(along))
+        wall = is_blocked[:, place] if is_up else is_blocked[place]
+        wall[:] = True
+        wall[gap] = False
 
 
 def _draw_robots(family: Family, world: Grid, rng: np.random.Generator) -> tuple[Robot, ...]:
@@ -196,7 +228,8 @@ def _draw_robots(family: Family, world: Grid, rng: np.random.Generator) -> tuple
                 can.append(cap)
         speed = 0.5 if rng.random() < family.slow else 1.0
         in_order = {cap: _brought(family, cap, rng) for cap in family.capabilities if cap in can}
-        robots.append(Robot(f"r{robot}", at, in_order, speed))
+        flies = not set(family.airborne).isdisjoint(can)
+        robots.append(Robot(f"r{robot}", at, in_order, speed, flies=flies))
     return tuple(robots)
 
 
@@ -218,10 +251,20 @@ def _draw_tasks(
             for cap in family.capabilities
             if cap in chosen
         }
+        if family.airborne and needs.keys() <= set(family.airborne):
+            at = _any_free_cell(world, rng)
         takes_time = rng.random() < family.serving
         duration = int(rng.integers(family.duration[0], family.duration[1] + 1))
         tasks.append(Task(f"t{task}", at, needs, duration if takes_time else 0))
     return tuple(tasks)
+
+
+def _any_free_cell(world: Grid, rng: np.random.Generator) -> Place:
+    """Return a free cell, be it one that no way on the ground leads to."""
+    while True:
+        x, y = rng.integers((world.width, world.height)).tolist()
+        if world.is_free((x, y)):
+            return x, y
 
 
 def _brought(family: Family, cap: str, rng: np.random.Generator) -> float:
@@ -283,11 +326,17 @@ def _draw_step(rng: np.random.Generator) -> int:
     return int(rng.integers(INCIDENT_STEPS[0], INCIDENT_STEPS[1] + 1))
 
 
+def family_in(setting: str) -> str | None:
+    """Return the name of the family that the name of a setting begins with, if it does."""
+    return next((name for name in FAMILIES if f"{setting}-".startswith(f"{name}-")), None)
+
+
 def split_name(setting: str) -> tuple[Family, str | None] | None:
     """Return the family and the incident that a setting such as `real-lost` names, if it does."""
-    name, dash, incident = setting.partition("-")
-    if name not in FAMILIES:
+    name = family_in(setting)
+    if name is None:
         return None
+    dash, incident = setting[len(name) : len(name) + 1], setting[len(name) + 1 :]
     if dash and incident not in INCIDENTS:
         known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
         raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")

@@ -87,6 +87,8 @@ def _robot_to_tree(robot: Robot) -> dict[str, Any]:
     }
     if robot.speed != 1:
         tree["speed"] = robot.speed
+    if robot.flies:
+        tree["moves"] = "air"
     tree |= absences_to_tree(robot)
     if robot.breaks is not None:
         repair = robot.breaks.repair

@@ -58,12 +58,14 @@ ROBOT_KEYS = {
     "at": True,
     "can": True,
     "speed": False,
+    "moves": False,
     "lost": False,
     "back": False,
     "breaks": False,
     "delays": False,
     "count": False,
 }
+MOVES = ("ground", "air")
 TASK_KEYS = {
     "name": False,
     "at": True,
@@ -149,6 +151,7 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
             at=reader.place((*where, "at"), keys.get("at", [0, 0]), is_plane),
             can=reader.counts((*where, "can"), keys.get("can", [])),
             speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
+            flies=_read_moves(reader, (*where, "moves"), keys.get("moves", "ground")),
             absences=_read_absences(reader, where, keys),
             breaks=_read_breaks(reader, (*where, "breaks"), keys),
             delays=_read_delays(reader, (*where, "delays"), keys.get("delays")),
@@ -162,6 +165,14 @@ def _read_robots(reader: Reader, value: Any, is_plane: bool) -> tuple[tuple[Robo
         robots += alike
         entries += [number] * len(alike)
     return tuple(robots), entries
+
+
+def _read_moves(reader: Reader, where: Where, value: Any) -> bool:
+    """Return whether a robot flies."""
+    word = reader.word(value)
+    if word not in MOVES:
+        reader.refuse(where, f"{name_of(where)} is '{word}'; write {' or '.join(MOVES)}")
+    return word == MOVES[1]
 
 
 def _read_absences(reader: Reader, where: Where, keys: Mapping[str, Any]) -> tuple[Absence, ...]:

@@ -21,7 +21,8 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.capabilities import Counts
-from teamformer.grid import Grid
+from teamformer.grid import Grid, Place
+from teamformer.jit import kernel
 from teamformer.mission.rules import opening_step
 from teamformer.model import Robot, Scenario
 from teamformer.plane import Plane
@@ -38,9 +39,12 @@ MOST_CELLS = 200_000
 class Relaxed(NamedTuple):
     """The relaxed problem as plain arrays; times are in steps."""
 
-    cells: Whole  # (tasks, places) from places to tasks; places are the tasks, then the starts
-    steps: Whole  # (paces, cells) steps that 0, 1, ... cells take; last column: no way, FAR
-    pace: Whole  # (robots,) row of `steps`
+    cells: Whole  # (tasks, places) ways from places to tasks, as column of `steps` and `lengths`;
+    # without walls to fly over that is their cells; places are the tasks, then the starts
+    lengths: Whole  # (movers, ways) cells on the ground and, if some robots fly over walls, in the
+    # air; last column, and where there is none on the ground: more than any way has
+    steps: Whole  # (paces, ways) steps that ways take; last column, and where there is none: FAR
+    pace: Whole  # (robots,) row of `steps`: by speed, first those on the ground, then in the air
     speed: npt.NDArray[np.float64]  # (robots,) cells a step
     counts: Whole  # (robots, caps)
     needs: Whole  # (tasks, caps)
@@ -61,15 +65,17 @@ class Future(NamedTuple):
 def relax(scenario: Scenario) -> Relaxed:
     """Return the relaxed problem of a scenario."""
     robots, tasks = scenario.robots, scenario.tasks
-    cells, speed = _ways(scenario)
-    no_way = 1 + int(cells[cells < UNREACHABLE].max())
-    speeds, pace = np.unique(speed, return_inverse=True)
+    walked, speed = _ways(scenario)
+    places = [*(task.at for task in tasks), *(robot.at for robot in robots)]
+    cells, lengths = number_ways(walked, flights(scenario, places[: len(tasks)], places))
+    speeds, rank = np.unique(speed, return_inverse=True)
     future = future_of(scenario)
     counts = count_table([robot.can for robot in robots], scenario)
     return Relaxed(
-        cells=np.ascontiguousarray(np.minimum(cells, no_way)),
-        steps=steps_of_cells(speeds, no_way),
-        pace=pace.astype(np.int32),
+        cells=cells,
+        lengths=lengths,
+        steps=steps_of_ways(speeds, lengths),
+        pace=paces_of(rank, robots, lengths),
         speed=speed,
         counts=counts,
         needs=count_table([task.needs for task in tasks], scenario),
@@ -132,11 +138,67 @@ def _most_walked(
     return np.maximum(pace, plane.arrival_radius)
 
 
-def steps_of_cells(speeds: npt.NDArray[np.float64], no_way: int) -> Whole:
-    """Return the steps that 0, 1, ... cells take at each speed, (paces, no_way + 1)."""
-    steps = np.ceil(np.arange(no_way + 1) / speeds[:, None] - ROUNDING)  # (paces, cells)
-    steps[:, no_way] = FAR
-    return np.minimum(steps, FAR).astype(np.int32)
+def flights(scenario: Scenario, goals: Sequence[Place], places: Sequence[Place]) -> Whole | None:
+    """Return the cells from places to goals in the air, (goals, places).
+
+    None if nobody flies, or nothing is in the way, so that all ways are as on the ground.
+    """
+    if not scenario.world.rows or not any(robot.flies for robot in scenario.robots):
+        return None
+    apart = np.reshape(goals, (-1, 1, 2)) - np.reshape(places, (1, -1, 2))  # (goals, places, 2)
+    cells: Whole = np.abs(apart).sum(axis=2).astype(np.int32)
+    return cells
+
+
+def number_ways(walked: Whole, flown: Whole | None) -> tuple[Whole, Whole]:
+    """Return the number of each way, and the cells of the ways by number, (movers, ways).
+
+    If nobody flies the number of a way is its cells. Else ways that are equally long, walked and
+    flown, have one number: 0 if they lead nowhere, and less if they are shorter on the ground.
+    """
+    longest = int(walked[walked < UNREACHABLE].max())
+    if flown is None:
+        no_way = 1 + longest
+        cells: Whole = np.ascontiguousarray(np.minimum(walked, no_way))
+        return cells, np.arange(no_way + 1, dtype=np.int32)[None]
+    no_way = 1 + max(longest, int(flown.max()))
+    pairs = np.stack([np.minimum(walked, no_way), flown]).reshape(2, -1)  # (movers, ways)
+    kinds, number = np.unique(pairs, axis=1, return_inverse=True)
+    lengths = np.append(kinds, [[no_way], [no_way]], axis=1).astype(np.int32)
+    return number.reshape(walked.shape).astype(np.int32), lengths
+
+
+def paces_of(rank: npt.NDArray[np.intp], robots: Sequence[Robot], lengths: Whole) -> Whole:
+    """Return each robot's row in the steps of ways, (robots,), by the rank of its speed."""
+    flies = np.array([robot.flies for robot in robots], np.bool_)
+    rows: Whole = (rank + np.where(flies & (len(lengths) > 1), rank.max() + 1, 0)).astype(np.int32)
+    return rows
+
+
+def steps_of_ways(speeds: npt.NDArray[np.float64], lengths: Whole) -> Whole:
+    """Return the steps that ways take at each speed, (paces, ways): walked, then flown."""
+    steps = np.ceil(lengths[:, None, :] / speeds[:, None] - ROUNDING)  # (movers, speeds, ways)
+    steps[np.broadcast_to(lengths[:, None, :] == lengths[0, -1], steps.shape)] = FAR
+    return np.minimum(steps, FAR).astype(np.int32).reshape(-1, lengths.shape[1])
+
+
+def walked_cells(problem: Relaxed) -> Whole:
+    """Return the cells of ways on the ground, (tasks, places); many where there is none."""
+    cells: Whole = problem.lengths[0, problem.cells]
+    return cells
+
+
+@kernel
+def pace_together(problem: Relaxed, one: int, other: int) -> int:
+    """Return the row in the steps of ways of those who go together: the slowest of two.
+
+    They fly only if both do.
+    """
+    if len(problem.lengths) == 1:
+        return min(one, other)
+    speeds = len(problem.steps) // 2
+    rank = min(one % speeds, other % speeds)
+    return rank + speeds if min(one, other) >= speeds else rank
 
 
 def count_table(parts: Sequence[Counts], scenario: Scenario) -> Whole:

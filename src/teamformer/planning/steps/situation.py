@@ -13,14 +13,17 @@ from teamformer.planning.relaxation.problem import (
     Relaxed,
     able_robots,
     count_table,
+    flights,
     future_of,
-    steps_of_cells,
+    number_ways,
+    paces_of,
+    steps_of_ways,
 )
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.crossings import Crossings, find_crossings
 from teamformer.planning.steps.team_plan import TeamPlan
 from teamformer.rules.constants import FAR
-from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
+from teamformer.rules.distances import straight_ways, travel_matrix
 
 MOST_CELLS = 20_000
 """Of a plane: how many cells the longest way is counted in."""
@@ -47,14 +50,15 @@ def situation_of(known: Known) -> Situation:
     tasks = known.open_tasks
     spots = [scenario.tasks[task].at for task in tasks]
     places = [*spots, *(known.places[robot] for robot in robots)]
-    cells, speed = _ways(scenario, spots, places, robots)
-    no_way = 1 + int(cells[cells < UNREACHABLE].max())
-    speeds, pace = np.unique(speed, return_inverse=True)
+    walked, speed = _ways(scenario, spots, places, robots)
+    cells, lengths = number_ways(walked, flights(scenario, spots, places))
+    speeds, rank = np.unique(speed, return_inverse=True)
     counts = count_table([scenario.robots[r].can for r in robots], scenario)
     problem = Relaxed(
-        cells=np.ascontiguousarray(np.minimum(cells, no_way)),
-        steps=steps_of_cells(speeds, no_way),
-        pace=pace.astype(np.int32),
+        cells=cells,
+        lengths=lengths,
+        steps=steps_of_ways(speeds, lengths),
+        pace=paces_of(rank, [scenario.robots[robot] for robot in robots], lengths),
         speed=speed,
         counts=counts,
         needs=count_table([scenario.tasks[task].needs for task in tasks], scenario),
@@ -64,7 +68,7 @@ def situation_of(known: Known) -> Situation:
         lost=np.full(len(robots), FAR, np.int32),
         ready=np.array([known.free_at[robot] for robot in robots], np.int32),
     )
-    crossings = find_crossings(scenario.world, spots, places, speeds)
+    crossings = find_crossings(scenario.world, spots, places, speeds, len(lengths) > 1)
     return Situation(robots, tasks, problem, crossings, company, scenario.forming_steps)
 
 

@@ -15,11 +15,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, pace_together
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.team_plan import TeamPlan
-from teamformer.rules.constants import FAR, NOBODY
+from teamformer.rules.constants import FAR, NOBODY, ROUNDING
 from teamformer.rules.pairing import pair_off
 
 STEP = 200
@@ -158,7 +158,7 @@ def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
             groups.leaving[group] = 0
             groups.touched[count] = group
             count += 1
-        groups.pace[group] = min(groups.pace[group], problem.pace[robot])
+        groups.pace[group] = pace_together(problem, groups.pace[group], problem.pace[robot])
         groups.leaving[group] += 1
     latest, until = -1, 0
     for place in range(count):
@@ -243,20 +243,22 @@ def _walk(
 
     It does what it can do on the way. Leaves in `groups.until` when that is done too.
     """
-    steps, pace = problem.steps, groups.pace[group]
-    cells = problem.cells[task, group]
+    pace, tasks = groups.pace[group], len(plan.order)
+    flies = len(problem.lengths) > 1 and pace >= len(problem.steps) // 2
+    cells = problem.lengths[int(flies), problem.cells[task, group]]
     since, passed = leave, 0  # it walks on from the cell after so many, since then
     here, came, until = NOBODY, leave, leave  # the cell where it does something, and until when
     if len(crossings.task) > 0:
-        way = group * len(plan.order) + task
+        way = group * tasks + task + int(flies) * tasks * len(groups.end)
         for index in range(crossings.first[way], crossings.first[way + 1]):
             other, away = crossings.task[index], crossings.cells[index]
             if away != here:
-                came = since + steps[pace, away - passed]
+                came = since + _steps_of(problem, crossings, pace, away - passed)
             is_late = groups.is_done[other] and groups.start[other] <= came
             if is_late or came <= problem.appears[other]:
                 continue
-            if away != cells and not _is_stop(crossings.speeds[pace], away - passed):
+            speed = crossings.speeds[pace % len(crossings.speeds)]
+            if away != cells and not _is_stop(speed, away - passed):
                 continue
             if not _can_do(problem, plan, groups, group, task, other):
                 continue
@@ -272,7 +274,17 @@ def _walk(
     groups.until[group] = until
     if here == cells:
         return came
-    return since + steps[pace, cells - passed]
+    if passed == 0:
+        return since + problem.steps[pace, problem.cells[task, group]]
+    return since + _steps_of(problem, crossings, pace, cells - passed)
+
+
+@kernel
+def _steps_of(problem: Relaxed, crossings: Crossings, pace: int, cells: int) -> int:
+    """Return the steps that a part of a way takes."""
+    if len(problem.lengths) == 1:
+        return problem.steps[pace, cells]
+    return int(np.ceil(cells / crossings.speeds[pace % len(crossings.speeds)] - ROUNDING))
 
 
 @kernel

@@ -23,8 +23,8 @@ function drawAssignment(view, team) {
   const from = teamSpot(view, team);
   const to = taskBox(view, team.assigned);
   if (Math.hypot(to.x - from.x, to.y - from.y) < from.r + to.half + 4) return;
-  const { world } = view.scenario;
-  const way = wayTo(world, [team.x, team.y], view.sites[team.assigned].at);
+  const flies = isFlying(view.scenario, team);
+  const way = wayTo(view.scenario.world, [team.x, team.y], view.sites[team.assigned].at, flies);
   const corners = way.slice(1, -1).map(([x, y]) => ({ x: view.camera.x(x), y: view.camera.y(y) }));
   const points = [from, ...corners, to];
   points[points.length - 1] = shorten(to, points.at(-2), to.half + 2);

@@ -16,6 +16,7 @@ function readScenario(tree, truth, isHopeful) {
       name: robot.name,
       at: robot.at,
       can: readCounts(robot.can, numbers),
+      flies: robot.moves === "air",
       delay: robot.delays?.chance ?? robot.delays ?? 0, // of how many steps it stands still in
     })),
     tasks,
@@ -105,6 +106,11 @@ function readRadius(radius) {
   return radius ?? Infinity; // the page's JSON writes infinity as null
 }
 
+// Whether a team gets over obstacles: all its robots fly.
+function isFlying({ robots }, team) {
+  return team.robots.every((robot) => robots[robot].flies);
+}
+
 // Counts come as {lift: 2} or as [lift, weld], one each.
 function readCounts(counts, numbers) {
   const named = Array.isArray(counts) ? counts.map((name) => [name, 1]) : Object.entries(counts);
@@ -142,10 +148,10 @@ function usedPart(width, height, rows) {
 
 const FIELDS_KEPT = 64;
 
-// Cells to walk between two places, or Infinity, on planes squares straight on; distance fields are kept by their goal.
-function walkingDistance(world, from, goal) {
+// Cells to go between two places, or Infinity, on planes squares straight on; distance fields are kept by their goal.
+function walkingDistance(world, from, goal, flies = false) {
   if (world.isPlane) return Math.hypot(from[0] - goal[0], from[1] - goal[1]);
-  if (!world.rows.length) return Math.abs(from[0] - goal[0]) + Math.abs(from[1] - goal[1]);
+  if (flies || !world.rows.length) return Math.abs(from[0] - goal[0]) + Math.abs(from[1] - goal[1]);
   const key = goal[1] * world.width + goal[0];
   if (!world.fields.has(key)) {
     if (world.fields.size >= FIELDS_KEPT) world.fields.clear();

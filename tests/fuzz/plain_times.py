@@ -45,6 +45,8 @@ class Ways:
         """Return how long a robot takes for a way; infinity where there is none."""
         if not hasattr(self._world, "neighbours"):
             return math.dist(here, there) / robot.speed
+        if robot.flies:
+            return (abs(here[0] - there[0]) + abs(here[1] - there[1])) / robot.speed
         if there not in self._fields:
             self._fields[there] = self._field(there)
         return self._fields[there].get(here, math.inf) / robot.speed

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -90,9 +91,13 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     robots, tasks = scenario.robots, scenario.tasks
     starts = list(dict.fromkeys(robot.at for robot in robots))
     places = [*(task.at for task in tasks), *starts]
-    speeds, pace = np.unique([robot.speed for robot in robots], return_inverse=True)
-    between = _distances(scenario, places, places)
-    ways = between[None, :, : len(tasks)] / speeds[:, None, None]
+    kinds, pace = np.unique(
+        [(robot.flies, robot.speed) for robot in robots], axis=0, return_inverse=True
+    )
+    pace = pace.ravel()
+    movers = sorted({robot.flies for robot in robots})
+    between = {flies: _distances(scenario, places, places, flies) for flies in movers}
+    ways = np.stack([between[bool(flies)][:, : len(tasks)] / speed for flies, speed in kinds])
     home = _ways_home(scenario, places, between, starts)
     scale = _scale(scenario, ways, home)
     number_of = {task.name: number for number, task in enumerate(tasks)}
@@ -155,28 +160,33 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
         )
 
 
-def _distances(scenario: Scenario, origins: list[Place], goals: list[Place]) -> Times:
+def _distances(scenario: Scenario, origins: list[Place], goals: list[Place], flies: bool) -> Times:
     """Return the lengths of ways, as (origins, goals); infinite where there is none."""
-    if not isinstance(scenario.world, Grid):
+    world = scenario.world
+    if not isinstance(world, Grid):
         return straight_ways(origins, goals)
-    cells = travel_matrix(scenario.world, origins, goals)
+    cells = travel_matrix(replace(world, rows=()) if flies else world, origins, goals)
     return np.where(cells < UNREACHABLE, cells.astype(np.float64), np.inf)
 
 
 def _ways_home(
-    scenario: Scenario, places: list[Place], between: Times, starts: list[Place]
+    scenario: Scenario, places: list[Place], between: Mapping[bool, Times], starts: list[Place]
 ) -> Times:
-    """Return how long each robot takes home from each place, (robots, places)."""
-    robots = scenario.robots
-    speed = np.array([robot.speed for robot in robots])[:, None]
+    """Return how long each robot takes home from each place, (robots, places).
+
+    `between` has the ways between places on the ground and in the air.
+    """
+    robots, tasks = scenario.robots, len(scenario.tasks)
     if scenario.ends is None:
         return np.zeros((len(robots), len(places)))
     if scenario.ends == ENDS_HOME:
-        tasks = len(scenario.tasks)
-        homes = [tasks + starts.index(robot.at) for robot in robots]
-        return np.asarray(between[:, homes].T / speed)
-    assert not isinstance(scenario.ends, str)
-    return np.asarray(_distances(scenario, [scenario.ends], places) / speed)
+        homes = [between[robot.flies][:, tasks + starts.index(robot.at)] for robot in robots]
+    else:
+        assert not isinstance(scenario.ends, str)
+        end = scenario.ends
+        to_end = {flies: _distances(scenario, [end], places, flies)[0] for flies in between}
+        homes = [to_end[robot.flies] for robot in robots]
+    return np.stack([way / robot.speed for way, robot in zip(homes, robots, strict=True)])
 
 
 def _scale(scenario: Scenario, ways: Times, home: Times) -> float:

@@ -94,7 +94,9 @@ def missions(
     if now_and_then(draw, 3):
         radii = (tree.get("sensing_radius", 1), pick(draw, RADII))
         tree["join_radius"] = min(radii, key=RADII_BY_SIZE.index)
-    if not is_sure and now_and_then(draw, 3) and _can_more_appear(tree, world):
+    if now_and_then(draw):
+        _write_pins(draw, tree, world)
+    elif not is_sure and now_and_then(draw, 3) and _can_more_appear(tree, world):
         tree["arrivals"] = {"rate": pick(draw, (0.1, 0, 1)), "until": pick(draw, (8, 0, 1, 5))}
         for key, values in (("needs", (1, 2, 9)), ("duration", (1, 0, 3))):
             if now_and_then(draw, 2):
@@ -268,6 +270,28 @@ def _write_links(draw: st.DrawFn, tasks: Sequence[Tree], fleet: Fleet) -> list[i
             tasks[number]["starts"] = {number - 1: [least, least + more]}
             group_of[number] = group_of[number - 1]
     return group_of
+
+
+def _write_pins(draw: st.DrawFn, tree: Tree, world: Drawn) -> None:
+    """Say of some tasks who takes part in any case, and that only those do who can get there.
+
+    A pin is one more capability, or one for each need; some networks know four at most.
+    """
+    room = MOST_CAPABILITIES - len(tree["capabilities"])
+    robots = [robot for robot in tree["robots"] if "count" not in robot]
+    names = {id(robot): robot.get("name", f"r{n + 1}") for n, robot in enumerate(tree["robots"])}
+    for task in tree["tasks"]:
+        if task["at"] not in world.places or not now_and_then(draw, 2):
+            continue
+        part = world.part(task["at"])
+        near = [r for r in robots if "moves" in r or world.part(r["at"]) == part]
+        wanted = len({*task["needs"], *task.get("may_need", ())})
+        if near and room >= 2 and now_and_then(draw, 2):
+            task["with"] = [names[id(robot)] for robot in some(draw, near, 2)]
+            room -= len(task["with"])
+        elif len(robots) == len(tree["robots"]) and room >= wanted:
+            task["only"] = [names[id(robot)] for robot in near]
+            room -= wanted
 
 
 def _can_more_appear(tree: Tree, world: Drawn) -> bool:

@@ -12,8 +12,9 @@ from typing import Any
 from teamformer.errors import ScenarioError
 from teamformer.mission.checks import LARGEST_NUMBER, LATEST_RETURN
 from teamformer.mission.links import COST_PARTS
-from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task
+from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
+from teamformer.scenarios.pins import Pinned, apply_pins, read_pins
 from teamformer.scenarios.tree_reader import LONGEST_TEXT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world
 from teamformer.scenarios.yaml.reader import Where
@@ -77,6 +78,8 @@ TASK_KEYS = {
     "starts": False,
     "may_need": False,
     "within": False,
+    "only": False,
+    "with": False,
 }
 BREAKS_KEYS = {"rate": True, "repair": False}
 ARRIVALS_KEYS = {"rate": True, "until": True, "needs": False, "duration": False}
@@ -97,12 +100,18 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
     robots, entries = _read_robots(reader, top.get("robots", []), is_plane)
     if isinstance(world, Plane) and "arrival_radius" not in top["world"]:
         world = _with_usual_radius(world, robots)
+    mission = Pinned(
+        capabilities=tuple(reader.names(("capabilities",), top.get("capabilities", []))),
+        robots=robots,
+        tasks=_read_tasks(reader, top.get("tasks", []), is_plane, rules.get("time")),
+    )
+    mission = _with_pins(reader, top, world, mission)
     parts = {
         "name": reader.text(("name",), top.get("name", name)),
         "world": world,
-        "capabilities": tuple(reader.names(("capabilities",), top.get("capabilities", []))),
-        "robots": robots,
-        "tasks": _read_tasks(reader, top.get("tasks", []), is_plane, rules.get("time")),
+        "capabilities": mission.capabilities,
+        "robots": mission.robots,
+        "tasks": mission.tasks,
         "teams": _read_teams(reader, top.get("teams", []), [robot.name for robot in robots]),
         **rules,
     }
@@ -223,6 +232,21 @@ def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) ->
             )
         )
     return tuple(tasks)
+
+
+def _with_pins(reader: Reader, top: Mapping[str, Any], world: World, mission: Pinned) -> Pinned:
+    """Return a mission with the pins of its tasks said in capabilities."""
+    pins, any_are = [], False
+    for number, keys in enumerate(top.get("tasks") or ()):
+        said = keys if isinstance(keys, dict) else {}
+        any_are |= "only" in said or "with" in said
+        pins.append(read_pins(reader, ("tasks", number), said, mission.robots))
+    if not any_are or not reader.is_faithful:
+        return mission
+    if "arrivals" in top:
+        message = "tasks that appear at random may need anything, pins too"
+        reader.refuse(("arrivals",), f"{message}; drop arrivals, or only and with of the tasks")
+    return apply_pins(reader, world, mission, pins)
 
 
 def _read_duration(

@@ -243,22 +243,29 @@ def _walk(
 
     It does what it can do on the way. Leaves in `groups.until` when that is done too.
     """
-    pace, tasks = groups.pace[group], len(plan.order)
-    flies = len(problem.lengths) > 1 and pace >= len(problem.steps) // 2
-    cells = problem.lengths[int(flies), problem.cells[task, group]]
+    pace, cells, way = (
+        groups.pace[group],
+        problem.cells[task, group],
+        group * len(plan.order) + task,
+    )
+    rank = pace  # of its speed
+    if len(problem.lengths) > 1:
+        speeds = len(problem.steps) // 2
+        if pace >= speeds:
+            rank -= speeds
+            way += len(plan.order) * len(groups.end)
+        cells = problem.lengths[int(pace >= speeds), cells]
     since, passed = leave, 0  # it walks on from the cell after so many, since then
     here, came, until = NOBODY, leave, leave  # the cell where it does something, and until when
     if len(crossings.task) > 0:
-        way = group * tasks + task + int(flies) * tasks * len(groups.end)
         for index in range(crossings.first[way], crossings.first[way + 1]):
             other, away = crossings.task[index], crossings.cells[index]
             if away != here:
-                came = since + _steps_of(problem, crossings, pace, away - passed)
+                came = since + _steps_of(problem, crossings, rank, away - passed)
             is_late = groups.is_done[other] and groups.start[other] <= came
             if is_late or came <= problem.appears[other]:
                 continue
-            speed = crossings.speeds[pace % len(crossings.speeds)]
-            if away != cells and not _is_stop(speed, away - passed):
+            if away != cells and not _is_stop(crossings.speeds[rank], away - passed):
                 continue
             if not _can_do(problem, plan, groups, group, task, other):
                 continue
@@ -274,17 +281,17 @@ def _walk(
     groups.until[group] = until
     if here == cells:
         return came
-    if passed == 0:
+    if passed == 0 and len(problem.lengths) > 1:
         return since + problem.steps[pace, problem.cells[task, group]]
-    return since + _steps_of(problem, crossings, pace, cells - passed)
+    return since + _steps_of(problem, crossings, rank, cells - passed)
 
 
 @kernel
-def _steps_of(problem: Relaxed, crossings: Crossings, pace: int, cells: int) -> int:
-    """Return the steps that a part of a way takes."""
+def _steps_of(problem: Relaxed, crossings: Crossings, rank: int, cells: int) -> int:
+    """Return the steps that some cells take, walked or flown, by the rank of the speed."""
     if len(problem.lengths) == 1:
-        return problem.steps[pace, cells]
-    return int(np.ceil(cells / crossings.speeds[pace % len(crossings.speeds)] - ROUNDING))
+        return problem.steps[rank, cells]
+    return int(np.ceil(cells / crossings.speeds[rank] - ROUNDING))
 
 
 @kernel

@@ -150,6 +150,7 @@ class Task:
     lasts: tuple[int, int] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
+    weight: float = 1.0  # of how late it is and when it ends, in the cost
     has_arrived: bool = field(default=False, compare=False)
 
     def __post_init__(self) -> None:

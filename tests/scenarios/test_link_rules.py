@@ -10,7 +10,8 @@ import pytest
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid
-from teamformer.mission.links import cost_of, groups_of
+from teamformer.mission.costs import cost_of
+from teamformer.mission.links import groups_of
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.files import read_scenario, write_scenario

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from operator import attrgetter
+from operator import itemgetter
 
 from teamformer.coordination import Known, Plan
-from teamformer.planning.steps.shared_plan import kept_plan, timed_plan
+from teamformer.planning.relaxation.problem import has_prices
+from teamformer.planning.steps.shared_plan import by_due, kept_plan, timed_plan
 from teamformer.planning.steps.situation import situation_of
 from teamformer.planning.steps.starts import plan_from_crews
 
@@ -29,8 +30,9 @@ class Crews:
         situation = situation_of(replace(known, open_tasks=known.possible_tasks))
         rounds = self.rounds * len(situation.tasks)
         dealt = plan_from_crews(situation.problem, situation.company, rounds)
-        anew = timed_plan(situation, dealt, "crews")
-        if plan is None or not plan.order:
-            return anew
-        kept = timed_plan(situation, kept_plan(situation, plan), "kept")
-        return min(kept, anew, key=attrgetter("makespan"))
+        timed = [timed_plan(situation, dealt, "crews")]
+        if has_prices(situation.problem):
+            timed.append(timed_plan(situation, by_due(situation, dealt), "crews"))
+        if plan is not None and plan.order:
+            timed.insert(0, timed_plan(situation, kept_plan(situation, plan), "kept"))
+        return min(timed, key=itemgetter(0))[1]

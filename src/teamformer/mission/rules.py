@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
+from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.links import find_link_problems, find_links
 from teamformer.mission.reach import can_reach
 
@@ -39,6 +40,7 @@ def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
         yield from _problems_of_losses(scenario)
     yield from _problems_of_times(scenario)
     yield from _problems_of_precedence(scenario)
+    yield from find_cost_problems(scenario)
     yield from find_link_problems(scenario)
 
 
@@ -53,6 +55,10 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("ends",), f"in steps missions end with the last task; {remedy}")
     if scenario.forming:
         yield Problem(("forming",), f"in steps forming_steps says what forming takes; {remedy}")
+    if ONLY_IN_CONTINUOUS_TIME in (scenario.cost or ()):
+        known = ", ".join(part for part in COST_PARTS if part != ONLY_IN_CONTINUOUS_TIME)
+        message = f"in steps a cost may weigh {known}; drop travel, or {remedy}"
+        yield Problem(("cost", ONLY_IN_CONTINUOUS_TIME), message)
     for problem in find_links(scenario):
         yield Problem(problem.where, f"{problem.message}; {remedy}")
 

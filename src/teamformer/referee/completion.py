@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from operator import mul
 
 from teamformer.capabilities import describe, missing
 from teamformer.grid import Grid, Place
@@ -79,6 +80,24 @@ class Tasks:
             if (opens := self.opens_after(task)) is not None
             and opens <= steps_made < self.done.get(task, steps_made + 1)
         }
+
+    def cost(self) -> float | None:
+        """Return the mean by weight of what the mission's cost names; None if it has none."""
+        weights, tasks = self.scenario.cost, self.scenario.tasks
+        if weights is None or len(self.done) < len(tasks):
+            return None
+        late = [
+            max(0.0, step - tasks[task].between[1]) if tasks[task].between else 0.0
+            for task, step in sorted(self.done.items())
+        ]
+        importance = [task.weight for task in tasks]
+        told = {
+            "makespan": max(self.done.values()),
+            "tardiness": sum(map(mul, importance, late)),
+            "max_tardiness": max(late),
+            "completion": sum(map(mul, importance, (self.done[k] for k in range(len(tasks))))),
+        }
+        return sum(told[name] * weight for name, weight in weights.items()) / sum(weights.values())
 
     def lateness(self) -> dict[str, float]:
         """Return by how many steps tasks were done after their window, for those that were."""

@@ -33,6 +33,10 @@ INCIDENT_STEPS = (5, 60)
 """In which steps tasks appear, both included; a robot is lost in the first of them or later."""
 TO_THE_NEXT = 0.75
 """Cells to the next task, by the root of the free cells that there are for each task."""
+DUE = (0.4, 3.0)
+"""When tasks are due, in what the mission would take with robots that never wait (see below)."""
+WEIGHTS = (1, 1, 1, 3, 5)
+"""Of tasks, each as likely as any other, where there are due dates."""
 ARRIVING = 5
 """A fifth of the tasks appear later."""
 
@@ -66,6 +70,8 @@ class Family:
     has_shelves: bool = False
     walls: tuple[int, int] = (0, 0)  # across the map, each with a gap of one cell
     airborne: tuple[str, ...] = ()  # robots that have one of these fly
+    due: float = 0.0  # share of the tasks that are due
+    cost: Mapping[str, float] | None = None
     sensing_radius: float = 3.0
 
 
@@ -130,6 +136,20 @@ FAMILIES = {
         walls=(2, 4),
         airborne=("scan",),
     ),
+    "deadlines": Family(
+        robots=(8, 14),
+        tasks=(24, 44),
+        capabilities=("lift", "scan", "weld", "power"),
+        abilities=(0.5, 0.5),
+        needs=(0.5, 0.4, 0.1),
+        twice=0.2,
+        slow=0.25,
+        serving=0.5,
+        duration=(1, 8),
+        blocked=0.1,
+        due=0.7,
+        cost={"makespan": 1, "tardiness": 2, "completion": 0.1},
+    ),
 }
 
 
@@ -172,8 +192,20 @@ def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Scenario
         robots=robots,
         tasks=tasks,
         sensing_radius=family.sensing_radius,
+        cost=family.cost,
     )
-    return mission, spare
+    return (_with_due_dates(mission, family.due, rng) if family.due else mission), spare
+
+
+def _with_due_dates(mission: Scenario, share: float, rng: np.random.Generator) -> Scenario:
+    """Return a mission in which a share of the tasks is due, and tasks have weights."""
+    steps, tasks = about_half_of(mission), []
+    for task in mission.tasks:
+        is_due, at = rng.random() < share, rng.uniform(*DUE)
+        between = (0.0, float(task.duration + math.ceil(at * steps))) if is_due else None
+        weight = float(rng.choice(WEIGHTS))
+        tasks.append(replace(task, between=between, weight=weight))
+    return replace(mission, tasks=tuple(tasks))
 
 
 def _draw_world(family: Family, rng: np.random.Generator) -> Grid:

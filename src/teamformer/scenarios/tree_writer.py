@@ -131,6 +131,8 @@ def task_to_tree(task: Task) -> dict[str, Any]:
         tree["after"] = list(task.after)
     if task.between is not None:
         tree["between"] = list(task.between)
+    if task.weight != 1:
+        tree["weight"] = task.weight
     if task.starts:
         tree["starts"] = {name: list(gap) for name, gap in task.starts.items()}
     return tree

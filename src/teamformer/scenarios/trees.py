@@ -11,7 +11,7 @@ from typing import Any
 
 from teamformer.errors import ScenarioError
 from teamformer.mission.checks import LARGEST_NUMBER, LATEST_RETURN
-from teamformer.mission.links import COST_PARTS
+from teamformer.mission.costs import COST_PARTS
 from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
 from teamformer.scenarios.pins import Pinned, apply_pins, read_pins
@@ -78,6 +78,7 @@ TASK_KEYS = {
     "starts": False,
     "may_need": False,
     "within": False,
+    "weight": False,
     "only": False,
     "with": False,
 }
@@ -225,6 +226,7 @@ def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) ->
                 lasts=_read_lasts(reader, (*where, "duration"), keys.get("duration")),
                 may_need=_read_chances(reader, (*where, "may_need"), keys.get("may_need", {})),
                 within=reader.number((*where, "within"), keys.get("within", 0.0)),
+                weight=reader.number((*where, "weight"), keys.get("weight", 1.0)),
                 appears=reader.whole((*where, "appears"), keys.get("appears", 0)),
                 after=tuple(reader.names((*where, "after"), keys.get("after", []))),
                 between=_read_window(reader, (*where, "between"), keys),

@@ -15,6 +15,7 @@ from teamformer.mission.links import is_linked
 from teamformer.mission.rules import HOME as ENDS_HOME
 from teamformer.model import Scenario
 from teamformer.planning.continuous.linked.problem import (
+    COMPLETION,
     HOME,
     MAKESPAN,
     MAX_TARDINESS,
@@ -140,11 +141,13 @@ def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> Linked
             "travel": TRAVEL,
             "tardiness": TARDINESS,
             "max_tardiness": MAX_TARDINESS,
+            "completion": COMPLETION,
         }
         total = sum(scenario.cost.values())
         for name, value in scenario.cost.items():
             weight[parts[name]] = value / total
-    return link_problem(problem, links, weight)
+    by_task = [1.0 if scenario.cost is None else task.weight for task in scenario.tasks]
+    return link_problem(problem, links, weight, by_task)
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:

@@ -8,7 +8,8 @@ from itertools import groupby
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.mission.links import cost_of, groups_of
+from teamformer.mission.costs import cost_of, parts_of_ends
+from teamformer.mission.links import groups_of
 from teamformer.mission.rules import latest_end
 from teamformer.model import Scenario
 from teamformer.planning.continuous.routes import MissionPlan, Route, Stop
@@ -88,8 +89,7 @@ def time_mission(scenario: Scenario, clock: Clock, home: Times, plan: CoalitionP
     parts = {
         "makespan": makespan,
         "travel": clock.travel + float(way_home.sum()),
-        "tardiness": sum(late.values()),
-        "max_tardiness": max(late.values(), default=0.0),
+        **parts_of_ends(scenario.tasks, clock.end),
     }
     return MissionPlan(
         makespan=makespan,

@@ -26,6 +26,7 @@ from teamformer.jit import kernel
 from teamformer.mission.rules import opening_step
 from teamformer.model import Robot, Scenario
 from teamformer.plane import Plane
+from teamformer.planning.prices import Prices, prices_of
 from teamformer.rules.constants import FAR, MICROMETRES, NOBODY, ROUNDING
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
@@ -53,6 +54,7 @@ class Relaxed(NamedTuple):
     appears: Whole  # (tasks,) steps made when the task becomes known
     lost: Whole  # (robots,) first step the robot is missing from; FAR for never
     ready: Whole  # (robots,) the step from which the robot is free; 0 at the start
+    prices: Prices  # what plans in steps are searched by besides the makespan
 
 
 class Future(NamedTuple):
@@ -84,6 +86,7 @@ def relax(scenario: Scenario) -> Relaxed:
         appears=future.appears,
         lost=future.lost,
         ready=np.zeros(len(robots), dtype=np.int32),
+        prices=prices_of(scenario, tasks),
     )
 
 
@@ -180,6 +183,11 @@ def steps_of_ways(speeds: npt.NDArray[np.float64], lengths: Whole) -> Whole:
     steps = np.ceil(lengths[:, None, :] / speeds[:, None] - ROUNDING)  # (movers, speeds, ways)
     steps[np.broadcast_to(lengths[:, None, :] == lengths[0, -1], steps.shape)] = FAR
     return np.minimum(steps, FAR).astype(np.int32).reshape(-1, lengths.shape[1])
+
+
+def has_prices(problem: Relaxed) -> bool:
+    """Say whether more than the makespan counts."""
+    return len(problem.prices.due) > 0
 
 
 def walked_cells(problem: Relaxed) -> Whole:

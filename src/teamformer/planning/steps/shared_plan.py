@@ -10,9 +10,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from teamformer.coordination import Known, Plan
 from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
+from teamformer.planning.relaxation.problem import Relaxed, has_prices, most_in_coalitions
 from teamformer.planning.steps.arc_search import plan_from_arcs
 from teamformer.planning.steps.situation import Situation, plan_of, situation_of
 from teamformer.planning.steps.starts import complete_plan, plan_from_coalitions, plan_from_crews
@@ -121,9 +123,13 @@ def plan_mission(known: Known, old: Plan | None = None, is_brief: bool = False) 
     if old is not None:
         old_plan = _Entered("old plan", _search_from(situation, kept_plan(situation, old)))
     kept = None if old_plan is None else shared_plan_of(situation, old_plan.search, "kept")
+    kept_cost = 0 if old_plan is None else old_plan.search.cost
     chosen, search = _search(situation, rounds, known.step, old_plan, is_brief)
     best = shared_plan_of(situation, search, chosen)
-    if kept is not None:
+    if kept is not None and old_plan is not None:
+        if has_prices(situation.problem):
+            gain = kept_cost // SMALLEST_GAIN
+            return kept if search.cost + gain >= kept_cost else best
         left = kept.makespan - known.step
         if best.makespan + left // SMALLEST_GAIN >= kept.makespan:
             return kept
@@ -164,8 +170,10 @@ def _search(
     """Return the best search from all starts, which race; of a large mission only if crews lead."""
     fresh = list(_first_searches(situation, rounds, step, old))
     entered = fresh if old is None else [old, *fresh]
+    if has_prices(situation.problem):
+        entered += [_by_due(situation, entry) for entry in entered]
     first = min(entered, key=_cost_of)
-    if len(situation.tasks) >= LARGE and first.name != CREWS:
+    if is_large(situation) and first.name != CREWS:
         return first
     _run(entered, rounds.team // FIRST_LAP)
     if not is_brief:
@@ -184,7 +192,7 @@ def _first_searches(
     """
     crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
     entered = _Entered(CREWS, _search_from(situation, crews))
-    if len(situation.tasks) >= LARGE:
+    if is_large(situation):
         brief = rounds._replace(coalition=rounds.coalition // GLANCE)
         other = _enter_coalitions(situation, brief, old=old)
         if other is None or _is_hopeless(other, entered, step):
@@ -194,9 +202,19 @@ def _first_searches(
     if other is None:
         yield entered
         return
-    if not _is_hopeless(entered, other, step):
+    if has_prices(situation.problem) or not _is_hopeless(entered, other, step):
         yield entered
     yield other
+
+
+def is_large(situation: Situation) -> bool:
+    """Say whether a mission is searched over graphs of arcs, which know the makespan alone."""
+    return len(situation.tasks) >= LARGE and not has_prices(situation.problem)
+
+
+def _by_due(situation: Situation, entry: _Entered) -> _Entered:
+    """Return a search from a plan whose tasks come in the order in which they are due."""
+    return _Entered(entry.name, _search_from(situation, by_due(situation, entry.search.best)))
 
 
 def _is_hopeless(entered: _Entered, other: _Entered, step: int) -> bool:
@@ -216,7 +234,7 @@ def _find_coalitions(
     situation: Situation, rounds: Rounds, seed: int, old: _Entered | None
 ) -> TeamPlan | None:
     """Return a plan from one search for coalitions; of a large mission beginning at the old one."""
-    if len(situation.tasks) < LARGE:
+    if not is_large(situation):
         return plan_from_coalitions(situation.problem, rounds.coalition, seed)
     start = None if old is None else old.search.best
     return plan_from_arcs(situation, rounds.coalition, seed, start)
@@ -259,9 +277,21 @@ def kept_plan(situation: Situation, old: Plan) -> TeamPlan:
     return complete_plan(situation.problem, *plan_in_numbers(situation, old))
 
 
-def timed_plan(situation: Situation, plan: TeamPlan, start: str) -> Plan:
-    """Return a plan in the numbers of the mission, with the steps in which its tasks are done."""
-    return shared_plan_of(situation, _search_from(situation, plan), start)
+def by_due(situation: Situation, plan: TeamPlan) -> TeamPlan:
+    """Return a plan with its tasks in the order in which they are due; the mission has prices."""
+    due = situation.problem.prices.due
+    order = plan.order[np.argsort(due[plan.order], kind="stable")]
+    return plan._replace(order=order)
+
+
+def timed_plan(situation: Situation, plan: TeamPlan, start: str) -> tuple[int, Plan]:
+    """Return what a plan costs, which is its makespan if that alone counts; and the plan.
+
+    It is in the numbers of the mission, with the steps in which its tasks are done.
+    """
+    search = _search_from(situation, plan)
+    cost = search.cost if has_prices(situation.problem) else search.makespan
+    return cost, shared_plan_of(situation, search, start)
 
 
 def plan_in_numbers(situation: Situation, plan: Plan) -> tuple[list[int], list[list[int]]]:

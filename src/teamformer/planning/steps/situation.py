@@ -9,6 +9,7 @@ import numpy as np
 from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario
+from teamformer.planning.prices import prices_of
 from teamformer.planning.relaxation.problem import (
     Relaxed,
     able_robots,
@@ -67,6 +68,7 @@ def situation_of(known: Known) -> Situation:
         appears=np.full(len(tasks), known.step, np.int32),
         lost=np.full(len(robots), FAR, np.int32),
         ready=np.array([known.free_at[robot] for robot in robots], np.int32),
+        prices=prices_of(scenario, [scenario.tasks[task] for task in tasks]),
     )
     crossings = find_crossings(scenario.world, spots, places, speeds, len(lengths) > 1)
     return Situation(robots, tasks, problem, crossings, company, scenario.forming_steps)

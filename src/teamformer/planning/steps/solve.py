@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from itertools import count
 
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, has_prices
 from teamformer.planning.relaxation.schedule import Schedule
 from teamformer.planning.steps.arc_search import LESS_HOT, TeamArcs
 from teamformer.planning.steps.initial import crew_plans
@@ -38,6 +38,7 @@ class BestPlan:
         self.plan, self._cost, self.makespan = search.best, search.cost, search.makespan
         self.curve: list[tuple[float, int]] = []
         self.bound = 0
+        self._has_prices = has_prices(search.problem)
         self._is_stopped = False
         self._begun = begun
         self._lock = threading.Lock()
@@ -64,7 +65,7 @@ class BestPlan:
     @property
     def is_over(self) -> bool:
         """Say whether searches are to end: nothing can be faster, or somebody stopped them."""
-        return self._is_stopped or self.makespan <= self.bound
+        return self._is_stopped or (not self._has_prices and self.makespan <= self.bound)
 
 
 def start_search(situation: Situation, seed: int) -> ThresholdSearch:
@@ -142,7 +143,8 @@ def improve_by_arcs(best: BestPlan, situation: Situation, deadline: float, seed:
 
 def is_for_arcs(problem: Relaxed) -> bool:
     """Say whether graphs of arcs are searched: of large missions that nobody is lost in."""
-    return len(problem.appears) >= LARGE and int(problem.lost.min()) >= FAR
+    is_large = len(problem.appears) >= LARGE and not has_prices(problem)
+    return is_large and int(problem.lost.min()) >= FAR
 
 
 def _search_once(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.planning.prices import SHARES
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.crossings import Crossings
@@ -59,7 +60,8 @@ class ThresholdSearch:
 
     def run(self, rounds: int, hot: float, cool: float = 0.0) -> None:
         """Search for some rounds; plans may be worse by `hot` steps at first, `cool` in the end."""
-        step = STEP * len(self.problem.appears)
+        has_prices = len(self.problem.prices.due) > 0
+        step = (SHARES if has_prices else STEP) * len(self.problem.appears)
         self._search(self._plan, rounds, int(hot * step), int(cool * step))
 
     def _search(self, plan: TeamPlan, rounds: int, hot: int = 0, cool: int = 0) -> None:
@@ -116,7 +118,7 @@ def search(
             costs[1] = cost
             copy_team_plan(plan, best)
     time_plan(problem, crossings, plan, groups, np.int64(ENDLESS))
-    _trace(plan, groups, workspace)
+    _trace(problem, plan, groups, workspace)
     for made in range(rounds):
         allowed = costs[0] + (hot * (rounds - made) + cool * made) // rounds
         if not change_plan(problem, plan, workspace):
@@ -135,19 +137,23 @@ def search(
                 continue
         keep(workspace)
         costs[0] = cost
-        _trace(plan, groups, workspace)
+        _trace(problem, plan, groups, workspace)
         if cost < costs[1]:
             costs[1] = cost
             copy_team_plan(plan, best)
 
 
 @kernel
-def _trace(plan: TeamPlan, groups: Groups, workspace: Workspace) -> None:
-    """List the tasks that the makespan hangs on, from the last backwards."""
-    task = 0
+def _trace(problem: Relaxed, plan: TeamPlan, groups: Groups, workspace: Workspace) -> None:
+    """List the tasks that the last task hangs on or, if some are late, the dearest late one."""
+    task, dearest = 0, np.int64(0)
     for other in range(len(plan.order)):
         if groups.end[other] > groups.end[task]:
             task = other
+    for other in range(len(problem.prices.due)):
+        late = groups.end[other] - problem.prices.due[other]
+        if late > 0 and late * problem.prices.late[other] > dearest:
+            task, dearest = other, late * problem.prices.late[other]
     length = 0
     while task != NOBODY and length < len(plan.order):
         workspace.critical[length] = task

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
+from teamformer.planning.prices import SHARES
 from teamformer.planning.relaxation.problem import Relaxed, pace_together
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.crossings import Crossings
@@ -98,23 +99,41 @@ def time_plan(
 ) -> tuple[Any, Any]:
     """Return the cost of a plan, a whole number, and the step in which its last task is done.
 
-    It is given up, as ENDLESS, when the makespan alone costs more than `most`. Leaves in `groups`
+    Where a mission has prices, these make the cost. It is given up, as ENDLESS, when the makespan
+    alone costs more than `most`. Leaves in `groups`
     each task's start and end, the task it waited for, and what was done on the way.
     """
     _gather_at_start(problem, groups)
-    tasks = len(plan.order)
+    tasks, has_prices = len(plan.order), len(problem.prices.due) > 0
+    step = problem.prices.whole[0] if has_prices else np.int64(STEP * tasks)
     makespan, total, walked = np.int64(0), np.int64(0), np.int64(0)
     for position in range(tasks):
         task = plan.order[position]
         if not groups.is_done[task]:
             walked += _meet(problem, crossings, plan, groups, task)
             makespan = max(makespan, groups.free[task])
-            if makespan * STEP * tasks > most:
+            if makespan * step > most:
                 return np.int64(ENDLESS), makespan
         total += groups.end[task]
+    if has_prices:
+        cost = makespan * step + _price_of_ends(problem, groups) + STEP_WALKED * walked
+        if groups.losses[0]:
+            cost += LATE * SHARES * tasks * _count_late(problem, plan, groups)
+        return cost, makespan
     if groups.losses[0]:
         makespan += LATE * _count_late(problem, plan, groups)
     return STEP * tasks * makespan + STEP_OF_END * total + STEP_WALKED * walked, makespan
+
+
+@kernel
+def _price_of_ends(problem: Relaxed, groups: Groups) -> int:
+    """Return what it costs when tasks end, and by how much they are late."""
+    prices, price, latest = problem.prices, np.int64(0), np.int64(0)
+    for task in range(len(prices.due)):
+        late = max(0, groups.end[task] - prices.due[task])
+        price += prices.ends[task] * groups.end[task] + prices.late[task] * late
+        latest = max(latest, late)
+    return price + prices.whole[1] * latest
 
 
 @kernel

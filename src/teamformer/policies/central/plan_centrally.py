@@ -145,7 +145,7 @@ def _search(
     plays.add("search", _player(scenario, best.plan))
     bound, curve = best.bound, best.curve
     for number in range(1, SEARCHES):
-        if plays.makespan == bound or plays.seconds_left == 0.0:
+        if plays.is_proven(bound) or plays.seconds_left == 0.0:
             break
         another = first_search(situation, seed + number) or search
         _, best = _improve(scenario, situation, another, plays, seed + number, workers)

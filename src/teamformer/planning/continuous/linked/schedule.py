@@ -12,6 +12,7 @@ import numpy as np
 
 from teamformer.jit import kernel
 from teamformer.planning.continuous.linked.problem import (
+    COMPLETION,
     FREE,
     HOME,
     MAKESPAN,
@@ -145,7 +146,9 @@ def _sum_up(problem: LinkedProblem, schedule: LinkedSchedule) -> None:
     for task in range(len(schedule.start)):
         late = max(0, schedule.end[task] - base.due[task])
         part[TRAVEL] += schedule.way[task]
-        part[TARDINESS] += late
+        weight = problem.task_weight[task]
+        part[TARDINESS] += np.int64(weight * late)
+        part[COMPLETION] += np.int64(weight * schedule.end[task])
         part[MAX_TARDINESS] = max(part[MAX_TARDINESS], late)
     schedule.cost[0] = 0.0
     for number in range(len(part)):

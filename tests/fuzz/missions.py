@@ -34,7 +34,8 @@ RANGES = ([0, 0], [0, 1], [2, 2], [1, 5], [4, 10], [0, 7])
 REPAIRS = ([1, 1], [2, 9], [5, 18])
 TIMES = (1, 0, 0.5, 3, 2.25, 7.01, 1 / 3)
 WEIGHTS = (1, 0.001, 0.5, 3, 3000, 1_000_000)
-COSTS = ("makespan", "travel", "tardiness", "max_tardiness")
+COSTS = ("makespan", "travel", "tardiness", "max_tardiness", "completion")
+COSTS_IN_STEPS = tuple(part for part in COSTS if part != "travel")
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,8 @@ def missions(
     if now_and_then(draw, 3):
         radii = (tree.get("sensing_radius", 1), pick(draw, RADII))
         tree["join_radius"] = min(radii, key=RADII_BY_SIZE.index)
+    if not is_plain and now_and_then(draw, 3):
+        _write_cost(draw, tree, COSTS_IN_STEPS)
     if now_and_then(draw):
         _write_pins(draw, tree, world)
     elif not is_sure and now_and_then(draw, 3) and _can_more_appear(tree, world):
@@ -128,7 +131,7 @@ def continuous_missions(
     if now_and_then(draw, 2):
         tree["forming"] = pick(draw, TIMES)
     if now_and_then(draw, 3):
-        tree["cost"] = {part: pick(draw, WEIGHTS) for part in some(draw, COSTS, 4)}
+        _write_cost(draw, tree, COSTS)
     return tree
 
 
@@ -270,6 +273,14 @@ def _write_links(draw: st.DrawFn, tasks: Sequence[Tree], fleet: Fleet) -> list[i
             tasks[number]["starts"] = {number - 1: [least, least + more]}
             group_of[number] = group_of[number - 1]
     return group_of
+
+
+def _write_cost(draw: st.DrawFn, tree: Tree, parts: Sequence[str]) -> None:
+    """Say what counts, and of some tasks how much."""
+    tree["cost"] = {part: pick(draw, WEIGHTS) for part in some(draw, parts, 4)}
+    for task in tree["tasks"]:
+        if now_and_then(draw):
+            task["weight"] = pick(draw, WEIGHTS)
 
 
 def _write_pins(draw: st.DrawFn, tree: Tree, world: Drawn) -> None:

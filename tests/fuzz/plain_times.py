@@ -105,8 +105,9 @@ def _told(scenario: Scenario, routes: Routes, ways: Ways, start: list[float]) ->
     parts = {
         "makespan": max(back),
         "travel": travel,
-        "tardiness": sum(late.values()),
+        "tardiness": sum(tasks[k].weight * by for k, by in late.items()),
         "max_tardiness": max(late.values(), default=0.0),
+        "completion": sum(t.weight * (start[k] + t.duration) for k, t in enumerate(tasks)),
     }
     cost = None
     if scenario.cost is not None:

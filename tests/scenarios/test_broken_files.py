@@ -184,6 +184,7 @@ CASES = [
     (NEEDS, "needs: [lift, scan], only: [b]", 9, "task 'x' is only for robots that together lack"),
     (NEEDS, "needs: [lift], only: [a], with: [b]", 9, "task 'x' is with 'b', but only for others"),
     (NEEDS, "needs: [lift], with: [c]", 9, "there is no robot 'c'; write the name of one"),
+    (NEEDS, "needs: [lift, scan], weight: 0", 9, "the weight of task 'x' is 0; use 0.001 to 1e+06"),
     ("speed: 0.5", "speed: fast", 7, "speed of robot 2 is the text 'fast'; write a number"),
     ("speed: 0.5", "speed: .nan", 7, "speed of robot 2 is nan; write a number up to"),
     ("speed: 0.5", "speed: .inf", 7, "speed of robot 2 is inf; write a number up to"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from operator import mul
 
 from teamformer.capabilities import describe, missing
 from teamformer.grid import Grid, Place
@@ -86,17 +85,14 @@ class Tasks:
         weights, tasks = self.scenario.cost, self.scenario.tasks
         if weights is None or len(self.done) < len(tasks):
             return None
-        late = [
-            max(0.0, step - tasks[task].between[1]) if tasks[task].between else 0.0
-            for task, step in sorted(self.done.items())
-        ]
-        importance = [task.weight for task in tasks]
-        told = {
-            "makespan": max(self.done.values()),
-            "tardiness": sum(map(mul, importance, late)),
-            "max_tardiness": max(late),
-            "completion": sum(map(mul, importance, (self.done[k] for k in range(len(tasks))))),
-        }
+        told = {"makespan": float(max(self.done.values())), "max_tardiness": 0.0}
+        told |= {"tardiness": 0.0, "completion": 0.0}
+        for number, step in self.done.items():
+            task = tasks[number]
+            late = 0.0 if task.between is None else max(0.0, step - task.between[1])
+            told["tardiness"] += task.weight * late
+            told["completion"] += task.weight * step
+            told["max_tardiness"] = max(told["max_tardiness"], late)
         return sum(told[name] * weight for name, weight in weights.items()) / sum(weights.values())
 
     def lateness(self) -> dict[str, float]:

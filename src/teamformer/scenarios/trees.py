@@ -239,7 +239,8 @@ def _read_tasks(reader: Reader, value: Any, is_plane: bool, time: str | None) ->
 def _with_pins(reader: Reader, top: Mapping[str, Any], world: World, mission: Pinned) -> Pinned:
     """Return a mission with the pins of its tasks said in capabilities."""
     pins, any_are = [], False
-    for number, keys in enumerate(top.get("tasks") or ()):
+    listed = top.get("tasks")
+    for number, keys in enumerate(listed if isinstance(listed, list) else ()):
         said = keys if isinstance(keys, dict) else {}
         any_are |= "only" in said or "with" in said
         pins.append(read_pins(reader, ("tasks", number), said, mission.robots))

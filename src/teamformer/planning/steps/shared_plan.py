@@ -57,6 +57,9 @@ LARGE = 100
 ARC_ROUNDS, ROUNDS_TIMES_TASKS = 900_000, 210_000_000
 """Rounds over graphs of arcs; what is made of these times tasks at most, as rounds take longer."""
 
+PRICED = 2
+"""By how much longer orders of tasks are searched where more counts than the makespan."""
+
 BRIEF = 4
 """A brief search is so much shorter, and begins with one plan of each kind."""
 
@@ -85,7 +88,9 @@ def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     team = min(100 * tasks * tasks, max(60_000, 1000 * tasks), 120_000)
     team = min(team, 15_000_000 // tasks)  # what timing a plan takes grows so
     team = min(team, 1_200_000_000 // (needs * problem.needs.shape[1]))
-    if tasks >= LARGE:
+    if has_prices(problem):
+        team *= PRICED
+    if tasks >= LARGE and not has_prices(problem):
         coalition, coalitions = min(ARC_ROUNDS, ROUNDS_TIMES_TASKS // tasks), 1
     else:
         coalition, coalitions = relaxed_rounds(problem), 3 if is_again else 6

@@ -6,7 +6,7 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.prices import SHARES
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, has_prices
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.neighbourhood import (
@@ -32,6 +32,9 @@ from teamformer.planning.steps.timing import (
     time_plan,
 )
 from teamformer.rules.constants import NOBODY
+
+COOLER = 5
+"""Searches by prices are so much cooler: what is late in a plan is a small part of its cost."""
 
 
 class ThresholdSearch:
@@ -60,8 +63,7 @@ class ThresholdSearch:
 
     def run(self, rounds: int, hot: float, cool: float = 0.0) -> None:
         """Search for some rounds; plans may be worse by `hot` steps at first, `cool` in the end."""
-        has_prices = len(self.problem.prices.due) > 0
-        step = (SHARES if has_prices else STEP) * len(self.problem.appears)
+        step = (SHARES // COOLER if has_prices(self.problem) else STEP) * len(self.problem.appears)
         self._search(self._plan, rounds, int(hot * step), int(cool * step))
 
     def _search(self, plan: TeamPlan, rounds: int, hot: int = 0, cool: int = 0) -> None:

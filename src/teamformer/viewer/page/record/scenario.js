@@ -22,6 +22,7 @@ function readScenario(tree, truth, isHopeful) {
     tasks,
     isUnsure: tasks.some(({ within }) => within),
     sensingRadius: readRadius(tree.sensing_radius),
+    cost: tree.cost ?? null, // the weights by which a plan costs something, if it does
   };
   for (const task of tasks) task.first = firstPlace(scenario.world, task);
   sharePlaces(scenario);
@@ -33,7 +34,7 @@ function readScenario(tree, truth, isHopeful) {
 // before; `mayNeed` has pairs of a capability and the probability that one more is needed. It is at
 // `at`, known to be `within` a distance of `around`, and `first` believed to be in the nearest place.
 function readTask(
-  { name, at, within, needs, may_need, duration, appears, after, between },
+  { name, at, within, needs, may_need, duration, appears, after, between, weight },
   numbers,
   truth,
   isHopeful,
@@ -58,6 +59,7 @@ function readTask(
     appears: after?.length ? Infinity : opens,
     after: after ?? [],
     due: between?.[1] ?? Infinity,
+    weight: weight ?? 1,
   };
 }
 

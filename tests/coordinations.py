@@ -8,6 +8,7 @@ from teamformer.capabilities import covers, total
 from teamformer.coordination import Coordinator, Known, Plan
 from teamformer.coordinators.crews import Crews
 from teamformer.coordinators.shared_plan import SharedPlan
+from teamformer.mission.reach import can_reach
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.sim.env import TeamFormation
 from teamformer.trials.methods import Method
@@ -46,8 +47,8 @@ class RandomPlans:
         order = [int(task) for task in rng.permutation(known.possible_tasks)]
         coalitions = []
         for task in order:
-            region = mission.world.region(mission.tasks[task].at)
-            near = [r for r in known.robots if mission.world.region(mission.robots[r].at) == region]
+            at = mission.tasks[task].at
+            near = [r for r in known.robots if can_reach(mission.world, mission.robots[r], at)]
             chosen: list[int] = []
             for robot in rng.permutation(near).tolist():
                 needs = mission.tasks[task].needs

@@ -9,8 +9,8 @@ import numpy as np
 from teamformer.capabilities import Counts
 from teamformer.errors import ScenarioError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
-from teamformer.mission.checks import totals_by_region
 from teamformer.mission.places import busiest_part
+from teamformer.mission.reach import totals_by_region
 from teamformer.model import (
     Absence,
     Arrivals,

@@ -134,13 +134,15 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         {"world": Grid(4, 3, ("....", "...@", "..@."))},
         {"world": Grid(4, 3, ("....", "....", "..@."))},
         (*TASK, "at"),
-        "task 'x' cannot be reached by robots that bring lift, scan; move it or open the map",
+        "task 'x' cannot be reached by robots that bring lift, scan; move it, open the map, or let "
+        "such robots fly with moves: air",
     ),
     (
         {"world": Grid(4, 3, ("..@.",) * 3), **robots(at=(3, 0))},
         {"world": Grid(4, 3, (".@..", "....", "....")), **robots(at=(3, 0))},
         (*TASK, "at"),
-        "task 'x' cannot be reached by robots that bring lift; move it or open the map",
+        "task 'x' cannot be reached by robots that bring lift; move it, open the map, or let such "
+        "robots fly with moves: air",
     ),
     (
         third(can={}),

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from teamformer.capabilities import covers
 from teamformer.grid import Place
-from teamformer.mission.checks import totals_by_region
+from teamformer.mission.reach import totals_by_region
 from teamformer.model import Scenario
 
 NEWS = (
@@ -63,7 +63,7 @@ class Known:
             number
             for number in self.open_tasks
             if covers(
-                have.get(world.region(self.mission.tasks[number].at), {}),
+                have[world.region(self.mission.tasks[number].at)],
                 self.mission.tasks[number].needs,
             )
         )

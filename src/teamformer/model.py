@@ -15,7 +15,7 @@ from teamformer.mission.places import possible_places
 from teamformer.mission.rules import opening_step
 from teamformer.plane import Plane
 from teamformer.regions import flood
-from teamformer.roads import GROUND, Roads
+from teamformer.roads import AIR, GROUND, Roads
 
 MOST_WALKING = 10**6
 MOST_FORMING = 10**7
@@ -73,6 +73,7 @@ class Delays:
 class Robot:
     """A robot: where it starts, what it can do, how fast it is, and when it is absent.
 
+    One that `moves` through the air is stopped by no obstacle; a team flies if all its robots do.
     `speed` is in cells a step, on a plane in metres a second. `breaks` says with what probability
     it is lost and back, where nobody knows. `delays` says how often it stands still; a team walks
     in the steps in which none of its robots does. On roads `moves` says which ways are its own, and
@@ -87,6 +88,11 @@ class Robot:
     breaks: Breakdown | None = None
     delays: Delays | None = None
     moves: str = GROUND
+
+    @property
+    def flies(self) -> bool:
+        """Say whether it moves through the air."""
+        return self.moves == AIR
 
     @property
     def has_surprises(self) -> bool:
@@ -156,6 +162,7 @@ class Task:
     lasts: tuple[int, int] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
+    weight: float = 1.0  # of how late it is and when it ends, in the cost
     has_arrived: bool = field(default=False, compare=False)
 
     def __post_init__(self) -> None:

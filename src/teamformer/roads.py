@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-GROUND = "ground"
-"""How robots move that do not say how."""
+GROUND, AIR = "ground", "air"
+"""How robots move: on the ground if they do not say how."""
 
 LONGEST_WAY = 1e9
 """In the mission's unit of time."""

@@ -176,8 +176,8 @@ def rows_of(path: Path) -> list[list[str]]:
 def test_tables_hold_what_was_recorded(tmp_path: Path) -> None:
     write_tables(two_lifters(), tmp_path)
     assert rows_of(tmp_path / "robots.csv")[1:] == [
-        ["a", "lift", "1.0", "0", "0", "", "", "2", "0", "1", "2", "1", "0"],
-        ["'=b", "lift", "1.0", "3", "0", "6", "", "1", "1", "1", "2", "0", "1"],
+        ["a", "lift", "1.0", "ground", "0", "0", "", "", "2", "0", "1", "2", "1", "0"],
+        ["'=b", "lift", "1.0", "ground", "3", "0", "6", "", "1", "1", "1", "2", "0", "1"],
     ]
     assert rows_of(tmp_path / "tasks.csv")[1:] == [
         ["beam", "2 x lift", "2", "0", "2", "0", "5", "a, =b"],

@@ -34,7 +34,8 @@ RANGES = ([0, 0], [0, 1], [2, 2], [1, 5], [4, 10], [0, 7])
 REPAIRS = ([1, 1], [2, 9], [5, 18])
 TIMES = (1, 0, 0.5, 3, 2.25, 7.01, 1 / 3)
 WEIGHTS = (1, 0.001, 0.5, 3, 3000, 1_000_000)
-COSTS = ("makespan", "travel", "tardiness", "max_tardiness")
+COSTS = ("makespan", "travel", "tardiness", "max_tardiness", "completion")
+COSTS_IN_STEPS = tuple(part for part in COSTS if part != "travel")
 
 
 @dataclass(frozen=True)
@@ -51,8 +52,9 @@ class Fleet:
     @property
     def everything(self) -> dict[str, int]:
         """Return what all bring together."""
-        caps = {cap for have in self.brought.values() for cap in have}
-        return {cap: sum(have.get(cap, 0) for have in self.brought.values()) for cap in caps}
+        brings = [_thousandths(robot["can"]) for robot in self.robots]
+        caps = {cap for can in brings for cap in can}
+        return {cap: sum(can.get(cap, 0) for can in brings) for cap in caps}
 
 
 @st.composite
@@ -61,13 +63,14 @@ def missions(
 ) -> Tree:
     """Return a mission in steps.
 
-    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between` and loads,
-    so that fleets of processes can do it. One that `is_tiny` has two robots and tasks at most.
+    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between`, loads and
+    robots that fly over walls, so that fleets of processes can do it. One that `is_tiny` has two
+    robots and tasks at most.
     """
     most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
     is_sure = is_sure or is_plain or pick(draw, (True, False, False))
     world, caps = draw_world(draw), draw_names(draw, 1 + pick(draw, range(MOST_CAPABILITIES)))
-    fleet = _draw_fleet(draw, world, caps, most_robots)
+    fleet = _draw_fleet(draw, world, caps, most_robots, not (is_plain and world.blocked))
     for robot in fleet.robots:
         _write_losses(draw, robot)
         if not is_sure:
@@ -94,7 +97,11 @@ def missions(
     if now_and_then(draw, 3):
         radii = (tree.get("sensing_radius", 1), pick(draw, RADII))
         tree["join_radius"] = min(radii, key=RADII_BY_SIZE.index)
-    if not is_sure and now_and_then(draw, 3) and _can_more_appear(tree, world):
+    if not is_plain and now_and_then(draw, 3):
+        _write_cost(draw, tree, COSTS_IN_STEPS)
+    if now_and_then(draw):
+        _write_pins(draw, tree, world)
+    elif not is_sure and now_and_then(draw, 3) and _can_more_appear(tree, world):
         tree["arrivals"] = {"rate": pick(draw, (0.1, 0, 1)), "until": pick(draw, (8, 0, 1, 5))}
         for key, values in (("needs", (1, 2, 9)), ("duration", (1, 0, 3))):
             if now_and_then(draw, 2):
@@ -128,21 +135,28 @@ def continuous_missions(
     if now_and_then(draw, 2):
         tree["forming"] = pick(draw, TIMES)
     if now_and_then(draw, 3):
-        tree["cost"] = {part: pick(draw, WEIGHTS) for part in some(draw, COSTS, 4)}
+        _write_cost(draw, tree, COSTS)
     return tree
 
 
-def _draw_fleet(draw: st.DrawFn, world: Drawn, caps: Sequence[str], most: int) -> Fleet:
+def _draw_fleet(
+    draw: st.DrawFn, world: Drawn, caps: Sequence[str], most: int, can_fly: bool = True
+) -> Fleet:
     fleet = Fleet({cap: pick(draw, GRAINS) if now_and_then(draw) else 1000 for cap in caps})
     homes = [pick(draw, world.places), pick(draw, world.places)]
     while are_more(draw, fleet.robots, most):
-        fleet.robots.append(draw(_robots(world, caps, homes, fleet)))
+        fleet.robots.append(draw(_robots(world, caps, homes, fleet, can_fly)))
     return fleet
 
 
 @st.composite
 def _robots(
-    draw: st.DrawFn, world: Drawn, caps: Sequence[str], homes: Sequence[Place], fleet: Fleet
+    draw: st.DrawFn,
+    world: Drawn,
+    caps: Sequence[str],
+    homes: Sequence[Place],
+    fleet: Fleet,
+    can_fly: bool,
 ) -> Tree:
     at = pick(draw, homes if now_and_then(draw, 2) else (homes[0], pick(draw, world.places)))
     can = {cap: (1 + now_and_then(draw)) * fleet.grain[cap] for cap in some(draw, caps, 3)}
@@ -151,9 +165,14 @@ def _robots(
         robot["speed"] = pick(draw, SPEEDS)
     if world.movers and now_and_then(draw, 2):
         robot["moves"] = pick(draw, world.movers)
-    have = fleet.brought.setdefault(world.part(at), {})
-    for cap, count in can.items():
-        have[cap] = have.get(cap, 0) + count
+    parts = {world.part(at)}
+    if can_fly and now_and_then(draw):
+        robot["moves"] = "air"
+        parts = {world.part(place) for place in world.places}
+    for part in parts:
+        have = fleet.brought.setdefault(part, {})
+        for cap, count in can.items():
+            have[cap] = have.get(cap, 0) + count
     return robot
 
 
@@ -276,6 +295,36 @@ def _write_links(draw: st.DrawFn, tasks: Sequence[Tree], fleet: Fleet) -> list[i
             tasks[number]["starts"] = {number - 1: [least, least + more]}
             group_of[number] = group_of[number - 1]
     return group_of
+
+
+def _write_cost(draw: st.DrawFn, tree: Tree, parts: Sequence[str]) -> None:
+    """Say what counts, and of some tasks how much."""
+    tree["cost"] = {part: pick(draw, WEIGHTS) for part in some(draw, parts, 4)}
+    for task in tree["tasks"]:
+        if now_and_then(draw):
+            task["weight"] = pick(draw, WEIGHTS)
+
+
+def _write_pins(draw: st.DrawFn, tree: Tree, world: Drawn) -> None:
+    """Say of some tasks who takes part in any case, and that only those do who can get there.
+
+    A pin is one more capability, or one for each need; some networks know four at most.
+    """
+    room = MOST_CAPABILITIES - len(tree["capabilities"])
+    robots = [robot for robot in tree["robots"] if "count" not in robot]
+    names = {id(robot): robot.get("name", f"r{n + 1}") for n, robot in enumerate(tree["robots"])}
+    for task in tree["tasks"]:
+        if task["at"] not in world.places or not now_and_then(draw, 2):
+            continue
+        part = world.part(task["at"])
+        near = [r for r in robots if "moves" in r or world.part(r["at"]) == part]
+        wanted = len({*task["needs"], *task.get("may_need", ())})
+        if near and room >= 2 and now_and_then(draw, 2):
+            task["with"] = [names[id(robot)] for robot in some(draw, near, 2)]
+            room -= len(task["with"])
+        elif len(robots) == len(tree["robots"]) and room >= wanted:
+            task["only"] = [names[id(robot)] for robot in near]
+            room -= wanted
 
 
 def _can_more_appear(tree: Tree, world: Drawn) -> bool:

@@ -49,6 +49,8 @@ class Ways:
             return self._world.times[robot.moves][int(here[0])][int(there[0])] / robot.speed
         if not hasattr(self._world, "neighbours"):
             return math.dist(here, there) / robot.speed
+        if robot.flies:
+            return (abs(here[0] - there[0]) + abs(here[1] - there[1])) / robot.speed
         if there not in self._fields:
             self._fields[there] = self._field(there)
         return self._fields[there].get(here, math.inf) / robot.speed
@@ -125,8 +127,9 @@ def _told(
     parts = {
         "makespan": max(back),
         "travel": travel,
-        "tardiness": sum(late.values()),
+        "tardiness": sum(tasks[k].weight * by for k, by in late.items()),
         "max_tardiness": max(late.values(), default=0.0),
+        "completion": sum(t.weight * (start[k] + t.duration) for k, t in enumerate(tasks)),
     }
     cost = None
     if scenario.cost is not None:

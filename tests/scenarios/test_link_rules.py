@@ -10,7 +10,8 @@ import pytest
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid
-from teamformer.mission.links import cost_of, groups_of
+from teamformer.mission.costs import cost_of
+from teamformer.mission.links import groups_of
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Robot, Scenario, Task
 from teamformer.scenarios.files import read_scenario, write_scenario
@@ -127,7 +128,8 @@ def test_missions_in_steps_have_neither() -> None:
     told = [problem.message for problem in rules_not_played(replace(MISSION, time="steps"))]
     remedy = "write time: continuous and plan it with `teamformer plan`"
     assert told == [
-        f"cost is for plans in continuous time; {remedy}",
+        "in steps a cost may weigh makespan, tardiness, max_tardiness, completion; drop travel, or "
+        + remedy,
         f"task 'y' has starts, which are for continuous time; {remedy}",
         f"task 'z' has starts, which are for continuous time; {remedy}",
     ]

@@ -28,7 +28,7 @@ def test_the_table_has_every_key_and_says_which_must_be_there() -> None:
 
 def test_the_example_is_read(tmp_path: Path) -> None:
     examples = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
-    text, loads, heavy, other, roads, uncertain = examples
+    text, loads, heavy, other, roads, uncertain, survey = examples
     path = tmp_path / "example.yaml"
     path.write_text(text)
     scenario = read_scenario(path)
@@ -60,6 +60,8 @@ def test_the_example_is_read(tmp_path: Path) -> None:
     assert storm.tasks[1].may_need == {"weld": 0.4, "power": 0.2}
     assert storm.tasks[1].within == 3
     assert storm.robots[2].breaks == Breakdown(0.004, (10, 40))
+    path.write_text(survey)
+    assert [robot.flies for robot in read_scenario(path).robots] == [True, False]
 
 
 def test_what_is_refused_is_told_in_these_words(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from itertools import pairwise
 from teamformer.grid import Grid, Place
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.places import believed_place, possible_places
-from teamformer.model import Scenario
+from teamformer.model import Robot, Scenario
 from teamformer.plane import Plane
 
 NEVER = 10**9
@@ -28,6 +28,11 @@ def walk(grid: Grid, goal: Place) -> dict[Place, int]:
                 away[beside] = away[cell] + 1
                 frontier.append(beside)
     return away
+
+
+def sides(place: Place) -> list[Place]:
+    x, y = place
+    return [(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)]
 
 
 def apart_squared(one: Place, other: Place) -> float:
@@ -86,7 +91,6 @@ class PlainWorld:
         self.open = self.release()
         world = scenario.world
         self.here = world.arrival_radius if isinstance(world, Plane) else 0.0
-        self.fields = [walk(world, place) for place in self.at] if isinstance(world, Grid) else []
         self.teams = {
             team[0]: PlainTeam(list(team), scenario.robots[team[0]].at)
             for team in scenario.starting_teams
@@ -123,15 +127,15 @@ class PlainWorld:
             wanted = self.s.tasks[task]
             needs = dict(wanted.needs)
             for cap, chance in wanted.may_need.items():
-                robots = [r for r in left if self.is_way(self.s.robots[r].at, self.at[task])]
+                robots = [r for r in left if self.is_way(self.s.robots[r], self.at[task])]
                 have = sum(thousandths(self.s.robots[r].can.get(cap, 0)) for r in robots)
                 more = thousandths(needs.get(cap, 0)) + 1000
                 if self.foresight != "absent" and chance > 0 and have >= more:
                     needs[cap] = more / 1000
             self.hopes[task] = needs
 
-    def is_way(self, one: Place, other: Place) -> bool:
-        return self.s.world.region(one) == self.s.world.region(other)
+    def is_way(self, robot: Robot, to: Place) -> bool:
+        return robot.flies or self.s.world.region(robot.at) == self.s.world.region(to)
 
     def show(self) -> bool:
         found = {
@@ -166,7 +170,7 @@ class PlainWorld:
                 if left != before:
                     self.believe(task, self.soonest(seeker.at, left, task))
             elif believed not in left:
-                self.believe(task, min(left, key=lambda p: self.way(seeker.at, p)))
+                self.believe(task, min(left, key=lambda p: self.way(seeker, p)))
         return any_news
 
     def soonest(self, at: Place, left: list[Place], task: int) -> Place:
@@ -198,18 +202,14 @@ class PlainWorld:
 
     def believe(self, task: int, place: Place) -> None:
         self.at[task] = place
-        if self.fields and isinstance(self.s.world, Grid):
-            self.fields[task] = walk(self.s.world, place)
 
-    def way(self, one: Place, other: Place) -> int:
+    def way(self, team: PlainTeam, to: Place) -> int:
         if isinstance(self.s.world, Plane):
-            return self.micrometres(one, other)
-        return walk(self.s.world, one).get(other, NEVER)
+            return self.micrometres(team.at, to)
+        return self.ways_to(to, team).get(team.at, NEVER)
 
-    def travel(self, at: Place, task: int) -> int:
-        if not self.fields:
-            return self.micrometres(at, self.at[task])
-        return self.fields[task].get(at, NEVER)
+    def travel(self, team: PlainTeam, task: int) -> int:
+        return self.way(team, self.at[task])
 
     def micrometres(self, one: Place, other: Place) -> int:
         return round(math.dist(one, other) * 1e6)
@@ -369,7 +369,7 @@ class PlainWorld:
         return min(mine, key=self.order.index, default=None)
 
     def contributes(self, team: PlainTeam, task: int) -> bool:
-        can_reach = self.travel(team.at, task) < NEVER
+        can_reach = self.travel(team, task) < NEVER
         pairs = zip(self.has(team), self.needs(task), strict=True)
         return can_reach and any(h > 0 and n > 0 for h, n in pairs)
 
@@ -383,8 +383,8 @@ class PlainWorld:
             sensing = max(self.s.sensing_radius, self.here)
             senses = apart_squared(team.at, other.at) <= sensing**2
             if other_slot != slot and senses and other.task == task:
-                mine = (self.travel(team.at, task), slot)
-                if (self.travel(other.at, task), other_slot) < mine:
+                mine = (self.travel(team, task), slot)
+                if (self.travel(other, task), other_slot) < mine:
                     helpers += other.robots
         return bool(helpers) and self.covers(self.sum_of(helpers), task)
 
@@ -393,22 +393,22 @@ class PlainWorld:
         best, best_change = None, 0
         for j in range(i + 1, len(order)):
             task = order[j]
-            if not self.covers(self.has(team), task) or self.travel(team.at, task) >= NEVER:
+            if not self.covers(self.has(team), task) or self.travel(team, task) >= NEVER:
                 continue
             now = [team.at, *(self.at[k] for k in order[i:])]
             then = [now[0], now[j - i + 1], *now[1 : j - i + 1], *now[j - i + 2 :]]
-            change = self.tour(then) - self.tour(now)
+            change = self.tour(then, team) - self.tour(now, team)
             if change < best_change and not self.is_covered(slot, task):
                 best, best_change = task, change
         return best
 
-    def tour(self, places: list[Place]) -> int:
+    def tour(self, places: list[Place], team: PlainTeam) -> int:
         length = 0
         for here, there in pairwise(places):
             if isinstance(self.s.world, Plane):
                 length += self.micrometres(here, there)
             else:
-                length += walk(self.s.world, there).get(here, 2**30)
+                length += self.ways_to(there, team).get(here, 2**30)
         return length
 
     def draw_delays(self) -> set[int]:
@@ -454,7 +454,7 @@ class PlainWorld:
                 to = (round(to[0] * 1e6) / 1e6, round(to[1] * 1e6) / 1e6)
             team.at = to
             return
-        away = walk(self.s.world, goal)
+        away = self.ways_to(goal, team)
         if team.at not in away or away[team.at] == 0:
             team.credit = 0.0
             return
@@ -463,12 +463,22 @@ class PlainWorld:
         team.credit -= cells
         for _ in range(min(cells, away[team.at])):
             gap = (abs(goal[0] - team.at[0]), abs(goal[1] - team.at[1]))
-            nearer = [c for c in self.s.world.neighbours(team.at) if away[c] == away[team.at] - 1]
+            nearer = [c for c in sides(team.at) if away.get(c, NEVER) == away[team.at] - 1]
             x_first = gap[0] >= gap[1]
             nearer.sort(key=lambda cell: (cell[1] == team.at[1]) != x_first)
             team.at = nearer[0]
         if team.at == goal:
             team.credit = 0.0
+
+    def flies(self, team: PlainTeam) -> bool:
+        return all(self.s.robots[robot].flies for robot in team.robots)
+
+    def ways_to(self, goal: Place, team: PlainTeam) -> dict[Place, int]:
+        """Return the distances of cells from where a team can go to a goal."""
+        world = self.s.world
+        if self.flies(team):
+            return walk(Grid(world.width, world.height), goal)
+        return walk(world, goal) if world.is_free(goal) else {}
 
     def lose(self) -> bool:
         lost = [

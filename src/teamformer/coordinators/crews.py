@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from operator import attrgetter
 
 from teamformer.coordination import Known, Plan
-from teamformer.planning.steps.shared_plan import kept_plan, timed_plan
+from teamformer.planning.steps.shared_plan import by_due, kept_plan, shared_plan_of
 from teamformer.planning.steps.situation import situation_of
 from teamformer.planning.steps.starts import plan_from_crews
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
 ROUNDS = 1500
 """How many changes are tried for each open task."""
@@ -29,8 +29,17 @@ class Crews:
         situation = situation_of(replace(known, open_tasks=known.possible_tasks))
         rounds = self.rounds * len(situation.tasks)
         dealt = plan_from_crews(situation.problem, situation.company, rounds)
-        anew = timed_plan(situation, dealt, "crews")
-        if plan is None or not plan.order:
-            return anew
-        kept = timed_plan(situation, kept_plan(situation, plan), "kept")
-        return min(kept, anew, key=attrgetter("makespan"))
+        crews = time_team_plan(situation, dealt)
+        timed = [("crews", crews)]
+        if crews.has_prices:
+            timed.append(("crews", by_due(situation, crews)))
+        if plan is not None and plan.order:
+            kept = time_team_plan(situation, kept_plan(situation, plan))
+            timed.insert(0, ("kept", kept))
+        best = min(timed, key=_what_counts)
+        return shared_plan_of(situation, *best)
+
+
+def _what_counts(named: tuple[str, TimedPlan]) -> int:
+    """Return what crews are compared by: the makespan, or the cost if more than that counts."""
+    return named[1].cost if named[1].has_prices else named[1].makespan

@@ -31,7 +31,8 @@ def write_tables(replay: Replay, folder: Path) -> tuple[Path, ...]:
 
 def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
     """Yield each robot with the steps it spent in each phase."""
-    yield ("robot", "capabilities", "speed", "x", "y", "lost_in_step", "back_in_step", *PHASES)
+    places = ("x", "y", "lost_in_step", "back_in_step")
+    yield ("robot", "capabilities", "speed", "moves", *places, *PHASES)
     lost = _steps_by_robot(step.lost for step in replay.steps)
     back = _steps_by_robot(step.back for step in replay.steps)
     for number, robot in enumerate(replay.scenario.robots):
@@ -39,7 +40,8 @@ def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
         spent = [steps[phase] for phase in PHASES]
         can = describe(robot.can)
         away = (lost.get(number, ""), back.get(number, ""))
-        yield (robot.name, can, robot.speed, *robot.at, *away, *spent)
+        moves = "air" if robot.flies else "ground"
+        yield (robot.name, can, robot.speed, moves, *robot.at, *away, *spent)
 
 
 def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str]:

@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from teamformer.capabilities import total
 from teamformer.grid import Grid, Place
 from teamformer.mission.places import busiest_part
+from teamformer.mission.reach import totals_by_region
 from teamformer.model import Scenario, Task
 from teamformer.plane import Plane
 
@@ -57,8 +57,7 @@ def without_arrivals(scenario: Scenario) -> Scenario:
 
 def capabilities_in(scenario: Scenario, part: int) -> list[str]:
     """Return what the robots that start in a part of the map bring, at least one of it."""
-    there = (robot.can for robot in scenario.robots if scenario.world.region(robot.at) == part)
-    have = total(there)
+    have = totals_by_region(scenario.world, scenario.robots)[part]
     return [cap for cap in scenario.capabilities if have.get(cap, 0) >= 1]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.capabilities import (
@@ -22,6 +22,7 @@ from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP, Grid, Place
 from teamformer.mission.loads import find_load_problems
 from teamformer.mission.places import believed_place, busiest_part, find_region_problems
+from teamformer.mission.reach import totals_by_region
 from teamformer.mission.rules import find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
 from teamformer.plane import Plane
@@ -269,7 +270,7 @@ def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
 
 def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Problem]:
     everybody = total(robot.can for robot in scenario.robots)
-    near = totals_by_region(scenario.world, scenario.robots) if places_are_good else {}
+    near = totals_by_region(scenario.world, scenario.robots if places_are_good else ())
     for number, task in enumerate(scenario.tasks):
         where, what = ("tasks", number), f"task '{task.name}'"
         yield from _problems_of_counts(
@@ -286,14 +287,15 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
         if not covers(everybody, known):
             yield Problem((*where, "needs"), _impossible(what, everybody, known))
         elif places_are_good:
-            have = near.get(scenario.world.region(believed_place(scenario.world, task)), {})
+            have = near[scenario.world.region(believed_place(scenario.world, task))]
             worst = {name: n for name, n in task.worst_needs.items() if name in everybody}
             need = known if not covers(everybody, worst) else worst
             if not covers(have, need):
                 yield Problem(
                     (*where, "at"),
                     f"{what} cannot be reached by robots that bring "
-                    f"{describe(missing(have, need))}; move it or open the map",
+                    f"{describe(missing(have, need))}; move it, open the map, or let such robots "
+                    "fly with moves: air",
                 )
 
 
@@ -305,14 +307,6 @@ def _problems_of_what_appears(scenario: Scenario) -> Iterator[Problem]:
             "tasks that appear need one of a capability, but where most robots start all together "
             f"bring {describe(have)}; add such a robot or drop arrivals",
         )
-
-
-def totals_by_region(world: World, robots: Iterable[Robot]) -> dict[int, dict[str, float]]:
-    """Add up what the robots that start in each connected part of a map can do."""
-    around: dict[int, list[Robot]] = {}
-    for robot in robots:
-        around.setdefault(world.region(robot.at), []).append(robot)
-    return {region: total(r.can for r in members) for region, members in around.items()}
 
 
 def _impossible(what: str, have: Counts, need: Counts) -> str:

@@ -1,9 +1,9 @@
-"""Tasks whose starts are linked, done by different robots, and what a plan costs besides time."""
+"""Tasks whose starts are linked, done by different robots."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.capabilities import covers, describe, missing, total
@@ -11,14 +11,6 @@ from teamformer.errors import Problem
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
-
-COST_PARTS = ("makespan", "travel", "tardiness", "max_tardiness")
-"""What a cost may weigh: when all is over, the time that all robots together are on their ways,
-by how much tasks are late, added up, and by how much the latest one is."""
-
-LARGEST_WEIGHT = 1e6
-SMALLEST_WEIGHT = 1e-3
-"""Of the weights of a cost: they are told apart however far apart they are."""
 
 
 def is_linked(scenario: Scenario) -> bool:
@@ -40,15 +32,8 @@ def groups_of(tasks: Sequence[Task]) -> list[list[int]]:
     return list(groups.values())
 
 
-def cost_of(weights: Mapping[str, float], parts: Mapping[str, float]) -> float:
-    """Return the mean of a plan's parts, by weight."""
-    weighed = sum(weight * parts[name] for name, weight in weights.items())
-    return weighed / sum(weights.values())
-
-
 def find_link_problems(scenario: Scenario) -> Iterator[Problem]:
-    """Return what is wrong with linked starts and with the cost."""
-    yield from _problems_of_cost(scenario)
+    """Return what is wrong with linked starts."""
     problems = [*_problems_of_names(scenario), *_problems_of_gaps(scenario)]
     yield from problems
     if not problems:
@@ -56,27 +41,11 @@ def find_link_problems(scenario: Scenario) -> Iterator[Problem]:
 
 
 def find_links(scenario: Scenario) -> Iterator[Problem]:
-    """Return where a scenario has linked starts or a cost of its own."""
-    if scenario.cost:
-        yield Problem(("cost",), "cost is for plans in continuous time")
+    """Return where a scenario has linked starts."""
     for number, task in enumerate(scenario.tasks):
         if task.starts:
             what = f"task '{task.name}' has starts, which are for continuous time"
             yield Problem(("tasks", number, "starts"), what)
-
-
-def _problems_of_cost(scenario: Scenario) -> Iterator[Problem]:
-    if scenario.cost is None:
-        return
-    if not scenario.cost:
-        yield Problem(("cost",), f"the cost weighs nothing; name {', '.join(COST_PARTS)}, or some")
-    for name, weight in scenario.cost.items():
-        if name not in COST_PARTS:
-            choices = ", ".join(COST_PARTS)
-            yield Problem(("cost", name), f"a cost has no '{name}'; use {choices}")
-        elif not SMALLEST_WEIGHT <= weight <= LARGEST_WEIGHT:
-            message = f"the weight of {name} is {weight:g}; use {SMALLEST_WEIGHT:g} to"
-            yield Problem(("cost", name), f"{message} {LARGEST_WEIGHT:g}")
 
 
 def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:

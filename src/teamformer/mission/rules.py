@@ -7,9 +7,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
+from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.links import find_link_problems, find_links
 from teamformer.mission.loads import rules_without_loads
-from teamformer.roads import GROUND, Roads
+from teamformer.mission.reach import can_reach
+from teamformer.roads import AIR, GROUND, Roads
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
@@ -41,6 +43,7 @@ def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
         yield from _problems_of_losses(scenario)
     yield from _problems_of_times(scenario)
     yield from _problems_of_precedence(scenario)
+    yield from find_cost_problems(scenario)
     yield from find_link_problems(scenario)
 
 
@@ -55,6 +58,10 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("ends",), f"in steps missions end with the last task; {remedy}")
     if scenario.forming:
         yield Problem(("forming",), f"in steps forming_steps says what forming takes; {remedy}")
+    if ONLY_IN_CONTINUOUS_TIME in (scenario.cost or ()):
+        known = ", ".join(part for part in COST_PARTS if part != ONLY_IN_CONTINUOUS_TIME)
+        message = f"in steps a cost may weigh {known}; drop travel, or {remedy}"
+        yield Problem(("cost", ONLY_IN_CONTINUOUS_TIME), message)
     for problem in find_links(scenario):
         yield Problem(problem.where, f"{problem.message}; {remedy}")
 
@@ -87,6 +94,11 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
     """
     yield from rules_of_sure_missions(scenario)
     yield from rules_without_loads(scenario, "a fleet or the Robotarium")
+    for number, robot in enumerate(scenario.robots):
+        if robot.flies and scenario.world.rows:
+            message = f"robot '{robot.name}' flies over obstacles, which only `teamformer run` and"
+            remedy = "`teamformer plan` know; drop moves, or use one of these"
+            yield Problem(("robots", number, "moves"), f"{message} {remedy}")
     for number, task in enumerate(scenario.tasks):
         for key in ("after", "between"):
             if getattr(task, key):
@@ -138,7 +150,7 @@ def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
     elif world.rows:
         for number, robot in enumerate(scenario.robots):
             is_there = world.is_inside(robot.at) and world.is_free(robot.at)
-            if is_there and world.region(robot.at) != world.region(ends):
+            if is_there and not can_reach(world, robot, ends):
                 message = f"robot '{robot.name}' has no way to where the mission ends; move it"
                 yield Problem(("robots", number, "at"), message)
 
@@ -152,8 +164,10 @@ def _problems_of_roads(scenario: Scenario) -> Iterator[Problem]:
     for number, robot in enumerate(scenario.robots):
         where, what = ("robots", number, "moves"), f"robot '{robot.name}' moves by {robot.moves}"
         if not isinstance(world, Roads):
-            if robot.moves != GROUND:
-                message = f"{what}, which is for worlds of roads; drop moves, or name roads"
+            if robot.moves not in (GROUND, AIR):
+                message = (
+                    f"{what}, which is for worlds of roads; write ground or air, or name roads"
+                )
                 yield Problem(where, message)
         elif world.times and robot.moves not in world.times:
             known = ", ".join(world.times)

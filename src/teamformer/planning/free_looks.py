@@ -88,12 +88,15 @@ def _free_looks(
     """
     problem, forming = situation.problem, situation.forming_steps
     no_way = problem.steps.shape[1] - 1
+    speeds = len(problem.steps) // len(problem.lengths)
     starts, sizes = _services(plan, situation)
     tasks = np.array([k for k, task in enumerate(situation.tasks) if task in takes], np.int64)
     lasts = np.array([takes[situation.tasks[task]] for task in tasks], np.int64)
     for number, (robots, following, has_to_part) in enumerate(groups):
-        slowest = min(robots, key=lambda robot: problem.speed[robot])
-        steps_of = problem.steps[problem.pace[slowest]]
+        slowest = min(problem.speed[robot] for robot in robots)
+        flies = all(problem.pace[robot] >= speeds for robot in robots)
+        rank = next(int(problem.pace[r]) for r in robots if problem.speed[r] == slowest) % speeds
+        steps_of = problem.steps[rank + speeds if flies else rank]
         leaves = max(step, *(int(problem.ready[robot]) for robot in robots)) + forming * has_to_part
         cells = problem.cells[tasks, len(starts) + robots[0]]
         there = leaves + steps_of[cells]

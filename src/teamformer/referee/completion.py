@@ -94,6 +94,21 @@ class Tasks:
             and opens <= steps_made < self.done.get(task, steps_made + 1)
         }
 
+    def cost(self) -> float | None:
+        """Return the mean by weight of what the mission's cost names; None if it has none."""
+        weights, tasks = self.scenario.cost, self.scenario.tasks
+        if weights is None or len(self.done) < len(tasks):
+            return None
+        told = {"makespan": float(max(self.done.values())), "max_tardiness": 0.0}
+        told |= {"tardiness": 0.0, "completion": 0.0}
+        for number, step in self.done.items():
+            task = tasks[number]
+            late = 0.0 if task.between is None else max(0.0, step - task.between[1])
+            told["tardiness"] += task.weight * late
+            told["completion"] += task.weight * step
+            told["max_tardiness"] = max(told["max_tardiness"], late)
+        return sum(told[name] * weight for name, weight in weights.items()) / sum(weights.values())
+
     def lateness(self) -> dict[str, float]:
         """Return by how many steps tasks were done after their window, for those that were."""
         late = {}

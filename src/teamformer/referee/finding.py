@@ -123,7 +123,8 @@ class Search:
         found: set[int],
         moved: set[tuple[int, float, float]],
     ) -> None:
-        teams = [team.at for _, team in sorted(fleet.teams.items())]
+        fliers = [(team.at, team.flies) for _, team in sorted(fleet.teams.items())]
+        teams = [at for at, _ in fliers]
         left = [
             place
             for place in self._left[task]
@@ -136,12 +137,12 @@ class Search:
             del self._left[task]
             self._ways.goals[task] = true
         elif any_ruled_out:
-            seeker = min(teams, key=lambda at: round(math.dist(at, believed) * 1e6))
+            seeker, flies = min(fliers, key=lambda one: round(math.dist(one[0], believed) * 1e6))
             if self._plans_looks and len(left) <= MOST_PLACES:
                 self._ways.goals[task] = self._soonest(seeker, self._first[task], left)
             elif believed not in left:
                 self._ways.goals[task] = min(
-                    left, key=lambda place: round(self._ways.between(place, seeker), 6)
+                    left, key=lambda place: round(self._ways.between(place, seeker, flies), 6)
                 )
         if self._ways.goals[task] != believed:
             moved.add((task, *self._ways.goals[task]))

@@ -64,7 +64,7 @@ def judge(replay: Replay) -> Verdict:
     judge_plans(replay, knowledge, search, news, notes)
     judge_ending(replay, fleet, tasks, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
-    return Verdict(findings, len(replay.steps), len(tasks.done), tasks.lateness())
+    return Verdict(findings, len(replay.steps), len(tasks.done), tasks.cost(), tasks.lateness())
 
 
 @dataclass(frozen=True)

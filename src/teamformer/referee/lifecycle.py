@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.capabilities import covers, total
 from teamformer.referee.completion import Tasks
-from teamformer.referee.teams import Fleet, RecordedTeam
+from teamformer.referee.teams import Fleet, RecordedTeam, gets_there
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Replay
 
@@ -70,18 +70,14 @@ def blocked_tasks(fleet: Fleet, tasks: Tasks, steps_made: int) -> list[str]:
     scenario = fleet.scenario
     left = [robot for team in fleet.teams.values() for robot in team.robots]
     left += [robot for robot in fleet.lost if scenario.robots[robot].is_due(steps_made)]
-    around: dict[int, list[int]] = {}
-    for robot in left:
-        region = scenario.world.region(scenario.robots[robot].at)
-        around.setdefault(region, []).append(robot)
-    able = {
-        region: total(scenario.robots[r].can for r in robots) for region, robots in around.items()
-    }
+    robots = [scenario.robots[robot] for robot in left]
     return [
         task.name
         for number, task in enumerate(scenario.tasks)
         if number not in tasks.done
-        and not covers(able.get(scenario.world.region(task.at), {}), task.needs)
+        and not covers(
+            total(r.can for r in robots if gets_there(scenario.world, r, task.at)), task.needs
+        )
     ]
 
 

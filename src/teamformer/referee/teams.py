@@ -7,15 +7,15 @@ from dataclasses import dataclass, field, replace
 
 from teamformer.capabilities import covers, total
 from teamformer.grid import Grid, Place
-from teamformer.model import Scenario, World
+from teamformer.model import Robot, Scenario, World
 
 
 @dataclass
 class RecordedTeam:
     """A team: who is in it, where it is, and what it may still do in this step.
 
-    `counts` (what it can do together) and `speed` (that of its slowest, in cells or metres a step)
-    follow from its robots when it is put into a fleet.
+    `counts` (what it can do together), `speed` (that of its slowest, in cells or metres a step)
+    and `flies` follow from its robots when it is put into a fleet.
     """
 
     robots: set[int]
@@ -25,6 +25,7 @@ class RecordedTeam:
     least_credit: float = 0.0  # what it has saved at least
     walked_from: Place | None = None  # in this step; None if it had to wait, or its way was told
     walked_at: float = 0.0  # its speed then, before robots of it were lost
+    flew: bool = False  # none of its robots was on the ground then
     has_formed: bool = False
     is_delayed: bool = False  # one of its robots stands still in this step
     due: int | None = None  # the task that the plan gives it
@@ -40,6 +41,12 @@ class RecordedTeam:
     carries: int | None = None  # the load; its service has the steps left where it is brought to
     counts: dict[str, float] = field(default_factory=dict)
     speed: float = 0.0
+    flies: bool = False  # none of its robots is on the ground
+
+
+def gets_there(world: World, robot: Robot, place: Place) -> bool:
+    """Say whether a robot can get to a place alone: flying, or within one part of the map."""
+    return robot.flies or world.region(robot.at) == world.region(place)
 
 
 def are_together(world: World, one: Place, other: Place) -> bool:
@@ -79,6 +86,7 @@ class Fleet:
         robots = [self.scenario.robots[robot] for robot in team.robots]
         team.counts = total(robot.can for robot in robots)
         team.speed = min(self.scenario.world.pace(robot.speed) for robot in robots)
+        team.flies = all(robot.flies for robot in robots)
         self.teams[min(team.robots)] = team
 
     def accept(self, slot: int) -> None:

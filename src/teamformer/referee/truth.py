@@ -9,7 +9,7 @@ from teamformer.capabilities import Counts, exact, total
 from teamformer.model import Arrivals, Robot, Scenario, Task
 from teamformer.referee.completion import Tasks
 from teamformer.referee.finding import can_be_at, places_of
-from teamformer.referee.teams import Fleet
+from teamformer.referee.teams import Fleet, gets_there
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Replay, Step
 
@@ -33,8 +33,7 @@ def _judge_arrivals(scenario: Scenario, arrivals: Arrivals, notes: Notes) -> Non
     for task in scenario.tasks:
         if not task.has_arrived:
             continue
-        part = scenario.world.region(task.at)
-        near = (r.can for r in scenario.robots if scenario.world.region(r.at) == part)
+        near = (r.can for r in scenario.robots if gets_there(scenario.world, r, task.at))
         able = {cap for cap, count in total(near).items() if count >= 1}
         is_possible = (
             arrivals.rate > 0
@@ -100,8 +99,8 @@ class Knowledge:
     def _hoped(self, number: int, robots: set[int]) -> Counts:
         world, task = self._scenario.world, self._scenario.tasks[number]
         fleet = (self._scenario.robots[robot] for robot in robots)
-        part = world.region(places_of(world, task)[0])
-        have = total(r.can for r in fleet if world.region(r.at) == part)
+        place = places_of(world, task)[0]
+        have = total(r.can for r in fleet if gets_there(world, r, place))
         needs = dict(task.needs)
         for cap, chance in task.may_need.items():
             is_absent = self._foresight == "absent" or chance == 0

@@ -22,6 +22,7 @@ class Verdict:
     findings: tuple[Finding, ...]
     steps: int
     tasks_done: int
+    cost: float | None = None  # of a mission that has one, if all of it is done
     late: dict[str, float] = field(default_factory=dict)
     """By how many steps tasks were done after their window, which breaks no rule."""
 

@@ -19,6 +19,7 @@ from teamformer.capabilities import exact, total
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
 from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.roads import AIR, GROUND
 from teamformer.scenarios.generate import random_places, spawn_places
 from teamformer.scenarios.surprises import SURPRISES, make_uncertain
 
@@ -33,6 +34,10 @@ INCIDENT_STEPS = (5, 60)
 """In which steps tasks appear, both included; a robot is lost in the first of them or later."""
 TO_THE_NEXT = 0.75
 """Cells to the next task, by the root of the free cells that there are for each task."""
+DUE = (0.4, 3.0)
+"""When tasks are due, in what the mission would take with robots that never wait (see below)."""
+WEIGHTS = (1, 1, 1, 3, 5)
+"""Of tasks, each as likely as any other, where there are due dates."""
 ARRIVING = 5
 """A fifth of the tasks appear later."""
 
@@ -68,6 +73,10 @@ class Family:
     carried: float = 0.0  # share of the tasks with measured needs that are brought to a dock
     unload: tuple[int, int] = (0, 0)
     docks: int = 0
+    walls: tuple[int, int] = (0, 0)  # across the map, each with a gap of one cell
+    airborne: tuple[str, ...] = ()  # robots that have one of these fly
+    due: float = 0.0  # share of the tasks that are due
+    cost: Mapping[str, float] | None = None
     sensing_radius: float = 3.0
 
 
@@ -134,6 +143,36 @@ FAMILIES = {
         unload=(0, 3),
         docks=4,
     ),
+    "air-ground": Family(
+        robots=(8, 14),
+        tasks=(24, 44),
+        capabilities=("scan", "lift", "weld", "power"),
+        abilities=(1.0,),
+        needs=(0.5, 0.4, 0.1),
+        twice=0.25,
+        slow=0.25,
+        serving=0.4,
+        duration=(2, 6),
+        width=(20, 32),
+        height=(14, 24),
+        has_shelves=True,
+        walls=(2, 4),
+        airborne=("scan",),
+    ),
+    "deadlines": Family(
+        robots=(8, 14),
+        tasks=(24, 44),
+        capabilities=("lift", "scan", "weld", "power"),
+        abilities=(0.5, 0.5),
+        needs=(0.5, 0.4, 0.1),
+        twice=0.2,
+        slow=0.25,
+        serving=0.5,
+        duration=(1, 8),
+        blocked=0.1,
+        due=0.7,
+        cost={"makespan": 1, "tardiness": 2, "completion": 0.1},
+    ),
 }
 
 
@@ -176,8 +215,20 @@ def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Scenario
         robots=robots,
         tasks=tasks,
         sensing_radius=family.sensing_radius,
+        cost=family.cost,
     )
-    return mission, spare
+    return (_with_due_dates(mission, family.due, rng) if family.due else mission), spare
+
+
+def _with_due_dates(mission: Scenario, share: float, rng: np.random.Generator) -> Scenario:
+    """Return a mission in which a share of the tasks is due, and tasks have weights."""
+    steps, tasks = about_half_of(mission), []
+    for task in mission.tasks:
+        is_due, at = rng.random() < share, rng.uniform(*DUE)
+        between = (0.0, float(task.duration + math.ceil(at * steps))) if is_due else None
+        weight = float(rng.choice(WEIGHTS))
+        tasks.append(replace(task, between=between, weight=weight))
+    return replace(mission, tasks=tuple(tasks))
 
 
 def _draw_world(family: Family, rng: np.random.Generator) -> Grid:
@@ -190,6 +241,8 @@ def _draw_world(family: Family, rng: np.random.Generator) -> Grid:
     is_blocked = rng.random((height, width)) < family.blocked  # (height, width)
     if has_shelves:
         is_blocked |= _shelves(width, height)
+    if family.walls[1] > 0:
+        _build_walls(is_blocked, family, rng)
     return Grid(width, height, tuple("".join(np.where(row, BLOCKED, FREE)) for row in is_blocked))
 
 
@@ -200,6 +253,18 @@ def _shelves(width: int, height: int) -> NDArray[np.bool_]:
     in_column = (x < SHELF[0]) & (np.arange(width) >= AISLE) & (np.arange(width) < width - AISLE)
     in_row = (y < SHELF[1]) & (np.arange(height) >= AISLE) & (np.arange(height) < height - AISLE)
     return in_row[:, None] & in_column[None, :]
+
+
+def _build_walls(is_blocked: NDArray[np.bool_], family: Family, rng: np.random.Generator) -> None:
+    """Build walls across the map, up or along, each with a gap that a later one may close."""
+    height, width = is_blocked.shape
+    for _ in range(int(rng.integers(family.walls[0], family.walls[1] + 1))):
+        is_up = rng.random() < 0.5
+        across, along = (width, height) if is_up else (height, width)
+        place, gap = int(rng.integers(2, across - 2)), int(rng.integers(along))
+        wall = is_blocked[:, place] if is_up else is_blocked[place]
+        wall[:] = True
+        wall[gap] = False
 
 
 def _draw_robots(family: Family, world: Grid, rng: np.random.Generator) -> tuple[Robot, ...]:
@@ -219,7 +284,8 @@ def _draw_robots(family: Family, world: Grid, rng: np.random.Generator) -> tuple
                 can.append(cap)
         speed = 0.5 if rng.random() < family.slow else 1.0
         in_order = {cap: _brought(family, cap, rng) for cap in family.capabilities if cap in can}
-        robots.append(Robot(f"r{robot}", at, in_order, speed))
+        flies = not set(family.airborne).isdisjoint(can)
+        robots.append(Robot(f"r{robot}", at, in_order, speed, moves=AIR if flies else GROUND))
     return tuple(robots)
 
 
@@ -242,6 +308,8 @@ def _draw_tasks(
             for cap in family.capabilities
             if cap in chosen
         }
+        if family.airborne and needs.keys() <= set(family.airborne):
+            at = _any_free_cell(world, rng)
         takes_time = rng.random() < family.serving
         duration = int(rng.integers(family.duration[0], family.duration[1] + 1))
         plain = Task(f"t{task}", at, needs, duration if takes_time else 0)
@@ -257,6 +325,14 @@ def _with_load(
         return task
     dock = docks[int(rng.integers(len(docks)))]
     return replace(task, to=dock, unload=int(rng.integers(family.unload[0], family.unload[1] + 1)))
+
+
+def _any_free_cell(world: Grid, rng: np.random.Generator) -> Place:
+    """Return a free cell, be it one that no way on the ground leads to."""
+    while True:
+        x, y = rng.integers((world.width, world.height)).tolist()
+        if world.is_free((x, y)):
+            return x, y
 
 
 def _brought(family: Family, cap: str, rng: np.random.Generator) -> float:
@@ -326,11 +402,17 @@ def _draw_step(rng: np.random.Generator) -> int:
     return int(rng.integers(INCIDENT_STEPS[0], INCIDENT_STEPS[1] + 1))
 
 
+def family_in(setting: str) -> str | None:
+    """Return the name of the family that the name of a setting begins with, if it does."""
+    return next((name for name in FAMILIES if f"{setting}-".startswith(f"{name}-")), None)
+
+
 def split_name(setting: str) -> tuple[Family, str | None] | None:
     """Return the family and the incident that a setting such as `real-lost` names, if it does."""
-    name, dash, incident = setting.partition("-")
-    if name not in FAMILIES:
+    name = family_in(setting)
+    if name is None:
         return None
+    dash, incident = setting[len(name) : len(name) + 1], setting[len(name) + 1 :]
     if dash and incident not in INCIDENTS:
         known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
         raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")

@@ -5,8 +5,9 @@
 `-30x30` sets the grid. Without it the grid is the paper's: 10 x 10, from 100 robots or tasks on
 20 x 20 (Boehme and Hollinger, ICRA 2026, section V).
 
-`real`, `sparse`, `warehouse` and `moving` are families of missions that people have; `real-lost`
-loses one robot that can be spared, in `real-arrivals` a fifth of the tasks appear later.
+`real`, `sparse`, `warehouse`, `moving` and `air-ground` are families of missions that people have;
+`real-lost` loses one robot that can be spared, in `real-arrivals` a fifth of the tasks appears
+later.
 `-durations`, `-needs` (with a probability of 50%; `-needs30`, `-needs70`), `-places`, `-delays`,
 `-calls`, `-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name says, in any
 setting: `4N20T-C4-needs`, `real-mixed`.
@@ -22,7 +23,7 @@ import numpy as np
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.scenarios.families import FAMILIES, draw_mission, split_name
+from teamformer.scenarios.families import FAMILIES, draw_mission, family_in, split_name
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.scenarios.surprises import SURPRISES, make_uncertain
 
@@ -89,7 +90,7 @@ def world_of(setting: str, world_seed: int) -> Scenario:
     found = split_name(setting)
     if found is not None:
         family, incident = found
-        rng = np.random.default_rng([TEST, world_seed, *setting.partition("-")[0].encode()])
+        rng = np.random.default_rng([TEST, world_seed, *str(family_in(setting)).encode()])
         return draw_mission(family, rng, f"{setting}, world {world_seed}", incident)
     spec, kind = spec_of(setting), NAME.fullmatch(setting)["surprise"]  # type: ignore[index]
     name = re.sub(f"(-(tsp|nn))?(-({'|'.join(SURPRISES)}))?$", "", setting)

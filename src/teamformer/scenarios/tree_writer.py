@@ -148,6 +148,8 @@ def task_to_tree(task: Task, world: World) -> dict[str, Any]:
         tree["to"] = list(task.to)
     if task.unload:
         tree["unload"] = task.unload
+    if task.weight != 1:
+        tree["weight"] = task.weight
     if task.starts:
         tree["starts"] = {name: list(gap) for name, gap in task.starts.items()}
     return tree

@@ -13,11 +13,12 @@ from typing import Any
 from teamformer.errors import ScenarioError
 from teamformer.grid import Place
 from teamformer.mission.checks import LARGEST_NUMBER, LATEST_RETURN
-from teamformer.mission.links import COST_PARTS
+from teamformer.mission.costs import COST_PARTS
 from teamformer.mission.rules import HOME
 from teamformer.model import Absence, Arrivals, Breakdown, Delays, Robot, Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
-from teamformer.roads import GROUND, Roads
+from teamformer.roads import AIR, GROUND, Roads
+from teamformer.scenarios.pins import Pinned, apply_pins, read_pins
 from teamformer.scenarios.tree_reader import LONGEST_TEXT, Reader, name_of
 from teamformer.scenarios.world_trees import read_world
 from teamformer.scenarios.yaml.reader import Where
@@ -69,6 +70,7 @@ ROBOT_KEYS = {
     "moves": False,
     "count": False,
 }
+MOVES = (GROUND, AIR)
 TASK_KEYS = {
     "name": False,
     "at": True,
@@ -82,6 +84,9 @@ TASK_KEYS = {
     "unload": False,
     "may_need": False,
     "within": False,
+    "weight": False,
+    "only": False,
+    "with": False,
 }
 BREAKS_KEYS = {"rate": True, "repair": False}
 ARRIVALS_KEYS = {"rate": True, "until": True, "needs": False, "duration": False}
@@ -101,12 +106,18 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
     robots, entries = _read_robots(reader, top.get("robots", []), world)
     if isinstance(world, Plane) and "arrival_radius" not in top["world"]:
         world = _with_usual_radius(world, robots)
+    mission = Pinned(
+        capabilities=tuple(reader.names(("capabilities",), top.get("capabilities", []))),
+        robots=robots,
+        tasks=_read_tasks(reader, top.get("tasks", []), world, rules.get("time")),
+    )
+    mission = _with_pins(reader, top, world, mission)
     parts = {
         "name": reader.text(("name",), top.get("name", name)),
         "world": world,
-        "capabilities": tuple(reader.names(("capabilities",), top.get("capabilities", []))),
-        "robots": robots,
-        "tasks": _read_tasks(reader, top.get("tasks", []), world, rules.get("time")),
+        "capabilities": mission.capabilities,
+        "robots": mission.robots,
+        "tasks": mission.tasks,
         "teams": _read_teams(reader, top.get("teams", []), [robot.name for robot in robots]),
         **rules,
     }
@@ -158,7 +169,7 @@ def _read_robots(reader: Reader, value: Any, world: World) -> tuple[tuple[Robot,
             absences=_read_absences(reader, where, keys),
             breaks=_read_breaks(reader, (*where, "breaks"), keys),
             delays=_read_delays(reader, (*where, "delays"), keys.get("delays")),
-            moves=reader.text((*where, "moves"), keys.get("moves", GROUND)),
+            moves=_read_moves(reader, (*where, "moves"), keys.get("moves", GROUND), world),
         )
         if "count" not in keys:
             alike = [robot]
@@ -187,6 +198,14 @@ def _read_at(reader: Reader, where: Where, value: Any, world: World) -> Place:
     remedy = f"did you mean '{near[0]}'?" if near else "name a place that has a row there"
     reader.refuse(where, f"{name_of(where)} is '{shorten(name)}', which is on no road; {remedy}")
     return 0, 0
+
+
+def _read_moves(reader: Reader, where: Where, value: Any, world: World) -> str:
+    """Return how a robot moves: on the ground, in the air or, on roads, by a table's name."""
+    word = reader.text(where, value)
+    if word not in MOVES and not isinstance(world, Roads):
+        reader.refuse(where, f"{name_of(where)} is '{word}'; write {' or '.join(MOVES)}")
+    return word
 
 
 def _read_absences(reader: Reader, where: Where, keys: Mapping[str, Any]) -> tuple[Absence, ...]:
@@ -230,6 +249,7 @@ def _read_tasks(reader: Reader, value: Any, world: World, time: str | None) -> t
                 lasts=_read_lasts(reader, (*where, "duration"), keys.get("duration")),
                 may_need=_read_chances(reader, (*where, "may_need"), keys.get("may_need", {})),
                 within=reader.number((*where, "within"), keys.get("within", 0.0)),
+                weight=reader.number((*where, "weight"), keys.get("weight", 1.0)),
                 appears=reader.whole((*where, "appears"), keys.get("appears", 0)),
                 after=tuple(reader.names((*where, "after"), keys.get("after", []))),
                 between=_read_window(reader, (*where, "between"), keys),
@@ -239,6 +259,22 @@ def _read_tasks(reader: Reader, value: Any, world: World, time: str | None) -> t
             )
         )
     return tuple(tasks)
+
+
+def _with_pins(reader: Reader, top: Mapping[str, Any], world: World, mission: Pinned) -> Pinned:
+    """Return a mission with the pins of its tasks said in capabilities."""
+    pins, any_are = [], False
+    listed = top.get("tasks")
+    for number, keys in enumerate(listed if isinstance(listed, list) else ()):
+        said = keys if isinstance(keys, dict) else {}
+        any_are |= "only" in said or "with" in said
+        pins.append(read_pins(reader, ("tasks", number), said, mission.robots))
+    if not any_are or not reader.is_faithful:
+        return mission
+    if "arrivals" in top:
+        message = "tasks that appear at random may need anything, pins too"
+        reader.refuse(("arrivals",), f"{message}; drop arrivals, or only and with of the tasks")
+    return apply_pins(reader, world, mission, pins)
 
 
 def _read_duration(

@@ -31,6 +31,9 @@ START, APPEARED, LOST, BROKEN_OFF, BACK = 1, 2, 4, 8, 16
 SHOWN, OVERDUE, FOUND, DONE = 32, 64, 128, 256
 """News, in bits, in the order of `coordination.NEWS`."""
 
+ANYWHERE = -1
+"""The region of robots that fly over walls: they get to every one."""
+
 RULES = np.dtype(
     [
         ("robots", np.int32),  # how many there are
@@ -78,7 +81,7 @@ ROBOT = np.dtype(
     [
         ("team", np.int32),  # slot of its team, or NOBODY while lost
         ("formed", np.int32),  # the same after this step's formations, before its losses
-        ("region", np.int32),  # connected part of the map
+        ("region", np.int32),  # connected part of the map; ANYWHERE for one that flies over walls
         ("lost", np.int32),  # the step it counts for nothing from, now or next, or NEVER
         ("back", np.int32),  # the step it is there again from after that, or NEVER
         ("x", np.float64),  # where it was lost
@@ -98,6 +101,7 @@ TEAM = np.dtype(
         ("pace", np.float64),  # of the slowest member
         ("credit", np.float64),  # fraction of a cell walked
         ("size", np.int32),  # robots; 0 where the slot has no team
+        ("region", np.int32),  # of its robots on the ground; ANYWHERE if all fly over walls
         ("task", np.int32),  # assignment, or NOBODY
         ("serves", np.int32),  # how many tasks it is serving
         ("is_detour", np.bool_),  # the assignment was taken out of order

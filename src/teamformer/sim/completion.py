@@ -9,6 +9,7 @@ from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.allocation.assignment import can_do_alone
 from teamformer.sim.arrays import APPEARED, BROKEN_OFF, COMPLETED, DONE, INFEASIBLE, STEP_LIMIT
 from teamformer.sim.carrying import expect_arrival, is_delivered, note_place
+from teamformer.sim.motion import is_way
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
 from teamformer.sim.surprises.beliefs import expect_end
 
@@ -219,7 +220,7 @@ def is_possible(world: World, task: int, needs: Array, counts_due: bool) -> bool
     for cap in range(len(needs)):
         short = needs[cap]
         for robot in range(world.rules.robots):
-            is_there = world.robots[robot].region == world.tasks[task].region
+            is_there = is_way(world.robots[robot].region, world.tasks[task].region)
             is_due = counts_due and world.count.steps < world.robots[robot].back < NEVER
             if short > 0 and is_there and (is_due or world.robots[robot].team != NOBODY):
                 short -= world.brings[robot, cap]

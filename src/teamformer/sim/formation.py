@@ -10,6 +10,7 @@ from teamformer.jit import kernel
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.rules.splitting import fits
+from teamformer.sim.arrays import ANYWHERE
 from teamformer.sim.spatial_index import distance_squared, distance_squared_to, find_near
 
 if TYPE_CHECKING:
@@ -246,6 +247,7 @@ def clear_slot(world: World, slot: int) -> None:
     for cap in range(world.has.shape[1]):
         world.has[slot, cap] = 0
     world.teams[slot].pace = NEVER
+    world.teams[slot].region = ANYWHERE
     world.teams[slot].credit = 0.0
     world.teams[slot].task = NOBODY
     world.teams[slot].is_detour = False
@@ -258,5 +260,6 @@ def add_robot(world: World, slot: int, robot: int) -> None:
     world.robots[robot].team = slot
     world.teams[slot].size += 1
     world.teams[slot].pace = min(world.teams[slot].pace, world.robots[robot].pace)
+    world.teams[slot].region = max(world.teams[slot].region, world.robots[robot].region)
     for cap in range(world.has.shape[1]):
         world.has[slot, cap] += world.brings[robot, cap]

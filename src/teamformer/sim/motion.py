@@ -15,6 +15,7 @@ from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
 from teamformer.rules.distances import UNREACHABLE, fill_field
 from teamformer.rules.steps import downhill
+from teamformer.sim.arrays import ANYWHERE
 from teamformer.sim.carrying import is_carrying
 from teamformer.sim.formation import JOIN, is_in_same_place, join_teams
 from teamformer.sim.surprises.delays import delay_teams
@@ -56,9 +57,10 @@ def _walk_to_task(world: World, team: int) -> None:
     if world.rules.is_plane:
         _walk_straight(world, team, world.tasks[task].x, world.tasks[task].y)
         return
-    to_go = travel(world, world.teams[team].x, world.teams[team].y, task)
+    flies = world.teams[team].region == ANYWHERE
+    to_go = travel(world, world.teams[team].x, world.teams[team].y, task, flies)
     for _ in range(_cells_to_walk(world, team, to_go)):
-        x, y = advance(world, world.teams[team].x, world.teams[team].y, task)
+        x, y = advance(world, world.teams[team].x, world.teams[team].y, task, flies)
         world.teams[team].x, world.teams[team].y = x, y
 
 
@@ -67,13 +69,30 @@ def _walk_to_partner(world: World, team: int) -> None:
     partner = world.robots[world.teams[team].partner].team
     if world.rules.is_plane:
         _walk_straight(world, team, world.teams[partner].x, world.teams[partner].y)
+    elif world.teams[team].region == ANYWHERE:
+        _fly_to_partner(world, team, partner)
     else:
         _walk_cells_to_partner(world, team, partner)
     _merge_on_the_way(world, team, partner)
 
 
+@kernel
+def _fly_to_partner(world: World, team: int, partner: int) -> None:
+    goal_x, goal_y = world.teams[partner].x, world.teams[partner].y
+    to_go = int(abs(goal_x - world.teams[team].x) + abs(goal_y - world.teams[team].y))
+    for _ in range(_cells_to_walk(world, team, to_go)):
+        x, y = _go_straight(world.teams[team].x, world.teams[team].y, goal_x, goal_y)
+        world.teams[team].x, world.teams[team].y = x, y
+
+
 @allocating_kernel
 def _walk_cells_to_partner(world: World, team: int, partner: int) -> None:
+    """Walk as far as the speed allows; nobody walks to a partner that is over an obstacle."""
+    if world.rules.has_walls:
+        column, row = int(world.teams[partner].x), int(world.teams[partner].y)
+        if world.blocked[row, column]:
+            world.teams[team].credit = 0.0
+            return
     field = field_towards(world, world.teams[partner].x, world.teams[partner].y)
     to_go = field[int(world.teams[team].y), int(world.teams[team].x)]
     goal_x, goal_y = world.teams[partner].x, world.teams[partner].y
@@ -139,29 +158,44 @@ def _cells_to_walk(world: World, team: int, to_go: int) -> int:
 
 
 @kernel
-def travel(world: World, x: float, y: float, task: int) -> np.int64:
-    """Return the way from a place to a task as a whole number: cells, on a plane micrometres."""
+def travel(world: World, x: float, y: float, task: int, flies: bool) -> np.int64:
+    """Return the way from a place to a task as a whole number: cells, on a plane micrometres.
+
+    Walls are in nobody's way who flies.
+    """
     if world.rules.is_plane:
         away_x, away_y = world.tasks[task].x - x, world.tasks[task].y - y
         return np.int64(np.rint(np.sqrt(away_x * away_x + away_y * away_y) * MICROMETRES))
-    if world.rules.has_walls:
+    if world.rules.has_walls and not flies:
         return np.int64(world.fields[task, int(y), int(x)])
     away_x = abs(world.tasks[task].x - x)
     return np.int64(away_x + abs(world.tasks[task].y - y))
 
 
 @kernel
-def travel_between(world: World, task: int, other: int) -> int:
-    """Return the way between two tasks, as `travel` does."""
-    return travel(world, world.tasks[other].x, world.tasks[other].y, task)
+def is_way(region: int, goal: int) -> bool:
+    """Say whether a way leads from one connected part of the map to another, or to itself."""
+    return bool(region == goal) | bool(region == ANYWHERE)
 
 
 @kernel
-def advance(world: World, x: float, y: float, task: int) -> tuple[Any, Any]:
+def travel_between(world: World, task: int, other: int, flies: bool) -> int:
+    """Return the way between two tasks, as `travel` does."""
+    return travel(world, world.tasks[other].x, world.tasks[other].y, task, flies)
+
+
+@kernel
+def advance(world: World, x: float, y: float, task: int, flies: bool) -> tuple[Any, Any]:
     """Return the next cell on a shortest way from (x, y) to a task that is not there."""
     goal_x, goal_y = world.tasks[task].x, world.tasks[task].y
-    if world.rules.has_walls:
+    if world.rules.has_walls and not flies:
         return _go_downhill(world.fields[task], x, y, goal_x, goal_y)
+    return _go_straight(x, y, goal_x, goal_y)
+
+
+@kernel
+def _go_straight(x: float, y: float, goal_x: float, goal_y: float) -> tuple[Any, Any]:
+    """Return the next cell towards a goal where nothing is in the way."""
     away_x, away_y = goal_x - x, goal_y - y
     if abs(away_x) >= abs(away_y):
         return x + np.sign(away_x), y

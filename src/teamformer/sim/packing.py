@@ -22,7 +22,19 @@ from teamformer.plane import DECIMALS, Plane
 from teamformer.rules.chance import first_state
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.rules.distances import UNREACHABLE, blocked_cells, distance_fields
-from teamformer.sim.arrays import CELL, COUNT, LATEST, ROBOT, RULES, SPOT, START, TASK, TEAM, Worlds
+from teamformer.sim.arrays import (
+    ANYWHERE,
+    CELL,
+    COUNT,
+    LATEST,
+    ROBOT,
+    RULES,
+    SPOT,
+    START,
+    TASK,
+    TEAM,
+    Worlds,
+)
 from teamformer.truth import expected_needs
 
 
@@ -190,7 +202,8 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         if robot.delays is not None:
             record["delay"] = robot.delays.chance
             record["luck"] = first_state(robot.delays.seed or 0)
-        record["region"] = scenario.world.region(robot.at)
+        flies_over = robot.flies and scenario.world.rows
+        record["region"] = ANYWHERE if flies_over else scenario.world.region(robot.at)
         for name, count in scenario.in_units(robot.can).items():
             worlds.brings[w, r, column[name]] = count
     for members in scenario.starting_teams:
@@ -199,6 +212,7 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         team["x"], team["y"] = scenario.robots[slot].at
         team["size"] = len(members)
         team["pace"] = worlds.robots[w, robots]["pace"].min()
+        team["region"] = worlds.robots[w, robots]["region"].max()
         worlds.robots["team"][w, robots] = slot
         worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
 

@@ -10,13 +10,14 @@ from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.errors import Problem, ScenarioError, TeamformerError
+from teamformer.mission.costs import judged_by
 from teamformer.mission.links import is_linked
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
-from teamformer.sim.replay.task_times import lateness
+from teamformer.sim.replay.task_times import cost_of_record, lateness
 from teamformer.trials.methods import load_method
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
@@ -55,10 +56,11 @@ def plan_mission(mission: Scenario, method: str, seconds: float) -> PlannedMissi
     return PlannedMission(
         makespan=end.makespan,
         bound=bound,
-        is_proven=end.makespan <= bound,
+        is_proven=end.makespan <= bound and judged_by(mission) is None,
         routes=routes_of(trial.replay),
         late={number_of[name]: by for name, by in lateness(trial.replay).items()},
         curve=() if trial.plan is None else trial.plan.curve,
+        cost=cost_of_record(trial.replay),
         critical_path=path_of_record(trial.replay),
     )
 

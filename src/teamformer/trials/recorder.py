@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from teamformer.capabilities import covers
-from teamformer.mission.checks import totals_by_region
+from teamformer.mission.reach import totals_by_region
 from teamformer.mission.rules import FORESIGHTS
 from teamformer.plane import Plane
 from teamformer.rules.arrays import Array
@@ -205,7 +205,7 @@ class Recorder:
             task.name
             for k, task in enumerate(scenario.tasks)
             if self._env.worlds.tasks["done_at"][0, k] == NOBODY
-            and not covers(have.get(scenario.world.region(task.at), {}), task.needs)
+            and not covers(have[scenario.world.region(task.at)], task.needs)
         )
 
 

@@ -8,7 +8,8 @@ from typing import Any
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.policies.central.plays import CentralPlan
-from teamformer.sim.replay.task_times import lateness
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.task_times import cost_of_record, lateness
 from teamformer.trials.trial import Trial
 
 
@@ -22,6 +23,7 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
         "completed": end.status == "completed",
         "status": end.status,
         "makespan": end.makespan,
+        **({} if replay.mission.cost is None else {"cost": rounded_cost(replay)}),
         "makespan_seconds": seconds_of(replay.scenario, end.makespan),
         "steps": end.steps,
         "tasks_done": end.tasks_done,
@@ -44,6 +46,12 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
         "percent_over_bound": percent_over(end.makespan, replay.lower_bound),
         **_plan_row(trial.plan),
     }
+
+
+def rounded_cost(replay: Replay) -> float | None:
+    """Return what a mission cost, to six places; None if not everything was done."""
+    cost = cost_of_record(replay)
+    return None if cost is None else round(cost, 6)
 
 
 def best_known(trials: Sequence[Trial]) -> int | None:

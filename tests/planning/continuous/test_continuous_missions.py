@@ -10,7 +10,7 @@ import pytest
 
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
-from teamformer.mission.links import cost_of
+from teamformer.mission.costs import cost_of
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.cp_sat import solve_exactly

@@ -31,7 +31,7 @@ from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.central.plays import CentralPlan
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import lateness
+from teamformer.sim.replay.task_times import cost_of_record, lateness
 from teamformer.sim.replay.teams import completions
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.methods import DEFAULT, Method, default_for, load_method
@@ -157,6 +157,8 @@ def _show(trial: Trial) -> None:
     if len(scenario.tasks) <= LONGEST_TABLE:
         out.print(_task_table(replay))
     out.print(_verdict(replay), style="green" if end.status == "completed" else "red")
+    if (cost := cost_of_record(replay)) is not None:
+        out.print(f"at a cost of {cost:g}", markup=False)
     for task, steps in lateness(replay).items():
         out.print(f"late: {task} by {steps:g} steps", markup=False, style="red")
     if lost := _losses(replay):

@@ -43,6 +43,7 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
                 "legal": not findings,
                 "status": replay.end.status,
                 "findings": findings,
+                **({} if verdict.cost is None else {"cost": round(verdict.cost, 6)}),
                 "late": verdict.late,
                 "scenario_compared": scenario is not None,
                 "claimed": claimed,
@@ -52,6 +53,8 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
         return 1 if findings else 0
     for finding in findings:
         out.print(finding["message"], markup=False)
+    if verdict.cost is not None:
+        out.print(f"at a cost of {verdict.cost:g}", markup=False)
     for task, by in verdict.late.items():
         out.print(f"late: {task} by {by:g} steps, which is allowed", markup=False)
     steps, tasks = len(replay.steps), replay.end.tasks_done

@@ -42,7 +42,7 @@ from teamformer.planning.arcs.judging import (
 from teamformer.planning.arcs.start import first_plan
 from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import Moved, empty_moved, move_task, take_back
-from teamformer.planning.continuous.problem import CoalitionProblem
+from teamformer.planning.continuous.problem import NEVER, CoalitionProblem
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
@@ -217,6 +217,8 @@ def anneal_arcs(
         slack = temperature * slacks[draw_below(random, len(slacks))] // STEPS
         allowed = total[COST] + slack
         limit = allowed - (total[COST] - total[MAKESPAN]) + temperature // 8 + habits[SLACK]
+        if problem.weights[3]:
+            limit = NEVER  # a longer chain may cost less
         task = draw_task(problem, graph, trial, random)
         what, moved.number[0] = draw_below(random, 100), 0
         if what < habits[SWAP]:

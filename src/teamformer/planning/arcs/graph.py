@@ -20,10 +20,12 @@ import numpy.typing as npt
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.covers import list_covers
-from teamformer.planning.arcs.in_steps.meeting import find_way, plan_ways, start_in_steps
+from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways, start_in_steps
 from teamformer.planning.arcs.near import near_tasks
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
+from teamformer.planning.prices import SHARES, Prices
+from teamformer.rules.constants import FAR
 
 if TYPE_CHECKING:
     from teamformer.rules.arrays import Array
@@ -39,6 +41,8 @@ NODE = np.dtype(
         ("duration", np.int64),
         ("release", np.int64),
         ("due", np.int64),
+        ("price", np.int64),  # of each tick until its end
+        ("late_price", np.int64),  # of each tick that it is late
         ("first", np.int32),  # of its seats
         ("taken", np.int32),  # how many of its seats are
         ("need", np.int32),  # which of the different needs
@@ -90,6 +94,8 @@ class ArcProblem(NamedTuple):
     habits: Whole  # (9,)
     passed: Whole  # (ways + 1,) of in steps: where the tasks of each way begin in `passes`
     passes: Whole  # tasks that take time and lie on a way, from the place on
+    together: Whole  # (paces, paces) the pace of those who go together
+    weights: Ticks  # (4,) in steps: of makespan and ends, the divisor, and if there are prices
 
 
 class Graph(NamedTuple):
@@ -115,6 +121,8 @@ class StepRules(NamedTuple):
 
     ready: Ticks  # (places - tasks,) when the robots at each depot are free
     lost: Ticks  # (robots,) the step in which each is lost, if that is known; alike in a kind
+    together: Whole  # (paces, paces) the pace of those who go together
+    prices: Prices  # if more than the makespan counts
     near: int  # how many tasks are near to each
     riders: int  # how many robots more than it needs come to a task at most
     habits: tuple[int, ...]
@@ -159,7 +167,21 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
         habits=np.array(CONTINUOUS if steps is None else steps.habits, np.int32),
         passed=np.zeros(1, np.int32) if steps is None else steps.passed,
         passes=np.zeros(0, np.int32) if steps is None else steps.passes,
+        together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
+        weights=_weights(len(problem.needs), steps),
     )
+
+
+def _weights(tasks: int, steps: StepRules | None) -> Ticks:
+    """Return the weights of makespan and ends in what a plan in steps costs, and the divisor.
+
+    Without prices the ends of tasks count a little, so that plans of one makespan differ.
+    """
+    if steps is None:
+        return np.array([1, 0, 1, 0])
+    if len(steps.prices.due) > 0:
+        return np.array([steps.prices.whole[0], 1, SHARES * tasks, 1])
+    return np.array([100 * tasks, steps.habits[SMOOTH], 100 * tasks, 0])
 
 
 def _mixed(problem: CoalitionProblem) -> Whole:
@@ -193,6 +215,10 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     nodes.due[:] = NEVER
     nodes.duration[:tasks] = np.maximum(problem.duration, 1 if steps is None else 0)
     nodes.release[:tasks], nodes.due[:tasks] = problem.release, problem.due
+    nodes.price[:tasks] = nodes.late_price[:tasks] = 1
+    if steps is not None and len(steps.prices.due) > 0:
+        nodes.due[:tasks] = np.minimum(steps.prices.due, FAR) * TICKS
+        nodes.price[:tasks], nodes.late_price[:tasks] = steps.prices.ends, steps.prices.late
     nodes.need[:tasks] = _different_needs(problem)[1]
     linked = (problem.before[:, 0] != NOBODY) | (problem.after[:, 0] != NOBODY)
     nodes.has_links[:tasks] = linked
@@ -291,7 +317,8 @@ def cost_of(
 ) -> int:
     """Return what a plan costs, in ticks: late robots or, in steps, late tasks add to it."""
     if is_in_steps(graph):
-        return makespan + end_sum * problem.habits[SMOOTH] // (100 * len(problem.near))
+        weights = problem.weights
+        return (weights[0] * makespan + weights[1] * end_sum + late) // weights[2]
     return makespan + back_sum // (SPREAD * len(graph.back)) + LATENESS * late
 
 
@@ -361,8 +388,9 @@ def sum_up(problem: ArcProblem, graph: Graph) -> None:
         if back[robot] > back[latest]:
             latest = robot
     for task in range(len(problem.near)):
-        late += max(0, graph.nodes[task].end - graph.nodes[task].due)
-        end_sum += graph.nodes[task].end
+        node = graph.nodes[task]
+        late += node.late_price * max(0, node.end - node.due)
+        end_sum += node.price * node.end
     total[LATEST], total[MAKESPAN] = latest, back[latest]
     total[BACK_SUM], total[END_SUM], total[LATE] = back_sum, end_sum, late
     total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, late)

@@ -216,8 +216,9 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
     for entry in range(number[LOGGED]):
         if trial.log[entry].what == END:
             node = graph.nodes[trial.log[entry].index]
-            end_sum += node.end - trial.log[entry].old
-            late += max(0, node.end - node.due) - max(0, trial.log[entry].old - node.due)
+            old_end = trial.log[entry].old
+            end_sum += node.price * (node.end - old_end)
+            late += node.late_price * (max(0, node.end - node.due) - max(0, old_end - node.due))
     return cost_of(problem, graph, makespan, back_sum, end_sum, late)
 
 
@@ -255,8 +256,8 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
         if trial.log[place].what == END:
             node = nodes[index]
             node.key = 2 * (node.end - node.duration) + 1
-            total[END_SUM] += node.end - old
-            total[LATE] += max(0, node.end - node.due) - max(0, old - node.due)
+            total[END_SUM] += node.price * (node.end - old)
+            total[LATE] += node.late_price * (max(0, node.end - node.due) - max(0, old - node.due))
         elif trial.log[place].what == BACK:
             total[BACK_SUM] += back[index] - old
             is_latest_changed |= index == total[LATEST]

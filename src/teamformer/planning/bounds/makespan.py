@@ -177,17 +177,18 @@ def _are_apart(is_same: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
 def _legs(problem: Relaxed, robots: Numbers, tasks: Numbers) -> tuple[Times, float]:
     """Return times that the legs of these robots are not shorter than, as (tasks, tasks).
 
-    At whole speeds, the steps of the fastest robot. Else its cells over its speed: a robot may do
-    a task in passing, with up to a cell walked of the next leg; the steps that gains
-    come second. Where no way is, any time is sound, and the longest leg does.
+    At whole speeds, the steps of the fastest robot, on the ground or in the air. Else the shorter
+    way's cells over the highest speed: a robot may do a task in passing, with up to a cell walked
+    of the next leg; the steps that gains come second. Where no way is, any time is sound, and the
+    longest leg does.
     """
     cells = problem.cells[np.ix_(tasks, tasks)]
-    fastest = robots[problem.speed[robots].argmax()]
-    speed = float(problem.speed[fastest])
-    legs: Times = problem.steps[problem.pace[fastest]][cells].astype(np.float64)
+    speed = float(problem.speed[robots].max())
+    legs: Times = problem.steps[np.unique(problem.pace[robots])][:, cells].min(axis=0)
+    legs = legs.astype(np.float64)
     is_way, gained = legs < FAR, 0.0
     if (problem.speed[robots] % 1 != 0).any():
-        legs[is_way] = cells[is_way] / speed
+        legs[is_way] = problem.lengths[:, cells[is_way]].min(axis=0) / speed
         gained = 1 / speed
     legs[~is_way] = legs[is_way].max()
     return legs, gained

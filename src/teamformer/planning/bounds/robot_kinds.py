@@ -110,7 +110,9 @@ def _ways(problem: Relaxed, robot: int, places: Array, tasks: Array) -> tuple[fl
         return 1.0, 0, steps
     if (1 / speed) % 1 == 0:
         return 1.0, round(1 / speed), steps
-    return speed, 1, np.where(steps < FAR, cells, FAR)
+    speeds = len(problem.steps) // len(problem.lengths)
+    lengths = problem.lengths[int(problem.pace[robot]) // speeds]
+    return speed, 1, np.where(steps < FAR, lengths[cells], FAR)
 
 
 def _whole_units(units: float, steps: Array) -> Array:

@@ -16,6 +16,7 @@ from teamformer.mission.rules import HOME as ENDS_HOME
 from teamformer.model import Scenario
 from teamformer.planning.arcs.linked.solve import LinkedSolution
 from teamformer.planning.continuous.links import (
+    COMPLETION,
     HOME,
     MAKESPAN,
     MAX_TARDINESS,
@@ -26,13 +27,13 @@ from teamformer.planning.continuous.links import (
     LinkedProblem,
     link_problem,
 )
-from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, Whole, pose_problem
+from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, pose_problem
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.times import Clock, release_of
-from teamformer.planning.relaxation.problem import count_table, ends_of
-from teamformer.roads import Roads
+from teamformer.planning.relaxation.problem import count_table, ends_of, least_carried
+from teamformer.roads import AIR, Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
 Times = npt.NDArray[np.float64]
@@ -116,7 +117,7 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     counts = count_table([robot.can for robot in robots], scenario)
     needs = count_table([task.needs for task in tasks], scenario)
     takes = [
-        task.duration + _least_carried(counts, carry[pace, number], needs[number]) + task.unload
+        task.duration + least_carried(counts, carry[pace, number], needs[number]) + task.unload
         for number, task in enumerate(tasks)
     ]
     number_of = {task.name: number for number, task in enumerate(tasks)}
@@ -159,11 +160,13 @@ def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> Linked
             "travel": TRAVEL,
             "tardiness": TARDINESS,
             "max_tardiness": MAX_TARDINESS,
+            "completion": COMPLETION,
         }
         total = sum(scenario.cost.values())
         for name, value in scenario.cost.items():
             weight[parts[name]] = value / total
-    return link_problem(problem, links, weight)
+    by_task = [1.0 if scenario.cost is None else task.weight for task in scenario.tasks]
+    return link_problem(problem, links, weight, by_task)
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
@@ -189,7 +192,8 @@ def _distances(
         return np.array(world.times[moves])[np.ix_(here, there)]
     if not isinstance(world, Grid):
         return straight_ways(origins, goals)
-    cells = travel_matrix(world, origins, goals)
+    is_in_the_way = moves != AIR and world.rows
+    cells = travel_matrix(world if is_in_the_way else replace(world, rows=()), origins, goals)
     return np.where(cells < UNREACHABLE, cells.astype(np.float64), np.inf)
 
 
@@ -203,15 +207,6 @@ def _ways_home(scenario: Scenario, places: Sequence[Place]) -> Times:
         assert not isinstance(goal, str)
         home[moves, goal] = _distances(scenario, moves, places, [goal])[:, 0]
     return np.array([home[r.moves, r.at if ends == ENDS_HOME else ends] / r.speed for r in robots])
-
-
-def _least_carried(counts: Whole, carry: Times, need: Whole) -> float:
-    """Return how long a load is carried at least by robots that have what is needed.
-
-    `carry` (robots,) is how long each takes; it is infinite if all together are not enough.
-    """
-    times = (when for when in np.unique(carry) if (counts[carry <= when].sum(axis=0) >= need).all())
-    return float(next(times, np.inf))
 
 
 def _scale(scenario: Scenario, ways: Times, home: Times, carry: Times) -> float:

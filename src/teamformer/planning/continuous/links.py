@@ -19,11 +19,12 @@ Floats = npt.NDArray[np.float64]
 FREE = -NEVER
 """A gap that says nothing."""
 
-MAKESPAN, HOME, TRAVEL, TARDINESS, MAX_TARDINESS = range(5)
+MAKESPAN, HOME, TRAVEL, TARDINESS, MAX_TARDINESS, COMPLETION = range(6)
 """What a plan is judged by: when the last robot is home, when all are home, added up, their time
-on the way, by how much tasks are late, added up, and by how much the latest one is."""
+on the way, by how much tasks are late, added up by weight, by how much the latest one is, and when
+tasks end, added up by weight."""
 
-PARTS = 5
+PARTS = 6
 
 
 class Link(NamedTuple):
@@ -43,10 +44,14 @@ class LinkedProblem(NamedTuple):
     members: Whole  # (groups, most) the tasks of each group, then NOBODY
     gap: Ticks  # (tasks, tasks) [i, j]: j starts no sooner than so many ticks after i, or FREE
     weight: Floats  # (PARTS,)
+    task_weight: Floats  # (tasks,)
 
 
 def link_problem(
-    base: CoalitionProblem, links: Sequence[Link], weight: npt.ArrayLike
+    base: CoalitionProblem,
+    links: Sequence[Link],
+    weight: npt.ArrayLike,
+    task_weight: npt.ArrayLike | None = None,
 ) -> LinkedProblem:
     """Return a problem with its links worked out."""
     tasks = len(base.needs)
@@ -62,4 +67,5 @@ def link_problem(
     group = np.zeros(tasks, np.int32)
     for number, found in enumerate(groups):
         members[number, : len(found)], group[found] = found, number
-    return LinkedProblem(base, group, members, gap, np.asarray(weight, np.float64))
+    by_task = np.ones(tasks) if task_weight is None else np.asarray(task_weight, np.float64)
+    return LinkedProblem(base, group, members, gap, np.asarray(weight, np.float64), by_task)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.mission.links import cost_of
+from teamformer.mission.costs import cost_of, parts_of_ends
 from teamformer.mission.rules import latest_end
 from teamformer.model import Scenario
 from teamformer.planning.continuous.routes import MissionPlan, Route, Stop
@@ -105,9 +105,9 @@ class Clock:
         """Return the plan that starts tasks at these times."""
         scenario, at, travel = self._scenario, self._origin.copy(), 0.0
         stops: list[list[Stop]] = [[] for _ in scenario.robots]
-        late = {}
+        late, ends = {}, {}
         for task in plan.order.tolist():
-            end = self._free(task, start)
+            end = ends[task] = self._free(task, start)
             for robot, place in before[task].items():
                 way = self._way(robot, place, task)
                 arrive = self._free(place, start) + way
@@ -123,8 +123,7 @@ class Clock:
         parts = {
             "makespan": max(back),
             "travel": travel + float(home.sum()),
-            "tardiness": sum(late.values()),
-            "max_tardiness": max(late.values(), default=0.0),
+            **parts_of_ends(scenario.tasks, ends),
         }
         return MissionPlan(
             makespan=max(back),

@@ -119,11 +119,18 @@ def _before(circuits: Circuits, task: int, other: int) -> Literal:
     """Return the literal that a task is over, and the fastest robot there, before another."""
     if (task, other) not in circuits.before:
         literal = circuits.before[task, other] = circuits.model.new_bool_var("")
-        fastest = int(circuits.problem.speed.argmax())
+        fastest = _fastest(circuits.problem, task, other)
         _delay(circuits, fastest, task, other, [literal])
         if (other, task) in circuits.before:
             circuits.model.add_at_most_one(literal, circuits.before[other, task])
     return circuits.before[task, other]
+
+
+def _fastest(problem: Relaxed, task: int, other: int) -> int:
+    """Return a robot that gets from a task to another in the fewest steps."""
+    _, first = np.unique(problem.pace, return_index=True)
+    ways = problem.steps[problem.pace[first], problem.cells[other, task]]
+    return int(first[::-1][ways[::-1].argmin()])  # of equally fast ones the fastest by speed
 
 
 def _delay(circuits: Circuits, robot: int, task: int, other: int, when: list[Literal]) -> None:
@@ -137,7 +144,9 @@ def _order_visits(circuits: Circuits, robot: int) -> None:
 
     This also makes it wait for all tasks of a stay, not just for the last it began.
     """
-    is_slow = circuits.problem.speed[robot] < circuits.problem.speed.max()
+    problem = circuits.problem
+    is_slow = problem.speed[robot] < problem.speed.max()
+    is_slow |= problem.pace[robot] != problem.pace.max()  # who flies may have a shorter way
     tasks = [task for visitor, task in circuits.visits if visitor == robot]
     for pair in combinations(tasks, 2):
         both = [circuits.visits[robot, task] for task in pair]

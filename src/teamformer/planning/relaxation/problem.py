@@ -19,16 +19,18 @@ place here, and in favour of the robots, so that no plan under the rules is fast
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from teamformer.capabilities import Counts
 from teamformer.grid import Grid, Place
+from teamformer.jit import kernel
 from teamformer.mission.rules import opening_step
 from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
+from teamformer.planning.prices import Prices, prices_of
 from teamformer.rules.constants import FAR, MICROMETRES, NOBODY, ROUNDING
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
@@ -42,11 +44,12 @@ MOST_CELLS = 200_000
 class Relaxed(NamedTuple):
     """The relaxed problem as plain arrays; times are in steps."""
 
-    cells: (
-        Whole  # (tasks, places) from places to tasks; places are the tasks' ends, then the starts
-    )
-    steps: Whole  # (paces, cells) steps that 0, 1, ... cells take; last column: no way, FAR
-    pace: Whole  # (robots,) row of `steps`
+    cells: Whole  # (tasks, places) ways from places to tasks, as column of `steps` and `lengths`;
+    # without walls to fly over that is their cells; places are the tasks' ends, then the starts
+    lengths: Whole  # (movers, ways) cells on the ground and, if some robots fly over walls, in the
+    # air; last column, and where there is none on the ground: more than any way has
+    steps: Whole  # (paces, ways) steps that ways take; last column, and where there is none: FAR
+    pace: Whole  # (robots,) row of `steps`: by speed, first those on the ground, then in the air
     speed: npt.NDArray[np.float64]  # (robots,) cells a step
     counts: Whole  # (robots, caps)
     needs: Whole  # (tasks, caps)
@@ -57,6 +60,7 @@ class Relaxed(NamedTuple):
     ready: Whole  # (robots,) the step from which the robot is free; 0 at the start
     carry: Whole  # (tasks,) cells that a load is carried; 0 for other tasks
     quickest: Whole  # (tasks,) steps that this takes at least, which `duration` counts
+    prices: Prices  # what plans in steps are searched by besides the makespan
 
 
 class Future(NamedTuple):
@@ -69,10 +73,12 @@ class Future(NamedTuple):
 def relax(scenario: Scenario) -> Relaxed:
     """Return the relaxed problem of a scenario."""
     future = future_of(scenario)
+    places = [*ends_of(scenario.tasks), *(robot.at for robot in scenario.robots)]
     return relax_ways(
         scenario,
         scenario.tasks,
         scenario.robots,
+        places,
         *_ways(scenario),
         future,
         ready=np.zeros(len(scenario.robots), dtype=np.int32),
@@ -83,47 +89,57 @@ def relax_ways(
     scenario: Scenario,
     tasks: Sequence[Task],
     robots: Sequence[Robot],
-    cells: Whole,
+    places: Sequence[Place],
+    walked: Whole,
     speed: npt.NDArray[np.float64],
     future: Future,
     ready: Whole,
 ) -> Relaxed:
     """Return the relaxed problem of some tasks and robots of a scenario.
 
-    `cells` are the ways from the ends of tasks and from starts to tasks, (tasks, places), and
-    `speed` (robots,) is what robots walk of them in a step.
+    `places` are the ends of tasks, then starts; `walked` are the cells from there to tasks on the
+    ground, (tasks, places), and `speed` (robots,) is what robots walk of them in a step.
     """
-    no_way = 1 + int(cells[cells < UNREACHABLE].max())
-    speeds, pace = np.unique(speed, return_inverse=True)
+    cells, lengths = number_ways(walked, flights(scenario, [task.at for task in tasks], places))
+    speeds, rank = np.unique(speed, return_inverse=True)
     counts = count_table([robot.can for robot in robots], scenario)
     needs = count_table([task.needs for task in tasks], scenario)
-    steps = steps_of_cells(speeds, no_way)
-    cells = np.ascontiguousarray(np.minimum(cells, no_way))
+    steps, pace = steps_of_ways(speeds, lengths), paces_of(rank, robots, lengths)
     carry = cells.diagonal().copy()
     np.fill_diagonal(cells, 0)  # which is not the way from a task's end to its beginning
-    quickest = steps[[fastest_pace(counts, pace, need) for need in needs], carry]
+    quickest = [
+        least_carried(counts, steps[pace, way], need) if way > 0 else 0
+        for way, need in zip(carry, needs, strict=True)
+    ]
     duration = np.array([task.duration + task.unload for task in tasks], np.int32)
     return Relaxed(
         cells=cells,
+        lengths=lengths,
         steps=steps,
-        pace=pace.astype(np.int32),
+        pace=pace,
         speed=speed,
         counts=counts,
         needs=needs,
         able=able_robots(counts),
-        duration=duration + quickest,
+        duration=duration + np.array(quickest, np.int32),
         appears=future.appears,
         lost=future.lost,
         ready=ready,
         carry=carry,
-        quickest=quickest,
+        quickest=np.array(quickest, np.int32),
+        prices=prices_of(scenario, tasks),
     )
 
 
-def fastest_pace(counts: Whole, pace: npt.NDArray[np.intp], need: Whole) -> int:
-    """Return the pace at which a team goes at most that has what is needed; 0 if none has it."""
-    paces = range(int(pace.max()), 0, -1)
-    return next((p for p in paces if (counts[pace >= p].sum(axis=0) >= need).all()), 0)
+def least_carried(counts: Whole, takes: npt.NDArray[Any], need: Whole) -> Any:
+    """Return how long a load is carried at least by robots that have what is needed.
+
+    `takes` (robots,) is how long each of them takes for the way; it is what the slowest of all
+    takes if even together they have not enough.
+    """
+    times = np.unique(takes)
+    able = (when for when in times if (counts[takes <= when].sum(axis=0) >= need).all())
+    return next(able, times[-1])
 
 
 def ends_of(tasks: Sequence[Task]) -> list[Place]:
@@ -139,7 +155,10 @@ def without_directions(problem: Relaxed) -> Relaxed:
     if not problem.carry.any():
         return problem
     cells, tasks = problem.cells.copy(), len(problem.cells)
-    cells[:, :tasks] = np.minimum(cells[:, :tasks], cells[:, :tasks].T)
+    if len(problem.lengths) > 1:  # ways on the ground and in the air have one number: none counts
+        cells[:, :tasks] = 0
+    else:
+        cells[:, :tasks] = np.minimum(cells[:, :tasks], cells[:, :tasks].T)
     return problem._replace(cells=cells)
 
 
@@ -205,11 +224,74 @@ def _most_walked(
     return np.maximum(pace, plane.arrival_radius)
 
 
-def steps_of_cells(speeds: npt.NDArray[np.float64], no_way: int) -> Whole:
-    """Return the steps that 0, 1, ... cells take at each speed, (paces, no_way + 1)."""
-    steps = np.ceil(np.arange(no_way + 1) / speeds[:, None] - ROUNDING)  # (paces, cells)
-    steps[:, no_way] = FAR
-    return np.minimum(steps, FAR).astype(np.int32)
+def flights(scenario: Scenario, goals: Sequence[Place], places: Sequence[Place]) -> Whole | None:
+    """Return the cells from places to goals in the air, (goals, places).
+
+    None if nobody flies, or nothing is in the way, so that all ways are as on the ground.
+    """
+    if not scenario.world.rows or not any(robot.flies for robot in scenario.robots):
+        return None
+    apart = np.reshape(goals, (-1, 1, 2)) - np.reshape(places, (1, -1, 2))  # (goals, places, 2)
+    cells: Whole = np.abs(apart).sum(axis=2).astype(np.int32)
+    return cells
+
+
+def number_ways(walked: Whole, flown: Whole | None) -> tuple[Whole, Whole]:
+    """Return the number of each way, and the cells of the ways by number, (movers, ways).
+
+    If nobody flies the number of a way is its cells. Else ways that are equally long, walked and
+    flown, have one number: 0 if they lead nowhere, and less if they are shorter on the ground.
+    """
+    longest = int(walked[walked < UNREACHABLE].max())
+    if flown is None:
+        no_way = 1 + longest
+        cells: Whole = np.ascontiguousarray(np.minimum(walked, no_way))
+        return cells, np.arange(no_way + 1, dtype=np.int32)[None]
+    no_way = 1 + max(longest, int(flown.max()))
+    pairs = np.stack([np.minimum(walked, no_way), flown]).reshape(2, -1)  # (movers, ways)
+    pairs = np.append(pairs, [[0], [0]], axis=1)  # it is there, and so the first
+    kinds, number = np.unique(pairs, axis=1, return_inverse=True)
+    number = number.ravel()[:-1]
+    lengths = np.append(kinds, [[no_way], [no_way]], axis=1).astype(np.int32)
+    return number.reshape(walked.shape).astype(np.int32), lengths
+
+
+def paces_of(rank: npt.NDArray[np.intp], robots: Sequence[Robot], lengths: Whole) -> Whole:
+    """Return each robot's row in the steps of ways, (robots,), by the rank of its speed."""
+    flies = np.array([robot.flies for robot in robots], np.bool_)
+    rows: Whole = (rank + np.where(flies & (len(lengths) > 1), rank.max() + 1, 0)).astype(np.int32)
+    return rows
+
+
+def steps_of_ways(speeds: npt.NDArray[np.float64], lengths: Whole) -> Whole:
+    """Return the steps that ways take at each speed, (paces, ways): walked, then flown."""
+    steps = np.ceil(lengths[:, None, :] / speeds[:, None] - ROUNDING)  # (movers, speeds, ways)
+    steps[np.broadcast_to(lengths[:, None, :] == lengths[0, -1], steps.shape)] = FAR
+    return np.minimum(steps, FAR).astype(np.int32).reshape(-1, lengths.shape[1])
+
+
+def has_prices(problem: Relaxed) -> bool:
+    """Say whether more than the makespan counts."""
+    return len(problem.prices.due) > 0
+
+
+def walked_cells(problem: Relaxed) -> Whole:
+    """Return the cells of ways on the ground, (tasks, places); many where there is none."""
+    cells: Whole = problem.lengths[0, problem.cells]
+    return cells
+
+
+@kernel
+def pace_together(problem: Relaxed, one: int, other: int) -> int:
+    """Return the row in the steps of ways of those who go together: the slowest of two.
+
+    They fly only if both do.
+    """
+    if len(problem.lengths) == 1:
+        return min(one, other)
+    speeds = len(problem.steps) // 2
+    rank = min(one % speeds, other % speeds)
+    return rank + speeds if min(one, other) >= speeds else rank
 
 
 def count_table(parts: Sequence[Counts], scenario: Scenario) -> Whole:

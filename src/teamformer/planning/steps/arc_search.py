@@ -9,7 +9,7 @@ from teamformer.planning.arcs.graph import MAKESPAN, StepRules
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.continuous.problem import CoalitionProblem, Ticks, Whole, pose_problem
 from teamformer.planning.continuous.schedule import empty_plan
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, pace_together
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
@@ -57,6 +57,8 @@ class TeamArcs:
         rules = StepRules(
             ready=situation.problem.ready[leaders].astype(np.int64) * TICKS,
             lost=situation.problem.lost[self._robots].astype(np.int64),
+            together=_together(situation.problem),
+            prices=situation.problem.prices,
             near=_near_of(tasks, len(np.unique(problem.counts, axis=0))),
             riders=RIDERS_IF_LARGE if is_large else RIDERS,
             habits=HABITS_IF_LARGE if is_large else HABITS,
@@ -158,6 +160,12 @@ def _pose(situation: Situation, robots: Ticks) -> CoalitionProblem:
         forming=situation.forming_steps,
         apart=problem.lost[robots],
     )
+
+
+def _together(problem: Relaxed) -> Whole:
+    """Return the pace of those who go together, (paces, paces)."""
+    paces = range(len(problem.steps))
+    return np.array([[pace_together(problem, a, b) for b in paces] for a in paces], np.int32)
 
 
 def _passes(problem: Relaxed, crossings: Crossings, leaders: Ticks) -> tuple[Whole, Whole]:

@@ -27,14 +27,15 @@ MOST_WAYS = 300_000
 class Crossings(NamedTuple):
     """The tasks on every way, in the order in which one comes to them.
 
-    What lies on the way from a place to a task is at `first[place * tasks + task]` and on. The
+    What lies on the way from a place to a task is at `first[place * tasks + task]` and on; what
+    lies under that way in the air, if robots fly over walls, is `places * tasks` ways later. The
     last cell counts and the first does not, except on the way from a task to itself.
     """
 
-    first: Array  # (places * tasks + 1,)
+    first: Array  # (movers * places * tasks + 1,)
     task: Array  # (crossings,)
     cells: Array  # (crossings,) from the beginning of the way
-    speeds: Array  # (paces,) cells a step, as fractions decide where a step ends
+    speeds: Array  # (speeds,) cells a step, as fractions decide where a step ends
 
 
 def no_crossings() -> Crossings:
@@ -44,11 +45,16 @@ def no_crossings() -> Crossings:
 
 
 def find_crossings(
-    world: World, tasks: Sequence[Place], places: Sequence[Place], speeds: Array
+    world: World,
+    tasks: Sequence[Place],
+    places: Sequence[Place],
+    speeds: Array,
+    any_fly: bool = False,
 ) -> Crossings:
     """Return which tasks are on the ways from places to tasks; none on planes and vast maps.
 
-    `places` begin with the tasks'; `speeds` are those of the robots, sorted, each once.
+    `places` begin with the tasks'; `speeds` are those of the robots, sorted, each once. `any_fly`
+    says that some robots fly over walls.
     """
     if not isinstance(world, Grid) or len(tasks) * len(places) > MOST_WAYS:
         return no_crossings()
@@ -57,6 +63,13 @@ def find_crossings(
     no_fields = np.zeros((len(goals), 0, 0), np.int32)
     fields = distance_fields(world, tasks) if world.rows else no_fields
     found: Crossings = list_crossings(fields, spots, goals, world.width, world.height, speeds)
+    if any_fly:
+        flown = list_crossings(no_fields, spots, goals, world.width, world.height, speeds)
+        found = found._replace(
+            first=np.append(found.first, flown.first[1:] + found.first[-1]),
+            task=np.append(found.task, flown.task),
+            cells=np.append(found.cells, flown.cells),
+        )
     return found
 
 

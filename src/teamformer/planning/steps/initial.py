@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, walked_cells
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
 from teamformer.rules.constants import FAR
@@ -14,9 +14,10 @@ from teamformer.rules.tour import shortest_tour
 def crew_plans(problem: Relaxed) -> list[TeamPlan]:
     """Return a plan for the most complete crews, for half as many, and so on down to one."""
     tasks = len(problem.appears)
-    between = problem.cells[:, :tasks].astype(np.int64)
+    cells = walked_cells(problem)
+    between = cells[:, :tasks].astype(np.int64)
     between = np.minimum(between, between.T)
-    from_start = np.sort(problem.cells[:, tasks:], axis=1)[:, (len(problem.pace) - 1) // 2]
+    from_start = np.sort(cells[:, tasks:], axis=1)[:, (len(problem.pace) - 1) // 2]
     tour = shortest_tour(between, from_start.astype(np.int64))
     plans, crews = [], _deal(problem)
     number = len(crews)

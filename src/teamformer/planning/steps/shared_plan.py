@@ -10,9 +10,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from teamformer.coordination import Known, Plan
 from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
+from teamformer.planning.relaxation.problem import Relaxed, has_prices, most_in_coalitions
 from teamformer.planning.steps.arc_search import LARGE, TeamArcs
 from teamformer.planning.steps.situation import Situation, plan_of, situation_of
 from teamformer.planning.steps.starts import complete_plan, plan_from_coalitions, plan_from_crews
@@ -75,7 +77,7 @@ def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     """
     tasks = len(problem.appears)
     crews, coalition = 1500 * tasks, relaxed_rounds(problem)
-    is_large = tasks >= LARGE
+    is_large = tasks >= LARGE and not has_prices(problem)
     if is_large:
         arcs, coalitions = min(ARC_ROUNDS, ROUNDS_TIMES_TASKS // tasks), 0
     else:
@@ -112,11 +114,12 @@ def plan_mission(known: Known, old: Plan | None = None, is_brief: bool = False) 
         rounds = Rounds(rounds.crews // BRIEF, rounds.coalition, rounds.arcs // BRIEF, 1)
     if old is None:
         return shared_plan_of(situation, *search(situation, rounds, known.step))
-    timed = time_team_plan(situation, kept_plan(situation, old))
-    kept = shared_plan_of(situation, KEPT, timed)
-    best = shared_plan_of(situation, *search(situation, rounds, known.step, timed))
-    left = kept.makespan - known.step
-    return kept if best.makespan + left // SMALLEST_GAIN >= kept.makespan else best
+    kept = time_team_plan(situation, kept_plan(situation, old))
+    name, best = search(situation, rounds, known.step, kept)
+    is_better = best.makespan + (kept.makespan - known.step) // SMALLEST_GAIN < kept.makespan
+    if kept.has_prices:
+        is_better = best.cost + kept.cost // SMALLEST_GAIN < kept.cost
+    return shared_plan_of(situation, name if is_better else KEPT, best if is_better else kept)
 
 
 Named = tuple[str, TimedPlan]
@@ -129,12 +132,16 @@ def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | Non
     `step` is the present, and `old` what is left of a plan from before.
     """
     arcs = TeamArcs(situation)
-    if len(situation.tasks) >= LARGE:
+    priced = has_prices(situation.problem)
+    if len(situation.tasks) >= LARGE and not priced:
         return _search_once(arcs, rounds, step, old)
     plans = list(_starts(situation, rounds))
     if old is not None:
         plans.append((OLD, old))
-    plans = _hopeful(plans, step)
+    if priced:
+        plans += [(name, by_due(situation, plan)) for name, plan in plans]
+    else:
+        plans = _hopeful(plans, step)
     plans = [(name, arcs.improve(plan, rounds.arcs)) for name, plan in plans]
     name, best = min(plans, key=_cost_of)
     return name, arcs.improve(best, rounds.arcs * AGAIN)
@@ -192,9 +199,11 @@ def kept_plan(situation: Situation, old: Plan) -> TeamPlan:
     return complete_plan(situation.problem, *plan_in_numbers(situation, old))
 
 
-def timed_plan(situation: Situation, plan: TeamPlan, start: str) -> Plan:
-    """Return a plan in the numbers of the mission, with the steps in which its tasks are done."""
-    return shared_plan_of(situation, start, time_team_plan(situation, plan))
+def by_due(situation: Situation, plan: TimedPlan) -> TimedPlan:
+    """Return a plan with its tasks in the order in which they are due; the mission has prices."""
+    due = situation.problem.prices.due
+    order = plan.plan.order[np.argsort(due[plan.plan.order], kind="stable")]
+    return time_team_plan(situation, plan.plan._replace(order=order))
 
 
 def plan_in_numbers(situation: Situation, plan: Plan) -> tuple[list[int], list[list[int]]]:

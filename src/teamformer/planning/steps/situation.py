@@ -48,12 +48,13 @@ def situation_of(known: Known) -> Situation:
     wanted = [scenario.tasks[task] for task in tasks]
     spots = [task.at for task in wanted]
     places = [*ends_of(wanted), *(known.places[robot] for robot in robots)]
-    cells, speed = _ways(scenario, spots, places, robots)
+    walked, speed = _ways(scenario, spots, places, robots)
     problem = relax_ways(
         scenario,
         wanted,
         [scenario.robots[robot] for robot in robots],
-        cells,
+        places,
+        walked,
         speed,
         Future(
             appears=np.full(len(tasks), known.step, np.int32),
@@ -61,7 +62,9 @@ def situation_of(known: Known) -> Situation:
         ),
         ready=np.array([known.free_at[robot] for robot in robots], np.int32),
     )
-    crossings = find_crossings(scenario.world, spots, places, np.unique(speed))
+    crossings = find_crossings(
+        scenario.world, spots, places, np.unique(speed), len(problem.lengths) > 1
+    )
     is_load = np.array([task.to is not None for task in wanted])
     if is_load.any():
         crossings = without_loads(crossings, is_load)

@@ -64,7 +64,7 @@ class BestPlan:
     @property
     def is_over(self) -> bool:
         """Say whether searches are to end: nothing can be faster, or somebody stopped them."""
-        return self._is_stopped or self.makespan <= self.bound
+        return self._is_stopped or (not self.plan.has_prices and self.makespan <= self.bound)
 
 
 def first_plan(situation: Situation) -> TimedPlan | None:

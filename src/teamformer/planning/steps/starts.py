@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.planning.crews.deal import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, walked_cells
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.relaxation.threshold import Search
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
@@ -39,13 +39,15 @@ def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> TeamPlan:
         united = set[int]().union(*helpers)
         parties[int(task_crew[task])] = [p for p in of_crew if p not in helpers] + [united]
         coalitions[task] = sorted(united)
+    if len(problem.lengths) > 1:  # crews know nothing of who flies
+        return complete_plan(problem, sequence.tolist(), coalitions)
     return plan_teams(problem, sequence.tolist(), coalitions)
 
 
 def _shared(problem: Relaxed, company: Array) -> Shared:
     """Return what the planner of crews goes by."""
     tasks = len(problem.appears)
-    ways = np.ascontiguousarray(problem.cells.T, dtype=np.float64)  # (places, tasks)
+    ways = np.ascontiguousarray(walked_cells(problem).T, dtype=np.float64)  # (places, tasks)
     no_way = problem.steps.shape[1] - 1
     task_region, robot_region = _regions(problem.cells < no_way)
     slowness = 1 / problem.speed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from teamformer.planning.relaxation.problem import has_prices
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.passing import settle
 from teamformer.planning.steps.situation import Situation
@@ -15,12 +16,14 @@ from teamformer.planning.steps.timing import empty_groups
 class TimedPlan:
     """A plan whose tasks are given to those who do them, and when they are done.
 
-    `cost` is what plans are compared by; `ends` (tasks,) are steps.
+    `cost` is what plans are compared by, `ends` (tasks,) are steps, and `has_prices` says that more
+    than the makespan counts.
     """
 
     plan: TeamPlan
     cost: int
     ends: Array
+    has_prices: bool = False
 
     @property
     def makespan(self) -> int:
@@ -34,4 +37,5 @@ def time_team_plan(situation: Situation, plan: TeamPlan) -> TimedPlan:
     groups = empty_groups(problem, situation.company, situation.forming_steps)
     own = TeamPlan(*(array.copy() for array in plan))
     cost = settle(problem, situation.crossings, own, groups)
-    return TimedPlan(own, int(cost), groups.end[: len(problem.appears)].copy())
+    ends = groups.end[: len(problem.appears)].copy()
+    return TimedPlan(own, int(cost), ends, has_prices(problem))

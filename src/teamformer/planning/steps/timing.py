@@ -15,11 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.prices import SHARES
+from teamformer.planning.relaxation.problem import Relaxed, pace_together
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.team_plan import TeamPlan
-from teamformer.rules.constants import FAR, NOBODY
+from teamformer.rules.constants import FAR, NOBODY, ROUNDING
 from teamformer.rules.pairing import pair_off
 
 STEP = 200
@@ -97,11 +98,12 @@ def time_plan(
 ) -> tuple[Any, Any]:
     """Return the cost of a plan, a whole number, and the step in which its last task is done.
 
-    Leaves in `groups` each task's start and end, the task it waited for, and what was done on
-    the way.
+    Where a mission has prices, these make the cost. Leaves in `groups` each task's start and
+    end, the task it waited for, and what was done on the way.
     """
     _gather_at_start(problem, groups)
-    tasks = len(plan.order)
+    tasks, has_prices = len(plan.order), len(problem.prices.due) > 0
+    step = problem.prices.whole[0] if has_prices else np.int64(STEP * tasks)
     makespan, total, walked = np.int64(0), np.int64(0), np.int64(0)
     for position in range(tasks):
         task = plan.order[position]
@@ -109,9 +111,25 @@ def time_plan(
             walked += _meet(problem, crossings, plan, groups, task)
             makespan = max(makespan, groups.free[task])
         total += groups.end[task]
+    if has_prices:
+        cost = makespan * step + _price_of_ends(problem, groups) + STEP_WALKED * walked
+        if groups.losses[0]:
+            cost += LATE * SHARES * tasks * _count_late(problem, plan, groups)
+        return cost, makespan
     if groups.losses[0]:
         makespan += LATE * _count_late(problem, plan, groups)
     return STEP * tasks * makespan + STEP_OF_END * total + STEP_WALKED * walked, makespan
+
+
+@kernel
+def _price_of_ends(problem: Relaxed, groups: Groups) -> int:
+    """Return what it costs when tasks end, and by how much they are late."""
+    prices, price, latest = problem.prices, np.int64(0), np.int64(0)
+    for task in range(len(prices.due)):
+        late = max(0, groups.end[task] - prices.due[task])
+        price += prices.ends[task] * groups.end[task] + prices.late[task] * late
+        latest = max(latest, late)
+    return price + prices.whole[1] * latest
 
 
 @kernel
@@ -155,12 +173,12 @@ def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
             groups.leaving[group] = 0
             groups.touched[count] = group
             count += 1
-        groups.pace[group] = min(groups.pace[group], problem.pace[robot])
+        groups.pace[group] = pace_together(problem, groups.pace[group], problem.pace[robot])
         groups.leaving[group] += 1
     until, pace = 0, groups.pace[groups.touched[0]]
     for place in range(count):
         group = groups.touched[place]
-        pace = min(pace, groups.pace[group])
+        pace = pace_together(problem, pace, groups.pace[group])
         groups.size[group] -= groups.leaving[group]
         groups.splits[group] += groups.size[group] > 0
         leave = groups.free[group] + groups.splits[group] * groups.forming[0]
@@ -240,20 +258,29 @@ def _walk(
 
     It does what it can do on the way. Leaves in `groups.until` when that is done too.
     """
-    steps, pace = problem.steps, groups.pace[group]
-    cells = problem.cells[task, group]
+    pace, cells, way = (
+        groups.pace[group],
+        problem.cells[task, group],
+        group * len(plan.order) + task,
+    )
+    rank = pace  # of its speed
+    if len(problem.lengths) > 1:
+        speeds = len(problem.steps) // 2
+        if pace >= speeds:
+            rank -= speeds
+            way += len(plan.order) * len(groups.end)
+        cells = problem.lengths[int(pace >= speeds), cells]
     since, passed = leave, 0  # it walks on from the cell after so many, since then
     here, came, until = NOBODY, leave, leave  # the cell where it does something, and until when
     if len(crossings.task) > 0:
-        way = group * len(plan.order) + task
         for index in range(crossings.first[way], crossings.first[way + 1]):
             other, away = crossings.task[index], crossings.cells[index]
             if away != here:
-                came = since + steps[pace, away - passed]
+                came = since + _steps_of(problem, crossings, rank, away - passed)
             is_late = groups.is_done[other] and groups.start[other] <= came
             if is_late or came <= problem.appears[other]:
                 continue
-            if away != cells and not _is_stop(crossings.speeds[pace], away - passed):
+            if away != cells and not _is_stop(crossings.speeds[rank], away - passed):
                 continue
             if not _can_do(problem, plan, groups, group, task, other):
                 continue
@@ -269,7 +296,17 @@ def _walk(
     groups.until[group] = until
     if here == cells:
         return came
-    return since + steps[pace, cells - passed]
+    if passed == 0 and len(problem.lengths) > 1:
+        return since + problem.steps[pace, problem.cells[task, group]]
+    return since + _steps_of(problem, crossings, rank, cells - passed)
+
+
+@kernel
+def _steps_of(problem: Relaxed, crossings: Crossings, rank: int, cells: int) -> int:
+    """Return the steps that some cells take, walked or flown, by the rank of the speed."""
+    if len(problem.lengths) == 1:
+        return problem.steps[rank, cells]
+    return int(np.ceil(cells / crossings.speeds[rank] - ROUNDING))
 
 
 @kernel

@@ -144,7 +144,7 @@ def _search(
     plays.add("search", _player(scenario, best.plan.plan))
     bound, curve = best.bound, best.curve
     for number in range(1, SEARCHES):
-        if plays.makespan == bound or plays.seconds_left == 0.0:
+        if plays.is_proven(bound) or plays.seconds_left == 0.0:
             break
         _, best = _improve(scenario, situation, first, plays, seed + number, workers)
         plays.add("search", _player(scenario, best.plan.plan))

@@ -40,7 +40,7 @@ class PlanPlayer:
         world = scenario.world
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
         self._reach = max(scenario.join_radius, self._near)
-        kinds = [(sorted(r.can.items()), r.speed, r.absences) for r in scenario.robots]
+        kinds = [(sorted(r.can.items()), r.speed, r.flies, r.absences) for r in scenario.robots]
         self._kind = [repr(kind) for kind in kinds]
         self._counts = count_table([robot.can for robot in scenario.robots], scenario)
 

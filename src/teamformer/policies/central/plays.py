@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from teamformer.coordination import Coordinator
 from teamformer.coordinators.on_command import OnCommand
 from teamformer.coordinators.replayed import Replayed
+from teamformer.mission.costs import judged_by, weighed
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.solve import Solution
 from teamformer.policies.central.plan_from_play import CoalitionLog
@@ -72,6 +73,8 @@ class Plays:
     def __init__(self, scenario: Scenario, begun: float, time_limit: float) -> None:
         self.begun = begun
         self.makespan: int | None = None
+        self._cost = math.inf  # of the best play: its makespan, if that alone counts
+        self._weights = judged_by(scenario)
         self.limit = time_limit
         self._scenario = self._mission = scenario
         self._played_by, self._script = "", Script()
@@ -119,7 +122,9 @@ class Plays:
         log: CoalitionLog | None = None,
         mission: Scenario | None = None,
     ) -> None:
-        """Play a plan, a policy or a coordinator, and keep what it decides if it is the fastest.
+        """Play a plan, a policy or a coordinator, and keep what it decides if it is the best.
+
+        That is the fastest or, in a mission with windows or a cost, the one that costs least.
 
         Until one does all tasks, that is the one that does most.
 
@@ -133,7 +138,7 @@ class Plays:
         env = stage_for(player, mission, self._scenario)
         begun = self.seconds
         end = self._end if until is None else until
-        most = NEVER if self.makespan is None else self.makespan
+        most = NEVER if self.makespan is None or self._weights else self.makespan
         script: Script = []
         while env.is_running[0] and len(script) < most:
             if self.makespan is not None and self.seconds > end:
@@ -142,9 +147,10 @@ class Plays:
             if log is not None:
                 log.note(env)
         tally = env.tally()
-        is_fastest = tally.status == "completed" and tally.steps < most
+        cost = self._cost_of(env) if tally.status == "completed" else math.inf
+        is_fastest = cost < self._cost
         if is_fastest:
-            self.makespan = tally.steps
+            self.makespan, self._cost = tally.steps, cost
             self._curve.append((self.seconds, tally.steps))
         does_more = self.makespan is None and tally.tasks_done > self._tasks_done
         if is_fastest or does_more:
@@ -152,6 +158,17 @@ class Plays:
             self._played_by, self._script, self._mission = name, script, mission
             self._coordinator = _again(player, env)
         self._longest = max(self._longest, self.seconds - begun)
+
+    def _cost_of(self, env: TeamFormation) -> float:
+        """Return what a play that has done everything costs: its makespan, if that alone counts."""
+        if self._weights is None:
+            return env.tally().steps
+        ends = env.worlds.tasks["done_at"][0].tolist()
+        return weighed(self._scenario, self._weights, dict(enumerate(ends)))
+
+    def is_proven(self, bound: int) -> bool:
+        """Say whether nothing can be better than the best play."""
+        return self._weights is None and self.makespan == bound
 
     def report(
         self,
@@ -163,7 +180,7 @@ class Plays:
         """Return the best play; what the search expected in between is in its curve."""
         script = [line for line in self._script if line]  # nobody decides while nobody is left
         curve: list[tuple[float, int]] = []
-        for seconds, steps in sorted(self._curve + searched):
+        for seconds, steps in sorted(self._curve + searched) if self._weights is None else ():
             is_better = not curve or steps < curve[-1][1]
             if is_better and self.makespan is not None and steps >= self.makespan:
                 curve.append((round(seconds, 3), steps))

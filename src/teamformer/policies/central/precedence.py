@@ -74,7 +74,9 @@ def _as_continuous(scenario: Scenario) -> Scenario:
     )
     tasks = tuple(_without_hopeless_window(task) for task in scenario.tasks)
     forming = float(scenario.forming_steps)
-    return replace(scenario, robots=paced, tasks=tasks, time="continuous", forming=forming)
+    return replace(
+        scenario, robots=paced, tasks=tasks, time="continuous", forming=forming, cost=None
+    )
 
 
 def _without_hopeless_window(task: Task) -> Task:

@@ -88,7 +88,7 @@ class PlannedTasks:
         for one, other in took:
             of, to = (self.scenario.robots[robot] for robot in (one, other))
             teams = [team for team in fleet.teams.values() if {one, other} <= team.robots]
-            is_like = (of.can, of.speed) == (to.can, to.speed) and one < other
+            is_like = (of.can, of.speed, of.flies) == (to.can, to.speed, to.flies) and one < other
             if not is_like or not teams or teams[0].services:
                 notes.note(
                     f"robots {of.name} and {to.name} exchange parts of the plan, and may not"

@@ -9,6 +9,7 @@ from teamformer.capabilities import Counts, covers, total
 from teamformer.model import Scenario
 from teamformer.referee.allocation.moments import News
 from teamformer.referee.finding import Search
+from teamformer.referee.teams import gets_there
 from teamformer.referee.truth import Knowledge
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Replay, SharedPlanMade
@@ -111,5 +112,5 @@ def _check_scouts(
 def _can_do(replay: Replay, numbers: Iterable[int], task: int, needs: Counts) -> bool:
     world, at = replay.mission.world, replay.mission.tasks[task].at
     robots = (replay.scenario.robots[robot] for robot in numbers)
-    near = (robot.can for robot in robots if world.region(robot.at) == world.region(at))
+    near = (robot.can for robot in robots if gets_there(world, robot, at))
     return covers(total(near), needs)

@@ -42,31 +42,35 @@ class Ways:
         self._floods: dict[Place, _Flood] = {}
         self.goals = {number: task.at for number, task in enumerate(scenario.tasks)}
 
-    def between(self, place: Place, goal: Place) -> float:
-        """Return cells, or metres on a plane."""
+    def between(self, place: Place, goal: Place, flies: bool = False) -> float:
+        """Return cells, or metres on a plane; infinity where no way is."""
         if isinstance(self._world, Plane):
             return math.dist(place, goal)
         assert isinstance(self._world, Grid)
-        if not self._world.rows:
+        if flies or not self._world.rows:
             return abs(place[0] - goal[0]) + abs(place[1] - goal[1])
+        if not self._world.is_free(goal):  # over an obstacle, where a team flies
+            return math.inf
         if goal not in self._floods:
             self._floods[goal] = _Flood(self._world, goal)
         return self._floods[goal].length_to(place)
 
-    def along(self, place: Place, goal: Place, length: float) -> Place:
+    def along(self, place: Place, goal: Place, length: float, flies: bool = False) -> Place:
         """Return where one is after so much of the way to a goal: cells, or metres on a plane."""
         if isinstance(self._world, Plane):
             return _straight_on(place, goal, length)
         for _ in range(int(length)):
-            place = self._next_cell(place, goal)
+            place = self._next_cell(place, goal, flies)
         return place
 
-    def _next_cell(self, place: Place, goal: Place) -> Place:
+    def _next_cell(self, place: Place, goal: Place, flies: bool) -> Place:
         """Return the next cell: first along the axis with more left to go, then the larger one."""
         assert isinstance(self._world, Grid)
-        (x, y), to_go = place, self.between(place, goal)
+        (x, y), to_go = place, self.between(place, goal, flies)
         is_along_x = abs(goal[0] - x) >= abs(goal[1] - y)
-        nearer = (c for c in self._world.neighbours(place) if self.between(c, goal) < to_go)
+        around = [(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)]
+        beside = around if flies else self._world.neighbours(place)
+        nearer = (c for c in beside if self.between(c, goal, flies) < to_go)
         return max(nearer, default=place, key=lambda cell: ((cell[1] == y) == is_along_x, cell))
 
 
@@ -149,7 +153,8 @@ class _Walk:
         return any(self._is_walk(start, self._team.at, goal, slack) for start in self._starts)
 
     def _is_walk(self, start: Place, to: Place, goal: Place | None, slack: float) -> bool:
-        to_go = math.inf if goal is None else self._ways.between(start, goal)
+        flies = self._team.flew
+        to_go = math.inf if goal is None else self._ways.between(start, goal, flies)
         if goal is None or to_go == math.inf:
             return to == start
         if self._is_plane:
@@ -157,9 +162,9 @@ class _Walk:
                 math.dist(self._ways.along(start, goal, self._team.walked_at), to)
                 <= ROUNDED + slack
             )
-        walked = to_go - self._ways.between(to, goal)
+        walked = to_go - self._ways.between(to, goal, flies)
         is_far_enough = walked >= min(self._least_cells(), to_go)
-        return is_far_enough and self._ways.along(start, goal, walked) == to
+        return is_far_enough and self._ways.along(start, goal, walked, flies) == to
 
     def _least_cells(self) -> int:
         return int(self._team.least_credit + self._team.walked_at + ROUNDING)
@@ -170,7 +175,8 @@ class _Walk:
         if goal is None or self._is_plane:
             return 0.0
         before, after = (
-            self._ways.between(at, goal) for at in (self._team.walked_from, self._team.at)
+            self._ways.between(at, goal, self._team.flew)
+            for at in (self._team.walked_from, self._team.at)
         )
         if not 0 < after < math.inf:
             return 0.0
@@ -188,10 +194,10 @@ class _Walk:
             return f"{name} {did}; it pursues no task, so that it must stay"
         wanted, to_go = (
             self._fleet.scenario.tasks[task].name,
-            self._ways.between(start, goals[task]),
+            self._ways.between(start, goals[task], team.flew),
         )
         due = min(team.walked_at if self._is_plane else self._least_cells(), to_go)
-        if to_go - self._ways.between(to, goals[task]) < due - ROUNDED:
+        if to_go - self._ways.between(to, goals[task], team.flew) < due - ROUNDED:
             unit = "m" if self._is_plane else "cell" if due == 1 else "cells"
             return f"{name} {did}; it must get {due:g} {unit} nearer to task {wanted}"
         return f"{name} {did}; that is not on its way to task {wanted}"

@@ -1,4 +1,4 @@
-"""Motion: nobody walks farther than its speed allows, or through a wall."""
+"""Motion: nobody gets farther than its speed allows, or walks through a wall; some fly."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def move_team(
         assert isinstance(world, Plane)
         fault = _walk_metres(world, team, to, waits or team.is_delayed, meets)
     team.walked_from = None if waits or fault or team.is_delayed else team.at
-    team.walked_at = team.speed
+    team.walked_at, team.flew = team.speed, team.flies
     if to == team.at:
         return
     name, way = fleet.name(team), f"from {list(team.at)} to {list(to)}"
-    if not world.is_free(to):
+    if not world.is_free(to) and not (team.flies and world.is_inside(to)):
         notes.note(f"{name} is at {list(to)}, where no robot can be")
     elif fault and is_busy:
         notes.note(f"{name} moves {way} while it serves a task")
@@ -60,7 +60,10 @@ def _walk_cells(grid: Grid, team: RecordedTeam, to: Place, waits: bool) -> Fault
     elif not team.is_delayed:
         team.credit = min(team.credit, MOST_SAVED) + team.speed
     allowed = 0 if team.is_delayed else int(team.credit + ROUNDING)
-    cells = _cells_between(grid, team.at, to, allowed)
+    if team.flies:
+        cells = _apart(team.at, to) if _apart(team.at, to) <= allowed else None
+    else:
+        cells = _cells_between(grid, team.at, to, allowed)
     if cells is None:
         how = "jumped" if _apart(team.at, to) > allowed else "went through a wall"
         return how, f"cross {allowed} {'cell' if allowed == 1 else 'cells'}"

@@ -10,8 +10,8 @@ from teamformer.jit import kernel
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import covers, helps
-from teamformer.sim.arrays import World
-from teamformer.sim.motion import travel, travel_between
+from teamformer.sim.arrays import ANYWHERE, World
+from teamformer.sim.motion import is_way, travel, travel_between
 from teamformer.sim.spatial_index import find_near
 
 
@@ -83,9 +83,13 @@ def choose_task(world: World, team: int) -> tuple[Any, bool]:
 @kernel
 def contributes(world: World, team: int, task: int) -> bool:
     """Say whether a team has something that a task needs, and a way to it."""
-    if world.robots[team].region != world.tasks[task].region:
-        return False
-    return helps(world.has[team], world.needs[task])
+    return can_reach(world, team, task) and helps(world.has[team], world.needs[task])
+
+
+@kernel
+def can_reach(world: World, team: int, task: int) -> bool:
+    """Say whether a way leads a team to a task."""
+    return is_way(world.teams[team].region, world.tasks[task].region)
 
 
 @kernel
@@ -107,8 +111,8 @@ def is_covered(world: World, near: Array, team: int, task: int) -> bool:
         if world.teams[other].task != task:
             continue
         if away < 0:
-            away = travel(world, world.teams[team].x, world.teams[team].y, task)
-        other_away = travel(world, world.teams[other].x, world.teams[other].y, task)
+            away = _way_of(world, team, task)
+        other_away = _way_of(world, other, task)
         if other_away < away or (other_away == away and other < team):
             world.near[i], world.near[helpers] = world.near[helpers], other
             helpers += 1
@@ -124,28 +128,37 @@ def is_covered(world: World, near: Array, team: int, task: int) -> bool:
 
 
 @kernel
+def _way_of(world: World, team: int, task: int) -> np.int64:
+    """Return the way of a team to a task."""
+    flies = world.teams[team].region == ANYWHERE
+    return travel(world, world.teams[team].x, world.teams[team].y, task, flies)
+
+
+@kernel
 def _best_detour(world: World, near: Array, team: int, position: int) -> Any:
     """Return the later task to do first, alone, that shortens the tour most; NOBODY if none does.
 
     The tour is the team's way to its next task and on through the order.
     """
     best, best_change = np.int32(NOBODY), np.int64(0)
-    x, y = world.teams[team].x, world.teams[team].y
+    flies = world.teams[team].region == ANYWHERE
     following = world.order[position]
-    direct = travel(world, x, y, following)
+    direct = _way_of(world, team, following)
     count = world.count.open
     for later in range(position + 1, count):
         task = world.order[later]
-        if world.robots[team].region != world.tasks[task].region:
+        if not can_reach(world, team, task):
             continue
         if not can_do_alone(world, team, task):
             continue
         before = world.order[later - 1]
-        change = travel(world, x, y, task) + travel_between(world, task, following) - direct
-        change -= travel_between(world, before, task)
+        change = _way_of(world, team, task) - direct
+        change += travel_between(world, task, following, flies)
+        change -= travel_between(world, before, task, flies)
         if later + 1 < count:
             after = world.order[later + 1]
-            change += travel_between(world, before, after) - travel_between(world, task, after)
+            change += travel_between(world, before, after, flies)
+            change -= travel_between(world, task, after, flies)
         if change < best_change and not is_covered(world, near, team, task):
             best, best_change = task, change
     return best

@@ -50,9 +50,9 @@ def _solve_anew(world: World) -> None:
     from_start = np.empty(len(tasks), dtype=np.int64)
     between = np.zeros((len(tasks), len(tasks)), dtype=np.int64)
     for i in range(len(tasks)):
-        from_start[i] = travel(world, x, y, tasks[i])
+        from_start[i] = travel(world, x, y, tasks[i], False)
         for j in range(i):
-            between[i, j] = between[j, i] = travel_between(world, tasks[i], tasks[j])
+            between[i, j] = between[j, i] = travel_between(world, tasks[i], tasks[j], False)
     for position, chosen in enumerate(plan_tour(between, from_start)):
         world.order[position] = tasks[chosen]
 
@@ -65,7 +65,7 @@ def _insert_after_nearest(world: World) -> None:
         task = world.order[arrived]
         nearest, nearest_away = NOBODY, UNLINKED
         for position in range(arrived):
-            away = travel_between(world, task, world.order[position])
+            away = travel_between(world, task, world.order[position], False)
             if away < nearest_away:
                 nearest, nearest_away = position, away
         for position in range(arrived, nearest + 1, -1):

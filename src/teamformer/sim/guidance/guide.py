@@ -12,6 +12,7 @@ import numpy as np
 from teamformer.capabilities import covers, total
 from teamformer.coordination import NEWS, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.errors import TeamformerError
+from teamformer.mission.reach import can_reach
 from teamformer.model import Scenario
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
@@ -169,9 +170,9 @@ def refuse_unfit(known: Known, plan: Plan) -> None:
         name = mission.tasks[task].name
         if not set(robots) <= there or len(set(robots)) != len(robots):
             _refuse(f"{when} gives task '{name}' to a robot twice, or to one that is not there")
-        region = mission.world.region(mission.tasks[task].at)
         able = (mission.robots[r] for r in robots)
-        near = [robot.can for robot in able if mission.world.region(robot.at) == region]
+        at = mission.tasks[task].at
+        near = [robot.can for robot in able if can_reach(mission.world, robot, at)]
         if robots and not covers(total(near), mission.tasks[task].needs):
             _refuse(f"{when} gives task '{name}' to robots that cannot do it together")
     for robot, task in plan.scouts:
@@ -215,6 +216,7 @@ def _make_parts(worlds: Worlds, scenarios: Sequence[Scenario]) -> Parts:
     for w, scenario in enumerate(scenarios):
         kinds: dict[tuple[object, ...], int] = {}
         for r, robot in enumerate(scenario.robots):
-            kind = (*sorted(robot.can.items()), robot.speed, scenario.world.region(robot.at))
+            region = scenario.world.region(robot.at)
+            kind = (*sorted(robot.can.items()), robot.speed, robot.flies, region)
             parts.kind[w, r] = kinds.setdefault(kind, r)
     return parts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from teamformer.mission.costs import cost_in_steps
 from teamformer.mission.rules import latest_end, opening_step
 from teamformer.rules.constants import NEVER
 from teamformer.sim.replay.record import Replay
@@ -22,6 +23,11 @@ def opening_steps(replay: Replay) -> list[int]:
         max([opening_step(task), *(done.get(number_of[name], NEVER) for name in task.after)])
         for task in tasks
     ]
+
+
+def cost_of_record(replay: Replay) -> float | None:
+    """Return what a mission cost; None if it has no cost, or not everything was done."""
+    return cost_in_steps(replay.mission, done_steps(replay))
 
 
 def lateness(replay: Replay) -> dict[str, float]:

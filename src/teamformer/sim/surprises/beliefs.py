@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.arrays import ABSENT, OVERDUE, SHOWN
+from teamformer.sim.motion import is_way
 from teamformer.sim.spatial_index import find_tasks_here
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def _count_near(world: World, task: int, cap: int) -> int:
     """Return how often the robots that are left and can get to a task bring a capability."""
     count = 0
     for robot in range(world.rules.robots):
-        is_there = world.robots[robot].region == world.tasks[task].region
+        is_there = is_way(world.robots[robot].region, world.tasks[task].region)
         if is_there and world.robots[robot].team != NOBODY:
             count += world.brings[robot, cap]
     return count

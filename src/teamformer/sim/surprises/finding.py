@@ -14,7 +14,7 @@ import numpy as np
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
-from teamformer.sim.arrays import FOUND, SCOUTING
+from teamformer.sim.arrays import ANYWHERE, FOUND, SCOUTING
 from teamformer.sim.motion import field_towards
 from teamformer.sim.surprises.looking import soonest_left
 from teamformer.sim.task_places import put_task
@@ -104,22 +104,24 @@ def _nearest_left(world: World, task: int, seeker: int) -> np.int64:
     Of equally near places the one that is nearest to where the task was first believed to be.
     """
     x, y = world.teams[seeker].x, world.teams[seeker].y
-    has_walls = world.rules.has_walls
+    has_walls = world.rules.has_walls and world.teams[seeker].region != ANYWHERE
     field = field_towards(world, x, y) if has_walls else np.empty((0, 0), np.int32)
     nearest, shortest = np.int64(NOBODY), np.int64(0)
     for spot in range(world.spots.shape[1]):
         if world.spots[task, spot].is_possible:
-            way = _way(world, field, x, y, task, spot)
+            way = _way(world, field, has_walls, x, y, task, spot)
             if nearest == NOBODY or way < shortest:
                 nearest, shortest = np.int64(spot), way
     return nearest
 
 
 @kernel
-def _way(world: World, field: Array, x: float, y: float, task: int, spot: int) -> np.int64:
+def _way(
+    world: World, field: Array, has_walls: bool, x: float, y: float, task: int, spot: int
+) -> np.int64:
     """Return the way from where a field begins to a place of a task, as `travel` does."""
     to_x, to_y = world.spots[task, spot].x, world.spots[task, spot].y
-    if world.rules.has_walls:
+    if has_walls:
         return np.int64(field[int(to_y), int(to_x)])
     away_x, away_y = abs(to_x - x), abs(to_y - y)
     if world.rules.is_plane:

@@ -71,7 +71,7 @@ def plan_ways(problem: ArcProblem, graph: Graph, node: int) -> int:
         if way == count:
             ways[way].to, ways[way].key, ways[way].pace = to, graph.nodes[to].key, pace
             count += 1
-        ways[way].pace = min(ways[way].pace, pace)
+        ways[way].pace = problem.together[ways[way].pace, pace]
     free = record.end // TICKS
     for way in range(count):
         turn = 1

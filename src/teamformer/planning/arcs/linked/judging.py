@@ -31,6 +31,7 @@ from teamformer.planning.arcs.judging import (
     wait,
 )
 from teamformer.planning.continuous.links import (
+    COMPLETION,
     FREE,
     HOME,
     MAKESPAN,
@@ -60,6 +61,7 @@ class Links(NamedTuple):
     members: Whole  # (groups, most + 1)
     gap: Ticks  # (tasks, tasks)
     weight: Floats  # (PARTS,)
+    task_weight: Floats  # (tasks,)
 
 
 class Ledger(NamedTuple):
@@ -74,7 +76,8 @@ class Ledger(NamedTuple):
 
 def links_of(problem: LinkedProblem) -> Links:
     """Return a problem's links and weights as kernels take them."""
-    return Links(problem.group, problem.members, problem.gap, problem.weight)
+    parts = (problem.group, problem.members, problem.gap)
+    return Links(*parts, problem.weight, problem.task_weight)
 
 
 def empty_ledger(problem: LinkedProblem) -> Ledger:
@@ -157,7 +160,7 @@ def propagate(
             if other == NOBODY:
                 break
             if start[other] + nodes[other].duration != nodes[other].end:
-                _start(problem, graph, trial, ledger, other)
+                _start(problem, links, graph, trial, ledger, other)
     return True
 
 
@@ -180,12 +183,16 @@ def _keep_gaps(links: Links, members: Whole, start: Ticks) -> None:
 
 
 @kernel
-def _start(problem: ArcProblem, graph: Graph, trial: Trial, ledger: Ledger, task: int) -> None:
+def _start(
+    problem: ArcProblem, links: Links, graph: Graph, trial: Trial, ledger: Ledger, task: int
+) -> None:
     """Let a task start when the ledger says, and have all that follows it timed."""
     node, then = graph.nodes[task], ledger.then
     end = ledger.start[task] + node.duration
     was_late, is_late = max(0, node.end - node.due), max(0, end - node.due)
-    then[TARDINESS] += is_late - was_late
+    weight = links.task_weight[task]
+    then[TARDINESS] += np.int64(weight * is_late) - np.int64(weight * was_late)
+    then[COMPLETION] += np.int64(weight * end) - np.int64(weight * node.end)
     then[MAX_TARDINESS] = max(then[MAX_TARDINESS], is_late)
     if is_late < was_late and was_late == ledger.part[MAX_TARDINESS]:
         ledger.is_less_late[0] = 1
@@ -290,7 +297,8 @@ def time_links(
     for task in range(tasks):
         node = graph.nodes[task]
         late = max(0, node.end - node.due)
-        ledger.part[TARDINESS] += late
+        ledger.part[TARDINESS] += np.int64(links.task_weight[task] * late)
+        ledger.part[COMPLETION] += np.int64(links.task_weight[task] * node.end)
         for seat in range(node.first, node.first + node.taken):
             ledger.part[TRAVEL] += way_out(problem, graph, seat)
     for robot in range(len(graph.back)):

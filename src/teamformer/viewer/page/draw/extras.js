@@ -26,7 +26,7 @@ function drawAssignment(view, team) {
   const to = isUp ? { x: right, y: down, half: 0.3 * view.camera.cell } : taskBox(view, team.assigned);
   if (Math.hypot(to.x - from.x, to.y - from.y) < from.r + to.half + 4) return;
   const { world } = view.scenario;
-  const way = wayTo(world, [team.x, team.y], at);
+  const way = wayTo(world, [team.x, team.y], at, isFlying(view.scenario, team));
   const corners = way.slice(1, -1).map(([x, y]) => ({ x: view.camera.x(x), y: view.camera.y(y) }));
   const points = [from, ...corners, to];
   points[points.length - 1] = shorten(to, points.at(-2), to.half + 2);

@@ -41,10 +41,27 @@ function drawRobot(view, robot, ring, isMet) {
   const { ctx, theme } = view;
   const { x, y, r } = robotSpot(view, robot);
   if (!isOnScreen(view, x, y, r)) return;
+  if (view.scenario.robots[robot].flies) drawRotors(view, x, y, r, ring);
   drawDisc(ctx, x, y, r, ring);
   const inner = r * (isMet && r >= 5 ? 0.6 : 0.72);
   if (r >= 5) drawDisc(ctx, x, y, inner + Math.min(1.5, r * 0.12), theme.ground);
   drawCapabilities(view, robot, x, y, inner);
+}
+
+// Four rotors around a robot that flies, on arms that cross under it.
+function drawRotors({ ctx, theme }, x, y, r, colour) {
+  ctx.save();
+  ctx.lineWidth = Math.max(1, r * 0.16);
+  for (const [right, up] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
+    const [toX, toY] = [x + right * r * 0.95, y + up * r * 0.95];
+    ctx.beginPath();
+    ctx.arc(toX, toY, Math.max(1.5, r * 0.42), 0, 2 * Math.PI);
+    ctx.fillStyle = theme.ground;
+    ctx.strokeStyle = colour;
+    ctx.fill();
+    ctx.stroke();
+  }
+  ctx.restore();
 }
 
 function drawDisc(ctx, x, y, r, colour) {

@@ -137,11 +137,20 @@ class EditorPanel {
       ),
       element("fieldset", {}, element("legend", {}, "Place"), labelled("x", number("x", thing.at[0], set(() => ({ at: place() }), "at"), "any")), labelled("y", number("y", thing.at[1], set(() => ({ at: place() }), "at"), "any"))),
       ...more,
+      ...(kind === "robots" ? [this.flightField(thing, set)] : []),
       ...Object.entries(STEP_FIELDS[kind]).map(([name, text]) =>
         labelled(text, input("text", name, [thing[name] ?? []].flat().join(", "), set(({ value }) => ({ [name]: readSteps(value) }), name))),
       ),
       element("div", { class: "acts" }, act("Remove", () => this.app.remove(selection))),
     );
+  }
+
+  // Whether a robot flies over obstacles.
+  flightField(thing, set) {
+    const change = set(({ checked }) => ({ moves: checked ? "air" : undefined }), "moves");
+    const box = input("checkbox", "moves", "air", change);
+    box.checked = thing.moves === "air";
+    return labelled("Flies", box);
   }
 
   // Letter by letter, each from what was before the first: half a name may be another thing's.

@@ -66,12 +66,36 @@ function showFigures(app) {
   byId("figures").replaceChildren(
     figure("Tasks done", String(done), ` of ${history.doneAt.length}`),
     figure("Makespan", makespan === null ? noMakespan(history) : shortSpan(makespan), ratioText(history)),
+    ...costFigure(history),
     figure("Lower bound", bound === null ? "unknown" : shortSpan(bound), ""),
     ...lostFigure(history, player.step),
   );
   const status = app.statusText() || statusAt(history, player.step);
   byId("status").textContent = capitalised(status);
   byId("status").className = `status ${status.replaceAll(" ", "-")}`;
+}
+
+// What the mission cost, by its own weights.
+function costFigure(history) {
+  const cost = costOf(history);
+  if (!history.scenario.cost) return [];
+  return [figure("Cost", cost === null ? noMakespan(history) : String(Number(cost.toPrecision(6))), "")];
+}
+
+// The mean by weight of when all is over, and when tasks are done and how late; null before that.
+function costOf({ scenario, doneAt, end }) {
+  const { cost, tasks } = scenario;
+  if (!cost || end.makespan === null) return null;
+  const late = tasks.map(({ due }, task) => Math.max(0, doneAt[task] - due));
+  const sum = (values) => values.reduce((total, value) => total + value, 0);
+  const parts = {
+    makespan: end.makespan,
+    tardiness: sum(late.map((by, task) => by * tasks[task].weight)),
+    max_tardiness: Math.max(0, ...late),
+    completion: sum(tasks.map(({ weight }, task) => weight * doneAt[task])),
+  };
+  const weighed = Object.entries(cost).map(([part, weight]) => weight * parts[part]);
+  return sum(weighed) / sum(Object.values(cost));
 }
 
 function noMakespan({ end }) {

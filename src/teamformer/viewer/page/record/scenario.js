@@ -16,11 +16,13 @@ function readScenario(tree, truth, isHopeful) {
       name: robot.name,
       at: robot.at,
       can: readCounts(robot.can, numbers),
+      flies: robot.moves === "air",
       delay: robot.delays?.chance ?? robot.delays ?? 0, // of how many steps it stands still in
     })),
     tasks,
     doTasksMove: tasks.some(({ within, to }) => within || to), // in what is believed, or carried
     sensingRadius: readRadius(tree.sensing_radius),
+    cost: tree.cost ?? null, // the weights by which a plan costs something, if it does
   };
   for (const task of tasks) task.first = firstPlace(scenario.world, task);
   sharePlaces(scenario);
@@ -32,7 +34,7 @@ function readScenario(tree, truth, isHopeful) {
 // before; `mayNeed` has pairs of a capability and the probability that one more is needed. It is at
 // `at`, known to be `within` a distance of `around`, and `first` believed to be in the nearest place.
 function readTask(
-  { name, at, within, needs, may_need, duration, appears, after, between, to, unload },
+  { name, at, within, needs, may_need, duration, appears, after, between, to, unload, weight },
   numbers,
   truth,
   isHopeful,
@@ -59,6 +61,7 @@ function readTask(
     to: to ?? null, // where a load is brought, and how long it takes there
     unload: unload ?? 0,
     due: between?.[1] ?? Infinity,
+    weight: weight ?? 1,
   };
 }
 
@@ -108,6 +111,11 @@ function readRadius(radius) {
   return radius ?? Infinity; // the page's JSON writes infinity as null
 }
 
+// Whether a team gets over obstacles: all its robots fly.
+function isFlying({ robots }, team) {
+  return team.robots.every((robot) => robots[robot].flies);
+}
+
 // Counts come as {lift: 2} or as [lift, weld], one each.
 function readCounts(counts, numbers) {
   const named = Array.isArray(counts) ? counts.map((name) => [name, 1]) : Object.entries(counts);
@@ -145,10 +153,10 @@ function usedPart(width, height, rows) {
 
 const FIELDS_KEPT = 64;
 
-// Cells to walk between two places, or Infinity, on planes squares straight on; distance fields are kept by their goal.
-function walkingDistance(world, from, goal) {
+// Cells to go between two places, or Infinity, on planes squares straight on; distance fields are kept by their goal.
+function walkingDistance(world, from, goal, flies = false) {
   if (world.isPlane) return Math.hypot(from[0] - goal[0], from[1] - goal[1]);
-  if (!world.rows.length) return Math.abs(from[0] - goal[0]) + Math.abs(from[1] - goal[1]);
+  if (flies || !world.rows.length) return Math.abs(from[0] - goal[0]) + Math.abs(from[1] - goal[1]);
   const key = goal[1] * world.width + goal[0];
   if (!world.fields.has(key)) {
     if (world.fields.size >= FIELDS_KEPT) world.fields.clear();

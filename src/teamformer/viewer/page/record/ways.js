@@ -1,12 +1,12 @@
 // The ways that teams take: straight on planes, around obstacles as the simulator walks on grids.
 
 // The places on the way from a place to a goal where the direction changes, both ends included.
-function wayTo(world, from, goal) {
+function wayTo(world, from, goal, flies) {
   if (world.isPlane || isSamePlace(world, from, goal)) return [from, goal];
   const corners = [from];
   let [place, heading] = [from, null];
   while (!isSamePlace(world, place, goal)) {
-    const next = nextOnWay(world, place, goal);
+    const next = nextOnWay(world, place, goal, flies);
     if (!next) return [from, goal]; // no way leads there
     const along = next[0] !== place[0] ? "x" : "y";
     if (heading !== null && along !== heading) corners.push(place);
@@ -17,11 +17,11 @@ function wayTo(world, from, goal) {
 }
 
 // One cell nearer; of several, the one on the axis with more left to go, as teams walk.
-function nextOnWay(world, [x, y], goal) {
+function nextOnWay(world, [x, y], goal, flies) {
   const isAlongX = Math.abs(goal[0] - x) >= Math.abs(goal[1] - y);
-  const nearer = walkingDistance(world, [x, y], goal) - 1;
+  const nearer = walkingDistance(world, [x, y], goal, flies) - 1;
   const steps = SIDES.map(([right, up]) => [x + right, y + up]).filter(
-    (cell) => isFreeCell(world, ...cell) && walkingDistance(world, cell, goal) === nearer,
+    (cell) => (flies || isFreeCell(world, ...cell)) && walkingDistance(world, cell, goal, flies) === nearer,
   );
   return steps.find((cell) => (cell[0] !== x) === isAlongX) ?? steps[0];
 }

@@ -45,9 +45,9 @@ function capitalised(text) {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
-// How far a team has to walk to where its task is believed to be.
-function distanceTo({ world }, team) {
-  return walkingDistance(world, [team.x, team.y], team.site.at);
+// How far a team has to go to where its task is believed to be.
+function distanceTo(scenario, team) {
+  return walkingDistance(scenario.world, [team.x, team.y], team.site.at, isFlying(scenario, team));
 }
 
 function describeDoing(scenario, team, step) {
@@ -70,9 +70,10 @@ function describeDoing(scenario, team, step) {
     default: {
       const away = distanceTo(scenario, team);
       const way = `${describeWay(scenario.world, away)} to go`;
+      const goes = isFlying(scenario, team) ? "flies" : "walks";
       return team.isMet
-        ? `walks to ${name} with all it needs, ${way}`
-        : `walks to ${name}, ${way}; lacks ${lack}`;
+        ? `${goes} to ${name} with all it needs, ${way}`
+        : `${goes} to ${name}, ${way}; lacks ${lack}`;
     }
   }
 }

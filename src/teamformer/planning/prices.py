@@ -1,0 +1,58 @@
+"""What plans of missions in steps are searched by, where more counts than the makespan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.mission.costs import judged_by
+from teamformer.model import Scenario, Task
+from teamformer.rules.constants import NEVER
+
+Whole = npt.NDArray[np.int64]
+
+SHARES = 3200
+"""What a step of everything costs, for each task: how finely prices are told apart."""
+
+SMOOTH = 16
+"""What a step of the end of any task costs beside its price: it leads out of plateaus."""
+
+
+class Prices(NamedTuple):
+    """Prices of a step, whole numbers; no arrays have an entry where the makespan alone counts."""
+
+    due: Whole  # (tasks,) the step in which each has to be done
+    late: Whole  # (tasks,) of each step that it is late
+    ends: Whole  # (tasks,) of each step until its end
+    whole: Whole  # (2,) of each step of the makespan, and of each that the latest task is late
+
+
+def prices_of(scenario: Scenario, tasks: Sequence[Task]) -> Prices:
+    """Return the prices of plans for some tasks of a mission.
+
+    A mission without a cost has its makespan and, if tasks have windows, how late they are.
+    """
+    weights = judged_by(scenario)
+    if weights is None or not tasks:
+        nothing = np.zeros(0, np.int64)
+        return Prices(nothing, nothing, nothing, nothing)
+    by_task = np.array([1.0 if scenario.cost is None else task.weight for task in tasks])
+    wanted = {part: weights.get(part, 0.0) for part in
+              ("makespan", "max_tardiness", "tardiness", "completion")}  # fmt: skip
+    of_tasks = (wanted["tardiness"] + wanted["completion"]) * by_task.sum()
+    everything = wanted["makespan"] + wanted["max_tardiness"] + of_tasks
+    step = SHARES * len(tasks) / everything
+
+    def price(weight: npt.ArrayLike) -> Whole:
+        return np.rint(step * np.asarray(weight)).astype(np.int64)
+
+    due = [NEVER if task.between is None else int(task.between[1]) for task in tasks]
+    return Prices(
+        due=np.array(due, np.int64),
+        late=price(wanted["tardiness"] * by_task),
+        ends=price(wanted["completion"] * by_task) + SMOOTH,
+        whole=price([wanted["makespan"], wanted["max_tardiness"]]),
+    )

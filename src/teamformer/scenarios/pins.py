@@ -1,0 +1,133 @@
+"""Pins: which robots take part in a task in any case, and which alone may, said in capabilities.
+
+A robot that takes part in any case is a need for that robot, which it alone brings. A task that is
+only for some robots needs what it needs of these: of `lift`, say, the `lift of a, b`. So everything
+that knows capabilities keeps pins, and they are shown as what they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from teamformer.capabilities import covers, describe, missing, total
+from teamformer.mission.places import possible_places
+from teamformer.mission.reach import can_reach
+from teamformer.model import Robot, Task, World
+from teamformer.scenarios.tree_reader import LONGEST_TEXT, Reader
+from teamformer.scenarios.yaml.reader import Where
+from teamformer.scenarios.yaml.words import shorten
+
+
+@dataclass(frozen=True)
+class Pins:
+    """Robots by number: `only` these may take part if any are named, `having` do in any case."""
+
+    only: tuple[int, ...] = ()
+    having: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Pinned:
+    """A mission's capabilities, robots and tasks, the pins said in them."""
+
+    capabilities: tuple[str, ...]
+    robots: tuple[Robot, ...]
+    tasks: tuple[Task, ...]
+
+
+def read_pins(
+    reader: Reader, where: Where, keys: Mapping[str, object], robots: Sequence[Robot]
+) -> Pins:
+    """Return the pins of a task; robots that are none are refused."""
+    number_of = {robot.name: number for number, robot in enumerate(robots)}
+    read: dict[str, tuple[int, ...]] = {}
+    for key in ("only", "with"):
+        names = reader.names((*where, key), keys[key]) if key in keys else []
+        if key in keys and keys[key] == []:
+            reader.refuse((*where, key), f"{key} names no robot; name one, or drop it")
+        for entry, name in enumerate(names):
+            if name not in number_of and name != "?":
+                message = f"there is no robot '{shorten(name)}'; write the name of one"
+                reader.refuse((*where, key, entry), message)
+        read[key] = tuple(sorted({number_of[name] for name in names if name in number_of}))
+    return Pins(read["only"], read["with"])
+
+
+def apply_pins(
+    reader: Reader,
+    world: World,
+    mission: Pinned,
+    pins: Sequence[Pins],
+) -> Pinned:
+    """Return a mission with its pins said in capabilities; refuse pins that nobody can meet."""
+    added: dict[str, dict[int, float]] = {}  # what robots bring of each new capability
+    tasks = list(mission.tasks)
+    for number, (task, pin) in enumerate(zip(mission.tasks, pins, strict=True)):
+        _refuse_impossible(reader, world, mission.robots, task, pin, ("tasks", number))
+        needs, may_need = dict(task.needs), dict(task.may_need)
+        if pin.only:
+            named = {cap: _name_of(cap, pin.only, mission, number) for cap in (*needs, *may_need)}
+            for cap, name in named.items():
+                brings = {robot: mission.robots[robot].can.get(cap, 0) for robot in pin.only}
+                added[name] = {robot: count for robot, count in brings.items() if count}
+            needs = {named[cap]: count for cap, count in needs.items()}
+            may_need = {named[cap]: chance for cap, chance in may_need.items()}
+        for robot in pin.having:
+            name = _unused(f"robot {mission.robots[robot].name}", mission.capabilities)
+            added[name], needs[name] = {robot: 1}, 1
+        tasks[number] = replace(task, needs=needs, may_need=may_need)
+    return Pinned(
+        capabilities=(*mission.capabilities, *added),
+        robots=tuple(
+            replace(robot, can={**robot.can, **_brought(added, number)})
+            for number, robot in enumerate(mission.robots)
+        ),
+        tasks=tuple(tasks),
+    )
+
+
+def _brought(added: Mapping[str, Mapping[int, float]], robot: int) -> dict[str, float]:
+    return {name: brings[robot] for name, brings in added.items() if robot in brings}
+
+
+def _name_of(cap: str, only: Sequence[int], mission: Pinned, task: int) -> str:
+    """Return what a capability is called that only some robots bring."""
+    name = f"{cap} of {', '.join(mission.robots[robot].name for robot in only)}"
+    if len(name) > LONGEST_TEXT:
+        name = f"{cap[: LONGEST_TEXT - 50]} of those for task {task + 1}"
+    return _unused(name, mission.capabilities)
+
+
+def _unused(name: str, taken: Sequence[str]) -> str:
+    while name in taken:
+        name = f"{name}'"
+    return name
+
+
+def _refuse_impossible(
+    reader: Reader, world: World, robots: Sequence[Robot], task: Task, pin: Pins, where: Where
+) -> None:
+    """Refuse pins of a task that nobody can meet, each where it stands."""
+    what, only = f"task '{task.name}'", pin.only or tuple(range(len(robots)))
+    for robot in pin.having:
+        if robot not in only:
+            name = robots[robot].name
+            message = f"{what} is with '{name}', but only for others; add it to only, or drop it"
+            reader.refuse((*where, "with"), message)
+    places = possible_places(world, task.at, task.within) if world.is_inside(task.at) else ()
+    if not places or not all(world.is_free(robot.at) for robot in robots):
+        return  # which is told of the places
+    for robot in pin.having:
+        if not can_reach(world, robots[robot], places[0]):
+            message = f"{what} is with '{robots[robot].name}', which no way leads there"
+            remedy = "move one of them, open the map, or let it fly with moves: air"
+            reader.refuse((*where, "with"), f"{message}; {remedy}")
+    coming = [robots[robot] for robot in pin.only if can_reach(world, robots[robot], places[0])]
+    have = total(robot.can for robot in coming)
+    if pin.only and not covers(have, task.worst_needs):
+        short = describe(missing(have, task.worst_needs))
+        message = f"{what} is only for robots that together lack {short}"
+        stay = [robots[robot].name for robot in pin.only if robots[robot] not in coming]
+        message += f", as no way leads '{stay[0]}' there" if stay else ""
+        reader.refuse((*where, "only"), f"{message}; name more robots, or drop only")

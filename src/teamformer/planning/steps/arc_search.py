@@ -9,7 +9,7 @@ from teamformer.planning.arcs.graph import MAKESPAN, StepRules
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.continuous.problem import CoalitionProblem, Ticks, Whole, pose_problem
 from teamformer.planning.continuous.schedule import empty_plan
-from teamformer.planning.relaxation.problem import Relaxed, pace_together
+from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
@@ -164,8 +164,11 @@ def _pose(situation: Situation, robots: Ticks) -> CoalitionProblem:
 
 def _together(problem: Relaxed) -> Whole:
     """Return the pace of those who go together, (paces, paces)."""
-    paces = range(len(problem.steps))
-    return np.array([[pace_together(problem, a, b) for b in paces] for a in paces], np.int32)
+    movers = len(problem.lengths)
+    flies, rank = np.divmod(np.arange(len(problem.steps)), len(problem.steps) // movers)
+    both_fly, slowest = np.minimum.outer(flies, flies), np.minimum.outer(rank, rank)
+    together: Whole = (both_fly * (len(problem.steps) // movers) + slowest).astype(np.int32)
+    return together
 
 
 def _passes(problem: Relaxed, crossings: Crossings, leaders: Ticks) -> tuple[Whole, Whole]:

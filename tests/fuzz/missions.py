@@ -84,7 +84,8 @@ def missions(
         if not is_sure:
             _write_surprises_of_task(draw, world, fleet, task)
     if not is_plain:
-        if not is_tiny:  # `plain_search` plays no loads
+        flies = any(robot.get("moves") == "air" for robot in fleet.robots) and world.blocked
+        if not is_tiny and not flies:  # `plain_search` plays no loads, and nobody flies with them
             _write_loads(draw, world, tasks)
         _write_windows(draw, tasks, can_be_short=True)
         _write_precedence(draw, tasks, range(len(tasks)))

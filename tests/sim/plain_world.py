@@ -613,7 +613,7 @@ class PlainWorld:
         if isinstance(self.s.world, Plane):
             way = math.dist(team.at, goal) - self.here
             return math.ceil(way / (pace * self.s.world.step) - 1e-9)
-        return math.ceil((self.way(team.at, goal) - team.credit) / pace - 1e-9)
+        return math.ceil((self.way(team, goal) - team.credit) / pace - 1e-9)
 
     def is_at(self, team: PlainTeam, task: int) -> bool:
         return self.is_same(team.at, self.at[task])

@@ -27,6 +27,20 @@ def find_load_problems(world: World, task: Task, number: int) -> Iterator[Proble
         yield Problem(("tasks", number, "to"), f"{message} to [{to_x}, {to_y}]: {remedy}")
 
 
+def find_flown_loads(scenario: Scenario) -> Iterator[Problem]:
+    """Return the loads of a mission in which robots fly over obstacles: it cannot have both.
+
+    A team that flies and loses robots might set a load down where nobody on the ground gets to.
+    """
+    if not scenario.world.rows or not any(robot.flies for robot in scenario.robots):
+        return
+    for number, task in enumerate(scenario.tasks):
+        if task.to is not None:
+            message = f"task '{task.name}' has a load, and robots fly over obstacles"
+            remedy = "one mission cannot have both yet; drop to and unload, or moves: air"
+            yield Problem(("tasks", number, "to"), f"{message}: {remedy}")
+
+
 def rules_without_loads(scenario: Scenario, who: str) -> Iterator[Problem]:
     """Return why `who`, such as a fleet of processes, cannot do a mission: it has loads."""
     for number, task in enumerate(scenario.tasks):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from teamformer.errors import Problem
 from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.links import find_link_problems, find_links
-from teamformer.mission.loads import rules_without_loads
+from teamformer.mission.loads import find_flown_loads, rules_without_loads
 from teamformer.mission.reach import can_reach
 from teamformer.roads import AIR, GROUND, Roads
 
@@ -54,6 +54,7 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("time",), f"missions in continuous time are not played in steps; {remedy}")
         return
     remedy = f"write time: continuous and {remedy}"
+    yield from find_flown_loads(scenario)
     if scenario.ends is not None:
         yield Problem(("ends",), f"in steps missions end with the last task; {remedy}")
     if scenario.forming:

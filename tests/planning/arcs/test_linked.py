@@ -15,6 +15,7 @@ from teamformer.planning.arcs.linked.judging import NOW
 from teamformer.planning.arcs.linked.search import LinkedSearch
 from teamformer.planning.arcs.linked.solve import plan_linked, solve_linked
 from teamformer.planning.continuous.links import (
+    COMPLETION,
     FREE,
     HOME,
     MAKESPAN,
@@ -29,7 +30,7 @@ from teamformer.planning.continuous.problem import CoalitionProblem, pose_proble
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 
 SEEDS = range(4)
-WEIGHTS = (3, 1, 2, 4, 5)
+WEIGHTS = (3, 1, 2, 4, 5, 1)
 
 
 def lasting(seed: int, tasks: int, **sizes: int) -> CoalitionProblem:
@@ -48,7 +49,7 @@ def random_linked(seed: int, tasks: int = 8, **sizes: int) -> LinkedProblem:
     links = [Link(tasks - 1, tasks - 2, least, least + int(rng.integers(0, 40)))]
     if tasks > 4:
         links.append(Link(tasks - 3, tasks - 4, 0, 0))
-    return link_problem(base, links, WEIGHTS)
+    return link_problem(base, links, WEIGHTS, rng.integers(1, 4, tasks))
 
 
 def plain_cost(
@@ -95,8 +96,9 @@ def plain_cost(
         MAKESPAN: max(back),
         HOME: sum(back),
         TRAVEL: travel + sum(home),
-        TARDINESS: sum(late),
+        TARDINESS: sum(int(w) * by for w, by in zip(problem.task_weight, late, strict=True)),
         MAX_TARDINESS: max(late),
+        COMPLETION: sum(int(problem.task_weight[task]) * end[task] for task in range(tasks)),
     }
     told = [parts[part] for part in range(len(parts))]
     return sum(int(problem.weight[part]) * told[part] for part in range(len(told))), start, told

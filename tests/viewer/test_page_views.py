@@ -270,14 +270,15 @@ def test_two_records_run_in_step(open_page: Opener, dock: Tree, tmp_path: Path) 
     other = toy_replay(small_scenario() | {"name": "the other", "tasks": tasks})
     assert len(other["steps"]) < 61
     choose(opened, "#open-beside", record_file(other, tmp_path / "other.json"))
-    opened.wait_until("document.querySelector('#beside-name').textContent === 'the other, toy'")
+    title = "document.querySelector('.beside .caption strong')?.textContent"
+    opened.wait_until(f"{title} === 'the other, toy'")
     for key, step, beside in [("ArrowRight", 1, 1), ("End", 61, len(other["steps"]))]:
         opened.page.keyboard.press(key)
         assert opened.shown_step() == step
-        assert opened.page.evaluate("window.teamformer.besideStep()") == beside
-    opened.wait_until("document.querySelector('#beside-state').textContent.includes('completed')")
-    opened.page.click("#beside-close")
-    assert not opened.page.is_visible("#beside")
+        assert opened.page.evaluate("window.teamformer.besideSteps()") == [beside]
+    opened.wait_until("document.querySelector('.beside').textContent.includes('completed')")
+    opened.page.click(".beside >> text=Close")
+    assert opened.page.locator(".beside").count() == 0
     assert opened.errors == []
 
 

@@ -38,7 +38,9 @@ function askForRecord(app, isBeside) {
 async function openRecordFile(app, file, isBeside) {
   try {
     if (file.size > LARGEST_RECORD) throw new Error("it is larger than 512 MB");
-    app.open(readRecord(await file.text()), isBeside);
+    const record = readRecord(await file.text());
+    if (isBeside) app.putBeside([record]);
+    else app.open(record);
     notify(noticeText(app.history));
   } catch (error) {
     notify(`${file.name} is not shown: ${error.message}.`);
@@ -77,25 +79,35 @@ function notify(text, kind = "") {
   byId("notice").hidden = !text;
 }
 
-// The map or the Gantt view as it is seen, with a line that says what it is.
+// The maps or Gantt charts as they are seen, with a line that says what they are.
 function savePicture(app) {
   byId("menu").open = false;
-  const shown = app.view === "gantt" ? app.gantt.canvas : app.map.canvas;
+  const shown = app.view === "gantt" ? app.gantts() : app.maps();
   const sharpness = window.devicePixelRatio || 1;
+  const boxes = shown.map(({ canvas }) => canvas.getBoundingClientRect());
+  const [left, top] = [Math.min(...boxes.map((box) => box.left)), Math.min(...boxes.map((box) => box.top))];
   const canvas = document.createElement("canvas");
-  canvas.width = shown.width;
-  canvas.height = shown.height + 34 * sharpness;
+  canvas.width = Math.round((Math.max(...boxes.map((box) => box.right)) - left) * sharpness);
+  canvas.height = Math.round((Math.max(...boxes.map((box) => box.bottom)) - top + 34) * sharpness);
   const ctx = canvas.getContext("2d");
   ctx.fillStyle = app.map.theme.surface;
   ctx.fillRect(0, 0, canvas.width, canvas.height);
-  ctx.drawImage(shown, 0, 34 * sharpness);
   ctx.scale(sharpness, sharpness);
+  shown.forEach((drawn, number) => {
+    const { x, y, width, height } = boxes[number];
+    ctx.drawImage(drawn.canvas, x - left, y - top + 34, width, height);
+    if (shown.length === 1) return;
+    ctx.font = `600 13px ${app.map.theme.font}`;
+    ctx.fillStyle = app.map.theme.ink;
+    ctx.fillText(titleOf(app.trials, drawn.app.trial), x - left + 12, y - top + 34 + height - 10);
+  });
   ctx.font = `600 14px ${app.map.theme.font}`;
   ctx.fillStyle = app.map.theme.ink;
   ctx.textBaseline = "middle";
   const { scenario, replay } = app.history;
   const moment = describeAt(scenario.world, app.player.step);
-  ctx.fillText([scenario.name, replay.method, moment].filter(Boolean).join(", "), 12, 18);
+  const method = shown.length === 1 ? replay.method : "";
+  ctx.fillText([scenario.name, method, moment].filter(Boolean).join(", "), 12, 18);
   canvas.toBlob((blob) => download(blob, `${fileName(scenario.name)}-${app.player.step}.png`));
 }
 

@@ -48,5 +48,5 @@ function showSwitches(app) {
   }
 }
 
-const SWITCHES = ["lines", "trails", "order", "messages", "names"];
+const SWITCHES = ["lines", "trails", "order", "messages", "names", "dim"];
 const VIEWS = ["map", "gantt"];

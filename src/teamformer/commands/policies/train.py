@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -33,6 +34,7 @@ class TrainOptions:
 
 def train(options: TrainOptions) -> int:
     """Train, printing a row for each iteration; return the exit status."""
+    begun = time.perf_counter()  # its minutes count loading torch, too
     _refuse_without_torch()
     from teamformer.train.session import run_session
 
@@ -42,7 +44,7 @@ def train(options: TrainOptions) -> int:
     try:
         with ended_like_ctrl_c():
             table = _Table()
-            is_first = run_session(settings, folder, table.show)
+            is_first = run_session(settings, folder, table.show, begun)
     except KeyboardInterrupt:
         say(_how_to_go_on(folder))
         return 1
@@ -50,7 +52,7 @@ def train(options: TrainOptions) -> int:
         say("no iteration was made; nothing is kept")
         return 1
     if is_first and table.rows == 0:
-        say("it has trained for as long already; --minutes counts all of its time")
+        say("there is no time left for an iteration; --minutes counts all of its time")
     if is_first:
         say(f"the policy is in {folder}; run it with --method {folder}")
     return 0

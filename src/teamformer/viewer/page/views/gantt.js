@@ -8,12 +8,13 @@ const AXIS_HEIGHT = 24;
 const STEP_WIDTH_MOST = 60; // pixels a step
 
 class Gantt {
-  constructor(app, canvas) {
+  constructor(app, canvas, legend) {
     this.app = app;
     this.canvas = canvas;
+    this.legend = legend;
     this.factor = 1; // how many times as wide as its box the time is drawn
     this.box = canvas.parentElement.parentElement;
-    this.box.addEventListener("scroll", () => this.app.redraw());
+    this.box.addEventListener("scroll", () => this.app.alignGantts(this));
     new ResizeObserver(() => this.app.redraw()).observe(this.box);
     canvas.addEventListener("click", (event) => this.click(event));
     canvas.addEventListener("pointermove", (event) => this.point(event));
@@ -67,13 +68,21 @@ class Gantt {
     this.factor = Math.max(1, Math.min(Math.max(1, most), this.factor * by));
     this.fit();
     this.box.scrollLeft += this.x(time) - at;
-    this.app.redraw();
+    this.app.alignGantts(this);
   }
 
   // All of the time in sight.
   fitAll() {
     this.factor = 1;
-    this.app.redraw();
+    this.app.alignGantts(this);
+  }
+
+  // Show the same time and the same rows as another chart.
+  alignWith({ factor, box }) {
+    this.factor = factor;
+    this.fit();
+    this.box.scrollLeft = box.scrollLeft;
+    this.box.scrollTop = box.scrollTop;
   }
 
   reveal(robot) {
@@ -229,6 +238,7 @@ class Gantt {
       return element("li", {}, dot, `${PHASE_NAMES[name]} ${percent(means[phase])}`);
     });
     const diamond = element("span", { class: "diamond" });
-    byId("phases").replaceChildren(...items, element("li", {}, diamond, "a task done"));
+    const title = this.app.titleItem();
+    this.legend.replaceChildren(...(title ? [title] : []), ...items, element("li", {}, diamond, "a task done"));
   }
 }

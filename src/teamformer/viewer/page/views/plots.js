@@ -33,11 +33,11 @@ class Plots {
 
   goTo({ offsetX }) {
     const part = (offsetX - PLOT_LEFT) / (this.width - PLOT_LEFT - PLOT_RIGHT);
-    this.app.go(Math.round(Math.max(0, Math.min(1, part)) * this.app.history.last));
+    this.app.go(Math.round(part * this.app.player.last));
   }
 
   x(step) {
-    const part = step / Math.max(1, this.app.history.last);
+    const part = step / Math.max(1, this.app.player.last);
     return PLOT_LEFT + part * (this.width - PLOT_LEFT - PLOT_RIGHT);
   }
 
@@ -106,10 +106,10 @@ class Plots {
   }
 
   drawTimes(ctx) {
-    const { history, map } = this.app;
+    const { history, map, player } = this.app;
     const { world } = history.scenario;
     const unit = world.isPlane ? world.stepSeconds : 1;
-    const length = history.last * unit;
+    const length = player.last * unit;
     const room = this.width - PLOT_LEFT - PLOT_RIGHT;
     const every = SPACINGS.find((spacing) => (spacing / length) * room >= 46) ?? length;
     ctx.fillStyle = map.theme.muted;

@@ -31,7 +31,6 @@ function lookInto(app) {
     told: () => toldOf(app.history),
     bars: (robot) => ganttRow(app, robot),
     curves: () => curvesOf(app.history),
-    said: () => app.plots.said(app.player.step),
     lineOf: (step, part) => ({ x: app.compared.curves.x(step), y: app.compared.curves.y(part) }),
     robotSpotBeside: (number, robot) => robotSpot(app.companions[number].map.shown, robot),
     barsBeside: (number, robot) => ganttRow(app.companions[number], robot),

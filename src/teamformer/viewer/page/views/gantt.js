@@ -196,20 +196,15 @@ class Gantt {
   drawAxis(ctx) {
     const { history, map, player } = this.app;
     const { theme } = map;
-    const { world } = history.scenario;
     ctx.fillStyle = theme.surface;
     ctx.fillRect(0, 0, this.width, AXIS_HEIGHT - 2);
     ctx.fillStyle = theme.muted;
     ctx.font = `11px ${theme.font}`;
     ctx.textBaseline = "middle";
     ctx.textAlign = "center";
-    const unit = world.isPlane ? world.stepSeconds : 1;
-    const length = player.last * unit;
-    const every = SPACINGS.find((step) => (step / length) * this.timeWidth() >= 46) ?? length;
-    for (let mark = 0; mark <= length + 1e-9; mark += every) {
-      const x = this.x(mark / unit);
-      if (x < NAME_WIDTH - 1 || x > this.width - SHARE_WIDTH) continue;
-      ctx.fillText(Number(mark.toFixed(2)) + (world.isPlane ? " s" : ""), x, AXIS_HEIGHT / 2);
+    for (const { step, text } of timeMarks(history.scenario.world, player.last, this.timeWidth())) {
+      const x = this.x(step);
+      if (x >= NAME_WIDTH - 1 && x <= this.width - SHARE_WIDTH) ctx.fillText(text, x, AXIS_HEIGHT / 2);
     }
     ctx.textAlign = "right";
     ctx.fillText("idle", this.width - 10, AXIS_HEIGHT / 2);

@@ -45,10 +45,24 @@ class Opened:
         """Wait until what was to be drawn is drawn."""
         self.page.evaluate("() => new Promise((done) => requestAnimationFrame(() => done()))")
 
+    def drop(self, text: str, is_beside: bool = False) -> None:
+        """Drop a file with this text on the left half of the page, or on the right."""
+        part = 0.9 if is_beside else 0.1
+        self.page.evaluate(DROP, [text, part])
+
     def click_map(self, spot: dict[str, float]) -> None:
         """Click a pixel of the map."""
         self.page.locator("#map").click(position={"x": spot["x"], "y": spot["y"]})
 
+
+DROP = """([text, part]) => {
+  const data = new DataTransfer();
+  data.items.add(new File([text], "dropped.json"));
+  const clientX = part * innerWidth;
+  const event = { dataTransfer: data, clientX, bubbles: true, cancelable: true };
+  document.body.dispatchEvent(new DragEvent("dragover", event));
+  document.body.dispatchEvent(new DragEvent("drop", event));
+}"""
 
 Opener = Callable[..., Opened]
 """Opens a page; the first argument says which."""

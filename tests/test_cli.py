@@ -230,6 +230,8 @@ def test_generate_makes_a_scenario_that_runs(
         (("generate", "-o", "x.yaml", "--requirements", "9"), "requirements is 9"),
         (("check", FOUR), "not"),
         (("view", "nowhere.json"), "there is no such file"),
+        (("view", "page.html"), "the page of which record?"),
+        (("compare", FOUR, "--out", "/proc/none"), "cannot be written"),
         (("export", "nowhere.json", "x.mcap"), "there is no such file"),
         (("export", "nowhere.json"), "Missing argument"),
         (("export", "nowhere.json", "x.csv"), "or a folder for tables"),

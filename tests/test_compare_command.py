@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.replay.writing import replay_to_tree
 from test_cli import FOUR, teamformer
 
 OWN = """
@@ -84,3 +87,38 @@ def test_central_plans_what_comes_after_others_where_robots_are_delayed(
     simple, planned = map(json.loads, capsys.readouterr().out.splitlines())
     assert (simple["method"], planned["method"]) == ("join-all", "central")
     assert simple["makespan"] == planned["makespan"] == planned["lower_bound"] == 2
+
+
+def shown_on(page: Path) -> dict[str, Any]:
+    """Return what a page embeds."""
+    text = page.read_text().split('<script type="application/json" id="replay">')[1]
+    shown: dict[str, Any] = json.loads(text.split("</script>")[0])
+    return shown
+
+
+def test_records_and_one_page_of_them_are_written(failing: str, tmp_path: Path) -> None:
+    methods = f"join-all,{failing},heuristic"
+    assert teamformer("compare", FOUR, "--methods", methods, "--out", "out") == 1
+    out = tmp_path / "out"
+    assert {path.name for path in out.iterdir()} == {
+        *("join-all-0.json", "heuristic-0.json", "compare.html")
+    }  # fmt: skip
+    shown = shown_on(out / "compare.html")
+    names = ("join-all", "heuristic")
+    trees = [replay_to_tree(read_replay(out / f"{name}-0.json")) for name in names]
+    assert shown["compared"] == json.loads(json.dumps(trees))
+    [failed] = shown["failed"]
+    assert (failed["method"], failed["seed"]) == (failing, 0)
+    assert "KeyError: 'luck'" in failed["why"]
+    assert teamformer("check", str(out / "join-all-0.json")) == 0
+
+
+def test_view_puts_several_records_on_one_page(tmp_path: Path) -> None:
+    words = ("--methods", "join-all,heuristic", "--out", str(tmp_path))
+    assert teamformer("compare", FOUR, *words) == 0
+    records = [str(tmp_path / f"{name}-0.json") for name in ("heuristic", "join-all")]
+    assert teamformer("view", *records, str(tmp_path / "both.html")) == 0
+    shown = shown_on(tmp_path / "both.html")["compared"]
+    assert [tree["method"] for tree in shown] == ["heuristic", "join-all"]
+    assert teamformer("view", *records) == 0
+    assert shown_on(tmp_path / "heuristic-0.html")["compared"] == shown

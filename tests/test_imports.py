@@ -69,7 +69,9 @@ SEES = {
 """What each part may import besides itself; a name stands for all that is in it."""
 
 HOMES = {
-    "ortools": ("planning/",),
+    "ortools": ("planning/", "bench/peers/"),
+    "pyvrp": ("bench/peers/by_pyvrp.py",),
+    "vroom": ("bench/peers/by_vroom.py",),
     "torch": ("nets/", "train/"),
     "safetensors": ("train/",),
     "onnxruntime": ("policies/learned/onnx_sessions.py",),

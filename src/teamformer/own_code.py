@@ -1,16 +1,44 @@
-"""Code that a user wrote: what goes wrong in it is told by file and line."""
+"""Code that a user wrote: where it is found, and what goes wrong in it, told by file and line."""
 
 from __future__ import annotations
 
+import importlib
+import sys
 import sysconfig
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from teamformer.errors import TeamformerError
 
 INSTALLED = (str(Path(__file__).parent), sysconfig.get_path("stdlib"))
+
+
+def look_here() -> None:
+    """Have modules found in the folder that the user works in."""
+    if str(Path.cwd()) not in sys.path:
+        sys.path.append(str(Path.cwd()))
+
+
+def load_own(where: str, what: str) -> Any:
+    """Return the class that is named as `module:Class`; `what` says in errors what it is to be.
+
+    The module may lie in the folder that the user works in. Raises `TeamformerError`.
+    """
+    module_name, _, class_name = where.partition(":")
+    look_here()
+    try:
+        with telling_where(f"{what} '{where}' cannot be imported"):
+            module = importlib.import_module(module_name)
+    except TeamformerError as error:
+        if isinstance(error.__cause__, ImportError):
+            error.hint = "run from the folder that holds the module"
+        raise
+    if not hasattr(module, class_name):
+        raise TeamformerError(f"module '{module_name}' has no class '{class_name}'")
+    return getattr(module, class_name)
 
 
 @contextmanager

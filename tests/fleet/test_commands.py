@@ -126,7 +126,9 @@ def test_a_fleet_of_processes_survives_a_kill(tmp_path: Path) -> None:
     ) as fleet:
         assert fleet.stdout is not None
         assert fleet.stderr is not None
+        told: list[str] = []
         for line in fleet.stderr:
+            told.append(line)
             if line.startswith("agent r4 pid "):
                 pid = int(line.split()[-1])
             if " done by " in line:
@@ -136,3 +138,7 @@ def test_a_fleet_of_processes_survives_a_kill(tmp_path: Path) -> None:
     row = json.loads(out)
     assert row["completed"]
     assert (row["tasks_done"], row["robots_alive"]) == (5, 5)
+    assert told[0] == "making the first plan ...\n"
+    counts = [line.rpartition(", ")[2] for line in told if " ready after " in line]
+    assert counts == [f"{number} of 6\n" for number in range(1, 7)]
+    assert told[-2].startswith("time begins, ")

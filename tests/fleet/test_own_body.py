@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import signal
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -70,9 +72,10 @@ def test_reports_become_plain_numbers() -> None:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("no_such_module:Still", "cannot be loaded.*No module named"),
-        (f"{HERE}:Nobody", "cannot be loaded.*no attribute 'Nobody'"),
-        (f"{HERE}:", "cannot be loaded"),
+        ("no_such_module:Still", "cannot be imported.*No module named"),
+        (f"{HERE}:Nobody", "has no class 'Nobody'"),
+        (f"{HERE}:", "there is no body"),
+        ("sims", "there is no body 'sims'"),
         ("os:getcwd", "os:getcwd cannot be made.*takes no arguments"),
         (f"{HERE}:Bodiless", "is no body: it has no 'command'"),
     ],
@@ -80,6 +83,20 @@ def test_reports_become_plain_numbers() -> None:
 def test_what_is_no_body_is_told(name: str, told: str) -> None:
     with pytest.raises(TeamformerError, match=told):
         OwnBody(name, pair(), 0)
+
+
+def test_a_body_is_found_in_the_folder_that_the_user_works_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The class is that of docs/robots.md."""
+    text = (Path(__file__).parents[2] / "docs" / "robots.md").read_text()
+    code = text.split("```python\n")[1].split("```")[0]
+    (tmp_path / "body_in_this_folder.py").write_text(code)
+    monkeypatch.setattr(sys, "path", [part for part in sys.path if part])
+    monkeypatch.chdir(tmp_path)
+    body = OwnBody("body_in_this_folder:MyBody", pair(), 1)
+    body.command(Command(1, (6, 0), 0, 1, True))
+    assert body.report() == Report(6.0, 0.0, 1, True, False, 1)
 
 
 @pytest.mark.parametrize(

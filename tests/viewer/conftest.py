@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +18,11 @@ def open_page(browser: Any, tmp_path: Path) -> Iterator[Opener]:
     """Return what opens a replay's page from a file: `open_page(tree, "#step=3", **settings)`."""
     contexts = []
 
-    def open_it(tree: Tree, moment: str = "", **settings: Any) -> Opened:
+    def open_it(
+        tree: Any, moment: str = "", written: Callable[[Any], str] = replay_page, **settings: Any
+    ) -> Opened:
         path = tmp_path / f"replay-{len(contexts)}.html"
-        path.write_text(replay_page(tree), encoding="utf-8")
+        path.write_text(written(tree), encoding="utf-8")
         context = browser.new_context(viewport={"width": 1280, "height": 800}, **settings)
         contexts.append(context)
         opened = Opened(context.new_page())

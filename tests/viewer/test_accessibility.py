@@ -12,6 +12,7 @@ from toy_replays import Tree, random_scenario, toy_replay
 from browsers import Opened, Opener
 from live_server import serving, serving_editor, small_mission
 from teamformer.viewer.gantt import gantt_page
+from teamformer.viewer.html import comparison_page
 
 axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed")
 
@@ -44,6 +45,19 @@ def new_page(browser: Any, scheme: str) -> Iterator[Any]:
 def test_pages_of_records(view: str, scheme: str, open_page: Opener, dock: Tree) -> None:
     page = open_page(dock, f"#step=33&robot=r4&view={view}", color_scheme=scheme).page
     assert findings(page) == []
+
+
+@pytest.mark.parametrize("view", ["map", "gantt", "tasks", "plots"])
+def test_pages_of_several_records(view: str, scheme: str, open_page: Opener, dock: Tree) -> None:
+    def written(trees: list[Tree]) -> str:
+        return comparison_page(trees, [{"method": "central", "seed": 0, "why": "too large"}])
+
+    trees = [dock, {**dock, "method": "same"}]
+    settings: Any = {"written": written, "color_scheme": scheme}
+    opened = open_page(trees, f"#step=33&robot=r4&view={view}", **settings)
+    opened.details()
+    assert opened.page.is_visible("#compared table")
+    assert findings(opened.page) == []
 
 
 def test_lists_menu_and_help_of_a_record(scheme: str, open_page: Opener, dock: Tree) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from toy_replays import Tree
 
 from browsers import Opened
 from live_server import Served, serving, small_mission
@@ -185,6 +187,25 @@ def test_one_looks_back_while_the_mission_goes_on(opened: Opened) -> None:
     assert opened.shown_step() == 0
     opened.page.keyboard.press("End")
     assert opened.shown_step() == 13
+
+
+def test_a_record_beside_a_mission_under_way_stays_beside(opened: Opened, dock: Tree) -> None:
+    opened.drop(json.dumps(dock))
+    wait_for(opened, "#notice", "This page shows a live mission; put the record beside it")
+    opened.drop(json.dumps(dock), is_beside=True)
+    opened.wait_until("window.teamformer.besideSteps().length === 1")
+    step_to(opened, 2)
+    opened.page.click("#compared >> text=toy")
+    wait_for(opened, "#notice", "A live mission stays in front")
+    assert "Method toy" not in opened.page.inner_text("#about")
+    step_to(opened, 4, begun=2)
+    opened.wait_until("window.teamformer.besideSteps()[0] === 4")
+    opened.page.click("#tab-robots")
+    opened.page.click(".row >> text=r1")
+    opened.page.click("text=Lose r1 …")
+    opened.page.click("text=Yes, lose r1")
+    opened.wait_until("document.querySelector('#incidents li')")
+    assert opened.page.evaluate("window.teamformer.besideSteps()") == [4]
 
 
 def test_a_task_in_a_wall_is_refused_in_the_page(opened: Opened, served: Served) -> None:

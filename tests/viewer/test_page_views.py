@@ -244,18 +244,9 @@ def choose(opened: Opened, button: str, path: Path) -> None:
     chooser.value.set_files(path)
 
 
-DROP = """([text, x]) => {
-  const data = new DataTransfer();
-  data.items.add(new File([text], "dropped.json"));
-  const event = { dataTransfer: data, clientX: x, bubbles: true, cancelable: true };
-  document.body.dispatchEvent(new DragEvent("dragover", event));
-  document.body.dispatchEvent(new DragEvent("drop", event));
-}"""
-
-
 def test_a_dropped_record_is_opened(open_page: Opener, dock: Tree) -> None:
     opened = open_page(dock, "#step=61")
-    opened.page.evaluate(DROP, [json.dumps(three_in_one_cell()), 20])
+    opened.drop(json.dumps(three_in_one_cell()))
     opened.wait_until("document.querySelector('#about').textContent.includes('2 robots')")
     assert opened.shown_step() == 0
     opened.page.keyboard.press("End")
@@ -270,14 +261,15 @@ def test_two_records_run_in_step(open_page: Opener, dock: Tree, tmp_path: Path) 
     other = toy_replay(small_scenario() | {"name": "the other", "tasks": tasks})
     assert len(other["steps"]) < 61
     choose(opened, "#open-beside", record_file(other, tmp_path / "other.json"))
-    opened.wait_until("document.querySelector('#beside-name').textContent === 'the other, toy'")
+    title = "document.querySelector('.beside .caption strong')?.textContent"
+    opened.wait_until(f"{title} === 'the other, toy'")
     for key, step, beside in [("ArrowRight", 1, 1), ("End", 61, len(other["steps"]))]:
         opened.page.keyboard.press(key)
         assert opened.shown_step() == step
-        assert opened.page.evaluate("window.teamformer.besideStep()") == beside
-    opened.wait_until("document.querySelector('#beside-state').textContent.includes('completed')")
-    opened.page.click("#beside-close")
-    assert not opened.page.is_visible("#beside")
+        assert opened.page.evaluate("window.teamformer.besideSteps()") == [beside]
+    opened.wait_until("document.querySelector('.beside').textContent.includes('completed')")
+    opened.page.click(".beside >> text=Close")
+    assert opened.page.locator(".beside").count() == 0
     assert opened.errors == []
 
 
@@ -295,7 +287,7 @@ def test_what_is_no_record_is_refused_and_nothing_is_lost(
     open_page: Opener, dock: Tree, text: str, message: str
 ) -> None:
     opened = open_page(dock, "#step=7")
-    opened.page.evaluate(DROP, [text, 20])
+    opened.drop(text)
     opened.wait_until("!document.querySelector('#notice').hidden")
     assert message in opened.page.inner_text("#notice")
     assert opened.shown_step() == 7

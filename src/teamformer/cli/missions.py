@@ -50,13 +50,16 @@ def compare(
     ] = "heuristic,join-all,teamformer,crews,plan,central",
     seeds: Annotated[int, typer.Option(min=1, help="trials by each method")] = 1,
     time_limit: TimeLimit = 10.0,
+    out: Annotated[
+        Path | None, typer.Option(help="folder for all records and one page of them, compare.html")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Run a mission by several methods, side by side."""
     from teamformer.commands.missions.compare import compare as command
 
     names = [name.strip() for name in methods.split(",")]
-    raise typer.Exit(command(mission, names, seeds, time_limit, as_json))
+    raise typer.Exit(command(mission, names, seeds, time_limit, out, as_json))
 
 
 @app.command()

@@ -69,14 +69,15 @@ def bench(
 @app.command()
 def train(
     settings: Annotated[
-        str | None, typer.Argument(metavar="SETTINGS", help="a name, or a .yaml file")
+        str | None,
+        typer.Argument(
+            metavar="SETTINGS",
+            help="a name, a .yaml file, or the folder of a training to go on with",
+        ),
     ] = None,
     out: Annotated[
         Path | None,
         typer.Option(help="folder, runs/SETTINGS-SEED by default; goes on if it has one"),
-    ] = None,
-    resume: Annotated[
-        Path | None, typer.Option(help="folder of a training to go on with, as it was begun")
     ] = None,
     minutes: Annotated[float | None, typer.Option(min=0, help="at most")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="else that of the settings")] = None,
@@ -88,4 +89,4 @@ def train(
     from teamformer.commands.policies.train import TrainOptions
     from teamformer.commands.policies.train import train as command
 
-    raise typer.Exit(command(TrainOptions(settings, out, resume, minutes, seed)))
+    raise typer.Exit(command(TrainOptions(settings, out, minutes, seed)))

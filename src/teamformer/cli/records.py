@@ -26,16 +26,18 @@ def check(
 
 @app.command()
 def view(
-    replay: ReplayPath,
-    page: Annotated[
-        Path | None,
-        typer.Argument(metavar="[PAGE]", help="to write; beside the record if not named"),
-    ] = None,
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="REPLAY... [PAGE]",
+            help="records, and the .html to write; beside the first record if not named",
+        ),
+    ],
 ) -> None:
-    """Write the page of a recorded trial."""
+    """Write the page of a recorded trial, or of several trials in step."""
     from teamformer.commands.records.view import view as command
 
-    raise typer.Exit(command(replay, page))
+    raise typer.Exit(command(files))
 
 
 @app.command()

@@ -13,7 +13,6 @@ from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario, Task
-from teamformer.sim.guidance.guide import refuse_unfit
 
 Stop = tuple[int, tuple[int, ...]]
 """A task and its coalition."""
@@ -72,6 +71,8 @@ class CoordinatedPlanner:
             free_at=(0,) * len(places),
             news=UNFORESEEN[1:] if situation.old else ("start",),  # nobody tells which it was
         )
+        from teamformer.sim.guidance.guide import refuse_unfit  # brings numba: most never plan
+
         plan = self._chosen().update(known, old)
         refuse_unfit(known, plan)
         ends = plan.ends or range(len(plan.order))

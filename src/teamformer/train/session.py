@@ -15,10 +15,16 @@ from teamformer.train.training_settings import TrainSettings
 from teamformer.train.training_worlds import selection_worlds
 
 
-def run_session(settings: TrainSettings, folder: Path, on_report: Callable[[Report], None]) -> bool:
+def run_session(
+    settings: TrainSettings,
+    folder: Path,
+    on_report: Callable[[Report], None],
+    begun: float | None = None,
+) -> bool:
     """Train, selecting on worlds of the settings' own; return whether we are the first process.
 
-    Started by torchrun, all processes train one policy; only the first one reports.
+    Its minutes are counted from `begun` on, by `time.perf_counter`, or from now. Started by
+    torchrun, all processes train one policy; only the first one reports.
     """
     if settings.device == "cuda" and not torch.cuda.is_available():
         raise TeamformerError("torch finds no CUDA device", "write device: cpu")
@@ -27,7 +33,7 @@ def run_session(settings: TrainSettings, folder: Path, on_report: Callable[[Repo
     worlds = selection_worlds(settings.held_out, architecture.selection(settings.capabilities))
     with distributed.joined(settings.device):
         if distributed.rank() > 0:
-            train(settings, folder, worlds)
+            train(settings, folder, worlds, begun=begun)
             return False
         with Curves(folder / "tensorboard") as board:
 
@@ -35,5 +41,5 @@ def run_session(settings: TrainSettings, folder: Path, on_report: Callable[[Repo
                 board.write(report)
                 on_report(report)
 
-            train(settings, folder, worlds, report_twice)
+            train(settings, folder, worlds, report_twice, begun=begun)
         return True

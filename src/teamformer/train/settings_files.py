@@ -27,9 +27,8 @@ def load_settings(name: str) -> TrainSettings:
     Raises `TeamformerError` for an unknown name (with the nearest ones) and for what is wrong in
     a file, by line.
     """
-    text, source = read_shipped_or_own(
-        name, FOLDER, "there are no settings", "your own are a .yaml file"
-    )
+    own = "your own are a .yaml file; the folder of a training goes on with it"
+    text, source = read_shipped_or_own(name, FOLDER, "there are no settings", own)
     return _read(parse(text), source)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import time
+import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -15,6 +15,7 @@ from teamformer.model import Scenario
 from teamformer.nets.critic import Critic, CriticSettings
 from teamformer.nets.teamformer import Teamformer
 from teamformer.train import distributed
+from teamformer.train.budget import Budget
 from teamformer.train.checkpoint import ABOUT, TrainingProgress, load, load_weights, save
 from teamformer.train.evaluation import Exam, Score, examine, prepare_exam
 from teamformer.train.learning import global_state
@@ -68,32 +69,45 @@ def train(
     on_report: Callable[[Report], None] = lambda report: None,
     until: int | None = None,
     exports: bool = True,
+    begun: float | None = None,
 ) -> Learner:
     """Train to the last iteration or minute, or to `until`; go on where the folder stands.
 
     The folder gets `last`, to resume from, and `best`, the best on the held-out worlds; with
-    `exports` both hold the policy as it runs without torch, too.
+    `exports` both hold the policy as it runs without torch, too. The minutes are counted from
+    `begun` on, by `time.perf_counter`, from now if it is None, and what is still to be examined
+    and exported counts as well.
     """
+    budget = Budget(settings.minutes, settings.device, begun)
     learner, progress = _begin(settings, folder)
-    if _is_over(settings, progress, until):
+    budget.before = progress.seconds
+    stop = settings.last_iteration if until is None else until
+    is_last = _is_over(settings, progress, budget)
+    if is_last or progress.iteration >= stop:
         return learner
-    exam = prepare_exam(held_out)
-    while not _is_over(settings, progress, until):
-        report = _iterate(learner, settings, progress)
+    with budget.spent_on("exam"):  # scripted policies sit it, the learned one will
+        exam = prepare_exam(held_out)
+    is_exported = False
+    while not is_last and progress.iteration < stop:
+        report = _iterate(learner, settings, progress, budget)
         progress = report.progress
-        is_last = _is_over(settings, progress, None)
+        is_last = _is_over(settings, progress, budget)
         if progress.iteration % settings.evaluate_every == 0 or is_last:
-            score = _examine(learner, settings, exam)
+            with budget.spent_on("exam"):
+                score = _examine(learner, settings, exam)
             report = replace(report, score=score)
             if _is_better(score, progress):
                 progress = replace(progress, best_cost=score.cost, best_failures=score.failures)
                 _keep(folder / "best", learner, settings, progress)
+                is_exported = is_last
                 if exports:
-                    _export(folder / "best", learner, settings)
+                    with budget.spent_on("export"):
+                        _export(learner, settings, folder / "best", *([folder / "last"] * is_last))
+            progress = replace(progress, seconds=budget.seconds)
         _keep(folder / "last", learner, settings, progress)
         on_report(report)
-    if exports:
-        _export(folder / "last", learner, settings)
+    if exports and not is_exported:
+        _export(learner, settings, folder / "last")
     return learner
 
 
@@ -118,10 +132,15 @@ def _described(settings: TrainSettings) -> dict[str, object]:
     return described
 
 
-def _is_over(settings: TrainSettings, progress: TrainingProgress, until: int | None) -> bool:
-    last = min(until or settings.last_iteration, settings.last_iteration)
-    out_of_time = settings.minutes is not None and progress.seconds >= 60 * settings.minutes
-    return progress.iteration >= last or out_of_time
+def _is_over(settings: TrainSettings, progress: TrainingProgress, budget: Budget) -> bool:
+    """Say whether the last iteration is made, or time allows no other with all that follows it.
+
+    A training that has any time makes one iteration in any case.
+    """
+    if progress.iteration >= settings.last_iteration:
+        return True
+    to_come = ("iteration", "exam", "export") if progress.iteration else ()
+    return budget.is_spent(*to_come)
 
 
 def _is_better(score: Score, progress: TrainingProgress) -> bool:
@@ -138,27 +157,35 @@ def _keep(
         save(folder, learner, said, progress)
 
 
-def _export(folder: Path, learner: Learner, settings: TrainSettings) -> None:
-    """Write the policy beside the checkpoint, as it runs without torch; all its files or none."""
+def _export(learner: Learner, settings: TrainSettings, *folders: Path) -> None:
+    """Write the policy into folders, as it runs without torch; into each all its files or none."""
     if distributed.rank() > 0:
         return
-    with TemporaryDirectory(dir=folder) as name:
+    with TemporaryDirectory() as name:
         settings.architecture.export(learner.policy, settings.capabilities, Path(name))
         describe_policy(PolicyDescription(settings.network, settings.capabilities), Path(name))
-        for file in Path(name).iterdir():
-            file.replace(folder / file.name)
+        for folder in folders:
+            folder.mkdir(exist_ok=True)
+            with TemporaryDirectory(dir=folder) as copied:
+                for file in Path(name).iterdir():
+                    shutil.copy(file, copied)
+                for file in Path(copied).iterdir():
+                    file.replace(folder / file.name)
     learner.policy.to(settings.device)
 
 
-def _iterate(learner: Learner, settings: TrainSettings, progress: TrainingProgress) -> Report:
-    begun = time.perf_counter()
-    done = settings.share_done(progress.iteration, progress.seconds)
-    iteration = METHODS[settings.learns_by](learner, settings, progress.iteration, done)
-    [seconds] = distributed.agreed([time.perf_counter() - begun], settings.device)
+def _iterate(
+    learner: Learner, settings: TrainSettings, progress: TrainingProgress, budget: Budget
+) -> Report:
+    begun = budget.seconds
+    done = settings.share_done(progress.iteration, begun)
+    with budget.spent_on("iteration"):
+        iteration = METHODS[settings.learns_by](learner, settings, progress.iteration, done)
+    now = budget.seconds
     progress = replace(
         progress,
         iteration=progress.iteration + 1,
         steps=progress.steps + iteration.steps,
-        seconds=progress.seconds + seconds,
+        seconds=now,
     )
-    return Report(progress, iteration.steps / seconds, iteration, score=None)
+    return Report(progress, iteration.steps / (now - begun), iteration, score=None)

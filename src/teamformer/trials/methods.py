@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import importlib.util
 import inspect
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -18,7 +17,7 @@ from teamformer.coordinators.own import OwnCoordinator
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
-from teamformer.own_code import telling_where
+from teamformer.own_code import load_own, look_here, telling_where
 from teamformer.planning.steps.shared_plan import is_too_large
 from teamformer.policies.learned.shipped import Card, shipped_cards, shipped_policy
 from teamformer.policies.own import watch_own
@@ -222,15 +221,9 @@ def files_of_own(name: str) -> list[Path]:
     module_name, is_own, _ = name.removesuffix(BARE).partition(":")
     if not is_own or module_name.startswith("teamformer."):
         return []
-    _look_here()
+    look_here()
     spec = importlib.util.find_spec(module_name)
     return [Path(spec.origin)] if spec is not None and spec.origin is not None else []
-
-
-def _look_here() -> None:
-    """Have modules found in the folder that the user works in."""
-    if str(Path.cwd()) not in sys.path:
-        sys.path.append(str(Path.cwd()))
 
 
 def _instance(where: str) -> Policy | Coordinator:
@@ -238,8 +231,7 @@ def _instance(where: str) -> Policy | Coordinator:
     if not all(part.isidentifier() for part in (*module_name.split("."), class_name)):
         hint = "write it as module:Class, such as mine:Patient for class Patient in mine.py"
         raise TeamformerError(f"method '{where}' cannot be imported: it is no name", hint)
-    _look_here()
-    made = _make(_find(where, module_name, class_name), where)
+    made = _make(load_own(where, "method"), where)
     if _is_coordinator(made):
         return OwnCoordinator(made, where)
     policy: Policy = made
@@ -249,19 +241,6 @@ def _instance(where: str) -> Policy | Coordinator:
             what = f"'{where}' is neither a coordinator, as it has no 'update', nor a policy"
             raise TeamformerError(f"{what}: it has no '{part}'", hint)
     return policy if where.startswith("teamformer.") else watch_own(policy, where)
-
-
-def _find(where: str, module_name: str, class_name: str) -> Any:
-    try:
-        with telling_where(f"method '{where}' cannot be imported"):
-            module = importlib.import_module(module_name)
-    except TeamformerError as error:
-        if isinstance(error.__cause__, ImportError):
-            error.hint = "run from the folder that holds the module"
-        raise
-    if not hasattr(module, class_name):
-        raise TeamformerError(f"module '{module_name}' has no class '{class_name}'")
-    return getattr(module, class_name)
 
 
 def _make(make: Any, where: str) -> Any:

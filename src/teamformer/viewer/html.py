@@ -19,19 +19,14 @@ SCRIPTS = (
     *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
     *("record/reasons", "record/critical_path", "record/over_time"),
     *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
-    *("draw/teams", "draw/groups", "draw/extras", "draw/names", "draw/map"),
-    *("panel/dom", "panel/notice", "panel/chips", "panel/waiting", "panel/inspector"),
-    *("panel/rows", "panel/lists", "panel/header", "panel/playback", "panel/timeline"),
-    *("panel/files", "panel/controls"),
-    *(
-        "views/bars",
-        "views/critical_path",
-        "views/gantt",
-        "views/columns",
-        "views/table",
-        "views/plots",
-    ),
-    *("views/plots", "player", "companion", "app", "look"),
+    *("draw/teams", "draw/groups", "draw/legend", "draw/extras", "draw/names", "draw/map"),
+    *("views/time_canvas", "views/bars", "views/critical_path", "views/gantt"),
+    *("views/plots", "views/columns", "views/table", "panel/dom", "panel/notice"),
+    *("panel/chips", "panel/waiting"),
+    *("panel/inspector", "panel/rows", "panel/lists", "panel/header", "panel/playback"),
+    *("panel/timeline", "panel/files", "panel/controls"),
+    *("compared/curves", "compared/panel", "compared/companion"),
+    *("player", "app", "look"),
 )
 """The scripts of every page in the order in which they are put together."""
 
@@ -50,13 +45,26 @@ def replay_page(tree: Mapping[str, object]) -> str:
     return _page(_title(tree), (*SCRIPTS, "main"), tree, "")
 
 
+def comparison_page(
+    trees: Sequence[Mapping[str, object]], failed: Sequence[Mapping[str, object]] = ()
+) -> str:
+    """Return one page of several replays in step, the first of them in front.
+
+    `failed` has the `method`, the `seed` and the reason, `why`, of each trial that left no record.
+    """
+    methods = ", ".join(dict.fromkeys(str(tree["method"]) for tree in trees))
+    title = f"{_name(trees[0])}, {methods}"
+    shown = {"compared": [_without_infinity(tree) for tree in trees], "failed": list(failed)}
+    return _page(title, (*SCRIPTS, "main"), shown, "")
+
+
 def live_page(name: str) -> str:
     """Return the page of a live mission, which asks the server that it came from for the rest."""
     return _page(f"{name}, live", (*SCRIPTS, *LIVE_SCRIPTS), None, "connect-src 'self'; ")
 
 
 def _page(title: str, scripts: Sequence[str], tree: object, allowed: str) -> str:
-    style = _read("page.css")
+    style = _read("page.css") + _read("compared/compared.css")
     script = "\n".join(_read(f"{name}.js") for name in scripts)
     return Template(_read("page.html")).substitute(
         title=html.escape(title),
@@ -72,14 +80,27 @@ def write_page(tree: Mapping[str, object], path: Path) -> None:
     write_whole(path, replay_page(tree))
 
 
+def write_comparison(
+    trees: Sequence[Mapping[str, object]],
+    path: Path,
+    failed: Sequence[Mapping[str, object]] = (),
+) -> None:
+    """Write one page of several replays to a file."""
+    write_whole(path, comparison_page(trees, failed))
+
+
 def _read(name: str) -> str:
     return (files("teamformer.viewer") / "page" / name).read_text(encoding="utf-8")
 
 
 def _title(tree: Mapping[str, object]) -> str:
+    return f"{_name(tree)}, {tree['method']}"
+
+
+def _name(tree: Mapping[str, object]) -> str:
     scenario = tree["scenario"]
     name = scenario.get("name") if isinstance(scenario, Mapping) else None
-    return f"{name or 'unnamed scenario'}, {tree['method']}"
+    return str(name or "unnamed scenario")
 
 
 def _content_policy(style: str, script: str) -> str:

@@ -9,6 +9,7 @@ from statistics import fmean
 from typing import Any
 
 from teamformer.bench.others.instances import Instance, Published
+from teamformer.bench.peers.names import PEERS, plan_by_peer
 from teamformer.errors import TeamformerError
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
@@ -63,11 +64,19 @@ class Comparison:
     seconds: float
 
 
-def measure(instance: Instance, method: str, time_limit: float) -> Result:
-    """Plan an instance by a method; `central` has so many seconds."""
+def measure(instance: Instance, method: str, time_limit: float) -> Result | None:
+    """Plan an instance by a method; `central` and peers have so many seconds.
+
+    None if a peer finds no plan in that time. Raises `OutOfReachError` if it cannot be asked.
+    """
     mission = pose_mission(instance.mission)
     begun = time.perf_counter()
-    made = plan_continuous(mission, method, time_limit)
+    if method in PEERS:
+        made = plan_by_peer(mission, method, time_limit)
+        if made is None:
+            return None
+    else:
+        made = plan_continuous(mission, method, time_limit)
     seconds = time.perf_counter() - begun
     assert made is not None, "tasks that nobody can do are refused with the scenario"
     return Result(

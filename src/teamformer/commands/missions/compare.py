@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -9,16 +10,18 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.commands.compiling import announce_compiling
-from teamformer.commands.console import out, print_json, say, wide
+from teamformer.commands.console import out, prepare_folder, print_json, say, wide
 from teamformer.commands.missions.run import plan_line, watch_trial
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
+from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.comparison import Bars, Comparison, Failure, compare_methods
 from teamformer.trials.methods import Method, load_method
 from teamformer.trials.rows import percent_over
 from teamformer.trials.trial import Trial
+from teamformer.viewer.html import write_comparison
 
 COLUMNS = (
     "method",
@@ -39,14 +42,18 @@ def compare(
     names: Sequence[str],
     seeds: int,
     time_limit: float,
+    folder: Path | None,
     as_json: bool,
 ) -> int:
     """Run every method with every seed and show them together; return the exit status.
 
-    A trial that fails is a row that says why. Where all do, the first error is raised.
+    The folder gets all records and one page that shows them in step. A trial that fails is a row
+    that says why. Where all do, the first error is raised.
     """
     mission = read_scenario(path, rules_not_played)
     methods = [load_method(name, time_limit) for name in names]
+    if folder is not None:
+        prepare_folder(folder)
     announce_compiling(methods, mission)
     compared = compare_methods(mission, methods, seeds, _run_one)
     trials, failures = compared.trials, compared.failures
@@ -67,6 +74,8 @@ def compare(
         for failure in failures:
             why = f"{failure.method}, seed {failure.seed}: {_reason(failure.error)}"
             out.print(Text(why, style="red"))
+    if folder is not None:
+        _write(compared, folder)
     is_complete = len(trials) == len(methods) * seeds
     return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
 
@@ -74,6 +83,25 @@ def compare(
 def _run_one(mission: Scenario, method: Method, seed: int) -> Trial:
     say(f"{method.name}, seed {seed} ...")
     return watch_trial(mission, method, seed)
+
+
+def _write(compared: Comparison, folder: Path) -> None:
+    """Write the records and the page that shows all of them."""
+    for trial in compared.trials:
+        name = f"{_file_name(trial.replay.method)}-{trial.replay.seed}.json"
+        write_replay(trial.replay, folder / name)
+    page = folder / "compare.html"
+    failed = [
+        {"method": failure.method, "seed": failure.seed, "why": _reason(failure.error)}
+        for failure in compared.failures
+    ]
+    write_comparison([replay_to_tree(trial.replay) for trial in compared.trials], page, failed)
+    say(f"page: {page}")
+
+
+def _file_name(method: str) -> str:
+    """Return a method's name without what is no part of a file's name, as in `mine:Soonest`."""
+    return re.sub(r"[^\w.-]+", "-", method).strip("-.")
 
 
 def _reason(error: TeamformerError) -> str:

@@ -19,8 +19,11 @@ from teamformer.bench.others.report import (
     write_report,
 )
 from teamformer.bench.others.results import Result, measure, result_of
+from teamformer.bench.peers.names import LIBRARIES, PEERS
+from teamformer.bench.peers.peer_plan import OutOfReachError
 from teamformer.commands.console import Counting, out, prepare_folder, say
 from teamformer.errors import TeamformerError
+from teamformer.extras import require
 from teamformer.mission.links import is_linked
 from teamformer.planning.continuous.rules import LINKED_PLANNERS, PLANNERS, is_compiled, warm_up
 from teamformer.whole_files import write_whole
@@ -39,9 +42,11 @@ def bench_others(
     is_asked = bool(methods)
     methods = methods or tuple(PLANNERS)
     for method in methods:
-        if method not in PLANNERS:
-            hint = f"use {', '.join(PLANNERS)}"
+        if method not in (*PLANNERS, *PEERS):
+            hint = f"use {', '.join((*PLANNERS, *PEERS))}"
             raise TeamformerError(f"--methods {method} is unknown here", hint)
+        if method in LIBRARIES:
+            require("peers", LIBRARIES[method])
     instances = read_instances(folders)
     if not is_asked and any(is_linked(instance.mission) for instance in instances):
         methods = tuple(LINKED_PLANNERS)
@@ -85,14 +90,27 @@ def _measure_all(
             for done, (instance, method) in enumerate(pairs, 1):
                 result = before.get((instance.name, method, time_limit))
                 if result is None:
-                    result = measure(instance, method, time_limit)
-                    if file is not None:
+                    result = _measured(instance, method, time_limit)
+                    if file is not None and result is not None:
                         print(json.dumps(_row(result)), file=file, flush=True)
-                yield result
+                if result is not None:
+                    yield result
                 counting.update(done, len(pairs))
     finally:
         if file is not None:
             file.close()
+
+
+def _measured(instance: Instance, method: str, time_limit: float) -> Result | None:
+    """Return what a method makes of an instance; if a peer makes nothing of it, that is said."""
+    try:
+        result = measure(instance, method, time_limit)
+    except OutOfReachError as error:
+        say(f"{instance.name}: {error}")
+        return None
+    if result is None:
+        say(f"{instance.name}: {method} found no plan in {time_limit:g} s")
+    return result
 
 
 def _row(result: Result) -> dict[str, object]:

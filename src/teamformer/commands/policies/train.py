@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -23,27 +24,27 @@ OURS = {"last", "best", "tensorboard"}
 
 @dataclass(frozen=True)
 class TrainOptions:
-    """What the command line says; with `resume`, that folder says all but the minutes."""
+    """What the command line says; `settings` may be the folder of a training to go on with."""
 
     settings: str | None = None
     folder: Path | None = None
-    resume: Path | None = None
     minutes: float | None = None
     seed: int | None = None
 
 
 def train(options: TrainOptions) -> int:
     """Train, printing a row for each iteration; return the exit status."""
+    begun = time.perf_counter()  # its minutes count loading torch, too
     _refuse_without_torch()
     from teamformer.train.session import run_session
 
-    settings, folder = _begun(options) if options.resume is not None else _new(options)
+    settings, folder = _begun(options) if _is_begun(options.settings) else _new(options)
     _prepare(folder)
     announce_compiling()
     try:
         with ended_like_ctrl_c():
             table = _Table()
-            is_first = run_session(settings, folder, table.show)
+            is_first = run_session(settings, folder, table.show, begun)
     except KeyboardInterrupt:
         say(_how_to_go_on(folder))
         return 1
@@ -51,7 +52,7 @@ def train(options: TrainOptions) -> int:
         say("no iteration was made; nothing is kept")
         return 1
     if is_first and table.rows == 0:
-        say("it has trained for as long already; --minutes counts all of its time")
+        say("there is no time left for an iteration; --minutes counts all of its time")
     if is_first:
         say(f"the policy is in {folder}; run it with --method {folder}")
     return 0
@@ -76,22 +77,26 @@ def _new(options: TrainOptions) -> tuple[TrainSettings, Path]:
     return settings, options.folder or Path("runs", name)
 
 
+def _is_begun(settings: str | None) -> bool:
+    """Say whether this is the folder of a training; settings that are shipped come first."""
+    from teamformer.train.settings_files import names_of_settings
+
+    return settings is not None and settings not in names_of_settings() and Path(settings).is_dir()
+
+
 def _begun(options: TrainOptions) -> tuple[TrainSettings, Path]:
-    """Return the settings that the training to be resumed began with, and its folder.
+    """Return the settings that the training in a folder began with, and the folder.
 
     The time that it may take is new. Raises `TeamformerError` for what is no training.
     """
     from teamformer.train.checkpoint import read_about
     from teamformer.train.settings_files import settings_of
 
-    folder = options.resume
-    assert folder is not None
-    given = {"SETTINGS": options.settings, "--out": options.folder, "--seed": options.seed}
-    for name, value in given.items():
+    folder = Path(options.settings or "")
+    for name, value in {"--out": options.folder, "--seed": options.seed}.items():
         if value is not None:
-            raise TeamformerError(f"--resume goes on as it was begun; leave {name} out")
-    if not folder.is_dir():
-        raise TeamformerError(f"{folder}: there is no such folder", "begin one with --out")
+            what = f"the training in {folder} goes on as it was begun"
+            raise TeamformerError(what, f"leave {name} out")
     about = read_about(folder / "last")
     try:
         settings = settings_of(about["settings"], str(folder / "last"))
@@ -116,7 +121,7 @@ def _how_to_go_on(folder: Path) -> str:
         return "stopped in the first iteration; nothing is kept"
     return (
         f"stopped; what the iterations so far have learned is in {folder / 'last'}: the same "
-        f"command goes on from there, as does teamformer train --resume {folder}"
+        f"command goes on from there, as does teamformer train {folder}"
     )
 
 

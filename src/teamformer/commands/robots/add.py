@@ -25,6 +25,9 @@ MOST_NEEDED = 1000
 PATIENCE = 20.0
 """Seconds until the operator gives up."""
 
+SILENCE = 2.0
+"""Seconds without an answer after which that is said."""
+
 
 @dataclass(frozen=True)
 class NewTask:
@@ -61,15 +64,23 @@ def _offer(operator: Operator, mission: Mission, fleet: FleetAt) -> None:
     from teamformer.fleet.operator import AGAIN
 
     transport, post = dial_as_operator(mission, fleet)
-    deadline = time.monotonic() + PATIENCE
+    begun, told = time.monotonic(), frozenset[int]()
+    is_silence_told = False
     try:
-        while not operator.is_accepted and time.monotonic() < deadline:
+        while not operator.is_accepted and time.monotonic() < begun + PATIENCE:
             notice = operator.offer()
             transport.send(notice.to, post.seal(OPERATOR, notice))
             for data in transport.receive(AGAIN):
                 message, _ = post.judge(data)
                 if message is not None:
                     operator.hear(message)
+            new, told = operator.holders - told, frozenset(operator.holders)
+            if new:
+                names = ", ".join(mission.scenario.robots[robot].name for robot in sorted(new))
+                say(f"heard by {names}")
+            if not told and not is_silence_told and time.monotonic() > begun + SILENCE:
+                is_silence_told = True
+                say(f"no robot has answered yet; trying for {PATIENCE:.0f} s")
     finally:
         transport.close()
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from teamformer.commands.console import say
 from teamformer.commands.robots.mesh import check_method, read_fleet_mission
 from teamformer.errors import TeamformerError
 from teamformer.extras import require
@@ -55,6 +55,7 @@ def agent(path: Path, options: Options) -> int:
     if facts is not None:
         facts.read()  # a broken file is told before anything moves
     check_method(options.method)
+    say(f"{options.robot}: making the first plan ...")
     plan = first_plan(mission, planner_of(options.method))
     make_body = _body_maker(options.body, mission, robot)
     ends = (options.listen, options.connect)
@@ -62,8 +63,8 @@ def agent(path: Path, options: Options) -> int:
     try:
         body = make_body(transport)
         told = (keys.secret, facts, signatures, options.method)
-        process = AgentProcess(mission, robot, plan, transport, body, *told)
-        print(f"agent {options.robot} of mission {mission.number:x}", file=sys.stderr, flush=True)
+        process = AgentProcess(mission, robot, plan, transport, body, *told, tells=True)
+        say(f"agent {options.robot} of mission {mission.number:x}")
         return process.run()
     finally:
         transport.close()

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.fleet_mission import Mission
-from teamformer.own_code import telling_where
+from teamformer.own_code import load_own, telling_where
 
 HINT = "see docs/robots.md for what a body offers"
 
@@ -23,13 +22,11 @@ class OwnBody:
     def __init__(self, name: str, mission: Mission, robot: int) -> None:
         self._name = name
         module, _, kind = name.partition(":")
-        try:
-            with telling_where(f"--body {name} cannot be loaded"):
-                make = getattr(importlib.import_module(module), kind)
-        except TeamformerError as error:
-            if isinstance(error.__cause__, ImportError | AttributeError | ValueError):
-                error.hint = "use sim, vda5050:URL or module:Class"
-            raise
+        if not all(part.isidentifier() for part in (*module.split("."), kind)):
+            raise TeamformerError(
+                f"there is no body '{name}'", "use sim, vda5050:URL or module:Class"
+            )
+        make = load_own(name, "body")
         with telling_where(f"--body {name} cannot be made"):
             self._body: Any = make(mission, robot)
         for method in ("command", "report", "close"):

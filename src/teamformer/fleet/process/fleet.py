@@ -65,6 +65,7 @@ class LocalFleet:
     def run(self, seconds: float) -> FleetResult:
         """Run until all is done or so many seconds have passed."""
         robots = self._mission.scenario.robots
+        self._tell("making the first plan ...")
         plan = first_plan(self._mission, planner_of(self._method))
         with TemporaryDirectory(prefix="teamformer-fleet-") as temporary:
             endpoints = tuple(f"tcp/127.0.0.1:{port}" for port in free_ports(len(robots) + 1))
@@ -98,6 +99,7 @@ class LocalFleet:
         losses = _moments(((away.lost, robot) for away, robot in absences), mission.step)
         returns = _moments(((away.back, robot) for away, robot in absences), mission.step)
         told: set[int] = set()
+        self._wait_for_all(server, told)
         while server.now < seconds and len(world.done) < len(world.tasks):
             for done in server.step():
                 who = ", ".join(mission.scenario.robots[robot].name for robot in done.robots)
@@ -109,15 +111,31 @@ class LocalFleet:
                 self._agents[robot].wait()
                 self._agents[robot] = self._start(robot)
                 told.discard(robot)
-            for robot, agent in enumerate(self._agents):
-                if agent.poll() is not None and robot not in told:
-                    told.add(robot)
-                    name = mission.scenario.robots[robot].name
-                    self._tell(f"{server.now:.2f} s: agent {name} has ended ({agent.returncode})")
+            self._tell_who_has_ended(server, told)
         alive = sum(agent.poll() is None for agent in self._agents)
         names = {key: task.name for key, task in world.tasks.items()}
         completed = len(world.done) == len(world.tasks)
         return FleetResult(completed, tuple(world.done.values()), len(world.tasks), alive, names)
+
+    def _wait_for_all(self, server: WorldServer, told: set[int]) -> None:
+        """Wait until time begins, and say who is ready meanwhile."""
+        begun, ready = time.monotonic(), list[int]()
+        robots = self._mission.scenario.robots
+        while not server.has_begun:
+            for robot in sorted(server.ready.difference(ready)):
+                ready.append(robot)
+                after = f"{time.monotonic() - begun:.1f} s, {len(ready)} of {len(robots)}"
+                self._tell(f"agent {robots[robot].name} ready after {after}")
+            server.step()
+            self._tell_who_has_ended(server, told)
+        self._tell(f"time begins, {time.monotonic() - begun:.1f} s after the agents were started")
+
+    def _tell_who_has_ended(self, server: WorldServer, told: set[int]) -> None:
+        for robot, agent in enumerate(self._agents):
+            if agent.poll() is not None and robot not in told:
+                told.add(robot)
+                name = self._mission.scenario.robots[robot].name
+                self._tell(f"{server.now:.2f} s: agent {name} has ended ({agent.returncode})")
 
     def _end(self) -> None:
         """Let all agents leave in order; end those that do not."""

@@ -19,6 +19,7 @@ from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import Message, Notice, Post
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
 from teamformer.fleet.process.facts_file import FactsFile
+from teamformer.fleet.process.telling import Telling
 from teamformer.fleet.transports.transport import Sluice, Transport
 
 if TYPE_CHECKING:
@@ -39,7 +40,10 @@ REFUSED = 3
 
 @dataclass
 class AgentProcess:
-    """One agent with its transport, body and file; `run` returns when it is told to end."""
+    """One agent with its transport, body and file; `run` returns when it is told to end.
+
+    If it `tells`, it writes what it does, with whom, to stderr.
+    """
 
     mission: Mission
     robot: int
@@ -50,6 +54,7 @@ class AgentProcess:
     facts: FactsFile | None = None
     signatures: Signatures | None = None
     method: str = PLAN
+    tells: bool = False
 
     def __post_init__(self) -> None:
         self.is_ending = False
@@ -77,6 +82,7 @@ class AgentProcess:
         now = time.monotonic()
         ours = (self.mission, self.robot, planner, self.plan)
         agent = Agent(*ours, now, remembered, secrets.randbits(60), policy)
+        telling = Telling(agent) if self.tells else None
         saved = self._save(agent, (-1, -1))
         watched: frozenset[int] = frozenset()
         while not self.is_ending:
@@ -87,6 +93,8 @@ class AgentProcess:
             inbox = self._open(self.transport.receive(wait))
             report = self._sense() or report
             command, notices = agent.tick(time.monotonic(), report, inbox)
+            for line in telling.news() if telling else ():
+                self._say(f"{agent.age(time.monotonic()):.1f} s: {line}")
             if agent.is_refused:
                 name = self.mission.scenario.robots[self.robot].name
                 self._say(f"another agent speaks for '{name}', and has done so for longer; ending")

@@ -52,6 +52,17 @@ class WorldServer:
         """Return the seconds since the world began."""
         return 0.0 if self._begun is None else time.monotonic() - self._begun
 
+    @property
+    def has_begun(self) -> bool:
+        """Say whether time has begun."""
+        return self._begun is not None
+
+    @property
+    def ready(self) -> frozenset[int]:
+        """Return the robots whose minds have given an order."""
+        heard = enumerate(self._heard)
+        return frozenset(robot for robot, at in heard if at < float("inf"))
+
     def step(self) -> list[Done]:
         """Wait for a moment, let the world go on, report; return what was done meanwhile."""
         before = len(self.world.done)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks
-from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.continuous.schedule import MAKESPAN, CoalitionPlan, empty_plan, schedule_of
 from teamformer.planning.relaxation.cp_sat import make_solver
 
 if TYPE_CHECKING:
@@ -34,15 +36,24 @@ def is_small(problem: CoalitionProblem) -> bool:
 
 
 def solve_exactly(
-    problem: CoalitionProblem, plan: CoalitionPlan, bound: int, seconds: float
+    problem: CoalitionProblem, plan: CoalitionPlan, bound: int, seconds: float, workers: int = 1
 ) -> Proof:
-    """Return the best plan that CP-SAT finds in so many seconds, and its bound."""
+    """Return the best plan that CP-SAT finds in so many seconds, and its bound.
+
+    It begins with a plan as a hint: of one worker who does what, of several, which share their
+    plans, all of it. The seconds include posing the model.
+    """
+    begun = time.perf_counter()
     circuits = _Circuits(problem, bound)
     circuits.hint(plan)
+    if workers > 1:
+        circuits.hint_ways(plan)
     from ortools.sat.python import cp_model
 
     solver = make_solver(seed=0)
-    solver.parameters.max_time_in_seconds = max(seconds, 0.01)
+    solver.parameters.num_workers = workers
+    left = seconds - (time.perf_counter() - begun)
+    solver.parameters.max_time_in_seconds = max(left, 0.01)
     status = solver.solve(circuits.model)
     if status == cp_model.INFEASIBLE:  # never: the hint is a plan
         return Proof(None, bound)
@@ -75,6 +86,7 @@ class _Circuits:
             [self.model.new_bool_var(f"{robot} does {task}") for task in range(tasks)]
             for robot in range(robots)
         ]
+        self.goes: list[dict[tuple[int, int], cp_model.IntVar]] = []  # by robot, from node to node
         for robot in range(robots):
             self._route(robot)
         self._cover()
@@ -90,13 +102,16 @@ class _Circuits:
         tasks, pace, kind = len(self.start), problem.pace[robot], problem.kind[robot]
         origin = int(problem.origin[robot])
         arcs: list[tuple[int, int, cp_model.LiteralT]] = []
-        idle = model.new_bool_var("")
+        ways: dict[tuple[int, int], cp_model.IntVar] = {}
+        self.goes.append(ways)
+        idle = ways[0, 0] = model.new_bool_var("")
         arcs.append((0, 0, idle))
         model.add(self.makespan >= int(problem.home[kind, origin])).only_enforce_if(idle)
         for task in range(tasks):
             does, end = self.does[robot][task], self.start[task] + int(problem.duration[task])
             arcs.append((task + 1, task + 1, ~does))
             first, last = model.new_bool_var(""), model.new_bool_var("")
+            ways[0, task + 1], ways[task + 1, 0] = first, last
             arcs += [(0, task + 1, first), (task + 1, 0, last)]
             model.add(self.start[task] >= int(problem.ways[pace, origin, task])).only_enforce_if(
                 does if self._is_straight(pace, origin, task) else first
@@ -104,7 +119,7 @@ class _Circuits:
             model.add(self.makespan >= end + int(problem.home[kind, task])).only_enforce_if(last)
             for other in range(tasks):
                 if other != task:
-                    goes = model.new_bool_var("")
+                    goes = ways[task + 1, other + 1] = model.new_bool_var("")
                     arcs.append((task + 1, other + 1, goes))
                     way = int(problem.ways[pace, task, other])
                     model.add(self.start[other] >= end + way).only_enforce_if(goes)
@@ -126,10 +141,24 @@ class _Circuits:
                 self.model.add(sum(brought) >= int(needs[cap]))
 
     def hint(self, plan: CoalitionPlan) -> None:
-        """Begin at a plan."""
+        """Begin at who does what in a plan."""
         for task, coalition in enumerate(plan.coalition):
             for robot, does in enumerate(self.does):
                 self.model.add_hint(does[task], robot in coalition[: plan.size[task]])
+
+    def hint_ways(self, plan: CoalitionPlan) -> None:
+        """Begin at a plan's ways and starts, too."""
+        schedule = schedule_of(self.problem, plan)
+        for task, start in enumerate(self.start):
+            self.model.add_hint(start, int(schedule.end[task] - self.problem.duration[task]))
+        self.model.add_hint(self.makespan, int(schedule.total[MAKESPAN]))
+        for robot, ways in enumerate(self.goes):
+            nodes = [
+                task + 1 for task in plan.order if robot in plan.coalition[task, : plan.size[task]]
+            ]
+            taken = set(pairwise((0, *nodes, 0)))
+            for way, goes in ways.items():
+                self.model.add_hint(goes, way in taken)
 
     def plan_of(self, solver: cp_model.CpSolver) -> CoalitionPlan:
         """Return what the solver found as a plan; tasks in the order in which they start.

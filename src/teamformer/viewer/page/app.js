@@ -1,4 +1,4 @@
-// The page as a whole: one record, one clock, one selection; perhaps a second record beside it.
+// The page as a whole: one record, one clock, one selection; perhaps others beside it, in step.
 
 const LINES_UP_TO = 30; // teams; with more, the lines to assignments are off at first
 const ADDRESS_EVERY = 300; // milliseconds, while it plays
@@ -10,35 +10,92 @@ class App {
     player.changed = (isNewStep) => this.show(isNewStep);
     this.restUntil = 0;
     this.options = { lines: true, trails: false, order: false, names: true, rings: "team" };
-    Object.assign(this.options, { messages: true, bars: "phase" });
+    Object.assign(this.options, { messages: true, bars: "phase", dim: false });
     this.view = "map";
     this.map = new TrialMap(this, byId("map"));
     this.lists = new Lists(this);
     this.timeline = new Timeline(this, byId("marks"));
-    this.gantt = new Gantt(this, byId("gantt"));
+    this.gantt = new Gantt(this, byId("gantt"), byId("phases"));
     this.plots = new Plots(this, byId("plots"));
     this.tables = {
       tasks: new Table(this, "task", TASK_COLUMNS, byId("stage-tasks")),
       robots: new Table(this, "robot", ROBOT_COLUMNS, byId("stage-robots")),
     };
-    this.companion = new Companion(this);
+    this.trials = [undefined]; // all records in the order in which they were opened
+    this.companions = [];
+    this.failed = []; // {method, seed, why}: trials that left no record
+    this.compared = new Compared(this, byId("compared"));
     this.load(record);
   }
 
-  // Show a record; what cannot be read throws before anything has changed.
+  // Show a record in place of the one in front; what cannot be read throws before anything has changed.
   load(record) {
     const trial = readTrial(record);
-    Object.assign(this, trial, { record });
+    this.trials = this.trials.map((other) => (other === this.trial ? trial : other));
+    this.showTrial(trial);
+    this.lineUp();
+    this.player.reset(this.lastStep());
+    byId("scrub").max = String(this.player.last);
+  }
+
+  // Show one of the records as that which panel, lists, tables and timeline are about.
+  showTrial(trial) {
+    Object.assign(this, trial, { trial });
     const { scenario } = trial.history;
     this.events = trial.history.events.filter(({ kind }) => kind !== "heads");
     this.selection = {}; // {robot}, {task}, {cap} or nothing
     this.options.lines = scenario.robots.length <= LINES_UP_TO;
     this.options.names = scenario.tasks.length <= 2 * LINES_UP_TO;
     this.options.rings = "team";
-    this.player.reset(this.lastStep());
     this.map.look(scenario.world);
     this.gantt.forget();
+  }
+
+  // Put records beside those that are shown, at the moment that is shown.
+  putBeside(records, failed = []) {
+    this.trials = [...this.trials, ...records.map(readTrial)];
+    this.failed = [...this.failed, ...failed];
+    this.lineUp();
+    this.stretch();
+  }
+
+  remove(trial) {
+    this.trials = this.trials.filter((other) => other !== trial);
+    this.lineUp();
+    this.stretch();
+  }
+
+  // The other records' maps and charts, in their order; the first ones only, if there are many.
+  lineUp() {
+    for (const companion of this.companions) companion.close();
+    const others = this.trials.filter((trial) => trial !== this.trial);
+    this.companions = others.slice(0, MOST_MAPS - 1).map((trial) => new Companion(this, trial));
+    byId("stage-map").classList.toggle("several", this.companions.length > 0);
+    byId("stage-gantt").classList.toggle("several", this.companions.length > 0);
+    this.compared.layMaps();
+  }
+
+  // The clock goes as far as the longest record.
+  stretch() {
+    this.player.shorten(this.lastStep());
     byId("scrub").max = String(this.player.last);
+    this.map.resize();
+    this.showAll();
+  }
+
+  // Show another record's details; the two exchange their places.
+  bringToFront(trial) {
+    if (trial === this.trial) return;
+    const [was, { options }] = [this.trial, this];
+    const kept = { ...options };
+    const selection = sameByName(this.history.scenario, trial.history.scenario, this.selection);
+    this.showTrial(trial);
+    Object.assign(options, kept);
+    this.selection = selection;
+    const swapped = this.companions.find((companion) => companion.trial === trial);
+    swapped?.showTrial(was);
+    for (const other of this.companions) if (other !== swapped) other.showTrial(other.trial);
+    this.showAll();
   }
 
   start() {
@@ -69,15 +126,11 @@ class App {
     return openRecordFile(this, file, isBeside);
   }
 
-  // Open another record in place of this one, or put it beside.
-  open(record, isBeside) {
-    if (isBeside) this.companion.load(record);
-    else {
-      this.companion.close();
-      this.load(record);
-    }
-    this.player.reset(this.lastStep());
-    byId("scrub").max = String(this.player.last);
+  // Open another record in place of all that are shown.
+  open(record) {
+    this.trials = [this.trial];
+    this.failed = [];
+    this.load(record);
     this.map.resize();
     this.showAll();
   }
@@ -88,7 +141,7 @@ class App {
   }
 
   lastStep() {
-    return Math.max(this.history.last, this.companion.lastStep());
+    return Math.max(...this.trials.map(({ history }) => history.last));
   }
 
   // How a mission stands that is not over; of a record there is nothing to add.
@@ -142,6 +195,25 @@ class App {
   zoom(factor) {
     if (this.view === "gantt") this.gantt.zoom(factor);
     else this.map.zoom(factor);
+  }
+
+  maps() {
+    return [this.map, ...this.companions.map(({ map }) => map)];
+  }
+
+  gantts() {
+    return [this.gantt, ...this.companions.map(({ gantt }) => gantt)];
+  }
+
+  // All charts show the time that one of them shows.
+  alignGantts(gantt) {
+    for (const other of this.gantts()) if (other !== gantt) other.alignWith(gantt);
+    this.redraw();
+  }
+
+  // Over the Gantt chart, which record it is of, if there are several.
+  titleItem() {
+    return this.trials.length > 1 ? recordItem(this) : null;
   }
 
   fitView() {
@@ -209,14 +281,14 @@ class App {
     this.isDrawing = true;
     requestAnimationFrame(() => {
       this.isDrawing = false;
-      this.drawing()?.draw();
-      this.companion.draw();
+      for (const companion of this.companions) companion.caption();
+      for (const drawing of this.drawings()) drawing.draw();
     });
   }
 
-  // What is drawn on a canvas in this view; tables are not.
-  drawing() {
-    return { map: this.map, gantt: this.gantt, plots: this.plots }[this.view];
+  // What is drawn on canvases in this view, that of the record in front first; tables are not drawn.
+  drawings() {
+    return { map: this.maps(), gantt: this.gantts(), plots: [this.plots] }[this.view] ?? [];
   }
 
   // Bring the page to the moment and the selection that hold now.
@@ -240,6 +312,7 @@ class App {
   showStep() {
     showFigures(this);
     showDetails(this);
+    this.compared.show();
     this.lists.follow();
     this.tables[this.view]?.show();
     showPlayback(this);
@@ -267,6 +340,7 @@ function readTrial(record) {
   const history = frames(record);
   const { capabilities } = history.scenario;
   return {
+    record,
     history,
     colours: capabilityColours(capabilities.length),
     labels: shortLabels(capabilities),

@@ -26,13 +26,16 @@ function lookInto(app) {
     taskBox: (task) => taskBox(app.map.shown, task),
     pixelOf: (x, y) => ({ x: app.map.shown.camera.x(x), y: app.map.shown.camera.y(y) }),
     detail: () => app.map.shown.detail,
+    legend: () => app.map.shown.legend.map(({ text, x, y }) => ({ text, x, y })),
     groups: () => app.map.shown.groups.map(({ x, y, count }) => ({ x, y, count })),
     told: () => toldOf(app.history),
     criticalPath: () => criticalPath(app.history),
     bars: (robot) => ganttRow(app, robot),
     curves: () => curvesOf(app.history),
-    said: () => app.plots.said(app.player.step),
-    besideStep: () => app.companion.scene().step,
+    lineOf: (step, part) => ({ x: app.compared.curves.x(step), y: app.compared.curves.y(part) }),
+    robotSpotBeside: (number, robot) => robotSpot(app.companions[number].map.shown, robot),
+    barsBeside: (number, robot) => ganttRow(app.companions[number], robot),
+    besideSteps: () => app.companions.map((companion) => companion.scene().step),
     framesDrawn: () => app.map.frames,
   });
 }

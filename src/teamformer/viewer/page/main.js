@@ -1,5 +1,9 @@
 // Opens the page of a record.
 
-const app = new App(JSON.parse(byId("replay").textContent));
+// Of several records the first is shown, the others beside it.
+const shown = JSON.parse(byId("replay").textContent);
+const { compared: [first, ...others], failed } = shown.compared ? shown : { compared: [shown] };
+const app = new App(first);
 app.start();
+if (others.length || failed?.length) app.putBeside(others, failed);
 window.teamformer = lookInto(app);

@@ -1,7 +1,13 @@
 // From cells to pixels and back: fit, pan, zoom. Only here does y turn.
 
 const MOST_PIXELS_PER_CELL = 96;
+const AROUND = [60, 72]; // pixels left and right, over and under a map that is fitted
 const LEAST_PIXELS_PER_CELL = 1.5;
+
+// The pixels a cell at which what is used of a world fits into a box.
+function scaleToFit(used, width, height) {
+  return Math.min((width - AROUND[0]) / used.width, (height - AROUND[1]) / used.height);
+}
 
 class Camera {
   constructor(world) {
@@ -15,7 +21,7 @@ class Camera {
 
   fit(width, height) {
     const { used } = this.world;
-    const wanted = Math.min((width - 60) / used.width, (height - 72) / used.height);
+    const wanted = scaleToFit(used, width, height);
     this.cell = Math.max(LEAST_PIXELS_PER_CELL, Math.min(wanted, MOST_PIXELS_PER_CELL));
     const above = this.world.yIsUp ? this.world.height - used.low - used.height : used.low;
     this.left = (width - this.cell * used.width) / 2 - this.cell * used.left;

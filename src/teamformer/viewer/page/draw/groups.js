@@ -6,6 +6,7 @@ const ROBOTS_ABOVE = 13; // pixels a cell that leave room for each robot
 const DENSITY_BELOW = 9;
 const GROUP_SIDE = 44; // pixels
 const DENSE_SIDE = 9;
+const DIMMED = 0.35; // how strong dimmed tasks are drawn
 const LONE_ROBOTS = 2; // in a group's square, drawn as robots
 
 // How much of each robot is drawn at a zoom: "robots", "groups" or "density".
@@ -80,6 +81,7 @@ const ACTIVITY_COLOURS = {
   serves: "good",
   done: "good",
   idle: "lost",
+  told: "lost",
 };
 
 function countActivities(teams) {
@@ -94,8 +96,9 @@ function drawDensity(view) {
   const squares = gatherGroups(view, DENSE_SIDE);
   const most = squares.reduce((found, { count }) => Math.max(found, count), 1);
   ctx.fillStyle = theme.accent;
+  view.mostInSquare = most;
   for (const { column, row, count } of squares) {
-    ctx.globalAlpha = 0.25 + (0.75 * Math.log(1 + count)) / Math.log(1 + most);
+    ctx.globalAlpha = densityStrength(count, most);
     ctx.fillRect(
       camera.left + column * DENSE_SIDE,
       camera.top + row * DENSE_SIDE,
@@ -107,11 +110,16 @@ function drawDensity(view) {
   lazily(view, "groups", () => gatherGroups(view, GROUP_SIDE));
 }
 
-// A task as a small square: full while it is open, pale once it is done.
+// How strong the colour of a square with so many robots is, of which others have at most `most`.
+function densityStrength(count, most) {
+  return 0.25 + (0.75 * Math.log(1 + count)) / Math.log(1 + most);
+}
+
+// A task as a small square: full while it is open, pale once it is done; dimmed, paler still.
 function drawTaskDot(view, task, { x, y, half }, standing) {
-  const { ctx, theme } = view;
+  const { ctx, theme, options } = view;
   const isDone = standing === "done";
-  ctx.globalAlpha = isDone ? 0.3 : view.detail === "density" ? 0.5 : 0.85;
+  ctx.globalAlpha = (isDone ? 0.3 : view.detail === "density" ? 0.5 : 0.85) * (options.dim ? DIMMED : 1);
   ctx.fillStyle = isDone ? theme.lost : standing === "served" ? theme.good : theme.task;
   ctx.fillRect(x - half, y - half, 2 * half, 2 * half);
   ctx.globalAlpha = 1;

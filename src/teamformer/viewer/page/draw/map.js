@@ -38,6 +38,7 @@ class TrialMap {
 
   resize() {
     const { width, height } = this.canvas.getBoundingClientRect();
+    if (!width || !height) return; // it is hidden; others may see through the same camera
     const sharpness = window.devicePixelRatio || 1;
     this.width = width;
     this.height = height;
@@ -79,6 +80,7 @@ class TrialMap {
     drawTeams(view);
     drawSelection(view);
     drawNames(view);
+    drawCrowdLegend(view);
     this.shown = view;
     this.frames = (this.frames ?? 0) + 1;
   }
@@ -88,7 +90,7 @@ class TrialMap {
   stillLayer(view) {
     const { camera, scene, part, sharpness } = view;
     const where = [camera.left, camera.top, this.width, this.height].join(" ");
-    const key = `${this.keptFor} ${where} ${scene.step} ${part > 0} ${view.history.last}`;
+    const key = `${this.keptFor} ${where} ${scene.step} ${part > 0} ${view.history.last} ${view.options.dim}`;
     if (this.still?.key === key) return this.still;
     const canvas = this.still?.canvas ?? document.createElement("canvas");
     canvas.width = this.canvas.width;

@@ -5,7 +5,7 @@ function drawTasks(view, tasks) {
     const standing = standingOf(view.history, task, view.scene.step);
     const box = taskBox(view, task);
     if (!isOnScreen(view, box.x, box.y, box.half + 20)) continue;
-    if (view.detail !== "robots") drawTaskDot(view, task, box, standing);
+    if (isDot(view)) drawTaskDot(view, task, box, standing);
     else if (isUnchanging(view, task, standing)) drawTaskImage(view, task, box, standing);
     else drawTask(view, task, box, standing);
   }
@@ -17,10 +17,15 @@ function partTasks(view) {
   view.scenario.tasks.forEach((_, task) => {
     const standing = standingOf(view.history, task, view.scene.step);
     if (standing === "hidden") return;
-    const isStill = view.detail !== "robots" || isUnchanging(view, task, standing);
+    const isStill = isDot(view) || isUnchanging(view, task, standing);
     parts[isStill ? 0 : 1].push(task);
   });
   return parts;
+}
+
+// In crowds tasks are small squares, and wherever they are dimmed.
+function isDot({ detail, options }) {
+  return detail !== "robots" || options.dim;
 }
 
 function drawTask(view, task, box, standing) {

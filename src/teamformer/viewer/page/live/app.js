@@ -215,9 +215,13 @@ class LiveApp extends App {
     return parts.toString();
   }
 
-  open(record, isBeside) {
-    if (isBeside) super.open(record, true);
-    else notify("This page shows a live mission; put the record beside it, or open it with `view`.");
+  // What the server tells is about the mission, so that no other record takes its place.
+  bringToFront(trial) {
+    if (trial !== this.trial) notify("A live mission stays in front; open the other record with `view` to see all of it.", "plain");
+  }
+
+  open() {
+    notify("This page shows a live mission; put the record beside it, or open it with `view`.");
   }
 }
 

@@ -143,14 +143,17 @@ function connectWheel(map) {
   map.canvas.addEventListener("wheel", turn, { passive: false });
 }
 
-// A map that is only looked at: it is dragged and zoomed, and selects nothing.
-function connectView(map) {
-  if (map.isConnected) return;
-  map.isConnected = true;
+// The map of a companion: it is dragged and zoomed, and what is clicked is selected in all records.
+function connectCompanion(companion) {
+  const { map } = companion;
+  let moved = 0;
   connectWheel(map);
+  map.canvas.addEventListener("pointerdown", () => (moved = 0));
   map.canvas.addEventListener("pointermove", ({ buttons, movementX, movementY }) => {
-    if (buttons) map.pan(movementX, movementY);
+    moved += Math.abs(movementX) + Math.abs(movementY);
+    if (buttons && moved > 4) map.pan(movementX, movementY);
   });
+  map.canvas.addEventListener("pointerup", (event) => moved <= 4 && clickMap(companion, event));
 }
 
 function dragMap(map, pointers, id, before, after) {

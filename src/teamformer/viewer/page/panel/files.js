@@ -40,8 +40,9 @@ async function openRecordFile(app, file, isBeside) {
   try {
     if (file.size > LARGEST_RECORD) throw new Error("it is larger than 512 MB");
     notifyWork(`Reading ${file.name} …`);
-    app.open(readRecord(await file.text()), isBeside);
-    notify(noticeText(app.history));
+    const record = readRecord(await file.text());
+    if (isBeside) app.putBeside([record]);
+    else app.open(record);
   } catch (error) {
     notify(`${file.name} is not shown: ${error.message}.`);
   }
@@ -72,25 +73,35 @@ function readRecord(text) {
 
 const KNOWN_FORMAT = 2;
 
-// The map or the Gantt view as it is seen, with a line that says what it is.
+// What is drawn as it is seen, one canvas for each record, with a line that says what it is.
 function savePicture(app) {
   byId("menu").open = false;
-  const shown = (app.drawing() ?? app.map).canvas;
+  const shown = app.drawings();
   const sharpness = window.devicePixelRatio || 1;
+  const boxes = shown.map(({ canvas }) => canvas.getBoundingClientRect());
+  const [left, top] = [Math.min(...boxes.map((box) => box.left)), Math.min(...boxes.map((box) => box.top))];
   const canvas = document.createElement("canvas");
-  canvas.width = shown.width;
-  canvas.height = shown.height + 34 * sharpness;
+  canvas.width = Math.round((Math.max(...boxes.map((box) => box.right)) - left) * sharpness);
+  canvas.height = Math.round((Math.max(...boxes.map((box) => box.bottom)) - top + 34) * sharpness);
   const ctx = canvas.getContext("2d");
   ctx.fillStyle = app.map.theme.surface;
   ctx.fillRect(0, 0, canvas.width, canvas.height);
-  ctx.drawImage(shown, 0, 34 * sharpness);
   ctx.scale(sharpness, sharpness);
+  shown.forEach((drawn, number) => {
+    const { x, y, width, height } = boxes[number];
+    ctx.drawImage(drawn.canvas, x - left, y - top + 34, width, height);
+    if (shown.length === 1) return;
+    ctx.font = `600 13px ${app.map.theme.font}`;
+    ctx.fillStyle = app.map.theme.ink;
+    ctx.fillText(titleOf(app.trials, drawn.app.trial), x - left + 12, y - top + 34 + height - 10);
+  });
   ctx.font = `600 14px ${app.map.theme.font}`;
   ctx.fillStyle = app.map.theme.ink;
   ctx.textBaseline = "middle";
   const { scenario, replay } = app.history;
   const moment = describeAt(scenario.world, app.player.step);
-  ctx.fillText([scenario.name, replay.method, moment].filter(Boolean).join(", "), 12, 18);
+  const method = shown.length === 1 ? replay.method : "";
+  ctx.fillText([scenario.name, method, moment].filter(Boolean).join(", "), 12, 18);
   canvas.toBlob((blob) => download(blob, `${fileName(scenario.name)}-${app.player.step}.png`));
 }
 
@@ -112,17 +123,23 @@ function emptyPage() {
   return page.split("\u0000");
 }
 
-// What a page makes by itself of the record that it shows: mission, record, and page.
+// What a page makes by itself: mission and record, those in front, and itself with all records.
 function ownDownloads(app) {
   const name = () => fileName(app.history.scenario.name);
   const json = (tree) => new Blob([`${JSON.stringify(tree, null, 1)}\n`], { type: "application/json" });
-  const page = () => new Blob([PAGE_BEFORE, harmlessJson(app.record), PAGE_AFTER], { type: "text/html" });
+  const page = () => new Blob([PAGE_BEFORE, harmlessJson(shownRecords(app)), PAGE_AFTER], { type: "text/html" });
   return [
     downloadButton("Mission (JSON)", () => download(json(app.record.scenario), `${name()}.json`)),
     downloadButton("Record (JSON)", () => download(json(app.record), `${name()}-replay.json`)),
     downloadButton("This page (HTML)", () => download(page(), `${name()}.html`)),
     element("p", {}, "CSV: beside each table. MCAP, GIF and all tables: ", element("code", {}, "teamformer export")),
   ];
+}
+
+// What a page is opened with: a record, or several with the trials that left none.
+function shownRecords({ trials, failed }) {
+  const records = trials.map(({ record }) => record);
+  return records.length + failed.length > 1 ? { compared: records, failed } : records[0];
 }
 
 // As `_json_for_html` writes it: no HTML reader takes it for markup.

@@ -40,6 +40,7 @@ function showSwitches(app) {
   for (const name of SWITCHES) byId(name).setAttribute("aria-pressed", String(app.options[name]));
   byId("messages").hidden = !app.history.hasMessages;
   byId("zoom").hidden = app.view in app.tables || app.view === "plots";
+  byId("save-picture").hidden = app.view in app.tables;
   byId("rings").value = app.options.rings;
   byId("bars").value = app.options.bars;
   for (const view of VIEWS) {
@@ -49,5 +50,5 @@ function showSwitches(app) {
   }
 }
 
-const SWITCHES = ["lines", "trails", "order", "messages", "names"];
+const SWITCHES = ["lines", "trails", "order", "messages", "names", "dim"];
 const VIEWS = ["map", "gantt", "tasks", "robots", "plots"];

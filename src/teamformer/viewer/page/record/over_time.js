@@ -1,4 +1,4 @@
-// What changes over time: open tasks, idle robots and the way made, after each step.
+// What changes over time: tasks done and open, idle robots and the way made, after each step.
 
 // {open, idle, way}, each with a number for every step from 0 on; `way` is the sum over all robots so
 // far, in cells, or squares of a plane. Worked out once for each length of the record.
@@ -17,13 +17,22 @@ function curvesOf(history) {
 
 // Tasks that are known and not done, after each step.
 function openAfterSteps({ scenario, doneAt, last }) {
-  const change = new Array(last + 2).fill(0);
-  scenario.tasks.forEach(({ appears }, task) => {
-    if (appears <= last) change[appears]++;
-    if (doneAt[task] <= last) change[doneAt[task]]--;
-  });
+  const known = countsUpTo(scenario.tasks.map(({ appears }) => appears), last);
+  const done = countsUpTo(doneAt, last);
+  return known.map((count, step) => count - done[step]);
+}
+
+// Tasks that are done, after each step.
+function doneAfterSteps({ doneAt, last }) {
+  return countsUpTo(doneAt, last);
+}
+
+// For each step up to `last`, how many of some steps are not after it.
+function countsUpTo(steps, last) {
+  const counts = new Array(last + 1).fill(0);
+  for (const step of steps) if (step <= last) counts[step]++;
   let sum = 0;
-  return change.slice(0, last + 1).map((by) => (sum += by));
+  return counts.map((count) => (sum += count));
 }
 
 // The way that all robots make in a step. They go by shortest ways, so where none turns back around

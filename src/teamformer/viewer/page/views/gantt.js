@@ -8,12 +8,13 @@ const AXIS_HEIGHT = 24;
 const STEP_WIDTH_MOST = 60; // pixels a step
 
 class Gantt {
-  constructor(app, canvas) {
+  constructor(app, canvas, legend) {
     this.app = app;
     this.canvas = canvas;
+    this.legend = legend;
     this.factor = 1; // how many times as wide as its box the time is drawn
     this.box = canvas.parentElement.parentElement;
-    this.box.addEventListener("scroll", () => this.app.redraw());
+    this.box.addEventListener("scroll", () => this.app.alignGantts(this));
     new ResizeObserver(() => this.app.redraw()).observe(this.box);
     canvas.addEventListener("click", (event) => this.click(event));
     canvas.addEventListener("pointermove", (event) => this.point(event));
@@ -67,13 +68,21 @@ class Gantt {
     this.factor = Math.max(1, Math.min(Math.max(1, most), this.factor * by));
     this.fit();
     this.box.scrollLeft += this.x(time) - at;
-    this.app.redraw();
+    this.app.alignGantts(this);
   }
 
   // All of the time in sight.
   fitAll() {
     this.factor = 1;
-    this.app.redraw();
+    this.app.alignGantts(this);
+  }
+
+  // Show the same time and the same rows as another chart.
+  alignWith({ factor, box }) {
+    this.factor = factor;
+    this.fit();
+    this.box.scrollLeft = box.scrollLeft;
+    this.box.scrollTop = box.scrollTop;
   }
 
   reveal(robot) {
@@ -189,20 +198,15 @@ class Gantt {
   drawAxis(ctx) {
     const { history, map, player } = this.app;
     const { theme } = map;
-    const { world } = history.scenario;
     ctx.fillStyle = theme.surface;
     ctx.fillRect(0, 0, this.width, AXIS_HEIGHT - 2);
     ctx.fillStyle = theme.muted;
     ctx.font = `11px ${theme.font}`;
     ctx.textBaseline = "middle";
     ctx.textAlign = "center";
-    const unit = world.isPlane ? world.stepSeconds : 1;
-    const length = player.last * unit;
-    const every = SPACINGS.find((step) => (step / length) * this.timeWidth() >= 46) ?? length;
-    for (let mark = 0; mark <= length + 1e-9; mark += every) {
-      const x = this.x(mark / unit);
-      if (x < NAME_WIDTH - 1 || x > this.width - SHARE_WIDTH) continue;
-      ctx.fillText(Number(mark.toFixed(2)) + (world.isPlane ? " s" : ""), x, AXIS_HEIGHT / 2);
+    for (const { step, text } of timeMarks(history.scenario.world, player.last, this.timeWidth())) {
+      const x = this.x(step);
+      if (x >= NAME_WIDTH - 1 && x <= this.width - SHARE_WIDTH) ctx.fillText(text, x, AXIS_HEIGHT / 2);
     }
     ctx.textAlign = "right";
     ctx.fillText("idle", this.width - 10, AXIS_HEIGHT / 2);
@@ -234,6 +238,7 @@ class Gantt {
     items.push(element("li", {}, diamond, "a task done"));
     const frame = element("span", { class: "frame" });
     if (this.path.length) items.push(element("li", {}, frame, "what the end hangs on"));
-    byId("phases").replaceChildren(...items);
+    const title = this.app.titleItem();
+    this.legend.replaceChildren(...(title ? [title] : []), ...items);
   }
 }

@@ -15,59 +15,37 @@ function shortWay(world, length) {
   return String(Math.round(length * (world.square ?? 1)));
 }
 
-const PLOT_LEFT = 52; // pixels, for numbers
-const PLOT_RIGHT = 18;
-const PLOT_HEAD = 30;
+const PLOT_HEAD = 30; // pixels
 const PLOT_FOOT = 22;
 
-class Plots {
+class Plots extends TimeCanvas {
   constructor(app, canvas) {
-    Object.assign(this, { app, canvas });
-    new ResizeObserver(() => app.redraw()).observe(canvas.parentElement);
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      this.goTo(event);
-    });
-    canvas.addEventListener("pointermove", (event) => event.buttons && this.goTo(event));
-  }
-
-  goTo({ offsetX }) {
-    const part = (offsetX - PLOT_LEFT) / (this.width - PLOT_LEFT - PLOT_RIGHT);
-    this.app.go(Math.round(Math.max(0, Math.min(1, part)) * this.app.history.last));
-  }
-
-  x(step) {
-    const part = step / Math.max(1, this.app.history.last);
-    return PLOT_LEFT + part * (this.width - PLOT_LEFT - PLOT_RIGHT);
+    super(app, canvas, 52, 18);
   }
 
   draw() {
+    const ctx = this.cleared();
+    if (!ctx) return;
     const { canvas, app } = this;
-    const sharpness = window.devicePixelRatio || 1;
-    this.width = canvas.parentElement.clientWidth;
-    this.height = canvas.parentElement.clientHeight;
-    canvas.width = Math.round(this.width * sharpness);
-    canvas.height = Math.round(this.height * sharpness);
-    const ctx = canvas.getContext("2d");
-    ctx.setTransform(sharpness, 0, 0, sharpness, 0, 0);
+    const { clientWidth: width, clientHeight: height } = canvas;
     ctx.fillStyle = app.map.theme.ground;
-    ctx.fillRect(0, 0, this.width, this.height);
+    ctx.fillRect(0, 0, width, height);
     const curves = curvesOf(app.history);
-    const high = (this.height - PLOT_FOOT) / PLOTS.length;
-    const step = Math.min(app.player.step, app.history.last);
+    const high = (height - PLOT_FOOT) / PLOTS.length;
     PLOTS.forEach((plot, number) => this.drawPlot(ctx, plot, curves[plot.key], number * high, high));
     this.drawTimes(ctx);
-    ctx.fillStyle = app.map.theme.ink;
-    ctx.fillRect(this.x(app.player.time) - 0.75, 4, 1.5, this.height - PLOT_FOOT - 4);
-    canvas.setAttribute("aria-label", `${capitalised(describeMoment(app.history.scenario.world, step))}: ${this.said(step)}`);
+    this.drawNow(ctx, 4, height - PLOT_FOOT);
+    canvas.setAttribute("aria-label", this.said());
   }
 
-  // What the plots say of a step.
-  said(step) {
-    const { history } = this.app;
+  // What the plots say of the moment, or of the end of a record that is over by then.
+  said() {
+    const { history, player } = this.app;
+    const step = Math.min(player.step, history.last);
     const curves = curvesOf(history);
     const { world } = history.scenario;
-    return PLOTS.map(({ key, title, say }) => `${title.toLowerCase()} ${say(world, curves[key][step])}`).join(", ");
+    const values = PLOTS.map(({ key, title, say }) => `${title.toLowerCase()} ${say(world, curves[key][step])}`);
+    return `${capitalised(describeMoment(world, step))}: ${values.join(", ")}`;
   }
 
   drawPlot(ctx, { title, colour, say, mark }, values, top, high) {
@@ -82,19 +60,16 @@ class Plots {
     ctx.textBaseline = "middle";
     ctx.fillStyle = theme.ink;
     const now = say(world, values[Math.min(player.step, history.last)]);
-    ctx.fillText(`${title}: ${now}`, PLOT_LEFT, top + 16);
+    ctx.fillText(`${title}: ${now}`, this.left, top + 16);
     ctx.font = `11px ${theme.font}`;
     ctx.fillStyle = theme.muted;
     ctx.textAlign = "right";
     for (const value of [0, most]) {
-      ctx.fillText(mark(world, value), PLOT_LEFT - 7, y(value));
-      ctx.fillRect(PLOT_LEFT, Math.round(y(value)), this.width - PLOT_LEFT - PLOT_RIGHT, 0.5);
+      ctx.fillText(mark(world, value), this.left - 7, y(value));
+      ctx.fillRect(this.left, Math.round(y(value)), this.room(), 0.5);
     }
     ctx.beginPath();
-    values.forEach((value, step) => {
-      if (step) ctx.lineTo(this.x(step), y(values[step - 1]));
-      ctx.lineTo(this.x(step), y(value));
-    });
+    traceSteps(ctx, values, (step) => this.x(step), y);
     ctx.strokeStyle = ctx.fillStyle = theme[colour];
     ctx.lineWidth = 1.8;
     ctx.stroke();
@@ -106,18 +81,12 @@ class Plots {
   }
 
   drawTimes(ctx) {
-    const { history, map } = this.app;
-    const { world } = history.scenario;
-    const unit = world.isPlane ? world.stepSeconds : 1;
-    const length = history.last * unit;
-    const room = this.width - PLOT_LEFT - PLOT_RIGHT;
-    const every = SPACINGS.find((spacing) => (spacing / length) * room >= 46) ?? length;
+    const { history, map, player } = this.app;
     ctx.fillStyle = map.theme.muted;
     ctx.font = `11px ${map.theme.font}`;
     ctx.textAlign = "center";
-    for (let mark = 0; mark <= length + 1e-9 && every > 0; mark += every) {
-      const text = Number(mark.toFixed(2)) + (world.isPlane ? " s" : "");
-      ctx.fillText(text, this.x(mark / unit), this.height - PLOT_FOOT / 2);
+    for (const { step, text } of timeMarks(history.scenario.world, player.last, this.room())) {
+      ctx.fillText(text, this.x(step), this.canvas.clientHeight - PLOT_FOOT / 2);
     }
   }
 }

@@ -1,0 +1,1 @@
+"""Solvers of others on the same missions in the same seconds, judged by our own times."""

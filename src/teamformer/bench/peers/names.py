@@ -1,0 +1,67 @@
+"""The peers by name, and their plans by the mission's own times."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+from teamformer.bench.peers.auction import auction
+from teamformer.bench.peers.by_pyvrp import plan_by_pyvrp
+from teamformer.bench.peers.by_vroom import plan_by_vroom
+from teamformer.bench.peers.peer_plan import OutOfReachError, Peer, PeerPlan, plain
+from teamformer.bench.peers.routing import route_copies
+from teamformer.planning.continuous.continuous_mission import ContinuousMission
+from teamformer.planning.continuous.cp_sat import solve_exactly
+from teamformer.planning.continuous.problem import CoalitionProblem
+from teamformer.planning.continuous.routes import MissionPlan
+from teamformer.planning.continuous.schedule import schedule_of
+from teamformer.planning.continuous.solve import Solution
+
+MOST_ARCS = 400_000
+"""Robots times pairs of tasks from which on CP-SAT's model is not built: it takes gigabytes."""
+
+
+WORKERS = 8
+"""Threads of CP-SAT: each has a strategy of its own, and with fewer it finds less."""
+
+
+def _cp_sat(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:
+    """Return what CP-SAT makes of the plan of one fair auction, and its bound."""
+    arcs = len(problem.counts) * len(problem.needs) ** 2
+    if arcs > MOST_ARCS:
+        raise OutOfReachError(f"cp-sat is asked no missions with {arcs:,} arcs")
+    begun = time.perf_counter()
+    first = auction(problem, 0.0)
+    if first is None:
+        return None
+    left = seconds - (time.perf_counter() - begun)
+    found = solve_exactly(problem, first.plan, 0, left, WORKERS)
+    return None if found.plan is None else PeerPlan(found.plan, found.bound)
+
+
+PEERS: dict[str, Peer] = {
+    "cp-sat": _cp_sat,
+    "or-routing": route_copies,
+    "auction": auction,
+    "pyvrp": plan_by_pyvrp,
+    "vroom": plan_by_vroom,
+}
+
+
+LIBRARIES = {"pyvrp": "pyvrp", "vroom": "vroom"}
+"""What peers need of the extra `peers`; OR-Tools is there in any case."""
+
+
+def plan_by_peer(mission: ContinuousMission, name: str, seconds: float) -> MissionPlan | None:
+    """Return the plan that a peer makes in so many seconds; None if it finds none.
+
+    Its times are worked out as those of our own plans. Raises `OutOfReachError` for a mission that
+    it cannot be asked.
+    """
+    problem = plain(mission.problem, name)
+    found = PEERS[name](problem, seconds)
+    if found is None:
+        return None
+    schedule = schedule_of(problem, found.plan)
+    told = mission.tell(Solution(schedule, found.bound))
+    return replace(told, is_proven=False) if found.bound == 0 else told

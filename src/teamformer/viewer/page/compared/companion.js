@@ -1,0 +1,128 @@
+// Another record beside the first one: its own map and Gantt view, the same clock and selection.
+
+class Companion {
+  constructor(app, trial) {
+    this.app = app;
+    this.parts = this.build();
+    byId("stage-map").append(this.parts.box);
+    byId("stage-gantt").append(this.parts.phases, this.parts.bars);
+    this.map = new TrialMap(this, this.parts.mapCanvas);
+    connectCompanion(this);
+    this.gantt = new Gantt(this, this.parts.ganttCanvas, this.parts.phases);
+    this.showTrial(trial);
+  }
+
+  build() {
+    const name = element("strong", {});
+    const state = element("span", {});
+    const dot = element("span", { class: "dot" });
+    const close = element("button", { type: "button", class: "link", on: () => this.app.remove(this.trial) }, "Close");
+    const caption = element("p", { class: "caption" }, dot, name, " ", state, " ", close);
+    const mapCanvas = element("canvas", { role: "img" });
+    const ganttCanvas = element("canvas", { role: "img", tabindex: 0 });
+    return {
+      ...{ name, state, dot, mapCanvas, ganttCanvas },
+      box: element("div", { class: "map beside" }, mapCanvas, caption),
+      phases: element("ul", { class: "phases", "aria-label": "Shares of the fleet's time" }),
+      bars: element("div", { class: "bars" }, element("div", { class: "sizer" }, ganttCanvas)),
+    };
+  }
+
+  // A world as large as the first one's is seen through the same camera: both move together.
+  showTrial(trial) {
+    Object.assign(this, trial, { trial });
+    const { world } = this.history.scenario;
+    this.map.look(world);
+    if (isAsLarge(world, this.app.history.scenario.world)) this.map.camera = this.app.map.camera;
+    this.gantt.forget();
+  }
+
+  close() {
+    for (const part of ["box", "phases", "bars"]) this.parts[part].remove();
+  }
+
+  get player() {
+    return this.app.player;
+  }
+
+  get options() {
+    return this.app.options;
+  }
+
+  get selection() {
+    return sameByName(this.app.history.scenario, this.history.scenario, this.app.selection);
+  }
+
+  scene() {
+    return this.sceneAt(Math.min(this.player.step, this.history.last));
+  }
+
+  selectedTeam() {
+    const { robot } = this.selection;
+    return robot === undefined ? null : teamOfRobot(this.scene(), robot);
+  }
+
+  // What is selected here is so in every record that has a thing of that name.
+  select(selection) {
+    this.app.select(sameByName(this.history.scenario, this.app.history.scenario, selection));
+  }
+
+  pick(thing) {
+    this.select(thing);
+  }
+
+  go(step) {
+    this.app.go(step);
+  }
+
+  show() {
+    this.app.show(true);
+  }
+
+  redraw() {
+    this.app.redraw();
+  }
+
+  alignGantts(gantt) {
+    this.app.alignGantts(gantt);
+  }
+
+  title() {
+    return titleOf(this.app.trials, this.trial);
+  }
+
+  titleItem() {
+    return recordItem(this);
+  }
+
+  // What its captions say of the moment.
+  caption() {
+    const { name, state, dot, mapCanvas, ganttCanvas } = this.parts;
+    name.textContent = this.title();
+    state.textContent = describeProgress(this.history, this.player.step);
+    dot.style.background = recordColour(this.app, this.trial);
+    mapCanvas.setAttribute("aria-label", `Map of ${this.title()}: ${state.textContent}`);
+    ganttCanvas.setAttribute("aria-label", `What each robot does over time, ${this.title()}`);
+  }
+}
+
+function isAsLarge(one, other) {
+  return ["width", "height", "isPlane", "yIsUp"].every((key) => one[key] === other[key]);
+}
+
+// A selection in one mission, in another one: what is called the same there, or nothing.
+function sameByName(from, to, selection) {
+  const found = {};
+  const lists = { robot: "robots", task: "tasks" };
+  for (const [key, list] of Object.entries(lists)) {
+    if (selection[key] === undefined) continue;
+    const { name } = from[list][selection[key]];
+    const number = to[list].findIndex((other) => other.name === name);
+    if (number >= 0) found[key] = number;
+  }
+  if (selection.cap !== undefined) {
+    const cap = to.capabilities.indexOf(from.capabilities[selection.cap]);
+    if (cap >= 0) found.cap = cap;
+  }
+  return found;
+}

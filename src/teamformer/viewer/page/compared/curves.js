@@ -1,0 +1,57 @@
+// Tasks done over time, a line for each record, and where each one's makespan is.
+
+const CURVES_BELOW = 16; // pixels, for the time
+
+class Curves extends TimeCanvas {
+  constructor(app, canvas) {
+    super(app, canvas, 30, 10);
+  }
+
+  // Of the part that is done, 0..1.
+  y(part) {
+    return 6 + (1 - part) * (this.canvas.clientHeight - CURVES_BELOW - 6);
+  }
+
+  draw() {
+    const ctx = this.cleared();
+    if (!ctx) return;
+    this.drawAxes(ctx);
+    this.drawBound(ctx, this.y(1), this.y(0));
+    for (const trial of this.app.trials) this.drawLine(ctx, trial);
+    this.drawNow(ctx, 2, this.y(0));
+  }
+
+  drawAxes(ctx) {
+    const { map, player, history } = this.app;
+    const { theme } = map;
+    const { world } = history.scenario;
+    const bottom = this.canvas.clientHeight;
+    ctx.strokeStyle = theme.line;
+    ctx.strokeRect(this.x(0) - 0.5, this.y(1) - 0.5, this.room() + 1, this.y(0) - this.y(1) + 1);
+    ctx.fillStyle = theme.muted;
+    ctx.font = `10px ${theme.font}`;
+    ctx.textAlign = "right";
+    ctx.textBaseline = "middle";
+    ctx.fillText("100%", this.left - 4, this.y(1) + 2);
+    ctx.fillText("0", this.left - 4, this.y(0) - 2);
+    ctx.textBaseline = "bottom";
+    ctx.fillText(describeAmount(world, player.last), this.x(player.last), bottom);
+    ctx.textAlign = "left";
+    ctx.fillText(world.isPlane ? "tasks done over seconds" : "tasks done over steps", this.left, bottom);
+  }
+
+  // The line of what was done, and a dot at the makespan.
+  drawLine(ctx, trial) {
+    const { history } = trial;
+    const [x, y] = [(step) => this.x(step), (count) => this.y(count / history.doneAt.length)];
+    ctx.strokeStyle = ctx.fillStyle = recordColour(this.app, trial);
+    ctx.lineWidth = trial === this.app.trial ? 2.5 : 1.5;
+    ctx.beginPath();
+    traceSteps(ctx, doneAfterSteps(history), x, y);
+    ctx.stroke();
+    if (history.end.makespan === null) return;
+    ctx.beginPath();
+    ctx.arc(this.x(history.end.makespan), this.y(1), 3.5, 0, 2 * Math.PI);
+    ctx.fill();
+  }
+}

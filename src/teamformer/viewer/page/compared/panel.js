@@ -1,0 +1,107 @@
+// Records in step: their table and their curves in the panel, and how their maps are laid out.
+
+const MOST_MAPS = 6; // beside each other; further records are rows of the table
+
+class Compared {
+  constructor(app, box) {
+    this.app = app;
+    this.box = box;
+    this.table = element("div", {});
+    this.canvas = element("canvas", { role: "img", "aria-label": "Tasks done over time; the table says the same in numbers" });
+    box.append(element("h2", {}, "Compared"), this.canvas, this.table);
+    this.curves = new Curves(app, this.canvas);
+    new ResizeObserver(() => this.layMaps()).observe(byId("stage-map"));
+  }
+
+  show() {
+    const { trials, failed } = this.app;
+    this.box.hidden = trials.length + failed.length < 2;
+    byId("caption").hidden = trials.length < 2;
+    if (this.box.hidden) return;
+    byId("caption").replaceChildren(...recordItem(this.app).childNodes);
+    const head = ["method", "done", "makespan", "to best"];
+    const rows = trials.map((trial) => comparedRow(this.app, trial));
+    const header = element("thead", {}, element("tr", {}, ...head.map((text) => element("th", { scope: "col" }, text))));
+    refill(this.table, [oneStop(element("table", {}, header, element("tbody", {}, ...rows, ...failed.map(failedRow))))]);
+    this.curves.draw();
+  }
+
+  // As many columns as make the maps largest: of wide worlds one, so that they lie under each other.
+  layMaps() {
+    const { app } = this;
+    const { clientWidth: width, clientHeight: height } = byId("stage-map");
+    if (!width) return;
+    const count = 1 + app.companions.length;
+    const columns = columnsFor(count, app.history.scenario.world.used, width, height);
+    byId("stage-map").style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
+  }
+}
+
+// The number of columns in which so many maps of a world are largest in a box.
+function columnsFor(count, used, width, height) {
+  const scale = (columns) => scaleToFit(used, width / columns, height / Math.ceil(count / columns));
+  const all = Array.from({ length: count }, (_, index) => index + 1);
+  return all.reduce((best, columns) => (scale(columns) > scale(best) ? columns : best));
+}
+
+function comparedRow(app, trial) {
+  const { history } = trial;
+  const { world } = history.scenario;
+  const title = titleOf(app.trials, trial);
+  const { makespan, status } = history.end;
+  const best = bestMakespan(app.trials);
+  const isFront = trial === app.trial;
+  const name = element("button", { type: "button", class: "link", "data-key": title, title: "Show its details", on: () => app.bringToFront(trial) }, title);
+  if (isFront) name.setAttribute("aria-current", "true");
+  const cells = [
+    `${countDone(history, app.player.step)}/${history.doneAt.length}`,
+    makespan === null ? status : describeAmount(world, makespan),
+    makespan === null || !best ? "" : `+${Math.round(100 * (makespan / best - 1))}%`,
+  ];
+  return element(
+    "tr",
+    { class: isFront ? "front" : "" },
+    element("th", { scope: "row" }, element("span", { class: "dot", colour: recordColour(app, trial) }), name),
+    ...cells.map((text) => element("td", {}, text)),
+  );
+}
+
+function failedRow({ method, seed, why }) {
+  return element("tr", {}, element("th", { scope: "row" }, `${method}, seed ${seed}`), element("td", { colspan: 3, class: "why" }, `failed: ${why}`));
+}
+
+// The makespan of the fastest record that is over and complete, if there is one.
+function bestMakespan(trials) {
+  const all = trials.map(({ history }) => history.end.makespan).filter((makespan) => makespan !== null);
+  return all.length ? Math.min(...all) : null;
+}
+
+function describeAmount(world, steps) {
+  return world.isPlane ? describeSpan(world, steps) : String(steps);
+}
+
+// What tells a record from the others: its method; its mission or seed where these differ.
+function titleOf(trials, { history }) {
+  const differs = (read) => new Set(trials.map((trial) => read(trial.history))).size > 1;
+  const { scenario, replay } = history;
+  const parts = [
+    differs((other) => other.scenario.name) ? scenario.name : "",
+    replay.method,
+    differs((other) => other.replay.seed) ? `seed ${replay.seed}` : "",
+  ];
+  return parts.filter(Boolean).join(", ");
+}
+
+// The colour of a record in curves, tables and captions: by its place among those opened.
+function recordColour({ trials, map }, trial) {
+  return oklch(map.isDark ? 0.76 : 0.54, 0.15, 262 + trials.indexOf(trial) * GOLDEN_ANGLE);
+}
+
+// A record's title, over its Gantt chart and on its map, with how far it is.
+function recordItem(shown) {
+  const { history, player, trial } = shown;
+  const app = shown.app ?? shown;
+  const progress = describeProgress(history, player.step);
+  const dot = element("span", { class: "dot", colour: recordColour(app, trial) });
+  return element("li", { class: "of" }, dot, element("strong", {}, titleOf(app.trials, trial)), ` ${progress}`);
+}

@@ -1,0 +1,77 @@
+// What the colours of a crowd say: how dense robots lie, or what those of a group do.
+
+const LEGEND_ROW = 18; // pixels
+const LEGEND_MARK = 20; // with the space before its text
+const LEGEND_GAP = 14;
+
+// Over the map, where robots are not drawn one by one; pictures have it too.
+function drawCrowdLegend(view) {
+  if (view.detail === "robots") return;
+  const { ctx, theme } = view;
+  ctx.font = `11px ${theme.font}`;
+  const items = inRows(ctx, [...crowdItems(view), ...taskItems(view)], view.width - 20);
+  const width = Math.max(...items.map(({ right }) => right));
+  ctx.globalAlpha = 0.85;
+  ctx.fillStyle = theme.paper;
+  ctx.fillRect(6, 6, width + 8, (items.at(-1).row + 1) * LEGEND_ROW + 4);
+  for (const { text, draw, x, y } of items) {
+    draw(x, y);
+    ctx.globalAlpha = 1;
+    ctx.fillStyle = theme.ink;
+    ctx.textAlign = "left";
+    ctx.textBaseline = "middle";
+    ctx.fillText(text, x + LEGEND_MARK - 6, y + 0.5);
+  }
+  view.legend = items;
+}
+
+// The items with the places of their marks: one after the other, a new row where there is no room.
+function inRows(ctx, items, width) {
+  let [left, row] = [0, 0];
+  return items.map((item) => {
+    const wide = LEGEND_MARK + ctx.measureText(item.text).width;
+    if (left > 0 && left + wide > width) [left, row] = [0, row + 1];
+    const placed = { ...item, row, right: left + wide, x: 16 + left, y: 8 + (row + 0.5) * LEGEND_ROW };
+    left += wide + LEGEND_GAP;
+    return placed;
+  });
+}
+
+function crowdItems(view) {
+  return view.detail === "density" ? densityItems(view) : groupItems(view);
+}
+
+// One robot in a square, as many as anywhere, and what is between them.
+function densityItems({ ctx, theme, mostInSquare: most }) {
+  const counts = [...new Set([1, Math.round(Math.sqrt(most)), most])];
+  return counts.map((count) => ({
+    text: `${plural(count, "robot")} in a square`,
+    draw: (x, y) => {
+      ctx.globalAlpha = densityStrength(count, most);
+      ctx.fillStyle = theme.accent;
+      ctx.fillRect(x - 4, y - 4, DENSE_SIDE - 1, DENSE_SIDE - 1);
+    },
+  }));
+}
+
+// Parts of the rings of groups; who serves and who has just done a task have one colour.
+function groupItems({ ctx, theme }) {
+  return ["walks", "waits", "serves", "idle"].map((activity) => ({
+    text: `robots ${ACTIVITIES[activity]}`,
+    draw: (x, y) => {
+      ctx.strokeStyle = theme[ACTIVITY_COLOURS[activity]];
+      ctx.lineWidth = 4;
+      ctx.beginPath();
+      ctx.arc(x, y, 5, 0, 2 * Math.PI);
+      ctx.stroke();
+    },
+  }));
+}
+
+function taskItems(view) {
+  const words = { open: "open task", served: "served", done: "done" };
+  return Object.entries(words).map(([standing, text]) => ({
+    text,
+    draw: (x, y) => drawTaskDot(view, null, { x, y, half: 4 }, standing),
+  }));
+}

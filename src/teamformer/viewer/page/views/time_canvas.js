@@ -1,0 +1,91 @@
+// A canvas with time from left to right, from the start to the page's last step.
+
+const MARKS_APART = 46; // pixels between two numbers of an axis, at least
+
+class TimeCanvas {
+  // `left` and `right` are the pixels that are left free for numbers.
+  constructor(app, canvas, left, right) {
+    Object.assign(this, { app, canvas, left, right });
+    new ResizeObserver(() => app.history && this.draw()).observe(canvas);
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      this.goTo(event);
+    });
+    canvas.addEventListener("pointermove", (event) => event.buttons && this.goTo(event));
+  }
+
+  goTo({ offsetX }) {
+    const part = (offsetX - this.left) / this.room();
+    this.app.go(Math.round(part * this.app.player.last));
+  }
+
+  room() {
+    return this.canvas.clientWidth - this.left - this.right;
+  }
+
+  x(step) {
+    return this.left + (step / Math.max(1, this.app.player.last)) * this.room();
+  }
+
+  // What to draw on: all of the canvas, empty. Nothing while it is hidden.
+  cleared() {
+    const { canvas } = this;
+    if (!canvas.clientWidth) return null;
+    const sharpness = window.devicePixelRatio || 1;
+    canvas.width = Math.round(canvas.clientWidth * sharpness);
+    canvas.height = Math.round(canvas.clientHeight * sharpness);
+    const ctx = canvas.getContext("2d");
+    ctx.scale(sharpness, sharpness);
+    return ctx;
+  }
+
+  drawNow(ctx, top, bottom) {
+    ctx.fillStyle = this.app.map.theme.ink;
+    ctx.fillRect(this.x(this.app.player.time) - 0.75, top, 1.5, bottom - top);
+  }
+
+  // The bound on the makespan, as long as time is shown so far.
+  drawBound(ctx, top, bottom) {
+    const { history, map, player } = this.app;
+    if (history.lowerBound === null || history.lowerBound > player.last) return;
+    const x = this.x(history.lowerBound);
+    const isRight = x > this.left + 50;
+    ctx.strokeStyle = ctx.fillStyle = map.theme.muted;
+    ctx.lineWidth = 1;
+    ctx.setLineDash([3, 2]);
+    ctx.beginPath();
+    ctx.moveTo(x, top);
+    ctx.lineTo(x, bottom);
+    ctx.stroke();
+    ctx.setLineDash([]);
+    ctx.font = `10px ${map.theme.font}`;
+    ctx.textBaseline = "top";
+    ctx.textAlign = isRight ? "right" : "left";
+    ctx.lineWidth = 3;
+    ctx.strokeStyle = map.theme.surface;
+    ctx.strokeText("bound", x + (isRight ? -4 : 4), top + 1);
+    ctx.fillText("bound", x + (isRight ? -4 : 4), top + 1);
+  }
+}
+
+// Continue a path along what changes over time, given as a number after each step.
+function traceSteps(ctx, values, x, y) {
+  values.forEach((value, step) => {
+    if (step && value === values[step - 1]) return;
+    if (step) ctx.lineTo(x(step), y(values[step - 1]));
+    ctx.lineTo(x(step), y(value));
+  });
+  ctx.lineTo(x(values.length - 1), y(values.at(-1)));
+}
+
+// Where an axis of so many steps and pixels has numbers: [{step, text}].
+function timeMarks(world, steps, width) {
+  const unit = world.isPlane ? world.stepSeconds : 1;
+  const length = steps * unit;
+  const every = SPACINGS.find((spacing) => (spacing / length) * width >= MARKS_APART) ?? Math.max(1, length);
+  const marks = [];
+  for (let mark = 0; mark <= length + 1e-9; mark += every) {
+    marks.push({ step: mark / unit, text: Number(mark.toFixed(2)) + (world.isPlane ? " s" : "") });
+  }
+  return marks;
+}

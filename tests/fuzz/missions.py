@@ -84,7 +84,7 @@ def missions(
         if not is_sure:
             _write_surprises_of_task(draw, world, fleet, task)
     if not is_plain:
-        flies = any(robot.get("moves") == "air" for robot in fleet.robots) and world.blocked
+        flies = any(robot.get("moves") == "air" for robot in fleet.robots)
         if not is_tiny and not flies:  # `plain_search` plays no loads, and nobody flies with them
             _write_loads(draw, world, tasks)
         _write_windows(draw, tasks, can_be_short=True)
@@ -167,7 +167,7 @@ def _robots(
     if world.movers and now_and_then(draw, 2):
         robot["moves"] = pick(draw, world.movers)
     parts = {world.part(at)}
-    if can_fly and now_and_then(draw):
+    if can_fly and "roads" not in world.tree and now_and_then(draw):
         robot["moves"] = "air"
         parts = {world.part(place) for place in world.places}
     for part in parts:
@@ -246,8 +246,8 @@ def _part_around(world: Drawn, at: Place, within: float) -> int | None:
 
 
 def _write_loads(draw: st.DrawFn, world: Drawn, tasks: Sequence[Tree]) -> None:
-    """Say where some tasks are brought, and how long that takes there."""
-    for task in tasks:
+    """Say where some tasks are brought, and how long that takes there; on roads none is."""
+    for task in tasks if "roads" not in world.tree else ():
         part = _part_of(world, task)
         near = [place for place in world.places if world.part(place) == part]
         if near and now_and_then(draw):

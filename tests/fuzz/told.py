@@ -85,7 +85,7 @@ def told_by_tables(folder: Path, steps: int) -> list[Line]:
             lines.append(Line(int(done), "done", who, name))
         if appears and 0 < int(appears) <= steps:
             lines.append(Line(int(appears), "appears", "", name))
-    for name, _, _, _, _, lost, back, *_ in _rows(folder / "robots.csv"):
+    for name, _, _, _, _, _, lost, back, *_ in _rows(folder / "robots.csv"):
         lines += [Line(int(step), "lost", name, "") for step in lost.split("; ") if step]
         lines += [Line(int(step), "back", name, "") for step in back.split("; ") if step]
     return sorted(lines)

@@ -13,8 +13,8 @@ from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.situation import situation_in_hindsight
-from teamformer.planning.steps.solve import first_search
 from teamformer.planning.steps.team_plan import TeamPlan, routes_of
 from teamformer.policies.central.plan_from_play import plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
@@ -135,10 +135,9 @@ def test_the_time_limit_is_kept() -> None:
 def test_a_plan_takes_no_longer_than_the_search_promised(seed: int) -> None:
     """It may be done sooner: who has nothing left to do goes where its next task is."""
     scenario = generate(Spec(6, 8, 3), np.random.default_rng(seed))
-    search = first_search(situation_in_hindsight(scenario), seed)
-    assert search is not None
-    search.run(3000, hot=0.5)
-    assert search.makespan - 1 <= play(scenario, search.best) <= search.makespan
+    found = TeamArcs(situation_in_hindsight(scenario), seed).plan_anew(3000)
+    assert found is not None
+    assert found.makespan - 1 <= play(scenario, found.plan) <= found.makespan
 
 
 def test_robots_that_the_rules_cannot_part_go_on_together() -> None:

@@ -284,7 +284,7 @@ CASES = [
         "robot 'a' moves by air, but there are only roads by ground; name a file under roads",
     ),
     (FROM_WORLD, ON_ROADS.replace("continuous", "steps"), 4, "roads are for continuous time: in"),
-    ("speed: 0.5", "moves: air", 7, "robot 'b' moves by air, which is for worlds of roads; drop"),
+    ("speed: 0.5", "moves: swim", 7, "moves of robot 2 is 'swim'; write ground or air"),
     # teams
     ("sensing_radius: 1", "teams: [[a, c]]", 10, "there is no robot 'c'; write the name of one"),
     ("sensing_radius: 1", "teams: [a]", 10, "team 1 is the text 'a'; write a list"),

@@ -162,6 +162,7 @@ class PlainWorld:
                 self.found[task] = self.steps + 1
                 any_news |= believed != true
                 self.believe(task, true)
+            if true not in left or not self.teams:
                 continue
             seeker = min(
                 self.teams.items(), key=lambda s: (self.micrometres(s[1].at, believed), s[0])

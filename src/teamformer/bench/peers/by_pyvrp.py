@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
+from typing import Any
+
 import numpy as np
 
 from teamformer.bench.peers.lone_robots import Routes, able_robots, horizon_of, lower_limits
@@ -14,6 +17,7 @@ def plan_by_pyvrp(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:
     """Return the best plan that PyVRP finds; raises if tasks need several robots."""
     require("peers", "pyvrp")
     import pyvrp
+    from pyvrp.exceptions import PenaltyBoundWarning
     from pyvrp.stop import MaxRuntime
 
     can_do = able_robots(problem, "pyvrp")
@@ -30,7 +34,7 @@ def plan_by_pyvrp(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:
     for (kind, origin), robots in zip(groups, members, strict=True):
         depot = depots[origin]
         model.add_vehicle_type(len(robots), [], depot, depot, profile=profiles[kind])
-    matrices = []
+    matrices: list[Any] = []  # (places, places) each
     for kind, robot in zip(kinds, first, strict=True):
         matrix = np.zeros((len(origins) + tasks,) * 2, np.int64)
         ways = problem.ways[problem.pace[robot]]
@@ -45,9 +49,11 @@ def plan_by_pyvrp(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:
     def attempt(limit: int, time_limit: float) -> Routes | None:
         types = [each.replace(shift_duration=limit) for each in data.vehicle_types()]
         posed = data.replace(vehicle_types=types)
-        found = pyvrp.solve(
-            posed, MaxRuntime(time_limit), seed=0, display=False, collect_stats=False
-        )
+        with warnings.catch_warnings():  # a limit may be too low for any routes
+            warnings.simplefilter("ignore", PenaltyBoundWarning)
+            found = pyvrp.solve(
+                posed, MaxRuntime(time_limit), seed=0, display=False, collect_stats=False
+            )
         if not found.is_feasible():
             return None
         routes: Routes = [[] for _ in problem.origin]

@@ -19,7 +19,7 @@ from teamformer.planning.steps.arc_search import LARGE, TeamArcs
 from teamformer.planning.steps.situation import Situation, plan_of, situation_of
 from teamformer.planning.steps.starts import complete_plan, plan_from_coalitions, plan_from_crews
 from teamformer.planning.steps.team_plan import TeamPlan
-from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan, without_riders
 
 CREWS, COALITIONS, ANEW = "crews", "coalitions", "arcs"
 """What a plan is made from: what crews do, coalitions that are best where joining is free, or
@@ -144,7 +144,7 @@ def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | Non
         plans = _hopeful(plans, step)
     plans = [(name, arcs.improve(plan, rounds.arcs)) for name, plan in plans]
     name, best = min(plans, key=_cost_of)
-    return name, arcs.improve(best, rounds.arcs * AGAIN)
+    return name, without_riders(situation, arcs.improve(best, rounds.arcs * AGAIN))
 
 
 def _starts(situation: Situation, rounds: Rounds) -> Iterator[Named]:

@@ -31,6 +31,28 @@ class TimedPlan:
         return int(self.ends.max())
 
 
+def without_riders(situation: Situation, timed: TimedPlan) -> TimedPlan:
+    """Return a plan without robots that a coalition can do without, where that costs less.
+
+    A search has some come along, so that nobody parts; others only trail along.
+    """
+    problem = situation.problem
+    for task in timed.plan.order.tolist():
+        seat = int(timed.plan.size[task]) - 1
+        while seat >= 0:
+            crew = timed.plan.coalition[task, : timed.plan.size[task]].tolist()
+            rest = crew[:seat] + crew[seat + 1 :]
+            seat -= 1
+            if (problem.counts[rest].sum(axis=0) < problem.needs[task]).any():
+                continue
+            coalition, size = timed.plan.coalition.copy(), timed.plan.size.copy()
+            coalition[task, : len(rest)], size[task] = rest, len(rest)
+            fewer = time_team_plan(situation, TeamPlan(timed.plan.order, coalition, size))
+            if fewer.cost < timed.cost:
+                timed, seat = fewer, min(seat, int(fewer.plan.size[task]) - 1)
+    return timed
+
+
 def time_team_plan(situation: Situation, plan: TeamPlan) -> TimedPlan:
     """Return a plan with its times; the plan given stays as it is."""
     problem = situation.problem

@@ -42,7 +42,7 @@ REPLACED = {"jit": "jit.txt", "policies.learned.onnx_sessions": "sessions.txt"}
 FOR_MISSIONS = (
     "model",
     "plane",
-    "robotarium.mission",
+    "robotarium.flight",
     "robotarium.robots.rps_robots",
     "robotarium.control.qp_solvers",
     "sim.env",

@@ -77,6 +77,8 @@ def run(
     announce_compiling([method], mission)
     with ended_like_ctrl_c():
         trial = watch_trial(mission, method, seed)
+        if folder is not None:  # before anything is shown, which may be interrupted
+            write_replay(trial.replay, folder / "replay.json")
     story = [] if robot is None else list(story_lines(trial.replay, robot))
     with suppress(ReaderGoneError):  # the record is written all the same
         if as_json:
@@ -89,7 +91,7 @@ def run(
             if robot is not None:
                 out.print(_story_table(story))
     if folder is not None:
-        _write(trial.replay, folder)
+        _write_page(trial.replay, folder)
     return 0 if trial.replay.end.status == "completed" else 1
 
 
@@ -141,10 +143,9 @@ def _improvements(plan: CentralPlan) -> str:
     return f"plans found: {found}{first}"
 
 
-def _write(replay: Replay, folder: Path) -> None:
+def _write_page(replay: Replay, folder: Path) -> None:
     from teamformer.viewer.html import write_page
 
-    write_replay(replay, folder / "replay.json")
     say(f"record: {folder / 'replay.json'}")
     write_page(replay_to_tree(replay), folder / "replay.html")
     say(f"page:   {folder / 'replay.html'}")

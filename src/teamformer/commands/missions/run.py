@@ -77,22 +77,27 @@ def run(
     announce_compiling([method], mission)
     with ended_like_ctrl_c():
         trial = watch_trial(mission, method, seed)
-        if folder is not None:  # before anything is shown, which may be interrupted
-            write_replay(trial.replay, folder / "replay.json")
-    story = [] if robot is None else list(story_lines(trial.replay, robot))
-    with suppress(ReaderGoneError):  # the record is written all the same
-        if as_json:
-            row = result_row(trial, best_known=best_known([trial]))
-            chain = path_rows(trial.replay.mission, path_of_record(trial.replay))
-            told = {"critical_path": chain} | ({} if robot is None else {"story": story})
-            print_json(row | told)
-        else:
-            _show(trial)
-            if robot is not None:
-                out.print(_story_table(story))
-    if folder is not None:
-        _write_page(trial.replay, folder)
+    try:
+        with suppress(ReaderGoneError):
+            _tell(trial, robot, as_json)
+    finally:  # whoever stops reading, and if it is interrupted
+        if folder is not None:
+            _write(trial.replay, folder)
     return 0 if trial.replay.end.status == "completed" else 1
+
+
+def _tell(trial: Trial, robot: int | None, as_json: bool) -> None:
+    """Print what came of a trial, and a robot's story if one is asked for."""
+    story = [] if robot is None else list(story_lines(trial.replay, robot))
+    if as_json:
+        row = result_row(trial, best_known=best_known([trial]))
+        chain = path_rows(trial.replay.mission, path_of_record(trial.replay))
+        told = {"critical_path": chain} | ({} if robot is None else {"story": story})
+        print_json(row | told)
+    else:
+        _show(trial)
+        if robot is not None:
+            out.print(_story_table(story))
 
 
 def _robot_number(scenario: Scenario, name: str) -> int:
@@ -143,9 +148,10 @@ def _improvements(plan: CentralPlan) -> str:
     return f"plans found: {found}{first}"
 
 
-def _write_page(replay: Replay, folder: Path) -> None:
+def _write(replay: Replay, folder: Path) -> None:
     from teamformer.viewer.html import write_page
 
+    write_replay(replay, folder / "replay.json")
     say(f"record: {folder / 'replay.json'}")
     write_page(replay_to_tree(replay), folder / "replay.html")
     say(f"page:   {folder / 'replay.html'}")

@@ -74,13 +74,12 @@ def test_many_missions_at_once_are_played_each_as_is_best(tmp_path: Path) -> Non
     """As they are or as they are seen; also where somebody stands between with a clock."""
     pairs = [mission(tmp_path) for mission in (beliefs, as_seen, sure)]
     scenarios, seeds = zip(*pairs, strict=True)
-    usual = [
-        run_trial(scenario, SharedPlan(), seed).replay.end.makespan for scenario, seed in pairs
-    ]
+    usual = [run_trial(scenario, SharedPlan(), seed).replay.end.steps for scenario, seed in pairs]
     clock = Clock(Method("central", policy=Central(time_limit=0.25)), len(scenarios))
     for player in (Central(time_limit=0.25), clock.timed()):
         tallies = run_trials(scenarios, player, truth_seeds=seeds)
-        assert [tally.steps for tally in tallies] == usual
+        assert all(tally.status == "completed" for tally in tallies)
+        assert all(tally.steps <= best for tally, best in zip(tallies, usual, strict=True))
     assert clock.seconds.sum() > 0
 
 

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import json
-import signal
 import sys
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from rich.console import Console
@@ -68,20 +65,6 @@ def prepare_file(path: Path) -> None:
     if path.is_dir():
         raise TeamformerError(f"{path}: this is a folder", "name a file in it")
     prepare_folder(path.parent)
-
-
-@contextmanager
-def ended_like_ctrl_c() -> Iterator[None]:
-    """Have SIGTERM end what is done within in the same way as Ctrl-C."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 class StepProgress:

@@ -14,12 +14,12 @@ from teamformer.advice.suggestions import Advice
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import (
     Counting,
-    ended_like_ctrl_c,
     out,
     prepare_file,
     print_json,
     say,
 )
+from teamformer.commands.interruption import Interruption
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
 from teamformer.planning.continuous.rules import is_compiled
@@ -41,7 +41,7 @@ def advise(path: Path, page: Path | None, as_json: bool) -> int:
         prepare_file(page)
     _announce(mission)
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    with ended_like_ctrl_c(), Counting("searches") as counting:
+    with Interruption(), Counting("searches") as counting:
         advice = advise_on(mission, SECONDS, workers or 1, counting.update)
     if page is not None:
         write_advice(advice.row, page)

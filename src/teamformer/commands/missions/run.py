@@ -14,12 +14,12 @@ from teamformer.capabilities import describe
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import (
     StepProgress,
-    ended_like_ctrl_c,
     out,
     prepare_folder,
     print_json,
     say,
 )
+from teamformer.commands.interruption import Interruption
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import path_rows
 from teamformer.critical_path.words import why_so_late
@@ -30,6 +30,7 @@ from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.central.plays import CentralPlan
 from teamformer.scenarios.files import read_scenario
+from teamformer.sim.env import Tally
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import cost_of_record, lateness
 from teamformer.sim.replay.teams import completions
@@ -75,14 +76,15 @@ def run(
     if folder is not None:
         prepare_folder(folder)
     announce_compiling([method], mission)
-    with ended_like_ctrl_c():
-        trial = watch_trial(mission, method, seed)
-    try:
-        with suppress(ReaderGoneError):
-            _tell(trial, robot, as_json)
-    finally:  # whoever stops reading, and if it is interrupted
-        if folder is not None:
-            _write(trial.replay, folder)
+    with Interruption() as interruption:
+        trial = watch_trial(mission, method, seed, interruption)
+        interruption.hold()  # what was played is told and written first
+        try:
+            with suppress(ReaderGoneError):
+                _tell(trial, robot, as_json)
+        finally:
+            if folder is not None:
+                _write(trial.replay, folder)
     return 0 if trial.replay.end.status == "completed" else 1
 
 
@@ -119,17 +121,22 @@ def _story_table(story: Sequence[tuple[str, str, str]]) -> Table:
     return table
 
 
-def watch_trial(mission: Scenario, method: Method, seed: int) -> Trial:
-    """Run a trial with its lower bound, and a display of progress if it takes long."""
+def watch_trial(
+    mission: Scenario, method: Method, seed: int, interruption: Interruption | None = None
+) -> Trial:
+    """Run a trial with its lower bound, and a display of progress if it takes long.
+
+    `interruption` is held from the moment in which the trial has ended.
+    """
     bound = lower_bound(draw_truth(mission, seed))
     with StepProgress(len(mission.tasks)) as progress:
-        return run_trial(
-            mission,
-            method,
-            seed,
-            bound,
-            on_step=lambda tally: progress.update(tally.steps, tally.tasks_done),
-        )
+
+        def on_step(tally: Tally) -> None:
+            if interruption is not None and tally.status != "running":
+                interruption.hold()
+            progress.update(tally.steps, tally.tasks_done)
+
+        return run_trial(mission, method, seed, bound, on_step)
 
 
 def plan_line(plan: CentralPlan) -> str:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.commands.compiling import announce_compiling
-from teamformer.commands.console import ended_like_ctrl_c, prepare_folder, say
+from teamformer.commands.console import prepare_folder, say
+from teamformer.commands.interruption import Interruption
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.extras import how_to_install
 
@@ -42,7 +43,7 @@ def train(options: TrainOptions) -> int:
     _prepare(folder)
     announce_compiling()
     try:
-        with ended_like_ctrl_c():
+        with Interruption():
             table = _Table()
             is_first = run_session(settings, folder, table.show, begun)
     except KeyboardInterrupt:

@@ -12,12 +12,12 @@ from typing import Any
 
 from teamformer.commands.console import (
     Counting,
-    ended_like_ctrl_c,
     out,
     prepare_folder,
     print_json,
     say,
 )
+from teamformer.commands.interruption import Interruption
 from teamformer.commands.robots.mesh import check_method, read_fleet_mission
 from teamformer.errors import TeamformerError
 
@@ -60,7 +60,7 @@ def _play_many(stage: Any, options: Options, as_json: bool) -> int:
 
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     verdicts: list[Verdict] = []
-    with ended_like_ctrl_c(), Counting("schedules") as progress:
+    with Interruption(), Counting("schedules") as progress:
         schedules = range(options.schedules)
         for verdict in judge_many(stage, options.seed, schedules, workers or 1):
             verdicts.append(verdict)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from teamformer.commands.console import ended_like_ctrl_c, out, print_json, say
+from teamformer.commands.console import out, print_json, say
+from teamformer.commands.interruption import Interruption
 from teamformer.commands.robots.mesh import check_method, read_fleet_mission
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def start(path: Path, options: Options, as_json: bool) -> int:
 
     check_method(options.method)
     fleet = LocalFleet(mission, say, options.method, options.keys)
-    with ended_like_ctrl_c():
+    with Interruption():
         result = fleet.run(options.time_limit)
     row = _row(mission, result)
     if as_json:

@@ -84,6 +84,11 @@ HOMES = {
     "msgspec": ("fleet/",),
     "paho": ("fleet/bodies/vda5050.py",),
     "zenoh": ("fleet/transports/zenoh_mesh.py",),
+    **dict.fromkeys(
+        ("rclpy", "action_msgs", "geometry_msgs", "nav_msgs", "nav2_msgs", "std_msgs"),
+        ("fleet/bodies/ros2/",),
+    ),
+    "visualization_msgs": ("fleet/bodies/ros2/markers.py",),
     "matplotlib": (
         "bench/report/figures.py",
         "robotarium/draw.py",

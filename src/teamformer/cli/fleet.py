@@ -61,7 +61,7 @@ def add(
 def agent(
     mission: MissionPath,
     robot: Annotated[str, typer.Argument(metavar="ROBOT", help="whose mind it is, by name")],
-    body: Annotated[str, typer.Option(help="sim, vda5050:URL or module:Class")] = "sim",
+    body: Annotated[str, typer.Option(help="sim, nav2, vda5050:URL or module:Class")] = "sim",
     listen: Annotated[str | None, typer.Option(help="own endpoint: tcp/127.0.0.1:7447")] = None,
     connect: Annotated[
         list[str] | None, typer.Option(help="endpoint of another; again for more")

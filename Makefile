@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test kernels types planes test-all fuzz test-real wheel wheel-of clean
+.PHONY: run test kernels types planes test-all fuzz test-real test-ros wheel wheel-of clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --out out/
@@ -55,6 +55,16 @@ wheel-of:  ## the wheel of one PYTHON, built and tried in an environment of its 
 test-real: $(VENV)/dev.stamp  ## processes, and vehicles of others where a broker and they are there
 	$(BIN)/pytest -q tests/fleet/test_vda5050.py tests/fleet/test_commands.py
 
+ROS := .venv-ros
+test-ros: $(ROS)/stamp  ## bodies in ROS 2, by the real rclpy, in an environment of its own
+	$(ROS)/bin/python -m pytest -q -n 0 tests/fleet/test_ros2.py
+
+$(ROS)/stamp: pyproject.toml  # its packages re-execute every Python of their environment
+	python3.11 -m venv $(ROS)
+	$(ROS)/bin/pip install --quiet --editable '.[fleet]' pytest pytest-xdist hypothesis 'ros-rclpy[fastrtps]==9.1.2' \
+		ros-geometry-msgs ros-nav-msgs ros-action-msgs 'ros-visualization-msgs==5.5.1' 'ros-test-msgs==2.3.0'
+	touch $@
+
 $(VENV)/run.stamp: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --editable .
@@ -66,4 +76,4 @@ $(VENV)/dev.stamp: pyproject.toml  # bytecode as it is needed: most of it never 
 	touch $@ $(VENV)/run.stamp
 
 clean:
-	rm -rf $(VENV) out build dist
+	rm -rf $(VENV) $(ROS) out build dist

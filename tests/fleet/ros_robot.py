@@ -8,12 +8,14 @@ from __future__ import annotations
 import math
 import sys
 import uuid
+from contextlib import suppress
 from pathlib import Path
 
 import rclpy
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
@@ -72,10 +74,8 @@ def main() -> None:
     namespace, x, y, speed, file = sys.argv[1:]
     rclpy.init()
     robot = Robot(namespace, (float(x), float(y)), float(speed), Path(file))
-    try:
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
         rclpy.spin(robot)
-    except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
-        pass
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Agents drive robots of a ROS 2 graph, by the real rclpy: `make test-ros` makes a Python with it."""
+"""Agents drive robots of a ROS 2 graph, by the real rclpy; `make test-ros` installs it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ ROBOT = Path(__file__).parent / "ros_robot.py"
 
 
 def yard() -> Mission:
-    """Return two lifters and a scanner; both kinds do `both`, and each lifter can do what one does."""
+    """Return two lifters and a scanner, with tasks for one and tasks for both kinds."""
     robots = (
         Robot("r1", (1.0, 1.0), {"lift": 1}, 2.0),
         Robot("r2", (11.0, 1.0), {"scan": 1}, 2.0),
@@ -198,7 +198,7 @@ def test_an_agent_without_its_robot_ends_with_a_hint(tmp_path: Path) -> None:
 
 
 class Server:
-    """An action server whose goals end as their order says: 0 aborts, 1 waits for its cancelling."""
+    """An action server: order 0 is aborted, 1 waits until it is cancelled, 9 is rejected."""
 
     def __init__(self) -> None:
         self.context = rclpy.Context()

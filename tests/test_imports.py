@@ -103,7 +103,7 @@ HOMES = {
     "starlette": ("live/server.py",),
     "uvicorn": ("live/server.py",),
     "ruamel": ("live/comments.py",),
-    "foxglove": ("export/mcap_file.py",),
+    "foxglove": ("export/foxglove_channels.py", "export/foxglove_server.py", "export/mcap_file.py"),
     "PIL": ("export/gif_file.py", "robotarium/draw.py", "scenarios/maps/images.py"),
 }
 NOWHERE = ("pandas", "networkx")

@@ -29,6 +29,10 @@ Port = Annotated[int, typer.Option(min=1, max=65535)]
 Host = Annotated[
     str, typer.Option(help="address to serve on; other than loopback, a token is needed")
 ]
+Foxglove = Annotated[
+    int | None,
+    typer.Option(metavar="PORT", min=1, max=65535, help="port to serve it on to Foxglove"),
+]
 Folder = Annotated[Path, typer.Option(help="folder that the record is saved in")]
 
 

@@ -122,8 +122,8 @@ def _bracketed(host: str) -> str:
     return f"[{host}]" if ":" in host else host
 
 
-def check_address(at: Address) -> None:
-    """Raise `TeamformerError` if the port is not free, and suggest one that is."""
+def check_address(at: Address, flag: str = "--port") -> None:
+    """Raise `TeamformerError` if the port is not free, and suggest one that is for its flag."""
     host, port = at.host, at.port
     with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -132,7 +132,7 @@ def check_address(at: Address) -> None:
         except OSError as error:
             reason = error.strerror or str(error)
             raise TeamformerError(
-                f"{host}:{port} cannot be used: {reason}", f"try --port {_free_port(host)}"
+                f"{host}:{port} cannot be used: {reason}", f"try {flag} {_free_port(host)}"
             ) from None
 
 

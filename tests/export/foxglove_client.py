@@ -7,6 +7,7 @@ import json
 import struct
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 from typing import Any, NamedTuple
 
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
@@ -26,7 +27,9 @@ class FoxgloveClient:
     """Subscribes to every topic that a server advertises, and decodes by the schemas it sends."""
 
     def __init__(self, url: str) -> None:
-        self._socket = connect(url, subprotocols=["foxglove.sdk.v1"])  # type: ignore[list-item]
+        self._open = ExitStack()
+        connection = connect(url, subprotocols=["foxglove.sdk.v1"])  # type: ignore[list-item]
+        self._socket = self._open.enter_context(connection)
         self.info: dict[str, Any] = {}
         self.schemas: dict[str, str] = {}
         self._kinds: dict[int, tuple[str, Any]] = {}
@@ -35,7 +38,7 @@ class FoxgloveClient:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._socket.close()
+        self._open.close()
 
     def messages(self, seconds: float = 20.0) -> Iterator[Heard]:
         """Yield what is heard; raise TimeoutError when that took too long."""

@@ -108,7 +108,7 @@ def watch(
     foxglove: Foxglove = None,
 ) -> None:
     """Watch a running fleet in the browser, and add tasks; needs the extra `live` too."""
-    from teamformer.commands.missions.live import Address
+    from teamformer.commands.addresses import Address
     from teamformer.commands.robots.mesh import FleetAt
     from teamformer.commands.robots.watch import watch as command
 

@@ -156,7 +156,8 @@ def live(
 
     Needs the extra `live`.
     """
-    from teamformer.commands.missions.live import Address, Options
+    from teamformer.commands.addresses import Address
+    from teamformer.commands.missions.live import Options
     from teamformer.commands.missions.live import live as command
 
     raise typer.Exit(command(mission, Options(method, seed, Address(host, port), out)))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from teamformer.commands.addresses import Address, check_address
 from teamformer.commands.console import say
-from teamformer.commands.missions.live import Address, check_address
 from teamformer.extras import require
 from teamformer.sim.replay.record import Replay
 

@@ -6,9 +6,10 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from teamformer.commands.addresses import Address, check_address
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.foxglove import check_foxglove, follow_in_foxglove
-from teamformer.commands.missions.live import Address, check_address, serve_page
+from teamformer.commands.missions.live import serve_page
 from teamformer.commands.robots.mesh import FleetAt, dial_as_operator, read_fleet_mission
 from teamformer.extras import require
 

@@ -161,10 +161,12 @@ def test_the_command_line_serves_until_ctrl_c(verb: str) -> None:
         for line in process.stderr:
             if line.startswith("Foxglove: "):
                 break
-        with FoxgloveClient(f"ws://127.0.0.1:{port}") as client:
-            frame = next(one for one in client.messages() if one.topic == "/tf")
-        process.send_signal(signal.SIGINT)
-        out, _ = process.communicate(timeout=60)
+        try:
+            with FoxgloveClient(f"ws://127.0.0.1:{port}") as client:
+                frame = next(one for one in client.messages() if one.topic == "/tf")
+        finally:
+            process.send_signal(signal.SIGINT)
+            out, _ = process.communicate(timeout=60)
     assert frame.time == 0
     assert set(places(frame)) == {"r1", "r2", "r3", "r4"}
     assert process.returncode == 0

@@ -47,10 +47,10 @@ class Player(ServerListener):
         self._next = 0  # the first moment that was not told yet
         self._has_newcomer = False
         self._stopped = threading.Event()
-        context = foxglove.Context()
-        self._channels = Channels(context)
+        self._context = foxglove.Context()  # kept: nobody hears of its channels once it is gone
+        self._channels = Channels(self._context)
         self._server = _start(
-            replay.scenario.name, port, context, self, (0, max(self._times[-1], 1))
+            replay.scenario.name, port, self._context, self, (0, max(self._times[-1], 1))
         )
 
     @property
@@ -122,12 +122,12 @@ class Follower(ServerListener):
     """Serves a record that grows; raises `TeamformerError` if the port cannot be used."""
 
     def __init__(self, name: str, port: int) -> None:
-        context = foxglove.Context()
-        self._channels = Channels(context)
+        self._context = foxglove.Context()  # kept: nobody hears of its channels once it is gone
+        self._channels = Channels(self._context)
         self._count = 0  # moments that were told
         self._has_ended = False
         self._has_newcomer = True
-        self._server = _start(name, port, context, self, None)
+        self._server = _start(name, port, self._context, self, None)
 
     @property
     def url(self) -> str:

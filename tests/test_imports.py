@@ -85,7 +85,15 @@ HOMES = {
     "paho": ("fleet/bodies/vda5050.py",),
     "zenoh": ("fleet/transports/zenoh_mesh.py",),
     **dict.fromkeys(
-        ("rclpy", "action_msgs", "geometry_msgs", "nav_msgs", "nav2_msgs", "std_msgs"),
+        (
+            "rclpy",
+            "action_msgs",
+            "builtin_interfaces",
+            "geometry_msgs",
+            "nav_msgs",
+            "nav2_msgs",
+            "std_msgs",
+        ),
         ("fleet/bodies/ros2/",),
     ),
     "visualization_msgs": ("fleet/bodies/ros2/markers.py",),

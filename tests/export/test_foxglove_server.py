@@ -42,9 +42,9 @@ def playing(replay: Replay) -> Iterator[str]:
         thread.join()
 
 
-def until_log(client: FoxgloveClient, last: str) -> list[Heard]:
+def until_log(client: FoxgloveClient, last: str, seconds: float = 20.0) -> list[Heard]:
     heard: list[Heard] = []
-    for one in client.messages():
+    for one in client.messages(seconds):
         heard.append(one)
         if one.topic == "/log" and one.message.message == last:
             return heard
@@ -171,3 +171,31 @@ def test_the_command_line_serves_until_ctrl_c(verb: str) -> None:
     assert set(places(frame)) == {"r1", "r2", "r3", "r4"}
     assert process.returncode == 0
     assert json.loads(out)
+
+
+@pytest.mark.slow
+def test_a_running_fleet_is_followed(tmp_path: Path) -> None:
+    """Four processes do four tasks; the client hears of each from the process that watches."""
+    port, page = free_ports(2)
+    command = [sys.executable, "-m", "teamformer.cli", "fleet"]
+    mission = "examples/four-robots.yaml"
+    start = [*command, "start", mission, "--json", "--time-limit", "120"]
+    with subprocess.Popen(start, cwd=ROOT, stdout=-1, stderr=-1, text=True) as fleet:
+        assert fleet.stderr is not None
+        endpoint = next(line.split()[-1] for line in fleet.stderr if line.startswith("world at"))
+        watch = [*command, "watch", mission, "--connect", endpoint, "--port", str(page)]
+        watch += ["--foxglove", str(port), "--out", str(tmp_path)]
+        with subprocess.Popen(watch, cwd=ROOT, stdout=-1, stderr=-1, text=True) as watcher:
+            assert watcher.stderr is not None
+            try:
+                next(line for line in watcher.stderr if line.startswith("Foxglove: "))
+                with FoxgloveClient(f"ws://127.0.0.1:{port}") as client:
+                    heard = until_log(client, "completed", 100.0)
+            finally:
+                watcher.send_signal(signal.SIGINT)
+                watcher.communicate(timeout=60)
+        fleet.communicate(timeout=60)
+    told = [one.message.message for one in heard if one.topic == "/log"]
+    assert {text.split()[0] for text in told if " done by " in text} == {"t1", "t2", "t3", "t4"}
+    frames = [one for one in heard if one.topic == "/tf"]
+    assert set(places(frames[-1])) == {"r1", "r2", "r3", "r4"}

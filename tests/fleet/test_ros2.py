@@ -26,7 +26,9 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from test_msgs.action import Fibonacci
+from visualization_msgs.msg import Marker, MarkerArray
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.planning import first_plan
@@ -35,6 +37,7 @@ from teamformer.fleet.bodies.ros2.address import read_address
 from teamformer.fleet.bodies.ros2.body import Nav2Body
 from teamformer.fleet.bodies.ros2.goals import ByAction, State, pose_at
 from teamformer.fleet.bodies.ros2.graph import Graph, Whereabouts
+from teamformer.fleet.bodies.ros2.markers import BLUE, GREEN, GREY, WAY, Markers
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
@@ -161,6 +164,39 @@ def test_a_goal_that_nobody_takes_up_is_sent_again(tmp_path: Path) -> None:
         finally:
             graph.close()
             body.close()
+
+
+def test_rviz_is_shown_tasks_and_the_way(tmp_path: Path) -> None:
+    """Task 4 is at [10, 8]; the robot stands at [1, 1] and is told to go there, then to stay."""
+    mission, shown = yard(), list[dict[int, Any]]()
+    graph = Graph("/r1")
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    graph.node.create_subscription(
+        MarkerArray,
+        "mission",
+        lambda array: shown.append({marker.id: marker for marker in array.markers}),
+        latched,
+    )
+    try:
+        markers = Markers(graph.node, mission, 0, "map")
+        markers.show((1.0, 1.0), Command(1, (10.0, 8.0), 4))
+        until(lambda: len(shown) == 1)
+        markers.show((1.0, 1.0), Command(1, (10.0, 8.0), 4))  # nothing new
+        markers.show((1.0, 1.0), Command(2, None, 4, 0, True))
+        until(lambda: len(shown) == 2)
+    finally:
+        graph.close()
+    first, last = shown
+    assert len(first) == 2 * 5 + 2
+    assert (first[8].pose.position.x, first[8].pose.position.y) == (10.0, 8.0)
+    assert [first[2 * number + 1].text for number in range(5)] == [
+        task.name for task in mission.tasks
+    ]
+    assert [(point.x, point.y) for point in first[WAY].points] == [(1.0, 1.0), (10.0, 8.0)]
+    assert first[8].color.b == pytest.approx(BLUE[2])
+    assert last[8].color.g == pytest.approx(GREEN[1])
+    assert first[6].color.r == last[6].color.r == pytest.approx(GREY[0])
+    assert (first[WAY].action, last[WAY].action) == (Marker.ADD, Marker.DELETE)
 
 
 def test_a_graph_without_the_robot_is_told(tmp_path: Path) -> None:

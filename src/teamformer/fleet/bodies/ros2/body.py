@@ -6,7 +6,8 @@ import json
 import math
 import sys
 import time
-from typing import Any
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import String
@@ -26,6 +27,9 @@ from teamformer.fleet.bodies.ros2.goals import (
 from teamformer.fleet.bodies.ros2.graph import Graph, Whereabouts
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.grid import Place
+
+if TYPE_CHECKING:
+    from teamformer.fleet.bodies.ros2.markers import Markers
 
 AGAIN = 2.0
 """Seconds until a goal that the robot does not pursue is sent once more."""
@@ -57,6 +61,7 @@ class Nav2Body:
             self._where.wait()
             self._goals = self._way_to_go()
             self._service = Service(self._graph, address) if address.serve else None
+            self._markers = _markers(self._graph, mission, robot, address.frame)
         except BaseException:
             self._graph.close()
             raise
@@ -80,6 +85,8 @@ class Nav2Body:
             self._say(f"{self._where.topic} is heard again")
         self._is_silent = False
         self._pursue()
+        if self._markers is not None:
+            self._markers.show(at, self._command)
         x, y = self._place(at)
         return Report(x, y, self._command.leg, self._is_served(), False, self._where.count)
 
@@ -164,6 +171,15 @@ class Nav2Body:
 
     def _say(self, message: str) -> None:
         print(f"{self._name}: {message}", file=sys.stderr, flush=True)
+
+
+def _markers(graph: Graph, mission: Mission, robot: int, frame: str) -> Markers | None:
+    """Return what shows the mission in RViz; None where its messages are not installed."""
+    if find_spec("visualization_msgs") is None:
+        return None
+    from teamformer.fleet.bodies.ros2.markers import Markers
+
+    return Markers(graph.node, mission, robot, frame)
 
 
 class Service:

@@ -315,8 +315,11 @@ def test_goals_go_through_an_action_server() -> None:
 
 
 @pytest.mark.slow
-def test_a_fleet_in_a_ros_graph_survives_the_loss_of_one(tmp_path: Path) -> None:
-    """Three robots, two tasks that need two of them; r3 and its agent are killed on the way."""
+@pytest.mark.parametrize("is_mind_killed", [True, False], ids=["robot-and-agent", "robot"])
+def test_a_fleet_in_a_ros_graph_survives_the_loss_of_one(
+    is_mind_killed: bool, tmp_path: Path
+) -> None:
+    """Three robots, two tasks that need two of them; r3 is killed on its way to a third."""
     mission = yard()
     write_scenario(mission.scenario, tmp_path / "yard.yaml")
     first_plan(mission, CoordinatedPlanner())  # so that no agent has to compile what plans
@@ -337,7 +340,7 @@ def test_a_fleet_in_a_ros_graph_survives_the_loss_of_one(tmp_path: Path) -> None
             agents.append(stack.enter_context(running(command, tmp_path / f"{name}.log")))
         goals = tmp_path / "r3.goals"
         until(lambda: "map 18 10" in goals.read_text(), 120)
-        for process in (nodes[2], agents[2]):
+        for process in (nodes[2], agents[2])[: 1 + is_mind_killed]:
             process.send_signal(signal.SIGKILL)
         files = [FactsFile(tmp_path / name, mission.number, n) for n, name in enumerate(names)]
 
@@ -354,4 +357,6 @@ def test_a_fleet_in_a_ros_graph_survives_the_loss_of_one(tmp_path: Path) -> None
     assert "both done with r2" in told["r1"] or "both done with r1" in told["r2"]
     assert "publishes goals on /r1/goal_pose" in told["r1"]
     assert "map 18 10" in (tmp_path / "r1.goals").read_text()  # what r3 was lost on the way to
+    silent = "nothing is heard from /r3/odom any more" in told["r3"]
+    assert silent == (not is_mind_killed)
     assert not any("Traceback" in text for text in told.values())

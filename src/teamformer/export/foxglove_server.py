@@ -19,6 +19,7 @@ from foxglove.websocket import (
     PlaybackState,
     PlaybackStatus,
     ServerListener,
+    WebSocketServer,
 )
 
 from teamformer.errors import TeamformerError
@@ -170,7 +171,7 @@ def _start(
     context: foxglove.Context,
     listener: ServerListener,
     span: tuple[int, int] | None,
-) -> foxglove.WebSocketServer:
+) -> WebSocketServer:
     capabilities = [] if span is None else [Capability.PlaybackControl]
     try:
         return foxglove.start_server(

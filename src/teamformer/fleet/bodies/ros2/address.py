@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, fields, replace
+from typing import Any
 from urllib.parse import parse_qsl
 
 from teamformer.errors import TeamformerError
@@ -52,7 +53,7 @@ def read_address(text: str, robot: str) -> Address:
     return address
 
 
-def _checked(key: str, value: str) -> str | float:
+def _checked(key: str, value: str) -> Any:
     if key == "radius":
         try:
             radius = float(value)

@@ -49,7 +49,7 @@ wheel-of:  ## the wheel of one PYTHON, built and tried in an environment of its 
 	$(WHEEL_BIN)/pip install --quiet --no-deps --force-reinstall build/wheel/*.whl
 	NUMBA_CACHE_DIR=build/first-run $(WHEEL_BIN)/teamformer run examples/warehouse.yaml
 	test -z "$$(find build/first-run -name '*.nbc')"
-	$(WHEEL_BIN)/python -m zipfile --list build/wheel/*.whl | grep -q teamformer/py.typed
+	$(WHEEL_BIN)/python -m zipfile --list build/wheel/*.whl | grep teamformer/py.typed
 	mkdir -p dist
 	mv build/wheel/*.whl dist/
 

@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test kernels types planes test-all fuzz test-real wheel clean
+.PHONY: run test kernels types planes test-all fuzz test-real test-ros wheel wheel-of clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --out out/
@@ -29,20 +29,42 @@ MINUTES ?= 10
 fuzz: $(VENV)/dev.stamp kernels  ## other random examples of every property, for so many minutes
 	$(BIN)/python tests/fuzz/fuzz.py $(MINUTES)
 
-wheel: $(VENV)/dev.stamp  ## one that brings compiled kernels, checked: a first run compiles nothing
-	rm -rf build/kernels build/installed build/first-run src/teamformer/compiled dist
-	NUMBA_CACHE_DIR=build/kernels NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= \
-		$(BIN)/python -m teamformer.commands.compiling --everything
+PYTHONS ?= $(foreach version,3.11 3.12 3.13,$(shell python$(version) -c 'import sys; print(sys.executable)' 2> /dev/null))
+wheel:  ## one for each Python that is there, with compiled kernels, checked: a first run compiles nothing
+	rm -rf dist build/kernels build/wheels
+	test -n "$(PYTHONS)"  # no python3.11, python3.12 or python3.13 on the path: name some in PYTHONS
+	for python in $(PYTHONS); do $(MAKE) wheel-of PYTHON=$$python || exit 1; done
+
+WHEEL_BIN = build/wheels/$(notdir $(PYTHON))/bin
+wheel-of:  ## the wheel of one PYTHON, built and tried in an environment of its own
+	$(PYTHON) -m venv build/wheels/$(notdir $(PYTHON))
+	$(WHEEL_BIN)/pip install --quiet .
+	rm -rf build/kernels build/first-run src/teamformer/compiled
+	PYTHONPATH=src NUMBA_CACHE_DIR=build/kernels NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= \
+		$(WHEEL_BIN)/python -m teamformer.commands.compiling --everything
 	mkdir src/teamformer/compiled
 	find build/kernels -name '*.nbc' ! -name 'inner.*' -exec mv {} src/teamformer/compiled/ ';'  # linked in
-	$(BIN)/pip wheel --quiet --no-deps --wheel-dir dist . ; built=$$?; rm -r src/teamformer/compiled; exit $$built
-	$(BIN)/pip install --quiet --no-deps --target build/installed dist/*.whl
-	PYTHONPATH=build/installed NUMBA_CACHE_DIR=build/first-run \
-		$(BIN)/python -m teamformer.cli run examples/warehouse.yaml
+	$(WHEEL_BIN)/pip wheel --quiet --no-deps --wheel-dir build/wheel . ; \
+		built=$$?; rm -r src/teamformer/compiled; exit $$built
+	$(WHEEL_BIN)/pip install --quiet --no-deps --force-reinstall build/wheel/*.whl
+	NUMBA_CACHE_DIR=build/first-run $(WHEEL_BIN)/teamformer run examples/warehouse.yaml
 	test -z "$$(find build/first-run -name '*.nbc')"
+	$(WHEEL_BIN)/python -m zipfile --list build/wheel/*.whl | grep teamformer/py.typed
+	mkdir -p dist
+	mv build/wheel/*.whl dist/
 
 test-real: $(VENV)/dev.stamp  ## processes, and vehicles of others where a broker and they are there
 	$(BIN)/pytest -q tests/fleet/test_vda5050.py tests/fleet/test_commands.py
+
+ROS := .venv-ros
+test-ros: $(ROS)/stamp  ## bodies in ROS 2, by the real rclpy, in an environment of its own
+	$(ROS)/bin/python -m pytest -q -n 0 tests/fleet/test_ros2.py
+
+$(ROS)/stamp: pyproject.toml  # its packages re-execute every Python of their environment
+	python3.11 -m venv $(ROS)
+	$(ROS)/bin/pip install --quiet --editable '.[fleet]' pytest pytest-xdist hypothesis 'ros-rclpy[fastrtps]==9.1.2' \
+		ros-geometry-msgs ros-nav-msgs ros-action-msgs 'ros-visualization-msgs==5.5.1' 'ros-test-msgs==2.3.0'
+	touch $@
 
 $(VENV)/run.stamp: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -55,4 +77,4 @@ $(VENV)/dev.stamp: pyproject.toml  # bytecode as it is needed: most of it never 
 	touch $@ $(VENV)/run.stamp
 
 clean:
-	rm -rf $(VENV) out build dist
+	rm -rf $(VENV) $(ROS) out build dist

@@ -84,6 +84,19 @@ HOMES = {
     "msgspec": ("fleet/",),
     "paho": ("fleet/bodies/vda5050.py",),
     "zenoh": ("fleet/transports/zenoh_mesh.py",),
+    **dict.fromkeys(
+        (
+            "rclpy",
+            "action_msgs",
+            "builtin_interfaces",
+            "geometry_msgs",
+            "nav_msgs",
+            "nav2_msgs",
+            "std_msgs",
+        ),
+        ("fleet/bodies/ros2/",),
+    ),
+    "visualization_msgs": ("fleet/bodies/ros2/markers.py",),
     "matplotlib": (
         "bench/report/figures.py",
         "robotarium/draw.py",
@@ -98,7 +111,7 @@ HOMES = {
     "starlette": ("live/server.py",),
     "uvicorn": ("live/server.py",),
     "ruamel": ("live/comments.py",),
-    "foxglove": ("export/mcap_file.py",),
+    "foxglove": ("export/foxglove_channels.py", "export/foxglove_server.py", "export/mcap_file.py"),
     "PIL": ("export/gif_file.py", "robotarium/draw.py", "scenarios/maps/images.py"),
 }
 NOWHERE = ("pandas", "networkx")

@@ -84,6 +84,10 @@ __all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("teamformer")
     if name not in _HOMES:
         raise AttributeError(f"module 'teamformer' has no attribute {name!r}")
     module, _, inside = _HOMES[name].partition(":")

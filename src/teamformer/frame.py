@@ -26,6 +26,12 @@ class Frame:
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return self.x + cos * along - sin * up, self.y + sin * along + cos * up
 
+    def place(self, point: tuple[float, float]) -> tuple[float, float]:
+        """Return where metres of the map's frame are among cells: whole numbers at the middles."""
+        x, y = point[0] - self.x, point[1] - self.y
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return (cos * x + sin * y) / self.cell - 0.5, (cos * y - sin * x) / self.cell - 0.5
+
     def problems(self) -> Iterator[str]:
         """Return what is wrong with the frame."""
         if not 0 < self.cell < math.inf:

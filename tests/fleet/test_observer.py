@@ -188,6 +188,16 @@ def test_who_comes_late_asks_what_has_been_done(tmp_path: Path) -> None:
     assert session.watch.record().end.tasks_done == 1
 
 
+def test_others_may_follow_what_is_seen(tmp_path: Path) -> None:
+    """Each step is given as the record so far, longer by one each time."""
+    session = watching(Loopback(holders=1), tmp_path)
+    lengths: list[int] = []
+    session.on_step = lambda record: lengths.append(len(record.steps))
+    heard_by_a_page(session)
+    assert lengths == list(range(1, len(session.watch.steps) + 1))
+    assert lengths
+
+
 @pytest.mark.parametrize(
     ("asked", "said"),
     [

@@ -323,7 +323,8 @@ def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
 def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
     import socket
 
-    from teamformer.commands.missions.live import Address, Options, live
+    from teamformer.commands.addresses import Address
+    from teamformer.commands.missions.live import Options, live
     from teamformer.errors import TeamformerError
     from teamformer.scenarios.files import write_scenario
 

@@ -9,7 +9,6 @@ import typer
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     help="Teams of robots that form, split and share out tasks by themselves.",
@@ -29,6 +28,10 @@ TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may 
 Port = Annotated[int, typer.Option(min=1, max=65535)]
 Host = Annotated[
     str, typer.Option(help="address to serve on; other than loopback, a token is needed")
+]
+Foxglove = Annotated[
+    int | None,
+    typer.Option(metavar="PORT", min=1, max=65535, help="port to serve it on to Foxglove"),
 ]
 Folder = Annotated[Path, typer.Option(help="folder that the record is saved in")]
 

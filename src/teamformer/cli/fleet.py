@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from teamformer.cli.app import AsJson, Folder, Host, MissionPath, Port, Seed, app
+from teamformer.cli.app import AsJson, Folder, Foxglove, Host, MissionPath, Port, Seed, app
 
 fleet = typer.Typer(
     no_args_is_help=True,
@@ -61,7 +61,7 @@ def add(
 def agent(
     mission: MissionPath,
     robot: Annotated[str, typer.Argument(metavar="ROBOT", help="whose mind it is, by name")],
-    body: Annotated[str, typer.Option(help="sim, vda5050:URL or module:Class")] = "sim",
+    body: Annotated[str, typer.Option(help="sim, nav2, vda5050:URL or module:Class")] = "sim",
     listen: Annotated[str | None, typer.Option(help="own endpoint: tcp/127.0.0.1:7447")] = None,
     connect: Annotated[
         list[str] | None, typer.Option(help="endpoint of another; again for more")
@@ -86,13 +86,14 @@ def rehearse(
     schedule: Annotated[int | None, typer.Option(min=0, help="play only this one")] = None,
     out: Annotated[Path | None, typer.Option(help="folder for its replay.json")] = None,
     method: FleetMethod = "plan",
+    foxglove: Foxglove = None,
     as_json: AsJson = False,
 ) -> None:
     """Try the fleet's own agents under random faults, faster than real time."""
     from teamformer.commands.robots.rehearse import Options
     from teamformer.commands.robots.rehearse import rehearse as command
 
-    options = Options(schedules, seed, schedule, out, method)
+    options = Options(schedules, seed, schedule, out, method, foxglove)
     raise typer.Exit(command(mission, options, as_json))
 
 
@@ -104,10 +105,11 @@ def watch(
     port: Port = 8765,
     host: Host = "127.0.0.1",
     out: Folder = Path("out/live"),
+    foxglove: Foxglove = None,
 ) -> None:
     """Watch a running fleet in the browser, and add tasks; needs the extra `live` too."""
-    from teamformer.commands.missions.live import Address
+    from teamformer.commands.addresses import Address
     from teamformer.commands.robots.mesh import FleetAt
     from teamformer.commands.robots.watch import watch as command
 
-    raise typer.Exit(command(mission, FleetAt(connect, keys), Address(host, port), out))
+    raise typer.Exit(command(mission, FleetAt(connect, keys), Address(host, port), out, foxglove))

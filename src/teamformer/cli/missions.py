@@ -10,6 +10,7 @@ import typer
 from teamformer.cli.app import (
     AsJson,
     Folder,
+    Foxglove,
     Host,
     Method,
     MissionPath,
@@ -34,12 +35,13 @@ def run(
     explain: Annotated[
         str | None, typer.Option(metavar="ROBOT", help="say what it did, and why")
     ] = None,
+    foxglove: Foxglove = None,
     as_json: AsJson = False,
 ) -> None:
     """Run one trial of a mission."""
     from teamformer.commands.missions.run import run as command
 
-    raise typer.Exit(command(mission, method, seed, time_limit, out, as_json, explain))
+    raise typer.Exit(command(mission, method, seed, time_limit, out, as_json, explain, foxglove))
 
 
 @app.command()
@@ -154,7 +156,8 @@ def live(
 
     Needs the extra `live`.
     """
-    from teamformer.commands.missions.live import Address, Options
+    from teamformer.commands.addresses import Address
+    from teamformer.commands.missions.live import Options
     from teamformer.commands.missions.live import live as command
 
     raise typer.Exit(command(mission, Options(method, seed, Address(host, port), out)))

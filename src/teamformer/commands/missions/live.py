@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import secrets
-import socket
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from teamformer.commands.addresses import Address, check_address
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import chosen_method
-from teamformer.errors import TeamformerError
 from teamformer.extras import require
 from teamformer.mission.rules import rules_of_live_missions
 from teamformer.model import Scenario
@@ -32,14 +31,6 @@ SPEED = 4.0
 
 TIME_LIMIT = 10.0
 """Seconds that a method may plan."""
-
-
-@dataclass(frozen=True)
-class Address:
-    """Where a page is served."""
-
-    host: str = "127.0.0.1"
-    port: int = 8765
 
 
 @dataclass(frozen=True)
@@ -120,23 +111,3 @@ def _names(host: str, port: int) -> frozenset[str]:
 
 def _bracketed(host: str) -> str:
     return f"[{host}]" if ":" in host else host
-
-
-def check_address(at: Address) -> None:
-    """Raise `TeamformerError` if the port is not free, and suggest one that is."""
-    host, port = at.host, at.port
-    with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((host, port))
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise TeamformerError(
-                f"{host}:{port} cannot be used: {reason}", f"try --port {_free_port(host)}"
-            ) from None
-
-
-def _free_port(host: str) -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])

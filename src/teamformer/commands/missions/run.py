@@ -19,6 +19,7 @@ from teamformer.commands.console import (
     print_json,
     say,
 )
+from teamformer.commands.foxglove import check_foxglove, play_in_foxglove
 from teamformer.commands.interruption import Interruption
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import path_rows
@@ -65,14 +66,18 @@ def run(
     folder: Path | None,
     as_json: bool,
     explained: str | None = None,
+    foxglove: int | None = None,
 ) -> int:
     """Run a trial, write its record and show what came of it; return the exit status.
 
-    `explained` is the name of a robot whose story is told too.
+    `explained` is the name of a robot whose story is told too. `foxglove` is a port on which the
+    record is played for Foxglove in the end.
     """
     mission = read_scenario(path, rules_not_played)
     robot = None if explained is None else _robot_number(mission, explained)
     method = chosen_method(method_name, mission, time_limit)
+    if foxglove is not None:
+        check_foxglove(foxglove)
     if folder is not None:
         prepare_folder(folder)
     announce_compiling([method], mission)
@@ -85,6 +90,8 @@ def run(
         finally:
             if folder is not None:
                 _write(trial.replay, folder)
+    if foxglove is not None and trial.replay.end.status != "interrupted":
+        play_in_foxglove(trial.replay, foxglove)
     return 0 if trial.replay.end.status == "completed" else 1
 
 

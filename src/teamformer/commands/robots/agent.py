@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -91,5 +92,23 @@ def _body_maker(name: str, mission: Mission, robot: int) -> Callable[[ZenohTrans
         from teamformer.fleet.bodies.vda5050 import Vda5050Body
 
         return lambda _: Vda5050Body(rest, mission, robot)
+    if kind == "nav2":
+        make = _nav2_maker(rest, mission, robot)
+        return lambda _: make()
     own = OwnBody(name, mission, robot)
     return lambda _: own
+
+
+def _nav2_maker(text: str, mission: Mission, robot: int) -> Callable[[], Body]:
+    """Return what makes the body of a robot in a ROS graph, once ROS is found to be there."""
+    from teamformer.fleet.bodies.ros2.address import read_address
+
+    address = read_address(text, mission.scenario.robots[robot].name)
+    if find_spec("rclpy") is None:
+        raise TeamformerError(
+            "--body nav2 needs ROS 2: this Python has no rclpy",
+            "source ROS 2's setup.bash, and install teamformer for ROS's Python; see docs/ros2.md",
+        )
+    from teamformer.fleet.bodies.ros2.body import Nav2Body
+
+    return lambda: Nav2Body(address, mission, robot)

@@ -17,6 +17,7 @@ from teamformer.commands.console import (
     print_json,
     say,
 )
+from teamformer.commands.foxglove import check_foxglove, play_in_foxglove
 from teamformer.commands.interruption import Interruption
 from teamformer.commands.robots.mesh import check_method, read_fleet_mission
 from teamformer.errors import TeamformerError
@@ -34,6 +35,7 @@ class Options:
     schedule: int | None
     folder: Path | None
     method: str = "plan"
+    foxglove: int | None = None
 
 
 def rehearse(path: Path, options: Options, as_json: bool) -> int:
@@ -45,6 +47,10 @@ def rehearse(path: Path, options: Options, as_json: bool) -> int:
         if options.schedule is None:
             raise TeamformerError("--out is for one schedule", "say which with --schedule K")
         prepare_folder(options.folder)
+    if options.foxglove is not None:
+        if options.schedule is None:
+            raise TeamformerError("--foxglove is for one schedule", "say which with --schedule K")
+        check_foxglove(options.foxglove)
     check_method(options.method)
     stage = set_stage(mission, options.method)
     if stage.undisturbed.status == "blocked":
@@ -137,10 +143,11 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
     from teamformer.sim.replay.writing import write_replay
 
     faults = faults_of(stage, options.seed, schedule)
-    trace = Trace(with_messages=options.folder is not None)
+    is_recorded = options.folder is not None or options.foxglove is not None
+    trace = Trace(with_messages=is_recorded)
     rehearsal, outcome, violations = play(stage.mission, stage.plan, faults, trace, stage.method)
-    if options.folder is not None:
-        replay = record_of(rehearsal, outcome, trace.events, options.seed)
+    replay = record_of(rehearsal, outcome, trace.events, options.seed) if is_recorded else None
+    if options.folder is not None and replay is not None:
         write_replay(replay, options.folder / "replay.json")
         say(f"record: {options.folder / 'replay.json'}")
     if as_json:
@@ -155,6 +162,8 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
         if outcome.makespan is not None:
             last = f"the last of {outcome.tasks_done} tasks done after {outcome.makespan:.2f} s"
         out.print(f"schedule {schedule}: {outcome.status}; {last}", markup=False)
+    if options.foxglove is not None and replay is not None:
+        play_in_foxglove(replay, options.foxglove)
     return 1 if violations or outcome.status == "blocked" else 0
 
 

@@ -6,8 +6,10 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from teamformer.commands.addresses import Address, check_address
 from teamformer.commands.console import prepare_folder, say
-from teamformer.commands.missions.live import Address, check_address, serve_page
+from teamformer.commands.foxglove import check_foxglove, follow_in_foxglove
+from teamformer.commands.missions.live import serve_page
 from teamformer.commands.robots.mesh import FleetAt, dial_as_operator, read_fleet_mission
 from teamformer.extras import require
 
@@ -15,15 +17,25 @@ if TYPE_CHECKING:
     from teamformer.fleet.observer.session import ObserverSession
 
 
-def watch(path: Path, fleet: FleetAt, address: Address, folder: Path) -> int:
+def watch(
+    path: Path, fleet: FleetAt, address: Address, folder: Path, foxglove: int | None = None
+) -> int:
     """Serve the page of a running fleet until Ctrl-C; return the exit status.
 
-    What was seen by then is saved.
+    What was seen by then is saved. `foxglove` is a port on which Foxglove may watch too.
     """
     require("live", "starlette", "uvicorn", "websockets")
     prepare_folder(folder)
     check_address(address)
-    with contextlib.closing(_observe(path, fleet, folder)) as onlooker:
+    if foxglove is not None:
+        check_foxglove(foxglove)
+    with contextlib.ExitStack() as stack:
+        onlooker = stack.enter_context(contextlib.closing(_observe(path, fleet, folder)))
+        if foxglove is not None:
+            follower = stack.enter_context(
+                contextlib.closing(follow_in_foxglove(onlooker.watch.scenario.name, foxglove))
+            )
+            onlooker.on_step = follower.follow
         serve_page(onlooker, "fleet", address)
     return 0
 

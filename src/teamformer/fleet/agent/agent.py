@@ -281,7 +281,9 @@ class Agent:
         leg = command.leg
         if service.goal != command.task or place != command.place:
             leg += 1
-        new = Command(leg, place, service.goal, service.team, service.phase == SERVE)
+        duration = 0.0 if service.goal == NOBODY else self.knowledge.tasks[service.goal].duration
+        is_serving = service.phase == SERVE
+        new = Command(leg, place, service.goal, service.team, is_serving, duration)
         if new != command:
             self.command = new
 

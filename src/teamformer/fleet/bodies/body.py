@@ -16,6 +16,7 @@ class Command(NamedTuple):
     task: int = NOBODY  # what it goes there for
     team: int = NOBODY  # with whom it serves
     serve: bool = False
+    duration: float = 0.0  # seconds that the service of the task takes
 
 
 class Report(NamedTuple):

@@ -24,7 +24,7 @@ class OwnBody:
         module, _, kind = name.partition(":")
         if not all(part.isidentifier() for part in (*module.split("."), kind)):
             raise TeamformerError(
-                f"there is no body '{name}'", "use sim, vda5050:URL or module:Class"
+                f"there is no body '{name}'", "use sim, nav2, vda5050:URL or module:Class"
             )
         make = load_own(name, "body")
         with telling_where(f"--body {name} cannot be made"):

@@ -62,7 +62,7 @@ class RemoteBody:
         now = time.monotonic()
         if command != self._command or now - self._sent > AGAIN:
             self._command, self._sent = command, now
-            self._line.send_body("orders", encode(Order(self._robot, *command)))
+            self._line.send_body("orders", encode(Order(self._robot, *command[:5])))
 
     def report(self) -> Report | None:
         """Return the newest report that has come; None before the first."""

@@ -55,6 +55,7 @@ class ObserverSession:
         self._operators: dict[int, Operator] = {}
         self._incidents: list[tuple[int, str]] = []
         self._say_aloud = say
+        self.on_step: Callable[[Replay], None] | None = None  # given what was seen so far
         names = [robot.name for robot in watch.mission.scenario.robots]
         self._silence = Silence(names, time.monotonic())
         transport.listen_to(range(watch.mission.robots))
@@ -184,6 +185,8 @@ class ObserverSession:
     def _make_step(self) -> None:
         step = self.watch.step()
         self._tell_all("step", {"at": len(self.watch.steps), "step": step_to_tree(step)})
+        if self.on_step is not None:
+            self.on_step(self.watch.record())
 
     def _tell_of_task(self, text: str) -> None:
         self._incidents.append((len(self.watch.steps), text))

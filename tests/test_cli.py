@@ -502,7 +502,7 @@ def test_methods_are_listed_once_each_with_who_says_the_tasks(
     assert tasks_by.pop("crews") == "crews"
     assert set(tasks_by.values()) == {"the paper's order"}
     assert teamformer("methods") == 0
-    assert "your own: --method module:Class (docs/methods.md)" in capsys.readouterr().out
+    assert "your own: --method module:Class (docs/reference/methods.md)" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", ["methods", f"run {FOUR} --method join-all --out out"])

@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test kernels types planes test-all fuzz test-real wheel clean
+.PHONY: run test docs kernels types planes test-all fuzz test-real wheel clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --out out/
@@ -12,6 +12,9 @@ test: $(VENV)/dev.stamp  ## everything CI runs
 	$(BIN)/ruff format --check src tests examples
 	$(MAKE) --jobs=2 --output-sync kernels types planes
 	$(BIN)/pytest -q -n 2 -m "not slow"
+
+docs: $(VENV)/dev.stamp  ## the site, in build/site; a link that leads nowhere is an error
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 
 kernels: $(VENV)/dev.stamp  ## compiled once, before two processes of the suite would both compile them
 	$(BIN)/python -m teamformer.commands.compiling --everything > /dev/null

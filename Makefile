@@ -13,8 +13,10 @@ test: $(VENV)/dev.stamp  ## everything CI runs
 	$(MAKE) --jobs=2 --output-sync kernels types planes
 	$(BIN)/pytest -q -n 2 -m "not slow"
 
-docs: $(VENV)/dev.stamp  ## the site, in build/site; a link that leads nowhere is an error
+docs: $(VENV)/docs.stamp  ## the site, in build/site; a link that leads nowhere is an error
+	$(BIN)/ruff check docs/making
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+	@echo "read it: $(BIN)/python -m http.server --directory build/site, then http://localhost:8000"
 
 kernels: $(VENV)/dev.stamp  ## compiled once, before two processes of the suite would both compile them
 	$(BIN)/python -m teamformer.commands.compiling --everything > /dev/null
@@ -55,6 +57,11 @@ $(VENV)/run.stamp: pyproject.toml
 $(VENV)/dev.stamp: pyproject.toml  # bytecode as it is needed: most of it never is
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --no-compile --editable '.[dev]'
+	touch $@ $(VENV)/run.stamp
+
+$(VENV)/docs.stamp: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --editable '.[docs]'
 	touch $@ $(VENV)/run.stamp
 
 clean:

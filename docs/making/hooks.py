@@ -43,7 +43,7 @@ def _sections(name: str, command: Any) -> list[str]:
     called = " ".join([name, *command.collect_usage_pieces(context)])
     records = [one.get_help_record(context) for one in command.params if not one.is_eager]
     rows = [f"| `{_in_cell(left)}` | {_in_cell(right)} |" for left, right in records if left]
-    table = "| | |\n|---|---|\n" + "\n".join(rows)
+    table = "| argument or flag | what it is |\n|---|---|\n" + "\n".join(rows)
     said = command.help.replace("\n\n", "\0").replace("\n", " ").replace("\0", "\n\n")
     return [f"## {name}\n\n```text\n{called}\n```\n\n{said}\n\n{table}"]
 

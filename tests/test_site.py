@@ -5,9 +5,9 @@ from __future__ import annotations
 import inspect
 import json
 import re
-import shutil
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -61,7 +61,7 @@ def test_the_reference_has_every_name() -> None:
     assert "::: teamformer.sim.view.View" in (DOCS / "reference" / "view.md").read_text()
 
 
-@pytest.mark.skipif(shutil.which("mkdocs") is None, reason="no mkdocs: install the extra `docs`")
+@pytest.mark.skipif(find_spec("mkdocs") is None, reason="no mkdocs: install the extra `docs`")
 def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     """And its search knows names of the API, verbs and headings of pages."""
     words = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]

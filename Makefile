@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test kernels types planes test-all fuzz test-real test-ros wheel wheel-of clean
+.PHONY: run test docs kernels types planes test-all fuzz test-real test-ros wheel wheel-of clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --out out/
@@ -12,6 +12,11 @@ test: $(VENV)/dev.stamp  ## everything CI runs
 	$(BIN)/ruff format --check src tests examples
 	$(MAKE) --jobs=2 --output-sync kernels types planes
 	$(BIN)/pytest -q -n 2 -m "not slow"
+
+docs: $(VENV)/docs.stamp  ## the site, in build/site; a link that leads nowhere is an error
+	$(BIN)/ruff check docs/making
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+	@echo "read it: $(BIN)/python -m http.server --directory build/site, then http://localhost:8000"
 
 kernels: $(VENV)/dev.stamp  ## compiled once, before two processes of the suite would both compile them
 	$(BIN)/python -m teamformer.commands.compiling --everything > /dev/null
@@ -74,6 +79,11 @@ $(VENV)/run.stamp: pyproject.toml
 $(VENV)/dev.stamp: pyproject.toml  # bytecode as it is needed: most of it never is
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --no-compile --editable '.[dev]'
+	touch $@ $(VENV)/run.stamp
+
+$(VENV)/docs.stamp: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --editable '.[docs]'
 	touch $@ $(VENV)/run.stamp
 
 clean:

@@ -257,7 +257,7 @@ def test_misuse_is_told_and_exits_with_2(
 def test_your_own_policy_by_module_and_class(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    page = (ROOT / "docs" / "policies.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "policies.md").read_text(encoding="utf-8")
     code = page.split("```python\n")[1].split("```")[0]
     (tmp_path / "mine.py").write_text(code, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -502,7 +502,7 @@ def test_methods_are_listed_once_each_with_who_says_the_tasks(
     assert tasks_by.pop("crews") == "crews"
     assert set(tasks_by.values()) == {"the paper's order"}
     assert teamformer("methods") == 0
-    assert "your own: --method module:Class (docs/methods.md)" in capsys.readouterr().out
+    assert "your own: --method module:Class (docs/reference/methods.md)" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", ["methods", f"run {FOUR} --method join-all --out out"])

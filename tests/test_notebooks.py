@@ -42,6 +42,6 @@ def test_they_are_kept_with_what_they_print_and_no_failure() -> None:
 
 
 def test_the_documents_list_them_all() -> None:
-    text = (FOLDER.parents[1] / "docs" / "python.md").read_text(encoding="utf-8")
+    text = (FOLDER.parents[1] / "docs" / "reference" / "python.md").read_text(encoding="utf-8")
     for path in NOTEBOOKS:
-        assert f"(../examples/notebooks/{path.name})" in text
+        assert f"(../../examples/notebooks/{path.name})" in text

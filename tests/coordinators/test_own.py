@@ -26,7 +26,7 @@ WAREHOUSE = ROOT / "examples" / "warehouse.yaml"
 @pytest.fixture(autouse=True)
 def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The class of the documents in a folder that the user works in."""
-    page = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "methods.md").read_text(encoding="utf-8")
     code = page.split("```python\n")[1].split("```")[0]
     assert len(code.splitlines()) <= 45
     (tmp_path / "mine_of_docs.py").write_text(code, encoding="utf-8")

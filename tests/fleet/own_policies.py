@@ -1,4 +1,4 @@
-"""Policies of a user's own: the one of docs/policies.md, one that never joins, one that errs."""
+"""A user's policies: that of docs/reference/policies.md, one that never joins, one that errs."""
 
 from __future__ import annotations
 

@@ -88,8 +88,8 @@ def test_what_is_no_body_is_told(name: str, told: str) -> None:
 def test_a_body_is_found_in_the_folder_that_the_user_works_in(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The class is that of docs/robots.md."""
-    text = (Path(__file__).parents[2] / "docs" / "robots.md").read_text()
+    """The class is that of docs/how-to/robots.md."""
+    text = (Path(__file__).parents[2] / "docs" / "how-to" / "robots.md").read_text()
     code = text.split("```python\n")[1].split("```")[0]
     (tmp_path / "body_in_this_folder.py").write_text(code)
     monkeypatch.setattr(sys, "path", [part for part in sys.path if part])

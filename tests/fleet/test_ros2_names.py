@@ -104,7 +104,7 @@ def test_a_python_without_ros_is_told(tmp_path: Path, capsys: pytest.CaptureFixt
         assert agent_with("nav2", tmp_path) == 2
     words = capsys.readouterr().err
     assert "error: --body nav2 needs ROS 2: this Python has no rclpy" in words
-    assert "docs/ros2.md" in words
+    assert "docs/how-to/ros2.md" in words
 
 
 def agent_with(body: str, folder: Path) -> int:

@@ -1,4 +1,4 @@
-"""When a plan in continuous time does what, by docs/scenarios.md alone: routes in, times out.
+"""When a plan in continuous time does what, by docs/reference/scenarios.md: routes in, times out.
 
 Nothing is shared with the planner. All that has to wait for something is made to wait a little
 longer, again and again, until nothing changes any more.

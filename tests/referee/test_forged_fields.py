@@ -1,7 +1,8 @@
 """Records of every kind of mission are legal as they are, and not once a field of them is forged.
 
 What a forgery cannot be told from is a legal record of other decisions, or of another plan
-(docs/replay.md, "What `check` guarantees"); such changes are left out here, each where it says so.
+(docs/reference/replay.md, "What `check` guarantees"); such changes are left out, each where it
+says so.
 """
 
 from __future__ import annotations

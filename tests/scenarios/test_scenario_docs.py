@@ -1,4 +1,4 @@
-"""What docs/scenarios.md tells about the file format is what the reader knows."""
+"""What docs/reference/scenarios.md tells about the file format is what the reader knows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.trees import ROBOT_KEYS, TASK_KEYS, TOP_KEYS
 from teamformer.scenarios.world_trees import FORMS
 
-DOCS = Path(__file__).parents[2] / "docs" / "scenarios.md"
+DOCS = Path(__file__).parents[2] / "docs" / "reference" / "scenarios.md"
 
 
 def test_the_table_has_every_key_and_says_which_must_be_there() -> None:

@@ -220,7 +220,7 @@ def test_what_goes_wrong_when_a_policy_begins_is_told_by_line(own_module: str) -
         ("my_own_policies:Picky", "cannot be made without arguments", ""),
         ("broken_policies_too:Class", "broken_policies_too.py:2: NameError", ""),
         ("unfinished_policies:Class", "unfinished_policies.py:1: SyntaxError", ""),
-        ("my_own_policies:Deaf", "nor a policy: it has no 'decide'", "docs/methods.md"),
+        ("my_own_policies:Deaf", "nor a policy: it has no 'decide'", "docs/reference/methods.md"),
     ],
 )
 @pytest.mark.usefixtures("own_module")

@@ -19,7 +19,7 @@ PathOrName = str | PathLike[str]
 
 
 def load(path: PathOrName) -> Scenario:
-    """Return the mission of a file (docs/scenarios.md).
+    """Return the mission of a file (docs/reference/scenarios.md).
 
     Raises `TeamformerError` that tells all that is wrong with the file, by line.
 
@@ -40,7 +40,7 @@ def save(mission: Scenario, path: PathOrName) -> None:
 
 
 def setting(name: str, seed: int = 0) -> Scenario:
-    """Return a random mission of a setting by name, as `bench` has them (docs/bench.md).
+    """Return a random mission of a setting by name, as `bench` has them (docs/how-to/bench.md).
 
     The same name and seed give the same mission everywhere. Raises `TeamformerError` for a name
     that is no setting.

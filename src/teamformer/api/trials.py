@@ -42,7 +42,7 @@ class Trial:
 
     @property
     def record(self) -> Replay:
-        """Return the record, step by step (docs/replay.md)."""
+        """Return the record, step by step (docs/reference/replay.md)."""
         return self.played.replay
 
     @property
@@ -105,8 +105,8 @@ def run(
 ) -> Trial:
     """Run a mission and return the trial.
 
-    `method` is a name (docs/methods.md), a policy or a coordinator; left out, it is `plan`, or
-    `crews` for a mission too large for that. `seed` says what an uncertain mission really is.
+    `method` is a name (docs/reference/methods.md), a policy or a coordinator; left out, it is
+    `plan`, or `crews` for a mission too large for that. `seed` says what an uncertain mission is.
     `seconds` is what a planner such as `central` may take. Raises `TeamformerError` for a name
     that is unknown, and for a mission that cannot be played in steps.
 

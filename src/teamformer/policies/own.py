@@ -59,4 +59,4 @@ def _decide(decide: Callable[[View], Decision], name: str, view: View) -> Decisi
     return Decision(wanted, task)
 
 
-HINT = "see docs/policies.md for what a decision is"
+HINT = "see docs/reference/policies.md for what a decision is"

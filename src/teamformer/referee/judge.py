@@ -1,4 +1,4 @@
-"""Judging a record, step by step, by the rules of docs/environment.md.
+"""Judging a record, step by step, by the rules of docs/explanation/step.md.
 
 After something illegal the referee goes on from what the record says, so that one fault is told
 once.

@@ -40,7 +40,7 @@ def read_worlds(path: Path) -> tuple[AuthorsWorld, ...]:
             worlds.append(_world(json.loads(line)))
         except (ValueError, KeyError, TypeError, IndexError) as error:
             what = f"{path}:{number}: this is no world of the authors' environment ({error!r})"
-            raise TeamformerError(what, "see docs/bench.md for the format") from None
+            raise TeamformerError(what, "see docs/how-to/bench.md for the format") from None
     if not worlds:
         raise TeamformerError(f"{path}: holds no world")
     return tuple(worlds)

@@ -1,4 +1,4 @@
-"""Scenario files: YAML or JSON in and out (docs/scenarios.md)."""
+"""Scenario files: YAML or JSON in and out (docs/reference/scenarios.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scenarios as the trees of their files (docs/scenarios.md)."""
+"""Scenarios as the trees of their files (docs/reference/scenarios.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scenarios from the trees of their files (docs/scenarios.md)."""
+"""Scenarios from the trees of their files (docs/reference/scenarios.md)."""
 
 from __future__ import annotations
 

@@ -36,20 +36,22 @@ class View(NamedTuple):
     """What the deciding teams know, one row each; rows are in world and slot order.
 
     Padding (fewer teams or tasks than columns) has slot or task NOBODY (-1) and zeros. Counts
-    are how often each capability is there. Places and lengths are in cells on a grid and in metres
-    on a plane; divided by `unit` they are in cells on both, as learned policies need them.
-    Teams are the nearest within the sensing radius: of those equally far (all in the same place
-    are), first the ones that bring what the own task still needs, of these the ones with the same
-    assignment, then those with the nearest slots. Tasks are the own assignment, then the open tasks
-    in their shared order. What is not carried ends in its own place; where no task is carried,
-    nobody is told so.
+    say how much of each capability there is, in units. Places and lengths are in cells on a grid
+    and in metres on a plane; divided by `unit` they are in cells on both, as learned policies need
+    them.
+
+    The teams in sight are the nearest within the sensing radius. Teams in the same place are
+    equally near. Of equally near ones, those come first that bring what the own task still needs,
+    then those with the same assignment, then those with the nearest slots. The tasks are the own
+    assignment, then the other open tasks in the shared order. A task without a load is brought to
+    its own place; if no task of the batch has a load, `task_to_place` has no columns.
     """
 
     world: Array  # (teams,) int32, index into the batch
     slot: Array  # (teams,) int32, the team's lowest robot
-    place: Array  # (teams, 2) float64
-    counts: Array  # (teams, caps) int16
-    size: Array  # (teams,) int32, robots
+    place: Array  # (teams, 2) float64, where the team is, as (x, y)
+    counts: Array  # (teams, caps) int32, what its robots bring together
+    size: Array  # (teams,) int32, how many robots it has
     task: Array  # (teams,) int32, own assignment or NOBODY
     is_at_task: Array  # (teams,) bool, stands where its assignment is
     is_serving: Array  # (teams,) bool, must maintain until the service ends
@@ -57,23 +59,23 @@ class View(NamedTuple):
     unit: Array  # (teams,) float32, the length that counts as one cell: 1 on a grid
     arrival_radius: Array  # (teams,) float32, what is so near is in the same place: 0 on a grid
     pace: Array  # (teams,) float32, the length that the team walks in a step
-    delay: Array  # (teams,) float32 probability that it stands still in a step
-    seen_slot: Array  # (teams, seen) int32
-    seen_place: Array  # (teams, seen, 2) float64
-    seen_counts: Array  # (teams, seen, caps) int16
-    seen_task: Array  # (teams, seen) int32
-    is_here: Array  # (teams, seen) bool, in the same place
-    can_join: Array  # (teams, seen) bool, wanting its counts more is legal
-    task_number: Array  # (teams, tasks) int32
-    task_place: Array  # (teams, tasks, 2) float64
-    task_to_place: Array  # (teams, tasks, 2) where its load is brought, or (teams, 0, 2)
-    task_needs: Array  # (teams, tasks, caps) int16, as is believed
-    task_may_need: Array  # (teams, tasks, caps) float32 probability of one more, or (teams, 0, 0)
-    task_within: Array  # (teams, tasks) float32 how far away it may be, 0 if known, or (teams, 0)
-    task_rank: Array  # (teams, tasks) int32, 0 is the first open task in the order
+    delay: Array  # (teams,) float32, the probability that it stands still in a step
+    seen_slot: Array  # (teams, seen) int32, the slots of the teams in sight
+    seen_place: Array  # (teams, seen, 2) float64, where they are
+    seen_counts: Array  # (teams, seen, caps) int32, what they bring
+    seen_task: Array  # (teams, seen) int32, their assignments or NOBODY
+    is_here: Array  # (teams, seen) bool, in the same place as this team
+    can_join: Array  # (teams, seen) bool, whether wanting its counts more is legal
+    task_number: Array  # (teams, tasks) int32, the numbers of open tasks
+    task_place: Array  # (teams, tasks, 2) float64, where they are
+    task_to_place: Array  # (teams, tasks, 2) float64, where loads are brought, or (teams, 0, 2)
+    task_needs: Array  # (teams, tasks, caps) int32, what they need, as is believed
+    task_may_need: Array  # (teams, tasks, caps) float32, probability of one more, or (teams, 0, 0)
+    task_within: Array  # (teams, tasks) float32, how far away it may be, 0 if known, or (teams, 0)
+    task_rank: Array  # (teams, tasks) int32, place in the shared order; 0 is the first open task
     first_member: Array  # (teams + 1,) int32, where each team's rows in the next two begin
     member: Array  # (members,) int32, robot numbers, ascending in a team
-    member_counts: Array  # (members, caps) int16
+    member_counts: Array  # (members, caps) int32, what each of these robots brings
 
 
 @entry

@@ -237,7 +237,7 @@ def _instance(where: str) -> Policy | Coordinator:
     policy: Policy = made
     for part in ("needs_everything", "begin", "decide"):
         if not hasattr(policy, part):
-            hint = "see docs/methods.md for what a policy and a coordinator offer"
+            hint = "see docs/reference/methods.md for what a policy and a coordinator offer"
             what = f"'{where}' is neither a coordinator, as it has no 'update', nor a policy"
             raise TeamformerError(f"{what}: it has no '{part}'", hint)
     return policy if where.startswith("teamformer.") else watch_own(policy, where)

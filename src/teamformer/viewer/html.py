@@ -38,7 +38,7 @@ LIVE_SCRIPTS = (
 
 
 def replay_page(tree: Mapping[str, object]) -> str:
-    """Return the page of a replay, given as the JSON tree that `docs/replay.md` describes.
+    """Return the page of a replay: the JSON tree that `docs/reference/replay.md` describes.
 
     The page needs nothing else: it loads nothing, and its own policy forbids it to.
     """

@@ -28,5 +28,5 @@ def methods(as_json: bool) -> int:
     for listing in METHODS:
         table.add_row(listing.name, listing.summary, listing.tasks_by, listing.trained_on)
     out.print(table)
-    out.print("your own: --method module:Class (docs/methods.md)")
+    out.print("your own: --method module:Class (docs/reference/methods.md)")
     return 0

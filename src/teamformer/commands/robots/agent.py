@@ -107,7 +107,8 @@ def _nav2_maker(text: str, mission: Mission, robot: int) -> Callable[[], Body]:
     if find_spec("rclpy") is None:
         raise TeamformerError(
             "--body nav2 needs ROS 2: this Python has no rclpy",
-            "source ROS 2's setup.bash, and install teamformer for ROS's Python; see docs/ros2.md",
+            "source ROS 2's setup.bash, and install teamformer for ROS's Python;"
+            " see docs/how-to/ros2.md",
         )
     from teamformer.fleet.bodies.ros2.body import Nav2Body
 

@@ -9,7 +9,7 @@ from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.own_code import load_own, telling_where
 
-HINT = "see docs/robots.md for what a body offers"
+HINT = "see docs/how-to/robots.md for what a body offers"
 
 
 class OwnBody:

@@ -1,7 +1,7 @@
 """What each number of a token says, by name: the layout of all features that networks read.
 
 Shares are from 0 to 1, distances in cells (on planes in units) clipped and scaled, the rest is true
-or false. `docs/networks.md` and `docs/training.md` say what they are for.
+or false. `docs/explanation/networks.md` and `docs/explanation/learning.md` say what they are for.
 """
 
 from __future__ import annotations

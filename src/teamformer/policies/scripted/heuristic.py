@@ -21,7 +21,7 @@ class Heuristic:
     A team maintains until it stands at its assigned task. There it joins the teams with the same
     assignment, which pair off, until the requirements are met. Afterwards it halves, step by step,
     until every robot is alone or stands at its new assignment. That this ends is shown in
-    docs/allocation.md.
+    docs/explanation/nothing-blocks.md.
     """
 
     needs_everything = False

@@ -1,4 +1,7 @@
-"""Allocation: which task a team without an assignment heads for (docs/allocation.md)."""
+"""Allocation: which task a team without an assignment heads for.
+
+docs/explanation/nothing-blocks.md has the rules.
+"""
 
 from __future__ import annotations
 

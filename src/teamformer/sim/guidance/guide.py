@@ -181,7 +181,7 @@ def refuse_unfit(known: Known, plan: Plan) -> None:
 
 
 def _refuse(what: str) -> None:
-    raise TeamformerError(what, "see docs/methods.md for what a coordinator returns")
+    raise TeamformerError(what, "see docs/reference/methods.md for what a coordinator returns")
 
 
 def _of_open_tasks(plan: Plan, known: Known) -> Plan:

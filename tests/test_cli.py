@@ -255,20 +255,18 @@ def test_misuse_is_told_and_exits_with_2(
 
 
 def test_your_own_policy_by_module_and_class(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    own_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page = (ROOT / "docs" / "reference" / "policies.md").read_text(encoding="utf-8")
     code = page.split("```python\n")[1].split("```")[0]
-    (tmp_path / "mine.py").write_text(code, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(str(tmp_path))
+    (own_folder / "mine.py").write_text(code, encoding="utf-8")
     assert teamformer("run", FOUR, "--method", "mine:Sociable", "--json") == 0
     row = json.loads(capsys.readouterr().out)
     assert (row["method"], row["tasks_done"], row["illegal_decisions"]) == ("mine:Sociable", 4, 0)
 
 
 def test_a_mistake_in_your_own_policy_is_told_without_a_traceback(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    own_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     code = """
 class Wrong:
@@ -280,9 +278,7 @@ class Wrong:
     def decide(self, view):
         return view.cuonts
 """
-    (tmp_path / "wrong.py").write_text(code, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(str(tmp_path))
+    (own_folder / "wrong.py").write_text(code, encoding="utf-8")
     assert teamformer("run", FOUR, "--method", "wrong:Wrong", "--json") == 2
     printed = capsys.readouterr()
     assert "wrong.py:9: AttributeError: 'View' object has no attribute 'cuonts'" in printed.err

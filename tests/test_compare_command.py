@@ -36,11 +36,9 @@ tasks:
 
 
 @pytest.fixture
-def failing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def failing(own_folder: Path) -> str:
     """A policy of a user's that raises whenever it is asked."""
-    (tmp_path / "failing_policies.py").write_text(OWN)
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
+    (own_folder / "failing_policies.py").write_text(OWN)
     return "failing_policies:Failing"
 
 

@@ -223,11 +223,8 @@ class Mine(JoinAll):
 """
 
 
-def test_trials_of_a_policy_whose_code_has_changed_are_run_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_trials_of_a_policy_whose_code_has_changed_are_run_again(own_folder: Path) -> None:
     """Only its own: rows of the policies that are listed stay."""
-    monkeypatch.syspath_prepend(tmp_path)
     suite = replace(SMALL, settings=("3N2T-C2",), methods=("join-all", "my_changing:Mine"))
     told: list[str] = []
     ran: list[str] = []
@@ -241,11 +238,11 @@ def test_trials_of_a_policy_whose_code_has_changed_are_run_again(
         (1, []),
         (2, ["my_changing:Mine 1", "my_changing:Mine 1"]),
     ):
-        (tmp_path / "my_changing.py").write_text(OWN.format(pace=pace))
+        (own_folder / "my_changing.py").write_text(OWN.format(pace=pace))
         own_stamp.cache_clear()
         ran.clear()
         request = Request(suite, trials=2, methods=suite.methods)
-        rows = measured(tmp_path, request, engine, told.append)
+        rows = measured(own_folder, request, engine, told.append)
         assert sorted(ran) == expected
         assert len(rows) == 4
     assert "my_changing:Mine has changed since; its 2 trials are run again" in told

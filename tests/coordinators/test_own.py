@@ -24,15 +24,13 @@ WAREHOUSE = ROOT / "examples" / "warehouse.yaml"
 
 
 @pytest.fixture(autouse=True)
-def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def own_module(own_folder: Path) -> None:
     """The class of the documents in a folder that the user works in."""
     page = (ROOT / "docs" / "reference" / "methods.md").read_text(encoding="utf-8")
     code = page.split("```python\n")[1].split("```")[0]
     assert len(code.splitlines()) <= 45
-    (tmp_path / "mine_of_docs.py").write_text(code, encoding="utf-8")
-    (tmp_path / "faulty_plans.py").write_text(FAULTY, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
+    (own_folder / "mine_of_docs.py").write_text(code, encoding="utf-8")
+    (own_folder / "faulty_plans.py").write_text(FAULTY, encoding="utf-8")
 
 
 NAME = "mine_of_docs:Soonest"

@@ -84,14 +84,12 @@ class Timed(Patient):
 
 
 @pytest.fixture
-def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def own_module(own_folder: Path) -> str:
     """A module of a user's, in the folder they work in."""
-    (tmp_path / "my_own_policies.py").write_text(OWN)
-    (tmp_path / "broken_policies.py").write_text("import no_such_library\n")
-    (tmp_path / "broken_policies_too.py").write_text("\nprint(nothing)\n")
-    (tmp_path / "unfinished_policies.py").write_text("class Class(\n")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
+    (own_folder / "my_own_policies.py").write_text(OWN)
+    (own_folder / "broken_policies.py").write_text("import no_such_library\n")
+    (own_folder / "broken_policies_too.py").write_text("\nprint(nothing)\n")
+    (own_folder / "unfinished_policies.py").write_text("class Class(\n")
     return "my_own_policies"
 
 

@@ -162,9 +162,7 @@ tasks:
 """
 
 
-def test_what_can_never_be_done_is_told(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_can_never_be_done_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "lost.yaml").write_text(LOST)
     assert teamformer("plan", str(tmp_path / "lost.yaml"), "--time-limit", "1") == 2
     said = capsys.readouterr().err

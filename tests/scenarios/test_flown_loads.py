@@ -27,7 +27,7 @@ def test_loads_and_flights_over_obstacles_are_refused_together() -> None:
 
 
 def test_what_only_robots_that_fly_can_reach_gets_no_load() -> None:
-    """The drone would reach the other side of the wall; that no way leads there is not the fault."""
+    """The drone would get there; that no way leads there is not the fault."""
     with pytest.raises(ScenarioError) as caught:
         replace(WALLED, world=Grid(3, 2, (".@.", ".@.")), tasks=(BEHIND,))
     assert str(caught.value) == (

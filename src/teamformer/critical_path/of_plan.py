@@ -18,9 +18,9 @@ from teamformer.critical_path.stretches import (
     Stretch,
     in_order,
 )
+from teamformer.mission.windows import release_of
 from teamformer.model import Scenario, Task
 from teamformer.planning.continuous.routes import MissionPlan, Stop
-from teamformer.planning.continuous.times import release_of
 from teamformer.rules.constants import NOBODY
 
 NEAR = 1e-9
@@ -88,7 +88,7 @@ class _Tracing:
             for visit in self._visits_before(wanted):
                 if self._is_now(visit.stop.end):
                     return visit
-            if self._is_now(release_of(self._mission, task)):
+            if self._is_now(release_of(wanted)):
                 is_known = self._is_now(wanted.between[0]) if wanted.between else False
                 yield self._back_to(0, CLOSED if is_known else UNKNOWN, task=task)
                 return None

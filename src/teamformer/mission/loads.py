@@ -9,7 +9,7 @@ from teamformer.errors import Problem
 from teamformer.mission.places import believed_place
 
 if TYPE_CHECKING:
-    from teamformer.model import Scenario, Task
+    from teamformer.model import Scenario
 
 
 def find_load_problems(scenario: Scenario, number: int) -> Iterator[Problem]:

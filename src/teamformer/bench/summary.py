@@ -26,9 +26,9 @@ class Summary:
     """One method in one setting.
 
     `makespan` and `cost` are over completed trials only, as the paper has it; `steps` over all, a
-    failure counting as its step limit. `against` holds, for each baseline, the difference of makespans
-    over the worlds that both completed; `to_central` is that to `central` as a part of its mean,
-    and `cost_to_central` the same of costs.
+    failure counting as its step limit. `against` holds, for each baseline, the difference of
+    makespans over the worlds that both completed; `to_central` is that to `central` as a part of
+    its mean, and `cost_to_central` the same of costs.
     `room` is the part of the steps between `HOPEFUL` and `central` that is won, on the worlds that
     all three completed.
     `inference` is the CPU time that deciding took in a trial,

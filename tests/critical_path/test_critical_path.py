@@ -104,6 +104,18 @@ def test_a_load_is_loaded_carried_and_unloaded() -> None:
     assert told(path_of_plan(timed, planned(timed))) == told(path)
 
 
+def test_who_came_last_to_a_load_is_named_until_it_is_unloaded() -> None:
+    """r1 walks 7 to where r0 waits; together they load for 2, carry it 5 and unload it for 1."""
+    mission = make([robot("a", 0), robot("b", 10)], [load("ab", 3, to=8, duration=2, unload=1)])
+    assert told(path_of_record(played(mission))) == [
+        (0, 7, "walking", 1, 0),
+        (7, 8, "forming", 1, 0),
+        (8, 10, "loading", 1, 0),
+        (10, 15, "carrying", 1, 0),
+        (15, 16, "unloading", 1, 0),
+    ]
+
+
 def test_after_a_load_is_set_down_the_path_leads_over_who_carried_it() -> None:
     """r0 carries the load from 3 on and is lost in step 8; r1, far off, fetches it and brings it.
 

@@ -69,7 +69,9 @@ class _Tracing:
         """Go back to before what a robot did in the step now."""
         step, doing = self._now, self._courses.doing(robot, self._now)
         if doing in AT_WORK and (service := self._courses.service_in(robot, step)):
-            yield from self._told_of(robot)
+            is_same_team = not set(self._robots).isdisjoint(service.begun_by)
+            if service.task != self._task or not is_same_team:
+                yield from self._told_of(robot)
             self._go_before(service, step)
             return
         task = self._courses.pursued(robot, step)

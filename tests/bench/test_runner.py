@@ -22,6 +22,7 @@ from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.named_settings import world_of
+from teamformer.sim.replay.task_times import cost_of_record
 from teamformer.trials.methods import Method, load_method
 from teamformer.trials.trial import run_trial
 
@@ -71,6 +72,13 @@ def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:
     assert row.rerun == (
         "teamformer bench small --settings 4N4T-C4 --methods join-all --seed 1 --trials 1 --json"
     )
+
+
+def test_a_row_of_a_mission_with_a_cost_has_it() -> None:
+    row = run_job(Job("hand", "deadlines-arrivals", "heuristic", (0, 1), 1.0, "abc"))[1]
+    alone = run_trial(world_of("deadlines-arrivals", 1), load_method("heuristic"), 1)
+    assert row.cost == cost_of_record(alone.replay) is not None
+    assert row.cost > 0
 
 
 def test_going_on_runs_only_what_is_missing(tmp_path: Path) -> None:

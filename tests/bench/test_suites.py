@@ -54,6 +54,12 @@ def test_every_suite_that_ships_can_be_read() -> None:
         assert list(cells(suite))
 
 
+def test_missions_with_loads_flights_and_due_dates_are_measured_undisturbed_and_disturbed() -> None:
+    settings = load_suite("missions").settings
+    for family in ("carry", "air-ground", "deadlines"):
+        assert {family, f"{family}-lost", f"{family}-arrivals"} <= set(settings)
+
+
 def test_the_paper_is_its_figures() -> None:
     suite = load_suite("paper")
     assert list(suite.settings) == PAPER_SETTINGS

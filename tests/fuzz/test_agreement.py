@@ -42,6 +42,7 @@ from told import (
     TOLD_BY_PAGE,
     Bar,
     Line,
+    as_page_draws,
     bars_of,
     captions_agree,
     embedded,
@@ -123,7 +124,8 @@ def _compare_page(page: Any, tree: Any, lines: list[Line], folder: Path) -> None
     done = [line for line in lines if line.kind == "done"]
     assert sorted(Line(*line) for line in told["lines"]) == lines
     assert told["end"] == [tree["end"]["status"], tree["end"]["makespan"], len(done)]
-    assert sorted(Bar(*map(_in_table, bar)) for bar in told["bars"]) == sorted(bars_of(folder))
+    bars = as_page_draws(bars_of(folder))
+    assert sorted(Bar(*map(_in_table, bar)) for bar in told["bars"]) == sorted(bars)
     assert told["marks"] == told["stories"]  # what is marked on a robot's row, and its history
     assert Counter(text.split(" done by ")[0] for text in told["said"]) == Counter(
         line.task for line in done

@@ -146,7 +146,8 @@ def plan(
 
     The plan has `makespan`, `bound`, `order`, `coalitions`, `routes` and `critical_path`, in the
     mission's unit of time. `method` is `central`, which takes so many `seconds`; or in continuous
-    time also `plan`, what every robot computes, or `reactive`.
+    time also `plan`, what every robot computes, or `reactive`. Raises `TeamformerError` if tasks
+    can never be done, because robots are lost.
 
     >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
     >>> made.bound <= made.makespan <= 27

@@ -193,6 +193,7 @@ def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> 
         seed=seed,
         completed=makespan is not None,
         makespan=makespan,
+        cost=None,
         steps=makespan,
         tasks_done=None,
         tasks=len(scenario.tasks),
@@ -222,6 +223,7 @@ def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
     makespan = tally.steps if tally.status == "completed" else None
     return replace(
         known_row(job, seed, scenario, makespan),
+        cost=tally.cost,
         steps=tally.steps,
         tasks_done=tally.tasks_done,
         joins=tally.joins,

@@ -16,12 +16,13 @@ Key = tuple[str, str, int]
 class Row:
     """A trial, as `run --json` tells it, and everything needed to run it again.
 
-    `decision_seconds` is by the clock on the wall, `decision_cpu_seconds` what the process used;
-    a trial that ran with others `side_by_side` has its share of theirs, by its `decisions` (rows
-    of views answered). `list_schedule` is the makespan of the list schedule along the task order,
-    `relaxed` that of the planner's schedule; in both joining is free. `code` tells versions of
-    this package apart. `curve` is the planner's: (seconds, makespan) of each improvement. None:
-    not known, or not measured.
+    `cost` is what a completed mission cost, None if it has no cost. `decision_seconds` is by the
+    clock on the wall, `decision_cpu_seconds` what the process used; a trial that ran with others
+    `side_by_side` has its share of theirs, by its `decisions` (rows of views answered).
+    `list_schedule` is the makespan of the list schedule along the task order, `relaxed` that of the
+    planner's schedule; in both joining is free. `code` tells versions of this package apart.
+    `curve` is the planner's: (seconds, makespan) of each improvement. None: not known, or not
+    measured.
     """
 
     suite: str
@@ -32,6 +33,7 @@ class Row:
     seed: int
     completed: bool
     makespan: int | None
+    cost: float | None
     steps: int | None
     tasks_done: int | None
     tasks: int
@@ -80,7 +82,10 @@ def row_of(line: str) -> Row | None:
         tree = json.loads(line)
     except ValueError:
         return None
-    if not isinstance(tree, dict) or set(tree) != {field.name for field in fields(Row)}:
+    if not isinstance(tree, dict):
+        return None
+    tree.setdefault("cost", None)  # rows of earlier versions have none
+    if set(tree) != {field.name for field in fields(Row)}:
         return None
     return Row(**tree) if all(_is_of(tree[name], KINDS[name]) for name in KINDS) else None
 

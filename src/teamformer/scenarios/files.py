@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import Problem, ScenarioError, TeamformerError
+from teamformer.mission.windows import find_hopeless_windows
 from teamformer.model import Scenario
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.tree_reader import Reader
@@ -40,7 +41,8 @@ def read_scenario(path: Path, find_problems: Finder | None = None) -> Scenario:
     is_json = path.suffix.lower() == ".json"
     tree = reader.parse_json(text) if is_json else reader.parse(text)
     scenario = _read(tree, str(path), path.stem, path.parent)
-    for problem in find_problems(scenario) if find_problems else ():
+    finders = [find_hopeless_windows, *([find_problems] if find_problems else ())]
+    for problem in (problem for find in finders for problem in find(scenario)):
         tree.refuse(problem.where, problem.message)
     if tree.problems:
         raise _error(tree, str(path))

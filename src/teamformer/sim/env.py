@@ -14,6 +14,7 @@ import numpy as np
 from teamformer.coordination import Coordinator, Known, Plan, heeded_by
 from teamformer.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
+from teamformer.mission.costs import cost_in_steps
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
 from teamformer.rules.arrays import Array
@@ -52,6 +53,7 @@ class Tally:
     joins: int
     splits: int
     illegal_decisions: int
+    cost: float | None = None  # of a completed mission that has one
 
 
 class TeamFormation:
@@ -274,15 +276,20 @@ class TeamFormation:
 
     def tally(self, w: int = 0) -> Tally:
         """Return how one world stands."""
-        count = self.worlds.count[w]
+        count, status = self.worlds.count[w], STATUS_NAMES[self.worlds.count[w]["status"]]
         return Tally(
-            status=STATUS_NAMES[count["status"]],
+            status=status,
             steps=int(count["steps"]),
             tasks_done=int(count["done"]),
             joins=int(count["joins"]),
             splits=int(count["splits"]),
             illegal_decisions=int(count["illegal"]),
+            cost=self._cost(w) if status == "completed" else None,
         )
+
+    def _cost(self, w: int) -> float | None:
+        mission, done_at = self.truths[w], self.worlds.tasks["done_at"][w]
+        return cost_in_steps(mission, dict(enumerate(done_at[: len(mission.tasks)].tolist())))
 
     def _fill_views(self, begin: int, end: int) -> None:
         fill_views(self.worlds, self._room, self._first_row, self._first_member, begin, end)

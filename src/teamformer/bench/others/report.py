@@ -13,7 +13,7 @@ from teamformer.bench.others.results import (
 from teamformer.bench.report.tables import markdown
 
 COLUMNS = (
-    *("method", "instances", "makespan", "bound", "gap"),
+    *("method", "instances", "makespan or cost", "bound", "gap"),
     *("proven", "wins", "ties", "losses", "seconds"),
 )
 
@@ -61,7 +61,7 @@ def _sections(results: Sequence[Result]) -> Iterator[str]:
     had = f"; `central` had {limits[0]:g} s" if limits else ""
     yield (
         f"Means{had}. Wins, ties and losses are against the best published of each instance. "
-        "Where plans are judged by a cost, it stands in place of the makespan."
+        "Plans are told by their cost if the mission has one, others by their makespan."
     )
     yield markdown(COLUMNS, table_of_means(results), 1).rstrip()
     methods = list(dict.fromkeys(result.method for result in results))
@@ -71,7 +71,7 @@ def _sections(results: Sequence[Result]) -> Iterator[str]:
     if curve:
         yield "How good the plans of `central` are after so many seconds, in the mean:"
         yield markdown(
-            ("seconds", "makespan"), [(f"{s:g}", f"{m:.3f}") for s, m in curve], 0
+            ("seconds", "makespan or cost"), [(f"{s:g}", f"{m:.3f}") for s, m in curve], 0
         ).rstrip()
 
 

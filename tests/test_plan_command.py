@@ -91,7 +91,7 @@ def test_plans_keep_the_instance_s_own_rules(
 
 
 def test_the_page_shows_every_robot_and_task(imported: Path, tmp_path: Path) -> None:
-    words = (str(tmp_path / "page"), "--method", "plan")
+    words = ("--method", "plan", "--out", str(tmp_path / "page"))
     assert teamformer("plan", str(imported), *words) == 0
     page = (tmp_path / "page" / "plan.html").read_text(encoding="utf-8")
     assert all(f">r{n}</text>" in page for n in range(4))
@@ -175,7 +175,7 @@ def test_what_can_never_be_done_is_told(tmp_path: Path, capsys: pytest.CaptureFi
     [
         (("plan", FOUR, "--method", "best"), "method 'best' makes no plans"),
         (("plan", FOUR, "--method", "reactive"), "plans missions in continuous time"),
-        (("plan", FOUR, FOUR), "this is no folder"),
+        (("plan", FOUR, "--out", FOUR), "this is no folder"),
         (("plan", "nowhere.yaml"), "nowhere.yaml"),
         (("import", "mrta", FOUR, "-o", "x.yaml"), "format 'mrta' is unknown"),
         (("import", "hetero-mrta", FOUR, "-o", "x.yaml"), "this is not whole JSON"),

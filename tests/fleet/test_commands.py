@@ -48,7 +48,7 @@ def test_one_schedule_becomes_a_page(
     mission: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    assert teamformer("fleet", "rehearse", mission, str(out), "--schedule", "3") == 0
+    assert teamformer("fleet", "rehearse", mission, "--schedule", "3", "--out", str(out)) == 0
     assert "50% of messages are lost" in capsys.readouterr().out
     assert teamformer("view", str(out / "replay.json")) == 0
     assert (out / "replay.html").stat().st_size > 10_000
@@ -58,7 +58,7 @@ def test_check_refuses_what_was_seen_of_a_fleet(
     mission: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    assert teamformer("fleet", "rehearse", mission, str(out), "--schedule", "2") == 0
+    assert teamformer("fleet", "rehearse", mission, "--schedule", "2", "--out", str(out)) == 0
     capsys.readouterr()
     assert teamformer("check", str(out / "replay.json")) == 2
     told = capsys.readouterr()
@@ -78,7 +78,7 @@ AGENT = ("fleet", "agent", "MISSION")
     ("arguments", "told"),
     [
         (("rehearse", "MISSION"), "No such command 'rehearse'"),
-        (("fleet", "rehearse", "MISSION", "x"), "say which with --schedule K"),
+        (("fleet", "rehearse", "MISSION", "--out", "x"), "say which with --schedule K"),
         ((*AGENT, "nobody", "--listen", "tcp/127.0.0.1:1"), "r0, r1, r2"),
         ((*AGENT, "r0"), "has no way to the others"),
         ((*AGENT, "r0", "--listen", "tcp/10.0.0.1:1"), "has shared.key with --keys FOLDER"),

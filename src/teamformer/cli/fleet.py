@@ -81,12 +81,10 @@ def agent(
 @fleet.command()
 def rehearse(
     mission: MissionPath,
-    folder: Annotated[
-        Path | None, typer.Argument(metavar="[FOLDER]", help="for the replay.json of one schedule")
-    ] = None,
     schedules: Annotated[int, typer.Option(min=1, help="schedules of faults")] = 100,
     seed: Seed = 0,
     schedule: Annotated[int | None, typer.Option(min=0, help="play only this one")] = None,
+    out: Annotated[Path | None, typer.Option(help="folder for its replay.json")] = None,
     method: FleetMethod = "plan",
     foxglove: Foxglove = None,
     as_json: AsJson = False,
@@ -95,7 +93,7 @@ def rehearse(
     from teamformer.commands.robots.rehearse import Options
     from teamformer.commands.robots.rehearse import rehearse as command
 
-    options = Options(schedules, seed, schedule, folder, method, foxglove)
+    options = Options(schedules, seed, schedule, out, method, foxglove)
     raise typer.Exit(command(mission, options, as_json))
 
 

@@ -114,19 +114,17 @@ def import_(
 @app.command()
 def plan(
     mission: MissionPath,
-    folder: Annotated[
-        Path | None, typer.Argument(metavar="[FOLDER]", help="for a Gantt chart, plan.html")
-    ] = None,
     method: Annotated[
         str, typer.Option(help="central; in continuous time also plan or reactive")
     ] = "central",
     time_limit: TimeLimit = 10.0,
+    out: Annotated[Path | None, typer.Option(help="folder for a Gantt chart, plan.html")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Plan a mission without playing it: who goes where, and when."""
     from teamformer.commands.missions.plan import plan as command
 
-    raise typer.Exit(command(mission, method, time_limit, folder, as_json))
+    raise typer.Exit(command(mission, method, time_limit, out, as_json))
 
 
 @app.command()

@@ -20,20 +20,20 @@ app.add_typer(robotarium, name="robotarium")
 @robotarium.command()
 def fly(
     mission: MissionPath,
-    folder: Annotated[Path | None, typer.Argument(metavar="[FOLDER]", help="for pictures")] = None,
     method: Method = None,
     seed: Seed = 0,
     simulator: Annotated[
         str,
         typer.Option(help="plant; noisy, the same 66 ms late, 2 mm off; or rps, the official one"),
     ] = "plant",
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="folder for pictures")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Fly a mission in a simulated arena."""
     from teamformer.commands.robots.robotarium import FlightOptions
     from teamformer.commands.robots.robotarium import fly as command
 
-    options = FlightOptions(method, seed, simulator, folder)
+    options = FlightOptions(method, seed, simulator, out)
     raise typer.Exit(command(mission, options, as_json))
 
 

@@ -45,9 +45,7 @@ def rehearse(path: Path, options: Options, as_json: bool) -> int:
 
     if options.folder is not None:
         if options.schedule is None:
-            raise TeamformerError(
-                "the folder is for the record of one schedule", "say which with --schedule K"
-            )
+            raise TeamformerError("--out is for one schedule", "say which with --schedule K")
         prepare_folder(options.folder)
     if options.foxglove is not None:
         if options.schedule is None:

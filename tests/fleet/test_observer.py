@@ -205,7 +205,7 @@ def test_others_may_follow_what_is_seen(tmp_path: Path) -> None:
         ({"do": "happen", "lost": "r1"}, "a fleet's robots are lost and back by themselves"),
         ({"do": "happen", "task": {"at": [99, 0], "needs": ["a"]}}, "outside the map"),
         ({"do": "happen", "task": {"at": [4, 0], "needs": {"b": 2}}}, "all robots together"),
-        ({"do": "happen", "task": {"at": [4, 0], "needs": ["a"], "name": "t0"}}, "used already"),
+        ({"do": "happen", "task": {"at": [4, 0], "needs": ["a"], "name": "t0"}}, "used twice"),
         ({"do": "happen", "task": {"at": [4, 0], "needs": ["a"]}}, "only r0 hold it"),
         ("{", "the message is no JSON"),
     ],

@@ -114,7 +114,7 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     assert page.evaluate(f"({BOTTOM})('.lists') <= ({TOP})('.transport')")
     page.click("text=Lose r1 …")
     page.click("text=Yes, lose r1")
-    wait_for(opened, "#incidents", "15: robot r1 lost")
+    wait_for(opened, "#incidents", "16: robot r1 lost")
     page.keyboard.press(" ")
     wait_for(opened, "#mission h2", "Live, over")
     page.click("#mission >> text=Save")
@@ -324,7 +324,7 @@ def test_fractions_are_drawn_saved_run_and_added(opened: Opened, tmp_path: Path)
     click(opened, 6, 6)
     page.fill("[name='cap 0']", "0.125")
     page.click("text=Add task")
-    wait_for(opened, "#incidents", "1: a task at [6, 6] that needs 0.125 x lift")
+    wait_for(opened, "#incidents", "1: task t4 at [6, 6] that needs 0.125 x lift")
 
 
 def test_from_the_example_to_its_mission_and_back(begun: Opened, served: Served) -> None:

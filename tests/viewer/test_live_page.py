@@ -54,6 +54,36 @@ def test_a_mission_starts_with_a_click_and_ends(opened: Opened) -> None:
     opened.wait_until("window.teamformer.step === 13", 30)
     wait_for(opened, "#status", "Completed")
     wait_for(opened, "#mission h2", "Live, over")
+    assert opened.page.inner_text("#outlook") == "All done at step 13."
+    assert "All done at step 13." in opened.page.inner_text("#notice")
+
+
+def test_what_was_worked_out_before_an_incident_is_not_shown_after_it(opened: Opened) -> None:
+    page = opened.page
+    step_to(opened, 4)
+    wait_for(opened, "#outlook", "If nothing more happens: all done at step 13.")
+    page.click("#tab-robots")
+    page.click(".row >> text=r1")
+    page.click("text=What would that cost?")
+    wait_for(opened, "#answer", "With robot r1 lost: all done at step")
+    page.click("text=Lose r1 …")
+    page.evaluate(WATCH_OUTLOOK)
+    page.click("text=Yes, lose r1")
+    wait_for(opened, "#incidents", "5: robot r1 lost")
+    assert page.inner_text("#answer") == ""
+    wait_for(opened, "#outlook", "If nothing more happens")
+    texts = page.evaluate("window.outlooks")
+    assert any(text.startswith("Working out how it ends") for text in texts)
+    assert "Incident in step 5: robot r1 lost." in page.inner_text("#notice")
+    assert opened.details().startswith("r1\nClose\nLost in step 5")
+
+
+WATCH_OUTLOOK = """() => {
+  window.outlooks = [];
+  const box = document.querySelector("#outlook");
+  new MutationObserver(() => window.outlooks.push(box.textContent))
+    .observe(box, { childList: true, characterData: true, subtree: true });
+}"""
 
 
 def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
@@ -76,13 +106,13 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     page.click("text=Lose r1 …")
     assert len(served.session.mission.incidents) == 1  # the task
     page.click("text=Yes, lose r1")
-    wait_for(opened, "#incidents", "4: robot r1 lost")
+    wait_for(opened, "#incidents", "5: robot r1 lost")
     wait_for(opened, "#details", "r1 counts for nothing from the next step on")
     assert page.locator("text=Lose r1").count() == 0
     step_to(opened, 6, begun=4)
     page.click("text=Bring r1 back")
     wait_for(opened, "#details", "r1 is there again from the next step on")
-    wait_for(opened, "#incidents", "6: robot r1 back")
+    wait_for(opened, "#incidents", "7: robot r1 back")
     page.keyboard.press(" ")
     wait_for(opened, "#status", "Completed")
     page.click("#mission >> text=Save")
@@ -218,9 +248,16 @@ def test_a_task_in_a_wall_is_refused_in_the_page(opened: Opened, served: Served)
     assert "inside an obstacle; the nearest free cell is" in opened.page.inner_text("#notice")
     assert served.session.mission.incidents == []
     opened.wait_until("document.activeElement?.matches('[name=x][aria-invalid]')")
+    opened.page.fill("[name='cap 0']", "0")
+    opened.page.click("text=Add task")
+    wait_for(opened, "#notice", "needs nothing")
+    marked = "[...document.querySelectorAll('[aria-invalid]')].map(({ name }) => name)"
+    assert opened.page.evaluate(marked) == ["x", "y", "cap 0", "cap 1"]  # both are wrong
+    assert "task 't4'" in opened.page.inner_text("#notice")
+    opened.page.fill("[name='cap 0']", "1")
     opened.page.fill("[name=x]", "2")
     opened.page.click("text=Add task")
-    wait_for(opened, "#incidents", "that needs lift")
+    wait_for(opened, "#incidents", "0: task t4 at [2, 1] that needs lift")
     assert opened.page.is_hidden("#new-task")
 
 

@@ -129,11 +129,8 @@ class ObserverSession:
     async def _add(self, new: NewTask) -> None:
         """Offer a task until enough robots hold it, and tell who does."""
         mission = self.watch.mission
-        caps, names = mission.scenario.capabilities, {t.name for t in self.watch.scenario.tasks}
-        if new.name in names:
-            raise TeamformerError(f"the name '{new.name}' is used already; take another")
+        caps, name = mission.scenario.capabilities, new.name
         key = (1 + secrets.randbits(36)) << 24
-        name = new.name or f"t{len(names) + 1}"
         x, y = float(new.at[0]), float(new.at[1])
         task = TaskFact(key, name, x, y, row_of(new.needs, caps), new.duration * mission.step)
         if not mission.is_site(x, y):

@@ -9,7 +9,7 @@ class TrialMap {
   constructor(app, canvas) {
     this.app = app;
     this.canvas = canvas;
-    this.placed = new Map(); // step -> places, at one zoom
+    this.placed = new Map(); // scene -> places, at one zoom
     this.images = new Map(); // of tasks, at one zoom
     this.keptFor = "";
     this.readTheme();
@@ -156,14 +156,12 @@ class TrialMap {
   }
 
   placesAt(step) {
+    const scene = this.app.sceneAt(step);
     if (this.placed.size > 8) this.placed.clear();
-    if (!this.placed.has(step)) {
-      this.placed.set(
-        step,
-        placeEverybody(this.app.history, this.app.sceneAt(step), this.camera.cell),
-      );
+    if (!this.placed.has(scene)) {
+      this.placed.set(scene, placeEverybody(this.app.history, scene, this.camera.cell));
     }
-    return this.placed.get(step);
+    return this.placed.get(scene);
   }
 
   // What is under a pixel: {robot}, {task}, {group} or {}.

@@ -56,9 +56,9 @@ class LiveApp extends App {
     return task < this.history.scenario.tasks.length;
   }
 
-  refuse({ text, key }) {
+  refuse({ text, keys = [] }) {
     notify(`Not done: ${text}.`);
-    this.panel.keepForm(key);
+    this.panel.keepForm(keys);
   }
 
   // A step; one that does not follow the last is of a line that broke, and is told anew.
@@ -69,9 +69,14 @@ class LiveApp extends App {
     (history.replay.plans ??= []).push(...plans);
     this.steps.push(step);
     history.grow(step, end);
-    history.leaving = []; // the step says that they are lost
     this.follow();
-    if (end) notify(noticeText(history));
+    if (end) this.tellEnd();
+  }
+
+  tellEnd() {
+    const { scenario, end } = this.history;
+    const text = noticeText(this.history) || `${capitalised(describeOutcome(scenario.world, end))}.`;
+    notify(text, end.status === "completed" ? "good" : "");
   }
 
   // An incident changes what is known; of the past, only what the latest step led to.
@@ -82,6 +87,7 @@ class LiveApp extends App {
     Object.assign(this, { selection, options });
     showHeader(this);
     this.follow();
+    this.panel.forget();
     this.panel.taskIsAdded();
     notify(`Incident in ${text}.`, isLoss ? "" : "plain");
   }
@@ -101,11 +107,11 @@ class LiveApp extends App {
 
   takeState(state) {
     const { is_playing, speed, watchers, incidents, leaving = [], planning = "" } = state;
-    const { is_fleet = false, warning = "", has_editor = false } = state;
+    const { is_fleet = false, warning = "", has_editor = false, undo_to = null } = state;
     this.tellPlanning(planning);
-    this.state = { watchers, incidents, isFleet: is_fleet, warning, planning, hasEditor: has_editor };
+    this.state = { watchers, incidents, isFleet: is_fleet, warning, planning, hasEditor: has_editor, undoTo: undo_to };
     const { robots } = this.history.scenario;
-    this.history.leaving = leaving.map((name) => robots.findIndex((robot) => robot.name === name));
+    leave(this.history, leaving.map((name) => robots.findIndex((robot) => robot.name === name)));
     Object.assign(this.player, { isPlaying: is_playing, speed });
     this.panel.show();
     this.show(true);
@@ -172,9 +178,10 @@ class LiveApp extends App {
     const { last, scenario, replay } = this.history;
     const name = robotName(scenario, robot);
     const isGone = isLost(this.history, robot, last);
-    const { lost = [], back = [] } = replay.scenario.robots[robot]; // steps, lists if several
-    if ([isGone ? back : lost].flat().includes(last + 1)) {
-      const what = isGone ? "is there again" : "counts for nothing";
+    const isLeaving = this.history.leaving.has(robot);
+    const { back = [] } = replay.scenario.robots[robot]; // a step, or a list if several
+    if (isLeaving || (isGone && [back].flat().includes(last + 1))) {
+      const what = isLeaving ? "counts for nothing" : "is there again";
       return [element("p", { class: "muted" }, `${name} ${what} from the next step on.`)];
     }
     const [words, incident] = isGone ? [`Bring ${name} back`, { back: name }] : [`Lose ${name}`, { lost: name }];

@@ -1,7 +1,7 @@
 // The panel of a live mission: how it stands, what it will come to, what happened, a new task.
 
-// The field of the form for each key of a task in a file.
-const FIELDS_OF_KEYS = { at: "[name=x]", needs: ".needs", name: "[name=title]", duration: "[name=duration]" };
+// The fields of the form for each key of a task in a file.
+const FIELDS_OF_KEYS = { at: "[name=x], [name=y]", needs: ".needs", name: "[name=title]", duration: "[name=duration]" };
 
 class MissionPanel {
   constructor(app, box) {
@@ -43,7 +43,7 @@ class MissionPanel {
       element("span", { class: `pulse ${isOn && !state.warning ? "on" : ""}` }),
       `${status}${this.app.isCutOff ? ", connection lost" : doing || pages}`,
     );
-    if (state.isFleet) this.outlook.textContent = state.warning; // which robots are not heard
+    this.showOutlook();
     this.restart.hidden = state.isFleet;
     this.edit.hidden = !state.hasEditor;
     const { world } = history.scenario;
@@ -55,7 +55,7 @@ class MissionPanel {
   // At once where no step has been made since; else these steps are undone with it.
   undo() {
     const { state, history } = this.app;
-    const [step] = state.incidents.at(-1);
+    const step = state.undoTo;
     const go = () => this.app.ask({ do: "undo" });
     if (step === history.last) return go();
     const since = describeSpan(history.scenario.world, history.last - step);
@@ -100,23 +100,36 @@ class MissionPanel {
     this.question.scrollIntoView({ block: "nearest" });
   }
 
-  // Another past: what was worked out for the old one holds no more.
+  // Another past, or an incident: what was worked out before holds no more.
   forget() {
     stopWork(this.answer);
     for (const box of [this.answer, this.offer]) box.replaceChildren();
-    this.outlook.textContent = "";
+    this.ahead = null;
     this.question.hidden = true;
+    this.showOutlook();
+  }
+
+  // How the mission has ended, or what the server has worked out that it will come to.
+  showOutlook() {
+    const { state, history } = this.app;
+    const { world } = history.scenario;
+    stopWork(this.outlook);
+    if (state.isFleet) this.outlook.textContent = state.warning; // which robots are not heard
+    else if (history.end.status !== "running") this.outlook.textContent = `${capitalised(describeOutcome(world, history.end))}.`;
+    else if (this.ahead) this.outlook.textContent = `If nothing more happens: ${describeOutcome(world, this.ahead)}.`;
+    else showWork(this.outlook, "Working out how it ends …");
   }
 
   // What the server worked out: the mission's end, or what an incident would make of it.
   tell(message) {
     const { world } = this.app.history.scenario;
-    const end = describeOutcome(world, message);
     if (message.kind === "forecast") {
+      this.ahead = message;
       this.app.expect(message.done_at ?? []);
-      this.outlook.textContent = `If nothing more happens: ${end}.`;
+      this.showOutlook();
       return;
     }
+    const end = describeOutcome(world, message);
     const more = message.steps - message.without.steps;
     stopWork(this.answer);
     const mean = message.band ? " on average" : "";
@@ -218,16 +231,17 @@ class MissionPanel {
     if (this.isAdding) this.close();
   }
 
-  // A task that is refused can be mended; the field of the file's key that is wrong is marked.
-  keepForm(key) {
+  // A task that is refused can be mended; the fields of the file's keys that are wrong are marked.
+  keepForm(keys) {
     this.isAdding = false;
     stopWork(this.answer);
     this.answer.textContent = "";
     if (this.form.hidden) return;
     for (const field of this.form.elements) field.removeAttribute("aria-invalid");
-    const field = this.form.querySelector(FIELDS_OF_KEYS[key] ?? "none");
-    field?.setAttribute("aria-invalid", "true");
-    field?.focus();
+    const wrong = keys.map((key) => FIELDS_OF_KEYS[key] ?? "none").join() || "none";
+    const fields = [...this.form.querySelectorAll(wrong)];
+    for (const field of fields) field.setAttribute("aria-invalid", "true");
+    fields[0]?.focus();
   }
 
   close() {
@@ -250,6 +264,7 @@ function describeOutcome(world, { status, steps, band, done, futures }) {
     return `all done ${when}, in ${Math.round(0.8 * done)} of ${futures} futures${part}`;
   }
   if (status === "completed") return `all done ${describeAt(world, steps)}`;
+  if (status === "failed") return "nobody knows, for the method failed when it was played ahead";
   if (status === "infeasible") return `given up ${describeAt(world, steps)}, for something can never be done`;
   return `not done within ${describeSpan(world, steps)}`;
 }

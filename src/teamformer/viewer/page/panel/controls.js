@@ -201,8 +201,7 @@ function tipLines(app, { robot, task, group }) {
   const team = teamOfRobot(app.scene(), robot);
   const can = describeCounts(scenario, scenario.robots[robot].can, 5);
   const title = `${robotName(scenario, robot)} (${can})`;
-  const { step } = app.player;
-  if (!team || isLeaving(history, robot, step)) return [title, describeLoss(history, robot, step)];
+  if (!team) return [title, describeLoss(history, robot, app.player.step)];
   const who = team.robots.length > 1 ? `in ${nameOfTeam(scenario, team)}, which ` : "";
   return [title, who + describeDoing(scenario, team, app.player.step)];
 }

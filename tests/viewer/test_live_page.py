@@ -141,7 +141,7 @@ def test_after_an_incident_the_page_says_what_is_so(browser: Any, tmp_path: Path
         add_a_task(opened)
         wait_for(opened, "#details", "Is told its next task with the next step")
         assert "Why: planned anew after step 3: extra appears." in opened.details()
-        assert page.get_attribute("#notice", "class") == "notice plain"
+        assert page.get_attribute("#notice-box", "class") == "notice plain"
         page.click("#tab-robots")
         page.click(".row >> text=r1")
         page.click("text=Lose r1 …")
@@ -149,7 +149,7 @@ def test_after_an_incident_the_page_says_what_is_so(browser: Any, tmp_path: Path
         wait_for(opened, "#details", "Lost")
         wait_for(opened, "#figures", "Lostr1")
         wait_for(opened, "#notice", "robot r1 lost")
-        assert page.get_attribute("#notice", "class").strip() == "notice"
+        assert page.get_attribute("#notice-box", "class").strip() == "notice"
         assert "assignment" not in opened.details()
         step_to(opened, 4, begun=3)
         wait_for(opened, "#details", "Lost in step 4")
@@ -200,12 +200,39 @@ def test_actions_are_in_sight_beside_the_map(opened: Opened, width: int, height:
         box = opened.page.get_by_role("button", name=name, exact=True).bounding_box()
         assert 0 <= box["x"] < width - box["width"]
         assert box["y"] + box["height"] < floor
+    assert opened.page.locator("#tab-events").bounding_box()["y"] < floor
     opened.page.click("text=New task …")
-    add = opened.page.get_by_role("button", name="Add task")
-    add.scroll_into_view_if_needed()
-    box = add.bounding_box()
-    assert box["y"] + box["height"] < floor
+    opened.wait_for_a_frame()
+    floor = opened.page.locator(".transport").bounding_box()["y"]
+    for field in opened.page.locator("#new-task :is(input, button)").all():
+        box = field.bounding_box()
+        assert 0 <= box["x"] <= width - box["width"]
+        assert opened.page.locator(".side").bounding_box()["y"] <= box["y"]
+        assert box["y"] + box["height"] < floor
     assert opened.page.locator("#map").bounding_box()["y"] >= 0  # it has not scrolled away
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+def test_neither_a_notice_nor_the_start_moves_or_covers_the_map(
+    opened: Opened, width: int, height: int
+) -> None:
+    page = opened.page
+    page.set_viewport_size({"width": width, "height": height})
+    wait_for(opened, "#outlook", "all done at step 13")
+    opened.wait_for_a_frame()
+    before = page.locator("#map").bounding_box()
+    assert page.locator("#start").bounding_box()["y"] >= before["y"] + before["height"]
+    step_to(opened, 1)
+    opened.wait_until("document.querySelector('#start').hidden")
+    page.evaluate("window.location.hash = 'robot=r1'")
+    page.click("text=Lose r1 …")
+    page.click("text=Yes, lose r1")
+    wait_for(opened, "#notice", "Incident in step 2: robot r1 lost")
+    assert page.is_visible("#notice")
+    after = page.locator("#map").bounding_box()
+    assert (after["width"], after["height"]) == (before["width"], before["height"])
+    page.click("#notice-close")
+    assert page.is_hidden("#notice")
 
 
 def test_one_looks_back_while_the_mission_goes_on(opened: Opened) -> None:
@@ -279,6 +306,7 @@ def test_an_incident_is_undone_in_the_page(opened: Opened, served: Served) -> No
     lose_r1(opened)
     page.click("#incidents >> text=Undo")  # no step since: at once
     opened.wait_until("!document.querySelector('#incidents li')")
+    wait_for(opened, "#notice", "Undone: robot r1 lost. The mission is back at step 2.")
     lose_r1(opened)
     step_to(opened, 4, begun=2)
     page.click("#incidents >> text=Undo")
@@ -293,6 +321,7 @@ def test_an_incident_is_undone_in_the_page(opened: Opened, served: Served) -> No
     page.click("text=Restart …")
     page.get_by_role("button", name="Restart", exact=True).click()
     opened.wait_until("window.teamformer.last === 0")
+    wait_for(opened, "#notice", "The mission is back at its start; nothing has happened to it.")
     wait_for(opened, "#start-text", "Start the mission")
 
 

@@ -30,7 +30,7 @@ def view(
         list[Path],
         typer.Argument(
             metavar="FILE... [PAGE]",
-            help="records, and the .html to write, by default beside the first; or a mission or map",
+            help="records, and the .html to write, by default beside the first; or a map",
         ),
     ],
 ) -> None:

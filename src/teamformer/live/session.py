@@ -182,8 +182,9 @@ class Session:
         """Go back to just before the latest incident, and tell everybody."""
         self._pause()
         async with self.lock:
-            self.mission.undo()
-            self._tell_another_past()
+            incident = self.mission.undo()
+            back = f"Undone: {incident.text()}. The mission is back at step {self.mission.steps}."
+            self._tell_another_past(back)
 
     async def restart(self) -> None:
         """Go back to the mission's start, with nothing that happened to it, and tell everybody."""
@@ -194,7 +195,7 @@ class Session:
                 self.mission = await asyncio.to_thread(self.mission.anew)
             finally:
                 self._planning_is_over()
-            self._tell_another_past()
+            self._tell_another_past("The mission is back at its start; nothing has happened to it.")
 
     def close(self) -> None:
         """Let everything end that goes on in the background."""
@@ -258,10 +259,10 @@ class Session:
         else:
             raise TeamformerError(f"a mission under way cannot '{command}'")
 
-    def _tell_another_past(self) -> None:
-        """Tell everybody the mission whole, for its past is another."""
+    def _tell_another_past(self, text: str) -> None:
+        """Tell everybody the mission whole, for its past is another, and why."""
         self._changes += 1
-        self._tell_all("mission", {"record": self._record()} | self._state())
+        self._tell_all("mission", {"record": self._record(), "text": text} | self._state())
         self._predict()
         self._work_out_bound()
 

@@ -40,7 +40,7 @@ def draw_map(path: Path) -> int:
 
 
 def lines_of(grid: Grid, name: str, marks: Mapping[Place, str]) -> list[str]:
-    """Return a map in lines: what it is, the numbers of columns, and its rows, the top one first."""
+    """Return a map in lines: what it is, the numbers of columns, its rows from the top."""
     rows = grid.rows or (FREE * grid.width,) * grid.height
     free = sum(row.count(FREE) for row in rows)
     wide = len(str(grid.height - 1))

@@ -27,6 +27,7 @@ function lookInto(app) {
     pixelOf: (x, y) => ({ x: app.map.shown.camera.x(x), y: app.map.shown.camera.y(y) }),
     detail: () => app.map.shown.detail,
     legend: () => app.map.shown.legend.map(({ text, x, y }) => ({ text, x, y })),
+    names: () => app.map.shown.names.map(({ text, x, y, half }) => ({ text, x, y, half })),
     groups: () => app.map.shown.groups.map(({ x, y, count }) => ({ x, y, count })),
     told: () => toldOf(app.history),
     tables: () => tablesOf(app),

@@ -4,7 +4,7 @@ class LiveApp extends App {
   constructor(record, link) {
     super(record, new LivePlayer((message) => this.ask(message)));
     this.link = link;
-    this.state = { incidents: [], watchers: 1 };
+    this.state = { incidents: [], watchers: 1, warning: null };
     this.panel = new MissionPanel(this, byId("mission"));
   }
 
@@ -19,7 +19,7 @@ class LiveApp extends App {
   }
 
   startText() {
-    const isOpen = this.history.end.status === "running";
+    const isOpen = this.history.end.status === "running" && !this.state?.isFleet;
     return isOpen && this.history.last === 0 && !this.player.isPlaying ? "Start the mission" : "";
   }
 
@@ -32,7 +32,7 @@ class LiveApp extends App {
 
   hear(message) {
     const { kind } = message;
-    if (kind === "mission") this.reopen(message.record);
+    if (kind === "mission") this.reopen(message);
     if (kind === "step") this.take(message);
     if (kind === "incident") this.change(message);
     if (kind === "bound") this.learnBound(message.lower_bound);
@@ -44,12 +44,13 @@ class LiveApp extends App {
   }
 
   // The whole mission so far: the line was down, it begins anew, or an incident was undone.
-  reopen(record) {
+  reopen({ record, text }) {
     const { selection, options } = this;
     this.load(record);
     Object.assign(this, { selection: this.knows(selection) ? selection : {}, options });
     this.showAll();
     this.panel?.forget();
+    if (text) notify(text, "plain");
   }
 
   knows({ task = 0 }) {
@@ -107,9 +108,13 @@ class LiveApp extends App {
 
   takeState(state) {
     const { is_playing, speed, watchers, incidents, leaving = [], planning = "" } = state;
-    const { is_fleet = false, warning = "", has_editor = false, undo_to = null } = state;
+    const { is_fleet = false, has_editor = false, undo_to = null } = state;
+    const { warning = null, is_heard = true, is_over = false } = state; // of a fleet
     this.tellPlanning(planning);
-    this.state = { watchers, incidents, isFleet: is_fleet, warning, planning, hasEditor: has_editor, undoTo: undo_to };
+    this.tellSilence(warning);
+    this.state = { watchers, incidents, planning, hasEditor: has_editor, undoTo: undo_to };
+    Object.assign(this.state, { isFleet: is_fleet, warning, isHeard: is_heard, isOver: is_over });
+    document.body.classList.toggle("of-fleet", is_fleet);
     const { robots } = this.history.scenario;
     leave(this.history, leaving.map((name) => robots.findIndex((robot) => robot.name === name)));
     Object.assign(this.player, { isPlaying: is_playing, speed });
@@ -123,9 +128,18 @@ class LiveApp extends App {
     else if (this.state.planning) notify("");
   }
 
+  // Robots of a fleet that are not heard are a banner for as long as that is so.
+  tellSilence(warning) {
+    const was = this.state.warning;
+    if (warning?.after === was?.after && warning?.before === was?.before) return;
+    if (warning) notifySeconds({ ...warning, before: capitalised(warning.before), after: warning.is_of_all ? "" : warning.after });
+    else notify("All robots are heard.", "good");
+  }
+
   // How a mission stands that is not over; a record's own word for that is another.
   statusText() {
-    const { player, history } = this;
+    const { player, history, state } = this;
+    if (state.isFleet && player.isFollowing) return fleetStatus(state);
     if (!player.isFollowing || history.end.status !== "running") return "";
     if (player.isPlaying) return "running";
     return history.last ? "paused" : "not started";
@@ -249,6 +263,13 @@ const FILES = {
   "tables.zip": "Tables (CSV, zip)",
   "replay.mcap": "MCAP for Foxglove",
 };
+
+// How a fleet stands, which nobody here can pause.
+function fleetStatus({ isOver, isHeard, warning }) {
+  if (isOver) return "completed";
+  if (warning?.is_of_all) return "no robot heard";
+  return isHeard ? "running" : "listening";
+}
 
 function savedText({ paths, note }) {
   return `Saved: ${paths.join(", ")}${note ? `; ${note}` : ""}`;

@@ -114,7 +114,9 @@ class MissionPanel {
     const { state, history } = this.app;
     const { world } = history.scenario;
     stopWork(this.outlook);
-    if (state.isFleet) this.outlook.textContent = state.warning; // which robots are not heard
+    this.outlook.classList.toggle("bad", Boolean(state.warning));
+    if (state.warning) showSeconds(this.outlook, state.warning); // which robots are not heard
+    else if (state.isFleet) this.outlook.textContent = "";
     else if (history.end.status !== "running") this.outlook.textContent = `${capitalised(describeOutcome(world, history.end))}.`;
     else if (this.ahead) this.outlook.textContent = `If nothing more happens: ${describeOutcome(world, this.ahead)}.`;
     else showWork(this.outlook, "Working out how it ends …");
@@ -171,7 +173,8 @@ class MissionPanel {
     const { x, y } = this.form.elements;
     if (at) [x.value, y.value] = at;
     this.mark();
-    (at ? this.form.querySelector(".needs") : x).focus();
+    (at ? this.form.querySelector(".needs") : x).focus({ preventScroll: true });
+    this.form.scrollIntoView({ block: "nearest" });
   }
 
   fill({ capabilities, world }) {
@@ -184,8 +187,12 @@ class MissionPanel {
     this.form.replaceChildren(
       element("fieldset", {}, element("legend", {}, "Place"), row("x", number("x", { required: "" })), row("y", number("y", { required: "" }))),
       element("fieldset", {}, element("legend", {}, "Needs"), ...needs),
-      row("Name", element("input", { type: "text", name: "title", maxlength: 200, placeholder: "chosen for you" })),
-      row("Duration, steps", element("input", { type: "number", name: "duration", min: 0, step: 1, value: 0 })),
+      element(
+        "div",
+        { class: "pair" },
+        row("Name", element("input", { type: "text", name: "title", maxlength: 200, placeholder: "chosen for you" })),
+        row("Duration, steps", element("input", { type: "number", name: "duration", min: 0, step: 1, value: 0 })),
+      ),
       element(
         "div",
         { class: "acts" },

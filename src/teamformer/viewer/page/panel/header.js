@@ -133,7 +133,7 @@ function ratioText({ end, lowerBound, scenario }) {
 function figure(title, value, note) {
   return element(
     "div",
-    {},
+    { class: title.toLowerCase().replaceAll(" ", "-") },
     element("dt", {}, title),
     element("dd", {}, value, element("small", {}, note)),
   );

@@ -36,6 +36,15 @@ def test_the_free_cells_of_a_mission_are_drawn_with_their_numbers(tmp_path: Path
     assert drawn(path)[1:] == ["  0         10", "1 .@@@.t.....@", "0 r..........@"]
 
 
+def test_a_mission_that_is_wrong_is_drawn_to_be_mended(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "yard.yaml"
+    path.write_text(MISSION.replace("AXIS", "down").replace("at: [5, 1]", "at: [11, 1]"))
+    assert drawn(path)[2:] == ["0 ...........@", "1 .@@@.......@"]
+    assert "inside an obstacle; the nearest free cell is [10, 1]" in capsys.readouterr().err
+
+
 def test_a_map_alone_is_drawn(tmp_path: Path) -> None:
     path = tmp_path / "hall.map"
     path.write_text("type octile\nheight 2\nwidth 3\nmap\n..@\n.T.\n")

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from teamformer.commands.console import out
-from teamformer.errors import TeamformerError
+from teamformer.commands.console import out, say
+from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
+from teamformer.model import World
 from teamformer.scenarios.file_access import read_text
-from teamformer.scenarios.files import read_scenario
+from teamformer.scenarios.files import read_scenario, read_world_of
 from teamformer.scenarios.maps.formats import is_map, read_map
 
 LARGEST = 10_000_000  # bytes
@@ -22,21 +23,33 @@ TENTH = 10
 def draw_map(path: Path) -> int:
     """Print the map in a file with the numbers of its columns and rows; return the exit status."""
     if is_map(path.name, read_text(path, LARGEST, HINT)):
-        grid, marks = read_map(path), dict[Place, str]()
-        name = path.stem
+        grid: World = read_map(path)
+        name, marks = path.stem, dict[Place, str]()
     else:
-        scenario = read_scenario(path)
-        if not isinstance(scenario.world, Grid):
-            raise TeamformerError(
-                f"{path}: its world is a plane, which has no cells",
-                "every point that is not inside an obstacle is free",
-            )
-        grid, name = scenario.world, scenario.name
-        marks = {task.at: "t" for task in scenario.tasks}
-        marks |= {robot.at: "r" for robot in scenario.robots}
+        grid, name, marks = _of_mission(path)
+    if not isinstance(grid, Grid):
+        raise TeamformerError(
+            f"{path}: its world is a plane, which has no cells",
+            "every point that is not inside an obstacle is free",
+        )
     for line in lines_of(grid, name, marks):
         out.print(line, markup=False, highlight=False, soft_wrap=True)
     return 0
+
+
+def _of_mission(path: Path) -> tuple[World, str, dict[Place, str]]:
+    """Return a mission's world, its name, and the signs of its tasks and robots by their places.
+
+    What is wrong with these is said, and then there are no signs: the map is there to mend them.
+    """
+    try:
+        scenario = read_scenario(path)
+    except ScenarioError as error:
+        world = read_world_of(path)
+        say(str(error))
+        return world, path.stem, {}
+    marks = {task.at: "t" for task in scenario.tasks}
+    return scenario.world, scenario.name, marks | {robot.at: "r" for robot in scenario.robots}
 
 
 def lines_of(grid: Grid, name: str, marks: Mapping[Place, str]) -> list[str]:

@@ -18,9 +18,9 @@ function drawNames(view) {
     if (isRoomy || task === view.selection.task) drawTaskName(view, taken, task);
   });
   const lost = robotsLostAt(view.history, view.scene.step);
-  if (isRoomy || lost.length <= LOST_NAMED) drawLostNames(view, taken, lost);
+  const discs = view.detail === "robots" ? discsByCell(view) : new Map();
+  if (isRoomy || lost.length <= LOST_NAMED) drawLostNames(view, taken, lost, discs);
   if (view.detail !== "robots") return;
-  const discs = discsByCell(view);
   for (const teams of teamsByPlace(view.scene).values()) {
     const named = isRoomy ? teams : teams.filter((team) => team === view.selectedTeam);
     if (named.length) drawTeamNames(view, taken, named, discs);
@@ -46,12 +46,15 @@ function namesOfPlace(scenario, task, mates) {
   return shown.join(", ") + (mates.length > MANY ? ` + ${mates.length - MANY} more` : "");
 }
 
-function drawLostNames(view, taken, lost) {
+function drawLostNames(view, taken, lost, discs) {
   const { scenario, theme } = view;
   for (const robot of lost) {
     const { x, y, r } = robotSpot(view, robot);
     const name = `${robotName(scenario, robot)}, lost`;
-    drawName(view, taken, name, { x, y: y - r - 9 }, theme.bad);
+    const half = view.ctx.measureText(name).width / 2;
+    const isFree = (at) => !isOverDisc(view, discs, new Set([robot]), { x, y: at, half });
+    const at = [y - r - 9, y + r + 9].find(isFree) ?? y - r - 9;
+    drawName(view, taken, name, { x, y: at }, theme.bad);
   }
 }
 

@@ -128,6 +128,10 @@ class LiveApp extends App {
     else if (this.state.planning) notify("");
   }
 
+  isUnheard() {
+    return this.state?.isHeard === false;
+  }
+
   // Robots of a fleet that are not heard are a banner for as long as that is so.
   tellSilence(warning) {
     const was = this.state.warning;

@@ -25,6 +25,7 @@ const ACTIVITIES = {
 };
 
 function overview(app) {
+  if (app.isUnheard?.()) return [element("h2", {}, "No robot heard yet"), lead("What the map shows is only where the robots start")];
   const scene = app.scene();
   const counts = new Map();
   const teams = [...scene.teams.values()];

@@ -49,7 +49,7 @@ class MissionPanel {
     const { world } = history.scenario;
     const items = state.incidents.map(([step, text]) => element("li", {}, `${shortMoment(world, step)}: ${text}`));
     if (items.length && !state.isFleet) items.at(-1).append(" ", link("Undo", () => this.undo(), "undo"));
-    refill(this.incidents, items);
+    refill(this.incidents, items.reverse()); // the latest first
   }
 
   // At once where no step has been made since; else these steps are undone with it.

@@ -44,8 +44,8 @@ ARRIVING, PARTING = 1, 2
 LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED = range(7)
 """Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
 key of a node whose arcs out have changed: behind it tails still hold; the seats by which what
-the makespan hangs on comes to the task at hand and leaves it, or NOBODY; and how many tasks it hangs
-on, or NOBODY if that is not known since the plan has changed."""
+the makespan hangs on comes to the task at hand and leaves it, or NOBODY; and how many tasks it
+hangs on, or NOBODY if the plan has changed since they were listed."""
 
 REFUSED = -1
 
@@ -61,9 +61,9 @@ class Trial(NamedTuple):
     chain: Whole  # (tasks, 3) tasks that the makespan hangs on, each with COMES_BY and LEAVES_BY
 
 
-def empty_trial(graph: Graph) -> Trial:
-    """Return room for a change."""
-    room = 10 * len(graph.seats) + len(graph.nodes) + len(graph.back)
+def empty_trial(graph: Graph, timed_again: int = 0) -> Trial:
+    """Return room for a change; in it tasks may be timed so often beside their first time."""
+    room = 10 * len(graph.seats) + 4 * len(graph.nodes) + len(graph.back) + timed_again
     return Trial(
         number=np.full(7, NOBODY, np.int64),
         log=np.zeros(room, ENTRY).view(np.recarray),

@@ -1,4 +1,7 @@
 PYTHON ?= python3
+MAKE_VENV = $(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v < (3, 14) else \
+	"$(PYTHON) is Python %d.%d; name one from 3.11 to 3.13, as in: make run PYTHON=python3.12" % v)' && \
+	$(PYTHON) -m venv
 VENV := .venv
 BIN := $(VENV)/bin
 
@@ -72,17 +75,17 @@ $(ROS)/stamp: pyproject.toml  # its packages re-execute every Python of their en
 	touch $@
 
 $(VENV)/run.stamp: pyproject.toml
-	$(PYTHON) -m venv $(VENV)
+	$(MAKE_VENV) $(VENV)
 	$(BIN)/pip install --quiet --editable .
 	touch $@
 
 $(VENV)/dev.stamp: pyproject.toml  # bytecode as it is needed: most of it never is
-	$(PYTHON) -m venv $(VENV)
+	$(MAKE_VENV) $(VENV)
 	$(BIN)/pip install --quiet --no-compile --editable '.[dev]'
 	touch $@ $(VENV)/run.stamp
 
 $(VENV)/docs.stamp: pyproject.toml
-	$(PYTHON) -m venv $(VENV)
+	$(MAKE_VENV) $(VENV)
 	$(BIN)/pip install --quiet --editable '.[docs]'
 	touch $@ $(VENV)/run.stamp
 

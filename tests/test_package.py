@@ -59,7 +59,7 @@ def check_schema(schema: str, *files: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_workflows_are_what_github_reads() -> None:
-    assert len(WORKFLOWS) == 3
+    assert [path.stem for path in WORKFLOWS] == ["docs", "test", "weekly", "wheels"]
     checked = check_schema("vendor.github-workflows", *WORKFLOWS)
     assert checked.returncode == 0, checked.stdout
 
@@ -69,6 +69,19 @@ def test_a_workflow_with_a_mistake_is_found(tmp_path: Path) -> None:
     broken = tmp_path / "test.yml"
     broken.write_text(WORKFLOWS[0].read_text().replace("runs-on", "run-on"))
     assert check_schema("vendor.github-workflows", broken).returncode == 1
+
+
+def test_every_test_runs_once_a_week() -> None:
+    weekly = yaml.safe_load((ROOT / ".github/workflows/weekly.yml").read_text())
+    assert weekly[True]["schedule"] == [{"cron": "17 3 * * 0"}]  # YAML reads `on` as true
+    assert "make test-all PYTHON=python" in str(weekly["jobs"])
+
+
+def test_it_is_described_in_the_same_words_everywhere() -> None:
+    said = PROJECT["description"]
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"Teamformer {said[0].lower()}{said[1:]}" in readme
+    assert f"site_description: {said}\n" in (ROOT / "mkdocs.yml").read_text()
 
 
 def test_the_citation_is_one() -> None:

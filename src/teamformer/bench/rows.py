@@ -19,9 +19,10 @@ class Row:
     `decision_seconds` is by the clock on the wall, `decision_cpu_seconds` what the process used;
     a trial that ran with others `side_by_side` has its share of theirs, by its `decisions` (rows
     of views answered). `list_schedule` is the makespan of the list schedule along the task order,
-    `relaxed` that of the planner's schedule; in both joining is free. `code` tells versions of
-    this package apart. `curve` is the planner's: (seconds, makespan) of each improvement. None:
-    not known, or not measured.
+    `relaxed` that of the planner's schedule; in both joining is free. `curve` is the planner's:
+    (seconds, makespan) of each improvement. `code` tells states of this package's files apart;
+    `version` is its version, empty in rows that are older than this field. None: not known, or not
+    measured.
     """
 
     suite: str
@@ -54,6 +55,7 @@ class Row:
     time_limit: float | None
     code: str
     rerun: str
+    version: str = ""
 
     @property
     def key(self) -> Key:
@@ -80,7 +82,10 @@ def row_of(line: str) -> Row | None:
         tree = json.loads(line)
     except ValueError:
         return None
-    if not isinstance(tree, dict) or set(tree) != {field.name for field in fields(Row)}:
+    if not isinstance(tree, dict):
+        return None
+    tree = {"version": ""} | tree
+    if set(tree) != {field.name for field in fields(Row)}:
         return None
     return Row(**tree) if all(_is_of(tree[name], KINDS[name]) for name in KINDS) else None
 

@@ -38,7 +38,7 @@ fuzz: $(VENV)/dev.stamp kernels  ## other random examples of every property, for
 	$(BIN)/python tests/fuzz/fuzz.py $(MINUTES)
 
 PYTHONS ?= $(foreach version,3.11 3.12 3.13,$(shell python$(version) -c 'import sys; print(sys.executable)' 2> /dev/null))
-wheel:  ## one for each Python that is there, with compiled kernels, checked: a first run compiles nothing
+wheel:  ## one for each Python that is there, with compiled kernels, checked: a first run compiles nothing and is quick
 	rm -rf dist build/kernels build/wheels
 	test -n "$(PYTHONS)"  # no python3.11, python3.12 or python3.13 on the path: name some in PYTHONS
 	for python in $(PYTHONS); do $(MAKE) wheel-of PYTHON=$$python || exit 1; done
@@ -55,7 +55,8 @@ wheel-of:  ## the wheel of one PYTHON, built and tried in an environment of its 
 	$(WHEEL_BIN)/pip wheel --quiet --no-deps --wheel-dir build/wheel . ; \
 		built=$$?; rm -r src/teamformer/compiled; exit $$built
 	$(WHEEL_BIN)/pip install --quiet --no-deps --force-reinstall build/wheel/*.whl
-	NUMBA_CACHE_DIR=build/first-run $(WHEEL_BIN)/teamformer run examples/warehouse.yaml
+	NUMBA_CACHE_DIR=build/first-run $(WHEEL_BIN)/python tests/first_run.py \
+		$(WHEEL_BIN)/teamformer run examples/warehouse.yaml
 	test -z "$$(find build/first-run -name '*.nbc')"
 	$(WHEEL_BIN)/python -m zipfile --list build/wheel/*.whl | grep teamformer/py.typed
 	mkdir -p dist

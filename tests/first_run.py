@@ -1,7 +1,7 @@
 """Run a command for the first time, and fail if that takes more than 5 s of processor time.
 
-`python tests/first_run.py COMMAND ...`: `make wheel` runs a mission so, with compiled code that came
-with the wheel. Processor time, because a machine that is busy otherwise should not fail it.
+`python tests/first_run.py COMMAND ...`: `make wheel` runs a mission so, with compiled code that the
+wheel brings. Processor time, because a machine that is busy otherwise should not fail it.
 """
 
 from __future__ import annotations
@@ -21,9 +21,8 @@ def main(command: list[str]) -> int:
     waited = time.perf_counter() - begun
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     spent = used.ru_utime + used.ru_stime
-    print(
-        f"first run: {spent:.1f} s of the processor, {waited:.1f} s by the clock", file=sys.stderr
-    )
+    told = f"first run: {spent:.1f} s of the processor, {waited:.1f} s by the clock"
+    print(told, file=sys.stderr)
     if status == 0 and spent > MOST:
         print(f"error: that is more than {MOST:g} s", file=sys.stderr)
         return 1

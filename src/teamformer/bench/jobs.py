@@ -234,6 +234,7 @@ def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
         joins=tally.joins,
         splits=tally.splits,
         illegal_decisions=tally.illegal_decisions,
+        cost=None if tally.cost is None else round(tally.cost, 6),
     )
 
 

@@ -21,8 +21,8 @@ class Row:
     of views answered). `list_schedule` is the makespan of the list schedule along the task order,
     `relaxed` that of the planner's schedule; in both joining is free. `curve` is the planner's:
     (seconds, makespan) of each improvement. `code` tells states of this package's files apart;
-    `version` is its version, empty in rows that are older than this field. None: not known, or not
-    measured.
+    `version` is its version, empty in rows that are older than this field. `cost` is what a mission
+    with a cost came to. None: not known, or not measured.
     """
 
     suite: str
@@ -56,6 +56,7 @@ class Row:
     code: str
     rerun: str
     version: str = ""
+    cost: float | None = None
 
     @property
     def key(self) -> Key:
@@ -66,6 +67,9 @@ class Row:
         """Return the row as a line of JSON."""
         return json.dumps(vars(self), ensure_ascii=False) + "\n"
 
+
+LATER: dict[str, Any] = {"version": "", "cost": None}
+"""What rows of older versions do not have."""
 
 KINDS: dict[str, tuple[type, ...]] = {
     name: tuple(
@@ -84,7 +88,7 @@ def row_of(line: str) -> Row | None:
         return None
     if not isinstance(tree, dict):
         return None
-    tree = {"version": ""} | tree
+    tree = LATER | tree
     if set(tree) != {field.name for field in fields(Row)}:
         return None
     return Row(**tree) if all(_is_of(tree[name], KINDS[name]) for name in KINDS) else None

@@ -29,7 +29,7 @@ class Summary:
     counting as its step limit. `against` holds, for each baseline, the difference of makespans
     over the worlds that both completed; `to_central` is that to `central` as a part of its mean.
     `room` is the part of the steps between `HOPEFUL` and `central` that is won, on the worlds that
-    all three completed.
+    all three completed. `cost` is over completed trials of missions that have a cost.
     `inference` is the CPU time that deciding took in a trial,
     `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
     ratios of the makespan to the best known and to the lower bound of the same world, less one;
@@ -42,6 +42,7 @@ class Summary:
     trials: int
     failures: int
     makespan: Mean
+    cost: Mean
     steps: Mean
     against: Mapping[str, Mean]
     to_central: Mean
@@ -150,6 +151,7 @@ def _summary(
         trials=len(rows),
         failures=len(rows) - len(done),
         makespan=_mean(row.makespan for row in done),
+        cost=_mean(row.cost for row in done),
         steps=_mean(row.steps for row in rows),
         against=against,
         to_central=to_central,

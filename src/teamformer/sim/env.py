@@ -14,6 +14,7 @@ import numpy as np
 from teamformer.coordination import Coordinator, Known, Plan, heeded_by
 from teamformer.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
+from teamformer.mission.costs import cost_in_steps
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
 from teamformer.rules.arrays import Array
@@ -52,6 +53,7 @@ class Tally:
     joins: int
     splits: int
     illegal_decisions: int
+    cost: float | None = None  # of a mission that has one, once all is done
 
 
 class TeamFormation:
@@ -290,7 +292,15 @@ class TeamFormation:
             joins=int(count["joins"]),
             splits=int(count["splits"]),
             illegal_decisions=int(count["illegal"]),
+            cost=self._cost(w),
         )
+
+    def _cost(self, w: int) -> float | None:
+        if self.scenarios[w].cost is None:
+            return None
+        done_at = enumerate(self.worlds.tasks[w]["done_at"].tolist())
+        ends = {task: step for task, step in done_at if step != NOBODY}
+        return cost_in_steps(self.scenarios[w], ends)
 
     def _fill_views(self, begin: int, end: int) -> None:
         fill_views(self.worlds, self._room, self._first_row, self._first_member, begin, end)

@@ -1,4 +1,7 @@
 PYTHON ?= python3
+MAKE_VENV = $(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v < (3, 14) else \
+	"$(PYTHON) is Python %d.%d; name one from 3.11 to 3.13, as in: make run PYTHON=python3.12" % v)' && \
+	$(PYTHON) -m venv
 VENV := .venv
 BIN := $(VENV)/bin
 
@@ -35,7 +38,7 @@ fuzz: $(VENV)/dev.stamp kernels  ## other random examples of every property, for
 	$(BIN)/python tests/fuzz/fuzz.py $(MINUTES)
 
 PYTHONS ?= $(foreach version,3.11 3.12 3.13,$(shell python$(version) -c 'import sys; print(sys.executable)' 2> /dev/null))
-wheel:  ## one for each Python that is there, with compiled kernels, checked: a first run compiles nothing
+wheel:  ## one for each Python that is there, with compiled kernels, checked: a first run compiles nothing and is quick
 	rm -rf dist build/kernels build/wheels
 	test -n "$(PYTHONS)"  # no python3.11, python3.12 or python3.13 on the path: name some in PYTHONS
 	for python in $(PYTHONS); do $(MAKE) wheel-of PYTHON=$$python || exit 1; done
@@ -52,7 +55,8 @@ wheel-of:  ## the wheel of one PYTHON, built and tried in an environment of its 
 	$(WHEEL_BIN)/pip wheel --quiet --no-deps --wheel-dir build/wheel . ; \
 		built=$$?; rm -r src/teamformer/compiled; exit $$built
 	$(WHEEL_BIN)/pip install --quiet --no-deps --force-reinstall build/wheel/*.whl
-	NUMBA_CACHE_DIR=build/first-run $(WHEEL_BIN)/teamformer run examples/warehouse.yaml
+	NUMBA_CACHE_DIR=build/first-run $(WHEEL_BIN)/python tests/first_run.py \
+		$(WHEEL_BIN)/teamformer run examples/warehouse.yaml
 	test -z "$$(find build/first-run -name '*.nbc')"
 	$(WHEEL_BIN)/python -m zipfile --list build/wheel/*.whl | grep teamformer/py.typed
 	mkdir -p dist
@@ -72,17 +76,17 @@ $(ROS)/stamp: pyproject.toml  # its packages re-execute every Python of their en
 	touch $@
 
 $(VENV)/run.stamp: pyproject.toml
-	$(PYTHON) -m venv $(VENV)
+	$(MAKE_VENV) $(VENV)
 	$(BIN)/pip install --quiet --editable .
 	touch $@
 
 $(VENV)/dev.stamp: pyproject.toml  # bytecode as it is needed: most of it never is
-	$(PYTHON) -m venv $(VENV)
+	$(MAKE_VENV) $(VENV)
 	$(BIN)/pip install --quiet --no-compile --editable '.[dev]'
 	touch $@ $(VENV)/run.stamp
 
 $(VENV)/docs.stamp: pyproject.toml
-	$(PYTHON) -m venv $(VENV)
+	$(MAKE_VENV) $(VENV)
 	$(BIN)/pip install --quiet --editable '.[docs]'
 	touch $@ $(VENV)/run.stamp
 

@@ -258,7 +258,7 @@ def test_your_own_policy_by_module_and_class(
     own_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page = (ROOT / "docs" / "reference" / "policies.md").read_text(encoding="utf-8")
-    code = page.split("```python\n")[1].split("```")[0]
+    code = page.split('```python title="sociable.py"\n')[1].split("```")[0]
     (own_folder / "mine.py").write_text(code, encoding="utf-8")
     assert teamformer("run", FOUR, "--method", "mine:Sociable", "--json") == 0
     row = json.loads(capsys.readouterr().out)

@@ -20,7 +20,7 @@ def python_blocks() -> list[tuple[str, str]]:
     for page in PAGES:
         if page.parent.name == "tutorials":  # test_tutorials.py runs these, block after block
             continue
-        code = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+        code = re.findall(r"```python[^\n]*\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
         blocks += [(f"{page.name}-{number}", block) for number, block in enumerate(code)]
     return blocks
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
@@ -27,11 +28,26 @@ def test_in_a_clone_it_is_an_editable_install_by_this_python(
     assert extras.how_to_install("live", "gif") == f"{pip} install -e '..[live,gif]'"
 
 
-def test_installed_it_is_the_name_of_the_package(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+@pytest.mark.parametrize(
+    ("url", "what"),
+    [
+        ("file:///home/ann/my%20tools/teamformer", "/home/ann/my tools/teamformer"),
+        ("file:///tmp/teamformer-0.1.0-py3-none-any.whl", "/tmp/teamformer-0.1.0-py3-none-any.whl"),
+        (None, "teamformer"),  # from an index
+    ],
+)
+def test_installed_it_names_where_the_package_came_from(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, url: str | None, what: str
 ) -> None:
-    monkeypatch.setattr(extras, "__file__", str(tmp_path / "lib" / "teamformer" / "extras.py"))
-    assert extras.how_to_install("live") == "pip install 'teamformer[live]'"
+    """As pip notes it down beside the package: no index has it."""
+    package, note = tmp_path / "lib" / "teamformer", tmp_path / "lib" / "teamformer-0.1.0.dist-info"
+    note.mkdir(parents=True)
+    (note / "METADATA").write_text("Metadata-Version: 2.1\nName: teamformer\nVersion: 0.1.0\n")
+    if url:
+        (note / "direct_url.json").write_text(json.dumps({"url": url}))
+    monkeypatch.syspath_prepend(str(package.parent))
+    monkeypatch.setattr(extras, "__file__", str(package / "extras.py"))
+    assert extras.how_to_install("live") == f"pip install '{what}[live]'"
 
 
 def test_a_library_that_is_missing_is_named() -> None:

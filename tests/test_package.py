@@ -59,7 +59,7 @@ def check_schema(schema: str, *files: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_workflows_are_what_github_reads() -> None:
-    assert len(WORKFLOWS) == 3
+    assert [path.stem for path in WORKFLOWS] == ["docs", "test", "weekly", "wheels"]
     checked = check_schema("vendor.github-workflows", *WORKFLOWS)
     assert checked.returncode == 0, checked.stdout
 
@@ -69,6 +69,19 @@ def test_a_workflow_with_a_mistake_is_found(tmp_path: Path) -> None:
     broken = tmp_path / "test.yml"
     broken.write_text(WORKFLOWS[0].read_text().replace("runs-on", "run-on"))
     assert check_schema("vendor.github-workflows", broken).returncode == 1
+
+
+def test_every_test_runs_once_a_week() -> None:
+    weekly = yaml.safe_load((ROOT / ".github/workflows/weekly.yml").read_text())
+    assert weekly[True]["schedule"] == [{"cron": "17 3 * * 0"}]  # YAML reads `on` as true
+    assert "make test-all PYTHON=python" in str(weekly["jobs"])
+
+
+def test_it_is_described_in_the_same_words_everywhere() -> None:
+    said = PROJECT["description"]
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"Teamformer {said[0].lower()}{said[1:]}" in readme
+    assert f"site_description: {said}\n" in (ROOT / "mkdocs.yml").read_text()
 
 
 def test_the_citation_is_one() -> None:
@@ -83,6 +96,23 @@ def test_what_is_made_there_can_be_made(path: Path) -> None:
     assert asked
 
 
+def test_a_first_run_that_takes_too_long_fails() -> None:
+    """As `make wheel` measures it, in seconds of the processor: waiting does not count."""
+
+    def timed(code: str) -> subprocess.CompletedProcess[str]:
+        words = [sys.executable, str(ROOT / "tests" / "first_run.py"), sys.executable, "-c", code]
+        return subprocess.run(words, capture_output=True, text=True)
+
+    quick = timed("import time; time.sleep(0.1); print('done')")
+    assert (quick.returncode, quick.stdout) == (0, "done\n")
+    assert re.search(r"^first run: 0\.\d s of the processor, ", quick.stderr)
+    slow = timed("import time\nwhile time.process_time() < 5.1: pass")
+    assert slow.returncode == 1
+    assert "error: that is more than 5 s" in slow.stderr
+    assert timed("raise SystemExit(3)").returncode == 3
+    assert "tests/first_run.py" in (ROOT / "Makefile").read_text()
+
+
 def test_the_image_is_built_of_what_is_sent_to_it() -> None:
     """`.dockerignore` refuses everything but files that are there, and the build needs those."""
     sent = [
@@ -92,7 +122,7 @@ def test_the_image_is_built_of_what_is_sent_to_it() -> None:
     needed = {"pyproject.toml", "Makefile", "src", "hatch_build.py", PROJECT["readme"], "LICENSE"}
     assert needed <= set(sent)
     assert "examples/warehouse.yaml" in (ROOT / "Makefile").read_text()
-    assert "examples/warehouse.yaml" in sent
+    assert {"examples/warehouse.yaml", "tests/first_run.py"} <= set(sent)
 
 
 def test_completion_knows_verbs_and_flags() -> None:

@@ -14,6 +14,7 @@ import pytest
 import yaml
 
 import teamformer as tf
+from notebooks import NOTEBOOKS
 from teamformer.sim.view import View
 
 ROOT = Path(__file__).parent.parent
@@ -24,6 +25,7 @@ def test_every_page_is_in_the_navigation() -> None:
     settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     listed = re.findall(r"^ +- .*: ([\w/-]+\.md)$", settings, re.MULTILINE)
     pages = [path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md")]
+    pages += [f"notebooks/{path.stem}.md" for path in NOTEBOOKS]  # made by docs/making/hooks.py
     assert sorted(listed) == sorted(pages)
 
 
@@ -73,3 +75,7 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     named = {title.split("<")[0].strip() for title in titles}
     assert {home.rpartition(":")[2] for home in tf._HOMES.values()} - named <= {"View"}
     assert yaml.safe_load((tmp_path / "examples" / "warehouse.yaml").read_text())["teamformer"] == 1
+    comparing = (tmp_path / "notebooks" / "2-comparing.html").read_text(encoding="utf-8")
+    printed = re.search(r"heuristic +takes \+[\d.]+ ± [\d.]+ steps more than plan", comparing)
+    assert printed is not None
+    assert 'href="../examples/notebooks/2-comparing.ipynb"' in comparing

@@ -1,14 +1,17 @@
-"""What the README and the tutorials tell a newcomer to do, done block by block in an empty folder.
+"""What the documents tell one to do, done block by block in an empty folder.
 
 A block with a title is a file. A `console` block is run, and what it shows must be told: each line
-is the beginning of one that was printed, in the same order; `...` stands for others. Where a
-comment says that figures vary, the command is run all the same. `python` blocks are run. Blocks of
-`sh` install something or wait for a person; the last test here does those of the fleet.
+is one that was printed, whole but for seconds, in the same order; `...` stands for other lines, or
+for the rest of a line. A comment before a block may say `figures vary`: its commands are run, and
+what they show is not compared; or `not run`, and why. `python` blocks are run, those of how-to and
+reference pages by `test_docs.py`. Blocks of `sh` install something, wait for a person or take
+hours; the last test here does those of the fleet.
 """
 
 from __future__ import annotations
 
 import re
+import shlex
 import signal
 import socket
 import subprocess
@@ -22,23 +25,23 @@ from test_cli import teamformer
 
 ROOT = Path(__file__).parent.parent
 TUTORIALS = ROOT / "docs" / "tutorials"
+OTHERS = [ROOT / "docs" / folder for folder in ("how-to", "reference")]
 SLOW = {"training.md": "it trains for a minute", "fleet.md": "it runs a fleet in real time"}
 BLOCK = re.compile(
-    r'(<!-- figures vary[^\n]*\n)?^```(\w*)(?: title="([^"]+)")?\n(.*?)^```',
+    r'(?:<!-- (figures vary|not run): [^\n]+ -->\n)?^```(\w*)(?: title="([^"]+)")?\n(.*?)^```',
     re.DOTALL | re.MULTILINE,
 )
 
 
 class Block(NamedTuple):
-    varies: bool
+    mark: str
     language: str
     title: str
     text: str
 
 
 def blocks_of(page: Path) -> list[Block]:
-    found = BLOCK.findall(page.read_text(encoding="utf-8"))
-    return [Block(bool(varies), *rest) for varies, *rest in found]
+    return [Block(*found) for found in BLOCK.findall(page.read_text(encoding="utf-8"))]
 
 
 def pages() -> list[object]:
@@ -69,19 +72,49 @@ def test_a_newcomer_can_do_what_a_page_says(
         elif block.language == "python":
             exec(compile(block.text, page.name, "exec"), names)
         elif block.language == "console":
-            for command, shown in commands(block.text):
-                if command[1] == "live":
-                    told = told_by_a_server(command)
-                else:
-                    capsys.readouterr()
-                    expected = 2 if shown[:1] and shown[0].startswith("error:") else 0
-                    assert teamformer(*command[1:]) == expected, command
-                    out, err = capsys.readouterr()
-                    told = err + out
-                assert block.varies or missing(shown, told) == [], (command, told)
+            do(block, capsys)
         else:
             assert block.language in ("sh", "yaml"), block
     assert len(blocks_of(page)) > 2
+
+
+def is_run(block: Block) -> bool:
+    return block.language == "console" and block.mark != "not run"
+
+
+def other_pages() -> list[Path]:
+    found = [page for folder in OTHERS for page in sorted(folder.glob("*.md"))]
+    return [page for page in found if any(is_run(block) for block in blocks_of(page))]
+
+
+@pytest.mark.parametrize("page", other_pages(), ids=lambda page: page.stem)
+def test_commands_of_how_to_and_reference_pages_run(
+    page: Path, newcomer: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for block in blocks_of(page):
+        if block.title:
+            (newcomer / block.title).write_text(block.text, encoding="utf-8")
+        elif is_run(block):
+            do(block, capsys)
+
+
+def test_enough_of_them_are_run() -> None:
+    names = {page.stem for page in other_pages()}
+    assert {"bench", "fleet", "foxglove", "live", "methods", "policies", "replay"} <= names
+
+
+def do(block: Block, capsys: pytest.CaptureFixture[str]) -> None:
+    """Run the commands of a block, and compare what they print with what it shows."""
+    for command, shown in commands(block.text):
+        if command[1] == "live":
+            told = told_by_a_server(command)
+        else:
+            capsys.readouterr()
+            expected = 2 if shown[:1] and shown[0].startswith("error:") else 0
+            assert teamformer(*command[1:]) == expected, command
+            out, err = capsys.readouterr()
+            told = err + out
+        assert block.mark == "figures vary" or missing(shown, told) == [], (command, told)
 
 
 def commands(text: str) -> list[tuple[list[str], list[str]]]:
@@ -89,7 +122,7 @@ def commands(text: str) -> list[tuple[list[str], list[str]]]:
     found: list[tuple[list[str], list[str]]] = []
     for line in text.splitlines():
         if line.startswith("$ "):
-            found.append((line[2:].split(), []))
+            found.append((shlex.split(line[2:], comments=True), []))
         else:
             found[-1][1].append(line)
     assert all(command[0] == "teamformer" for command, _ in found)
@@ -100,7 +133,13 @@ def missing(shown: list[str], told: str) -> list[str]:
     """Return the lines that are shown but were not told, or not in this order."""
     lines = iter([plain(line) for line in told.splitlines()])
     wanted = [line for line in shown if line.strip() and line != "..."]
-    return [line for line in wanted if not any(one.startswith(plain(line)) for one in lines)]
+    return [line for line in wanted if not any(is_told(line, one) for one in lines)]
+
+
+def is_told(line: str, told: str) -> bool:
+    """Say whether a line is the one that was told, or ends in `...` and is its beginning."""
+    shown = plain(line)
+    return told.startswith(shown[:-3].rstrip()) if shown.endswith("...") else told == shown
 
 
 def plain(line: str) -> str:
@@ -124,9 +163,11 @@ def told_by_a_server(command: list[str]) -> str:
 
 def test_lines_that_are_shown_are_looked_for_in_order() -> None:
     told = "one 1.25 s\n two   words here\nthree\n"
-    assert missing(["one 0.5 s", "...", "two words", "three"], told) == []
-    assert missing(["two words", "one 0.5 s"], told) == ["one 0.5 s"]
+    assert missing(["one 0.5 s", "...", "two words here", "three"], told) == []
+    assert missing(["two words here", "one 0.5 s"], told) == ["one 0.5 s"]
     assert missing(["two other words"], told) == ["two other words"]
+    assert missing(["two words"], told) == ["two words"]  # a column is missing
+    assert missing(["two words ..."], told) == []
 
 
 @pytest.mark.slow("it runs a fleet in real time")

@@ -22,41 +22,42 @@ NEWS = (
     "task found",
     "task done",
 )
-"""What may have happened that a coordinator is asked for a plan."""
+"""The kinds of news after which a coordinator may be asked for a plan."""
 
 TAKEN_OVER = "taken over"
-"""Why a plan holds that somebody else has made, such as an operator of a live mission."""
+"""The reason of a plan that the coordinator did not make, but an operator of a live mission."""
 
 UNFORESEEN = NEWS[:-1]
-"""All news but that a task is done, which plans foresee."""
+"""All news except that a task is done, which plans foresee."""
 
 
 @dataclass(frozen=True)
 class Known:
-    """What everybody knows of a mission at a moment; robots and tasks are numbers.
+    """What everybody knows of a mission at a moment. Robots and tasks are given by number.
 
-    `mission` is as it is believed to be: with the needs and places that are believed, and without
-    what is still to come. Places are in cells or metres, times are in steps.
+    `mission` is the mission as it is believed to be: uncertain needs and places have their believed
+    values, and tasks that have not appeared are missing. Places are in cells or metres, times in
+    steps.
     """
 
     mission: Scenario
-    step: int  # steps made
+    step: int  # the steps made so far
     open_tasks: tuple[int, ...]  # known, not done and not being served
-    places: tuple[Place, ...]  # of every robot, once it is free; of lost ones any
+    places: tuple[Place, ...]  # where each robot is once it is free; no meaning for lost robots
     teams: tuple[tuple[int, ...], ...]  # who is with whom; a robot in no team is lost
-    free_at: tuple[int, ...]  # the step from which each robot is free: `step` or its service's end
-    unseen_needs: frozenset[int] = frozenset()  # tasks of which nobody knows all needs
-    unseen_places: frozenset[int] = frozenset()  # tasks of which nobody knows the place
-    news: tuple[str, ...] = ("start",)  # of `NEWS`: what has happened since the latest plan
+    free_at: tuple[int, ...]  # when each robot is free: `step`, or the end of its service
+    unseen_needs: frozenset[int] = frozenset()  # tasks whose needs are not all known
+    unseen_places: frozenset[int] = frozenset()  # tasks whose place is not known
+    news: tuple[str, ...] = ("start",)  # what has happened since the latest plan, out of `NEWS`
 
     @cached_property
     def robots(self) -> tuple[int, ...]:
-        """Return the robots that are there, ascending."""
+        """Return the numbers of the robots that are not lost, ascending."""
         return tuple(sorted(robot for team in self.teams for robot in team))
 
     @cached_property
     def possible_tasks(self) -> tuple[int, ...]:
-        """Return the open tasks that the robots left can do; others wait for one to come back."""
+        """Return the open tasks that the present robots can do; others wait for a lost robot."""
         world = self.mission.world
         have = totals_by_region(world, (self.mission.robots[robot] for robot in self.robots))
         return tuple(
@@ -71,17 +72,18 @@ class Known:
 
 @dataclass(frozen=True)
 class Plan:
-    """Who does what, in what order.
+    """Which robots do which task together, and in what order.
 
-    Each robot's next task is the first one not done that has it in its coalition. The robots of a
-    coalition go there, wait for one another and join; robots that have different next tasks part.
+    A robot's next task is the first task in `order` that is not done and has the robot in its
+    coalition. The robots of a coalition go to their task, wait for one another and join. Robots of
+    one team that have different next tasks part.
     """
 
     order: tuple[int, ...] = ()  # open tasks
     coalitions: tuple[tuple[int, ...], ...] = ()  # the robots of each, in the same order
-    ends: tuple[int, ...] = ()  # the step in which each is done if nothing happens; or empty
-    scouts: tuple[tuple[int, int], ...] = ()  # robots, and the task that each looks at first
-    why: tuple[str, ...] = ()  # the news that it was made after, or `TAKEN_OVER`
+    ends: tuple[int, ...] = ()  # the step in which each is done if nothing happens, or empty
+    scouts: tuple[tuple[int, int], ...] = ()  # pairs of a robot and the task it looks at first
+    why: tuple[str, ...] = ()  # the news after which the plan was made, or `TAKEN_OVER`
     made_from: str = ""  # what the search began with: crews, coalitions, arcs, old plan; or kept
 
     @property
@@ -91,18 +93,20 @@ class Plan:
 
 
 class Coordinator(Protocol):
-    """Decides which robots do which task together, and when that is to change.
+    """Decides which robots do which task together, and when that changes.
 
-    It is asked at the start and whenever there is news that it `heeds`; a coordinator without
-    `heeds` hears of all but tasks that are done (`UNFORESEEN`). One coordinator may serve many
-    missions at once, so it keeps nothing between calls: the old plan is given to it.
+    It is asked for a plan at the start and after every news that is in its attribute `heeds`. A
+    coordinator without this attribute is asked after all news except that a task is done
+    (`UNFORESEEN`). One coordinator may serve many missions at once, so it must not store anything
+    about a mission between calls. Each call gets the old plan instead.
     """
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
-        """Return the plan from now on; `plan` itself where nothing is to change.
+        """Return the plan from now on, or `plan` itself if nothing should change.
 
-        `plan` is what is left of the latest one, None at the start. Every coalition of the new one
-        can do its task. An open task that has none, or is left out, waits for a later plan.
+        `plan` is what is left of the latest plan, None at the start. Every coalition of the new
+        plan must be able to do its task. An open task that is left out, or has an empty coalition,
+        waits for a later plan.
         """
         ...
 

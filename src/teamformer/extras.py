@@ -2,26 +2,40 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
+from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
+from urllib.parse import unquote, urlparse
 
 from teamformer.errors import TeamformerError
 
 
 def how_to_install(*extras: str) -> str:
-    """Return the command that installs extras of this package, for the folder one stands in.
+    """Return the command that installs extras of this package, for the current folder.
 
-    In a clone of the repository that is an editable install by the Python that runs.
+    In a clone of the repository it is an editable install by the Python that runs. Elsewhere it
+    names the folder or wheel that the package was installed from, because no index has it.
     """
     named = f"[{','.join(extras)}]"
     root = Path(__file__).resolve().parents[2]
     if not (root / "pyproject.toml").is_file():
-        return f"pip install 'teamformer{named}'"
+        return f"pip install '{_installed_from()}{named}'"
     pip, here = Path(sys.executable).with_name("pip"), Path.cwd()
     shown = pip.relative_to(here) if pip.is_relative_to(here) else pip
     return f"{shown} install -e '{os.path.relpath(root)}{named}'"
+
+
+def _installed_from() -> str:
+    """Return the file or folder that pip installed the package from, else its name."""
+    try:
+        written = distribution("teamformer").read_text("direct_url.json")
+    except PackageNotFoundError:
+        written = None
+    url = urlparse(json.loads(written)["url"] if written else "")
+    return unquote(url.path) if url.scheme == "file" else "teamformer"
 
 
 def require(extra: str, *libraries: str) -> None:

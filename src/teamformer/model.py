@@ -37,10 +37,10 @@ SLOWEST = 0.001
 
 @dataclass(frozen=True)
 class Breakdown:
-    """How a robot may break down: with probability `rate` in each step that it is there.
+    """How a robot may break down: with probability `rate` in each step.
 
-    It is back where it stood after a number of steps between the two of `repair`, each as likely
-    as any other; None means never.
+    After a random number of steps it is back where it stood. `repair` has the least and the most;
+    every whole number between them is equally likely. None means that it never comes back.
     """
 
     rate: float
@@ -49,9 +49,9 @@ class Breakdown:
 
 @dataclass(frozen=True)
 class Absence:
-    """A robot counts for nothing from step `lost` on; the first step of a trial is step 1.
+    """A robot is lost from step `lost` on; the first step of a trial is step 1.
 
-    From step `back` on it is there again, where it was lost and alone; None means never.
+    From step `back` on it is there again, alone and where it was lost; None means never.
     """
 
     lost: int
@@ -60,9 +60,9 @@ class Absence:
 
 @dataclass(frozen=True)
 class Delays:
-    """How often a robot does not get on: it stands still in a step with probability `chance`.
+    """How often a robot is delayed: it stands still in a step with probability `chance`.
 
-    `seed` says in which ones, where it is known; None means that nobody knows.
+    `seed` decides in which steps; with None they are drawn for each trial.
     """
 
     chance: float
@@ -73,11 +73,11 @@ class Delays:
 class Robot:
     """A robot: where it starts, what it can do, how fast it is, and when it is absent.
 
-    One that `moves` through the air is stopped by no obstacle; a team flies if all its robots do.
-    `speed` is in cells a step, on a plane in metres a second. `breaks` says with what probability
-    it is lost and back, where nobody knows. `delays` says how often it stands still; a team walks
-    in the steps in which none of its robots does. On roads `moves` says which ways are its own, and
-    `speed` by how much it is faster than they say.
+    Obstacles do not stop a robot that `moves` by air; a team flies if all its robots do. `speed` is
+    in cells per step, on a plane in metres per second. `breaks` are random breakdowns. `delays`
+    says how often it stands still; a team walks only in steps in which none of its robots stands
+    still. On roads, `moves` says which table of ways the robot uses, and times are divided by
+    `speed`.
     """
 
     name: str
@@ -91,36 +91,36 @@ class Robot:
 
     @property
     def flies(self) -> bool:
-        """Say whether it moves through the air."""
+        """Say whether it moves by air."""
         return self.moves == AIR
 
     @property
     def has_surprises(self) -> bool:
-        """Say whether what happens to it is only known once it does."""
+        """Say whether it may break down or be delayed at steps that are not known beforehand."""
         return self.breaks is not None or (self.delays is not None and self.delays.seed is None)
 
     @property
     def expected_speed(self) -> float:
-        """Return what it is as fast as on average, alone."""
+        """Return its average speed, alone."""
         return max(SLOWEST, self.speed * (1 - self.delays.chance)) if self.delays else self.speed
 
     @property
     def lost_for_good(self) -> int | None:
-        """Return the step from which it counts for nothing any more; None means never."""
+        """Return the step from which it is lost and never back; None if there is none."""
         last = self.absences[-1] if self.absences else None
         return last.lost if last is not None and last.back is None else None
 
     def is_due(self, steps_made: int) -> bool:
-        """Say whether it will be back in a step after so many."""
+        """Say whether it will be back in a step after `steps_made`."""
         return any(away.back is not None and away.back > steps_made for away in self.absences)
 
 
 @dataclass(frozen=True)
 class Arrivals:
-    """Tasks that appear at random: after each of the first `until` steps one, with a probability.
+    """Tasks that appear at random: after each of the first `until` steps, with probability `rate`.
 
-    That is `rate`. Each is in any free place, needs one to `most_needs` capabilities that robots
-    bring who can get there (0: one to all of them), once each, and takes `duration` steps.
+    Each is in any free place, and takes `duration` steps. It needs one each of 1 to `most_needs`
+    capabilities (0: of 1 to all) of the robots that can get there.
     """
 
     rate: float
@@ -134,19 +134,20 @@ class Task:
     """A task: where it is and which capabilities one team must bring there together.
 
     `duration` is how many steps the team must stay. `appears` is how many steps have been made
-    when everybody learns of the task; 0 means known from the start. Tasks named in `after` must
-    have ended before this one begins. `between` is when it may begin and must have ended; one that
-    ends later is late. In continuous time durations may be fractions, and `starts` links tasks:
-    this one starts so long after another does, at least and at most, done by other robots.
+    when everybody learns of the task; 0 means that it is known from the start. The tasks named in
+    `after` must have ended before this one begins. `between` is the earliest time at which it may
+    begin, and the time after which its end is late. In continuous time durations may be fractions,
+    and `starts` links tasks: `starts[other]` is the least and the most time that this task starts
+    after `other` starts; other robots do it.
 
     A task with `to` has a load. The team takes it up at `at`, which takes `duration` steps, carries
-    it `to` there as one, and stays `unload` steps; then the task is done.
+    it to `to`, and stays `unload` steps; then the task is done.
 
-    What is not known beforehand: `lasts` holds the least and the most steps that it may take, each
-    number between them as likely as any other; `duration` is then what to expect. `may_need` says
-    with what probability one more of a capability is needed. `within` says how far from `at` it may
-    be, in cells or metres; with 0 it is there. `has_arrived` says that it is one of the mission's
-    `Arrivals`: no more than a note of where it comes from.
+    Some values may be uncertain. `lasts` has the least and the most steps that the task may take;
+    every whole number between them is equally likely, and `duration` is then their mean, rounded
+    up. `may_need` has the probabilities with which one more of a capability is needed. `within` is
+    how far from `at` the task may be, in cells or metres; with 0 it is at `at`. `has_arrived` marks
+    a task that comes from the mission's `Arrivals`.
     """
 
     name: str
@@ -162,7 +163,7 @@ class Task:
     lasts: tuple[int, int] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
-    weight: float = 1.0  # of how late it is and when it ends, in the cost
+    weight: float = 1.0  # of its lateness and its end in the cost
     has_arrived: bool = field(default=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -170,19 +171,19 @@ class Task:
             object.__setattr__(self, "duration", expected_steps(*self.lasts))
 
     def once_known(self, at: Place, needs: Counts, duration: float) -> Task:
-        """Return the task with nothing left open, being this what it is."""
+        """Return the task with every uncertainty resolved to these values."""
         return replace(
             self, at=at, needs=needs, duration=duration, lasts=None, may_need={}, within=0.0
         )
 
     @property
     def longest(self) -> float:
-        """Return how many steps it takes at most."""
+        """Return the largest number of steps that it may take."""
         return self.duration if self.lasts is None else self.lasts[1]
 
     @property
     def worst_needs(self) -> dict[str, float]:
-        """Return what it needs if all that may be needed is."""
+        """Return its needs if everything that may be needed is needed."""
         return total([self.needs, {cap: 1 for cap, p in self.may_need.items() if p > 0}])
 
 
@@ -196,17 +197,18 @@ class Scenario:
     """A world with its robots, tasks and rules: what a scenario file holds.
 
     `teams` are the starting teams, as robot numbers; robots named in none start alone.
-    Distances (`sensing_radius`, `join_radius`) are Euclidean, in cells or, on a plane, in metres;
-    teams in the same place sense and may join one another, however small they are. Building an
+    Distances (`sensing_radius`, `join_radius`) are Euclidean, in cells or, on a plane, in metres.
+    However small these are, teams in the same place sense each other and may join. Building an
     impossible scenario raises `ScenarioError` with every problem found.
 
-    `time` is `steps` or `continuous`: then tasks start when their last robot is there, and a
-    coalition whose robots do not come together takes `forming` first. A mission `ends` with its
-    last task (None), or when all robots are back where they started (`home`) or at a place. Plans
-    in continuous time are judged by their makespan, or by a `cost` that weighs several things.
+    `time` is `steps` or `continuous`. In continuous time a task starts when its last robot is
+    there, and a coalition whose robots do not come from one place takes `forming` more. A mission
+    `ends` with its last task (None), when all robots are back where they started (`home`), or when
+    all are at a place. Plans are judged by their makespan, or by a `cost` that weighs several
+    quantities.
 
-    Where a task is that is only known to be `within` a distance of a place shows once a team is
-    within `finding_radius` of it. By `arrivals` more tasks appear at random.
+    A task with `within` is found once a team is within `finding_radius` of it. `arrivals` are tasks
+    that appear at random.
     """
 
     name: str
@@ -218,7 +220,7 @@ class Scenario:
     sensing_radius: float = 1.0
     join_radius: float = 0.0
     forming_steps: int = 1
-    step_limit: int = 0  # 0: a generous limit is worked out, see default_step_limit
+    step_limit: int = 0  # 0: a generous limit, see default_step_limit
     time: str = "steps"
     ends: Place | str | None = None
     forming: float = 0.0

@@ -18,9 +18,9 @@ DECIMALS = 6
 class Plane:
     """A rectangle from (0, 0) to (`width`, `height`), both in metres.
 
-    `step` is how many seconds a step takes. Teams within `arrival_radius` metres of each other are
-    in the same place, and so is a team that near to a task. `unit` is how many metres count as one
-    cell for a policy that learned on grids (0.20 m suits robots of a hand's width).
+    `step` is the length of a step in seconds. Two teams, or a team and a task, are in the same
+    place if they are at most `arrival_radius` metres apart. `unit` is the length in metres that a
+    policy trained on grids takes for one cell (0.20 m suits robots of a hand's width).
     """
 
     width: float
@@ -38,7 +38,7 @@ class Plane:
         return self.width, self.height
 
     def is_inside(self, place: tuple[float, float]) -> bool:
-        """Say whether a place is in the rectangle; its edges are."""
+        """Say whether a place is in the rectangle, edges included."""
         x, y = place
         return 0 <= x <= self.width and 0 <= y <= self.height
 
@@ -47,11 +47,11 @@ class Plane:
         return self.is_inside(place)
 
     def region(self, place: tuple[float, float]) -> int:
-        """Return the connected part that a place lies in: there is only one."""
+        """Return the number of the connected part that a place lies in: always 0."""
         return 0
 
     def pace(self, speed: float) -> float:
-        """Return the metres that a robot of so many metres a second walks in a step."""
+        """Return how many metres a robot with this speed walks in a step."""
         return speed * self.step
 
     def problems(self) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Places that roads join: how long each way takes is written down, and no map is needed."""
+"""Named places and the time that each way between them takes, instead of a map."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ Rows = tuple[tuple[float, ...], ...]
 
 @dataclass(frozen=True)
 class Roads:
-    """Named places, and how long the way from each to each takes at speed 1, in the mission's unit.
+    """Named places, and the time of the way from each place to each other one.
 
-    `times[mover][a][b]` is the time from place number a to place number b; the way back may take
-    another time. There is a matrix for each kind of mover: robots say by `moves` which is theirs.
-    A robot or task at place number a is `at` (a, 0); `at` turns a name into that. A world of roads
-    has no coordinates and no steps: its missions are in continuous time.
+    `times[mover][a][b]` is the time from place number a to place number b at speed 1, in the
+    mission's unit. The way back may take a different time. There is a matrix for each kind of
+    mover, and a robot's `moves` chooses its matrix. A robot or task at place number a is `at`
+    (a, 0); the method `at` turns a name into that. A world of roads has no coordinates and no
+    steps, so its missions are in continuous time.
     """
 
     places: tuple[str, ...]
@@ -44,7 +45,7 @@ class Roads:
         return {name: number for number, name in enumerate(self.places)}
 
     def at(self, name: str) -> tuple[float, float]:
-        """Return where a robot or task is that is at a named place; KeyError if there is none."""
+        """Return the `at` of a robot or task at a named place; KeyError for an unknown name."""
         return self._numbers[name], 0
 
     def name_of(self, place: tuple[float, float]) -> str:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
 import pytest
 
-from teamformer import cli
+from teamformer import __version__, cli
+from teamformer.bench.report.results import template
+from teamformer.bench.runner import AUTHORS
 from teamformer.bench.store import folders_beside
+from teamformer.bench.suites import names_of_suites
+from teamformer.trials.methods import BARE, LISTED
 
 
 def bench(*words: str) -> int:
@@ -34,7 +39,7 @@ def test_the_document_stands_on_the_rows(
     capsys.readouterr()
     text = document.read_text()
     assert "--settings 4N4T-C4,4N20+20T-C4-nn --methods join-all,teamformer" in text
-    assert "It holds 18 trials: 3 of each method" in text
+    assert "18 trials: 3 of each method" in text
     assert "holds: 0 of 3 (0.0% to 56.1%)" in text
     assert "$" not in text.replace("\n$ ", "")  # every blank is filled in
     for image in ("fig3", "fig9"):
@@ -42,6 +47,40 @@ def test_the_document_stands_on_the_rows(
         assert (document.parent / "images" / f"results-{image}.png").exists()
     room = next(line for line in text.splitlines() if line.startswith("| 4N4T-C4 |"))
     assert "3 of 3" in room  # all proven, long before time is up
+
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.mark.parametrize(
+    ("document", "name"), [("results.md", "results"), ("results-tables.md", "tables")]
+)
+def test_the_documents_are_as_the_command_writes_them(document: str, name: str) -> None:
+    """All but what was measured: nobody has changed their text by hand."""
+    parts = re.split(r"\$\w+", template(name).template)
+    pattern = "(.+?)".join(re.escape(part) for part in parts)
+    assert re.fullmatch(pattern, (DOCS / document).read_text(), re.DOTALL)
+
+
+def test_the_documents_name_suites_and_methods_of_today() -> None:
+    text = (DOCS / "results-tables.md").read_text()
+    assert set(re.findall(r"^## (.*)$", text, re.MULTILINE)) <= set(names_of_suites())
+    methods = set(re.findall(r"^\| \d+N[^|]+ \| ([\w-]+) \|", text, re.MULTILINE))
+    assert len(methods) > 10
+    assert {name.removesuffix(BARE) for name in methods} - {AUTHORS} <= set(LISTED)
+
+
+def test_a_document_says_which_version_ran_the_trials(tmp_path: Path) -> None:
+    document, folder = tmp_path / "results.md", tmp_path / "rows"
+    words = ("fig3", "--trials", "2", "--workers", "1", "--methods", "join-all")
+    assert bench(*words, "--out", str(folder), "--report", str(document)) == 0
+    ran = "The version of Teamformer that ran them: {}"
+    assert ran.format(__version__) in document.read_text()
+    rows = folder / "rows.jsonl"
+    old = rows.read_text().replace(f', "version": "{__version__}"', "", 1)
+    rows.write_text(old)
+    assert bench(*words, "--out", str(folder), "--report", str(document)) == 0
+    assert ran.format(f"before 0.1.0 and {__version__}") in document.read_text()
 
 
 def test_a_report_needs_a_folder_and_whole_ones_beside(
@@ -66,4 +105,7 @@ def test_rows_of_the_benchmarks_beside_stand_one_after_the_other(
         assert bench(suite, *chosen, "--out", str(tmp_path / name), *report) == 0
     assert [folder.name for folder in folders_beside(tmp_path / "newer")] == ["a"]
     text = (tmp_path / "results.md").read_text()
-    assert text.index("### fig3") < text.index("### fig6")
+    assert "(results-tables.md)" in text
+    tables = (tmp_path / "results-tables.md").read_text()
+    assert tables.index("## fig3") < tables.index("## fig6")
+    assert "(results.md)" in tables

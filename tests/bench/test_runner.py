@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import itertools
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from hand_rows import rows_of
 from teamformer.bench.executors import Batches, run_here, run_in_processes
-from teamformer.bench.jobs import Job, list_schedule, run_job
-from teamformer.bench.rows import Key, Row
+from teamformer.bench.jobs import Job, known_row, list_schedule, run_job
+from teamformer.bench.report.tables import summary_table
+from teamformer.bench.rows import Key, Row, row_of
 from teamformer.bench.runner import TIMED, Request, fits, fitting_cells, own_stamp, run_benchmark
 from teamformer.bench.store import Store
 from teamformer.bench.suites import Suite, cells, load_suite
+from teamformer.bench.summary import summarise
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
@@ -55,6 +59,28 @@ def test_every_setting_meets_every_policy_on_every_seed(tmp_path: Path) -> None:
     wanted = itertools.product(SMALL.settings, SMALL.methods, (10, 11, 12))
     assert list(rows) == list(wanted)
     assert {row.suite for row in rows.values()} == {"small"}
+
+
+def test_missions_with_a_cost_are_told_by_it(tmp_path: Path) -> None:
+    """The cost of a row is that of its record; the table has it beside the makespan."""
+    suite = replace(load_suite("missions"), settings=("deadlines",), methods=("plan", "heuristic"))
+    rows = measured(tmp_path, Request(suite, trials=2))
+    for (_, method, seed), row in rows.items():
+        record = run_trial(world_of("deadlines", seed), load_method(method), seed=seed).replay
+        assert row.cost == pytest.approx(cost_of_record(record), abs=1e-6)
+    mean = sum(rows["deadlines", "plan", seed].cost or 0 for seed in (0, 1)) / 2
+    table = summary_table(summarise(rows.values()))
+    assert "| makespan | cost |" in table
+    assert f"| {mean:.1f} ± " in table
+    assert "cost" not in summary_table(summarise(rows_of("4N4T-C4", "plan", [20, 21])))
+
+
+def test_rows_of_older_versions_are_read() -> None:
+    job = Job("hand", "4N4T-C4", "plan", (), 1.0, "abc")
+    row = known_row(job, 0, world_of("4N4T-C4", 0), 20)
+    tree = {key: value for key, value in vars(row).items() if key not in ("version", "cost")}
+    assert row_of(json.dumps(tree)) == replace(row, version="", cost=None)
+    assert row_of(json.dumps(tree | {"colour": "red"})) is None
 
 
 def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ WAREHOUSE = ROOT / "examples" / "warehouse.yaml"
 def own_module(own_folder: Path) -> None:
     """The class of the documents in a folder that the user works in."""
     page = (ROOT / "docs" / "reference" / "methods.md").read_text(encoding="utf-8")
-    code = page.split("```python\n")[1].split("```")[0]
+    code = page.split('```python title="mine.py"\n')[1].split("```")[0]
     assert len(code.splitlines()) <= 45
     (own_folder / "mine_of_docs.py").write_text(code, encoding="utf-8")
     (own_folder / "faulty_plans.py").write_text(FAULTY, encoding="utf-8")

@@ -1,6 +1,9 @@
 """Agents drive AGVs that others wrote, over a broker that others wrote.
 
-Needs mosquitto, node and `npm install -g vda-5050-lib` (or NODE_PATH with it).
+The mission needs mosquitto, node and `npm install -g vda-5050-lib` (or NODE_PATH with it). That
+library speaks version 2.0; of the later ones, what a body says is held against the schemas that the
+VDA publishes (`vda5050_schemas/`, of the tags of github.com/VDA5050/VDA5050, but for commas that
+made that of orders in 3.0.0 no JSON), and a small vehicle of ours answers over the broker.
 """
 
 from __future__ import annotations
@@ -8,6 +11,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -22,6 +26,7 @@ from paho.mqtt.enums import CallbackAPIVersion
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.planning import first_plan
+from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.vda5050 import Vda5050Body
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.planner import CoordinatedPlanner
@@ -32,6 +37,7 @@ from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
 
 AGV = Path(__file__).parent / "virtual_agv.js"
+SCHEMAS = Path(__file__).parent / "vda5050_schemas"
 
 
 def two_vehicles() -> Mission:
@@ -99,6 +105,120 @@ def test_a_broker_that_is_away_is_told() -> None:
     [port] = free_ports(1)
     with pytest.raises(TeamformerError, match=f"no broker at 127.0.0.1:{port}"):
         Vda5050Body(f"mqtt://127.0.0.1:{port}/uagv/acme/v1", two_vehicles(), 0)
+
+
+@pytest.mark.parametrize(
+    ("query", "told"),
+    [
+        ("map=yard&version=2.2", "version of --body vda5050 is '2.2'"),
+        ("map=yard&verison=2.1.0", "--body vda5050 has no key 'verison'"),
+    ],
+)
+def test_what_is_no_setting_is_refused(query: str, told: str) -> None:
+    with pytest.raises(TeamformerError, match=told):
+        Vda5050Body(f"mqtt://127.0.0.1:1/uagv/acme/v1?{query}", two_vehicles(), 0)
+
+
+class Vehicle:
+    """Says what it was told as done at once, in the words of a version."""
+
+    def __init__(self, port: int, version: str) -> None:
+        self.version, self.told = version, dict[str, dict[str, Any]]()
+        self._topic = f"uagv/v{version[0]}/acme/v1"
+        self._order, self._at, self._done = "", (1.0, 1.0), list[str]()
+        self.client = mqtt.Client(CallbackAPIVersion.VERSION2)
+        self.client.on_message = lambda _client, _data, message: self._hear(message)
+        self.client.connect("127.0.0.1", port)
+        self.client.subscribe([(f"{self._topic}/order", 0), (f"{self._topic}/instantActions", 0)])
+        self.client.loop_start()
+
+    def _hear(self, message: mqtt.MQTTMessage) -> None:
+        what, content = message.topic.rpartition("/")[2], json.loads(message.payload)
+        self.told[what] = content
+        if what == "order":
+            goal = content["nodes"][-1]["nodePosition"]
+            self._order, self._at = content["orderId"], (goal["x"], goal["y"])
+        else:
+            self._done += [action["actionId"] for action in content["actions"]]
+
+    def state(self) -> dict[str, Any]:
+        """Return its state, as the schema of its version has it."""
+        where = {"x": self._at[0], "y": self._at[1], "theta": 0.0, "mapId": "yard"}
+        done = [{"actionId": name, "actionStatus": "FINISHED"} for name in self._done]
+        common = {
+            **{"headerId": 1, "timestamp": "2026-11-25T04:00:00.000Z", "version": self.version},
+            **{"manufacturer": "acme", "serialNumber": "v1", "orderId": self._order},
+            **{"orderUpdateId": 0, "lastNodeId": "", "lastNodeSequenceId": 0, "nodeStates": []},
+            **{"edgeStates": [], "driving": False, "operatingMode": "AUTOMATIC", "errors": []},
+        }
+        if self.version[0] == "2":
+            return common | {
+                "agvPosition": where | {"positionInitialized": True},
+                "actionStates": done,
+                "batteryState": {"batteryCharge": 80.0, "charging": False},
+                "safetyState": {"eStop": "NONE", "fieldViolation": False},
+            }
+        return common | {
+            "mobileRobotPosition": where | {"localized": True},
+            "actionStates": [],
+            "instantActionStates": done,
+            "powerSupply": {"stateOfCharge": 80.0, "charging": False},
+            "safetyState": {"activeEmergencyStop": "NONE", "fieldViolation": False},
+        }
+
+    def say(self) -> None:
+        """Publish its state."""
+        self.client.publish(f"{self._topic}/state", json.dumps(self.state()))
+
+
+def wrong_with(version: str, name: str, content: dict[str, Any]) -> list[str]:
+    """Return what the published schema says is wrong with a message."""
+    validators = pytest.importorskip("jsonschema.validators")
+    schema = json.loads((SCHEMAS / version / f"{name}.schema").read_text(encoding="utf-8"))
+    found = validators.validator_for(schema)(schema).iter_errors(content)
+    return [f"{list(error.absolute_path)}: {error.message}" for error in found]
+
+
+@pytest.mark.skipif(shutil.which("mosquitto") is None, reason="needs mosquitto")
+@pytest.mark.parametrize("version", ["2.1.0", "3.0.0"])
+def test_a_vehicle_of_a_later_version_drives_and_serves(version: str) -> None:
+    """In the words of that version, by its published schemas, over a real broker."""
+    [port] = free_ports(1)
+    with running("mosquitto", "-p", str(port)):
+        wait_for_port(port)
+        vehicle = Vehicle(port, version)
+        url = f"mqtt://127.0.0.1:{port}/uagv/acme/v1?map=yard&version={version}"
+        body = Vda5050Body(url, two_vehicles(), 0)
+        try:
+            body.command(Command(7, (2.0, 3.0), 1, 0, True))
+            report, deadline = None, time.monotonic() + 20
+            while time.monotonic() < deadline and not (report and report.is_done):
+                vehicle.say()
+                time.sleep(0.05)
+                report = body.report()
+        finally:
+            body.close()
+            vehicle.client.disconnect()
+            vehicle.client.loop_stop()
+    assert report is not None
+    assert (report.x, report.y, report.leg, report.is_done) == (2.0, 3.0, 7, True)
+    assert wrong_with(version, "state", vehicle.state()) == []
+    assert set(vehicle.told) == {"order", "instantActions"}
+    for name, content in vehicle.told.items():
+        assert wrong_with(version, name, content) == []
+        assert content["version"] == version
+    [served] = vehicle.told["instantActions"]["actions"]
+    assert served["actionType"] == "serve"
+    assert {"key": "task", "value": "one"} in served["actionParameters"]
+
+
+def wait_for_port(port: int) -> None:
+    for _ in range(100):
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.05)
+    raise AssertionError("mosquitto does not listen")
 
 
 @pytest.mark.slow

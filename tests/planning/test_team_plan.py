@@ -11,7 +11,6 @@ from plain_teams import slow_ends
 from random_worlds import random_world
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import situation_in_hindsight
 from teamformer.planning.steps.team_plan import plan_teams, routes_of
@@ -109,7 +108,6 @@ def test_a_crew_stays_for_the_duration() -> None:
 
 
 def test_routes_follow_the_order() -> None:
-    problem = relax(corridor([0, 0], [task(3, 1), task(5, 1), task(7, 1)]))
     assert routes_of(plan_teams([2, 0, 1], [[0], [1, 0], [1]]), 2) == [[0, 1], [2, 1]]
 
 

@@ -16,11 +16,11 @@ DIGITS = 6
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A change, how long the mission takes with it, and what that wins.
+    """A change of a mission, how long the mission then takes, and how much that gains.
 
-    `makespan` is the median of `searches` searches, `gain` what it is less than without the change,
-    both in the mission's unit of time; for a mission with a cost they are of the cost. Luck alone
-    hardly ever gives a gain above `noise`. `mission` is the changed one.
+    `makespan` is the median of `searches` searches. `gain` is how much less that is than without
+    the change. Both are in the mission's unit of time; if the mission has a cost, they are costs.
+    Chance alone hardly ever gives a gain above `noise`. `mission` is the changed mission.
     """
 
     change: str
@@ -39,12 +39,12 @@ class Suggestion:
 
 @dataclass(frozen=True)
 class Advice:
-    """What would help a mission, the largest gain first.
+    """What would help a mission, with the largest gain first.
 
-    `makespan` is the mission's own, the median of so many `searches`, which came to `least` to
-    `most`; `written` is that of the first of them, which takes the file as it is written.
-    `impossible` are the changes with which the mission cannot be done; for `unmeasured` ones there
-    was no time.
+    `makespan` is the median of `searches` searches for the unchanged mission, which ranged from
+    `least` to `most`. `written` is the makespan of the first of them, which takes the file as it is
+    written. `impossible` has the changes with which the mission cannot be done. `unmeasured` has
+    those that there was no time for.
     """
 
     mission: Scenario
@@ -60,17 +60,17 @@ class Advice:
 
     @property
     def helpful(self) -> tuple[Suggestion, ...]:
-        """Return the changes that win more than noise."""
+        """Return the suggestions whose gain is more than noise."""
         return tuple(it for it in self.suggestions if it.is_sure)
 
     @property
     def spare(self) -> tuple[Suggestion, ...]:
-        """Return the robots without which the mission takes no longer, but for noise."""
+        """Return the robots without which the mission takes no longer, up to noise."""
         fewer = (it for it in self.suggestions if it.kind == FEWER)
         return tuple(it for it in fewer if -it.gain <= it.noise)
 
     def show(self, height: int = 620) -> Page:
-        """Return a picture of it, a page that a notebook shows in a frame of so many pixels."""
+        """Return it as a page; a notebook shows it in a frame `height` pixels high."""
         return Page(advice_page(self.row), height)
 
     @property

@@ -8,14 +8,15 @@ from teamformer.model import Scenario
 
 
 def advise(mission: Scenario, seconds: float = 60.0, workers: int = 1) -> Advice:
-    """Return what would help a mission most, and who could be spared, measured by planning again.
+    """Return what would help a mission most, and which robots could be spared.
 
-    Each of these is tried: one more robot of each kind, one fewer, each robot at double speed, each
-    capability taught to each kind that lacks it, each task left out. Every change is searched
-    several times, for about so many `seconds` of processor time in all; what there was no time for
-    is `unmeasured`. With more than one of `workers`, processes search side by side; a script then
-    needs `if __name__ == "__main__":`. Missions in steps are run by the default method, those in
-    continuous time planned by `plan`. Raises `TeamformerError` for a mission that is not completed.
+    The mission is planned again with one thing changed at a time: one more robot of each kind, one
+    fewer, each robot at double speed, each capability taught to each kind that lacks it, each task
+    left out. Each change is planned several times. `seconds` is the processor time for everything;
+    changes that it did not suffice for are in `unmeasured`. If `workers` is more than 1, this many
+    processes work side by side, and a script needs `if __name__ == "__main__":`. Missions in steps
+    are run by the default method, and missions in continuous time are planned by `plan`. Raises
+    `TeamformerError` for a mission that is not completed.
 
     >>> advice = tf.advise(tf.load("examples/four-robots.yaml"), seconds=20)
     >>> best = advice.suggestions[0]  # the largest gain first

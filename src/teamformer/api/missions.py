@@ -21,7 +21,7 @@ PathOrName = str | PathLike[str]
 def load(path: PathOrName) -> Scenario:
     """Return the mission of a file (docs/reference/scenarios.md).
 
-    Raises `TeamformerError` that tells all that is wrong with the file, by line.
+    Raises `TeamformerError` if the file is wrong; its text lists every problem with its line.
 
     >>> tf.load("examples/warehouse.yaml").name
     'warehouse morning'
@@ -30,7 +30,7 @@ def load(path: PathOrName) -> Scenario:
 
 
 def save(mission: Scenario, path: PathOrName) -> None:
-    """Write a mission to a file: JSON if its name ends so, else YAML.
+    """Write a mission to a file: as JSON if the name ends in `.json`, else as YAML.
 
     >>> tf.save(tf.setting("4N4T-C4"), "mission.yaml")
     >>> tf.load("mission.yaml") == tf.setting("4N4T-C4")
@@ -40,10 +40,10 @@ def save(mission: Scenario, path: PathOrName) -> None:
 
 
 def setting(name: str, seed: int = 0) -> Scenario:
-    """Return a random mission of a setting by name, as `bench` has them (docs/how-to/bench.md).
+    """Return a random mission of a named setting of `bench` (docs/how-to/bench.md).
 
-    The same name and seed give the same mission everywhere. Raises `TeamformerError` for a name
-    that is no setting.
+    The same name and seed give the same mission on every machine. Raises `TeamformerError` if there
+    is no setting of this name.
 
     >>> len(tf.setting("20N100T-C4", seed=3).tasks)
     100
@@ -54,9 +54,9 @@ def setting(name: str, seed: int = 0) -> Scenario:
 def generate(seed: int = 0, **spec: Any) -> Scenario:
     """Return a random mission with the paper's distributions.
 
-    `spec` are the fields of `teamformer.scenarios.generate.Spec`: `robots`, `tasks`,
+    `spec` takes the fields of `teamformer.scenarios.generate.Spec`: `robots`, `tasks`,
     `capabilities`, `requirements`, `world`, `late_tasks` and others. Raises `TeamformerError` for
-    one that is no field, or impossible.
+    an unknown field or an impossible value.
 
     >>> mission = tf.generate(seed=1, robots=6, tasks=10, world=tf.Grid(12, 12))
     >>> len(mission.robots), len(mission.tasks)

@@ -31,7 +31,7 @@ from teamformer.viewer.notebook_page import Page
 
 @dataclass(frozen=True)
 class Trial:
-    """A mission that was run by a method: its record, and what came of it.
+    """The result of running a mission by a method: its record and what follows from it.
 
     >>> trial = tf.run(tf.setting("4N4T-C4"), seed=0)
     >>> trial.completed, trial.makespan >= trial.lower_bound
@@ -57,7 +57,7 @@ class Trial:
 
     @property
     def lower_bound(self) -> int | None:
-        """Return the steps that no plan beats, None if unknown."""
+        """Return a number of steps that no plan can be faster than, None if unknown."""
         return self.record.lower_bound
 
     @property
@@ -68,15 +68,15 @@ class Trial:
 
     @property
     def critical_path(self) -> tuple[Stretch, ...]:
-        """Return the chain that the end hangs on: who did what from when to when, in order.
+        """Return the chain that decided when the mission ended: who did what from when to when.
 
-        Its stretches add up to the makespan; it is empty unless all tasks were done.
+        Its stretches are in order and add up to the makespan. Empty unless all tasks were done.
         """
         return path_of_record(self.record)
 
     @property
     def why_so_late(self) -> list[str]:
-        """Return the same in words, line by line, as `teamformer run` prints it.
+        """Return the critical path in words, line by line, as `teamformer run` prints it.
 
         >>> print(*tf.run(tf.setting("4N4T-C4")).why_so_late[:1])
         why so late: 15 steps are 13 walking, 2 forming
@@ -84,11 +84,11 @@ class Trial:
         return why_so_late(self.record.mission, self.critical_path)
 
     def check(self) -> Verdict:
-        """Return what the referee says of the record: `.is_legal`, `.findings`."""
+        """Return the referee's verdict on the record: `.is_legal`, `.findings`."""
         return judge(self.record)
 
     def show(self, height: int = 620) -> Page:
-        """Return the page of the record, which a notebook shows in a frame of so many pixels."""
+        """Return the page of the record; a notebook shows it in a frame `height` pixels high."""
         return Page(replay_page(replay_to_tree(self.record)), height)
 
     def save(self, folder: PathOrName) -> Path:
@@ -105,10 +105,10 @@ def run(
 ) -> Trial:
     """Run a mission and return the trial.
 
-    `method` is a name (docs/reference/methods.md), a policy or a coordinator; left out, it is
-    `plan`, or `crews` for a mission too large for that. `seed` says what an uncertain mission is.
-    `seconds` is what a planner such as `central` may take. Raises `TeamformerError` for a name
-    that is unknown, and for a mission that cannot be played in steps.
+    `method` is a name (docs/reference/methods.md), a policy or a coordinator. By default it is
+    `plan`, or `crews` if the mission is too large for `plan`. `seed` decides what an uncertain
+    mission really is. `seconds` is how long a planner such as `central` may search. Raises
+    `TeamformerError` for an unknown name, and for a mission that cannot be played in steps.
 
     >>> trial = tf.run(tf.load("examples/four-robots.yaml"), method="plan")
     >>> trial.makespan
@@ -125,11 +125,12 @@ def compare(
     seeds: int = 1,
     seconds: float = 10.0,
 ) -> list[dict[str, Any]]:
-    """Run a mission by several methods, with the seeds from 0 on; return a row for each trial.
+    """Run a mission by several methods and return a row for each trial.
 
-    A row is what `teamformer compare --json` prints: `method`, `seed`, `makespan`,
-    `percent_over_best`, `lower_bound` and others. A trial that comes to nothing is a row with an
-    `error`; if all do, the first error is raised.
+    Each method runs once with each seed from 0 to `seeds` - 1. A row is what
+    `teamformer compare --json` prints: `method`, `seed`, `makespan`, `percent_over_best`,
+    `lower_bound` and others. The row of a trial that failed has an `error`. If all trials fail, the
+    first error is raised.
 
     >>> rows = tf.compare(tf.setting("4N4T-C4"), methods=["join-all", "plan"])
     >>> [row["method"] for row in rows]
@@ -142,12 +143,12 @@ def compare(
 def plan(
     mission: Scenario, seconds: float = 10.0, method: str = "central"
 ) -> PlannedMission | None:
-    """Return who goes where when, without playing the mission; None if no plan was found.
+    """Return a plan of who goes where and when, without playing it; None if none was found.
 
     The plan has `makespan`, `bound`, `order`, `coalitions`, `routes` and `critical_path`, in the
-    mission's unit of time. `method` is `central`, which takes so many `seconds`; or in continuous
-    time also `plan`, what every robot computes, or `reactive`. Raises `TeamformerError` if tasks
-    can never be done, because robots are lost.
+    mission's unit of time. `method` is `central`, which searches for `seconds`. In continuous time
+    it can also be `plan`, the plan that every robot computes for itself, or `reactive`. Raises
+    `TeamformerError` if tasks can never be done, because robots are lost.
 
     >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
     >>> made.bound <= made.makespan <= 27
@@ -159,7 +160,7 @@ def plan(
 
 
 def check(record: Replay | PathOrName) -> Verdict:
-    """Return what the referee says of a record, or of its file: `.is_legal`, `.findings`.
+    """Return the referee's verdict on a record or its file: `.is_legal`, `.findings`.
 
     >>> folder = tf.run(tf.setting("4N4T-C4")).save("out")
     >>> tf.check(folder / "replay.json").is_legal

@@ -6,7 +6,8 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cache, lru_cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -182,6 +183,11 @@ def _warm_up(job: Job, method: Method) -> None:
     run_trials([scenario], method)
 
 
+@cache
+def _version() -> str:
+    return version("teamformer")
+
+
 def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> Row:
     """Return the row of a trial of which nothing but the makespan is known; None: it failed."""
     return Row(
@@ -216,6 +222,7 @@ def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> 
         time_limit=None,
         code=job.code,
         rerun=rerun_command(job, seed),
+        version=_version(),
     )
 
 
@@ -223,12 +230,12 @@ def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
     makespan = tally.steps if tally.status == "completed" else None
     return replace(
         known_row(job, seed, scenario, makespan),
-        cost=tally.cost,
         steps=tally.steps,
         tasks_done=tally.tasks_done,
         joins=tally.joins,
         splits=tally.splits,
         illegal_decisions=tally.illegal_decisions,
+        cost=tally.cost,
     )
 
 

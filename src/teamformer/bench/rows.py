@@ -16,13 +16,13 @@ Key = tuple[str, str, int]
 class Row:
     """A trial, as `run --json` tells it, and everything needed to run it again.
 
-    `cost` is what a completed mission cost, None if it has no cost. `decision_seconds` is by the
-    clock on the wall, `decision_cpu_seconds` what the process used; a trial that ran with others
-    `side_by_side` has its share of theirs, by its `decisions` (rows of views answered).
-    `list_schedule` is the makespan of the list schedule along the task order, `relaxed` that of the
-    planner's schedule; in both joining is free. `code` tells versions of this package apart.
-    `curve` is the planner's: (seconds, makespan) of each improvement. None: not known, or not
-    measured.
+    `decision_seconds` is by the clock on the wall, `decision_cpu_seconds` what the process used;
+    a trial that ran with others `side_by_side` has its share of theirs, by its `decisions` (rows
+    of views answered). `list_schedule` is the makespan of the list schedule along the task order,
+    `relaxed` that of the planner's schedule; in both joining is free. `curve` is the planner's:
+    (seconds, makespan) of each improvement. `code` tells states of this package's files apart;
+    `version` is its version, empty in rows that are older than this field. `cost` is what a mission
+    with a cost came to. None: not known, or not measured.
     """
 
     suite: str
@@ -33,7 +33,6 @@ class Row:
     seed: int
     completed: bool
     makespan: int | None
-    cost: float | None
     steps: int | None
     tasks_done: int | None
     tasks: int
@@ -56,6 +55,8 @@ class Row:
     time_limit: float | None
     code: str
     rerun: str
+    version: str = ""
+    cost: float | None = None
 
     @property
     def key(self) -> Key:
@@ -66,6 +67,9 @@ class Row:
         """Return the row as a line of JSON."""
         return json.dumps(vars(self), ensure_ascii=False) + "\n"
 
+
+LATER: dict[str, Any] = {"version": "", "cost": None}
+"""What rows of older versions do not have."""
 
 KINDS: dict[str, tuple[type, ...]] = {
     name: tuple(
@@ -84,7 +88,7 @@ def row_of(line: str) -> Row | None:
         return None
     if not isinstance(tree, dict):
         return None
-    tree.setdefault("cost", None)  # rows of earlier versions have none
+    tree = LATER | tree
     if set(tree) != {field.name for field in fields(Row)}:
         return None
     return Row(**tree) if all(_is_of(tree[name], KINDS[name]) for name in KINDS) else None

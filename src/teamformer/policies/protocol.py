@@ -16,19 +16,23 @@ if TYPE_CHECKING:
 
 
 class Policy(Protocol):
-    """Turns the views of teams into their decisions, one row each.
+    """Turns the views of teams into their decisions.
 
-    A decentralised policy has `needs_everything = False`: it is then given no scenario, so that
-    it can know nothing but the views.
+    A decentralised policy has `needs_everything = False`. It is not given any scenario, so it can
+    know nothing but the views.
     """
 
     needs_everything: bool
 
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
-        """Get ready for a new batch of trials; `everything` is None unless it is needed."""
+        """Prepare for a new batch of trials.
+
+        `everything` has the scenarios of the batch; it is None if `needs_everything` is False.
+        `rng` is the only source of random numbers that the policy may use.
+        """
 
     def decide(self, view: View) -> Decision:
-        """Return what each team of the view wants."""
+        """Return the decision: one row for each row of the view."""
 
 
 @runtime_checkable

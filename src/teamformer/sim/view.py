@@ -1,4 +1,4 @@
-"""Views: what each team may know now, for all teams that decide, and nothing else."""
+"""Views: everything that each deciding team may know now."""
 
 from __future__ import annotations
 
@@ -33,18 +33,19 @@ FARTHEST = 2.0**38
 
 
 class View(NamedTuple):
-    """What the deciding teams know, one row each; rows are in world and slot order.
+    """What the deciding teams know: one row for each team, in the order of worlds and slots.
 
-    Padding (fewer teams or tasks than columns) has slot or task NOBODY (-1) and zeros. Counts
-    say how much of each capability there is, in units. Places and lengths are in cells on a grid
-    and in metres on a plane; divided by `unit` they are in cells on both, as learned policies need
-    them.
+    If there are fewer teams or tasks than columns, the remaining columns are padding, with slot or
+    task NOBODY (-1) and zeros. Counts say how much of each capability there is, in units. Places
+    and lengths are in cells on a grid and in metres on a plane. Divide them by `unit` to have cells
+    on both, as learned policies need them.
 
     The teams in sight are the nearest within the sensing radius. Teams in the same place are
-    equally near. Of equally near ones, those come first that bring what the own task still needs,
-    then those with the same assignment, then those with the nearest slots. The tasks are the own
-    assignment, then the other open tasks in the shared order. A task without a load is brought to
-    its own place; if no task of the batch has a load, `task_to_place` has no columns.
+    equally near. Among equally near teams, those come first that bring what the team's own task
+    still needs, then those with the same assignment, then those with the nearest slots. The first
+    task is the team's own assignment; the other open tasks follow in the shared order. For a task
+    without a load, `task_to_place` is its own place. If no task of the batch has a load,
+    `task_to_place` has no columns.
     """
 
     world: Array  # (teams,) int32, index into the batch
@@ -52,12 +53,12 @@ class View(NamedTuple):
     place: Array  # (teams, 2) float64, where the team is, as (x, y)
     counts: Array  # (teams, caps) int32, what its robots bring together
     size: Array  # (teams,) int32, how many robots it has
-    task: Array  # (teams,) int32, own assignment or NOBODY
-    is_at_task: Array  # (teams,) bool, stands where its assignment is
-    is_serving: Array  # (teams,) bool, must maintain until the service ends
-    rest: Array  # (teams,) int32, steps until that is expected; 0 if it does not serve
+    task: Array  # (teams,) int32, the task it heads for, or NOBODY
+    is_at_task: Array  # (teams,) bool, whether it is at the place of this task
+    is_serving: Array  # (teams,) bool, whether it serves; it must then maintain
+    rest: Array  # (teams,) int32, steps until its service should end; 0 if it has none
     unit: Array  # (teams,) float32, the length that counts as one cell: 1 on a grid
-    arrival_radius: Array  # (teams,) float32, what is so near is in the same place: 0 on a grid
+    arrival_radius: Array  # (teams,) float32, places this near are the same: 0 on a grid
     pace: Array  # (teams,) float32, the length that the team walks in a step
     delay: Array  # (teams,) float32, the probability that it stands still in a step
     seen_slot: Array  # (teams, seen) int32, the slots of the teams in sight
@@ -69,13 +70,13 @@ class View(NamedTuple):
     task_number: Array  # (teams, tasks) int32, the numbers of open tasks
     task_place: Array  # (teams, tasks, 2) float64, where they are
     task_to_place: Array  # (teams, tasks, 2) float64, where loads are brought, or (teams, 0, 2)
-    task_needs: Array  # (teams, tasks, caps) int32, what they need, as is believed
+    task_needs: Array  # (teams, tasks, caps) int32, what they need, as far as is known
     task_may_need: Array  # (teams, tasks, caps) float32, probability of one more, or (teams, 0, 0)
-    task_within: Array  # (teams, tasks) float32, how far away it may be, 0 if known, or (teams, 0)
+    task_within: Array  # (teams, tasks) float32, how far off it may be; 0: known; or (teams, 0)
     task_rank: Array  # (teams, tasks) int32, place in the shared order; 0 is the first open task
-    first_member: Array  # (teams + 1,) int32, where each team's rows in the next two begin
+    first_member: Array  # (teams + 1,) int32, each team's first row in the next two arrays
     member: Array  # (members,) int32, robot numbers, ascending in a team
-    member_counts: Array  # (members, caps) int32, what each of these robots brings
+    member_counts: Array  # (members, caps) int32, what each robot of `member` brings
 
 
 @entry

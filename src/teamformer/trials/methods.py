@@ -32,13 +32,13 @@ DEFAULT, STAND_IN = "plan", "crews"
 
 @dataclass(frozen=True)
 class Method:
-    """How a mission is solved: who coordinates the robots, or the policy that forms teams.
+    """How a mission is solved: by a coordinator or by a policy.
 
-    With a `coordinator` teams go by its plans, and there is no policy. With a `policy` teams head
-    for tasks by the paper's shared order and allocator, and it decides who joins and who splits;
-    one that plans for itself, as `central`, brings its own coordinator. Two settings are for
-    measurements: `new_tasks`, what the paper's order does with tasks that appear, and `foresight`,
-    how needs are treated that nobody knows yet.
+    With a `coordinator` teams follow its plans, and there is no policy. With a `policy` teams head
+    for tasks by the paper's shared order and allocator, and the policy decides when they join and
+    split. A policy that plans, such as `central`, brings its own coordinator. Two settings are for
+    measurements: `new_tasks` says how the paper's order treats tasks that appear, and `foresight`
+    how unknown needs are treated.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Method:
 
     @property
     def needs_everything(self) -> bool:
-        """Say whether it is told what the mission really is; no robot could be."""
+        """Say whether it is told the truth of the mission, which no robot can know."""
         return self.policy is not None and self.policy.needs_everything
 
 

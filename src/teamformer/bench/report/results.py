@@ -1,11 +1,11 @@
-"""The document of results: every claim of the paper beside what was measured, written from rows."""
+"""The documents of results, written from rows: the paper's claims, and all tables."""
 
 from __future__ import annotations
 
 import os
 import platform
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -41,12 +41,13 @@ VERDICTS = {True: "holds", False: "**does not hold**", None: ""}
 def write_results(file: Path, command: str, folders: Sequence[Path]) -> None:
     """Write the document from the folders of finished benchmarks, the paper's first.
 
-    Figures are copied beside it, into `images/`.
+    The tables of all suites go to a document of their own beside it, and figures are copied into
+    `images/`.
     """
     suites = {about.suite: rows for about, rows in map(read_folder, folders)}
     evidence = Evidence(next(iter(suites.values())))
-    template = files("teamformer").joinpath("bench", "report", "results_template.md")
-    text = Template(template.read_text(encoding="utf-8")).substitute(
+    tables = tables_file(file)
+    text = template("results").substitute(
         **_origin(command, evidence),
         **_claims(evidence),
         **_weight(evidence),
@@ -54,9 +55,26 @@ def write_results(file: Path, command: str, folders: Sequence[Path]) -> None:
         figures=_figures(file, folders),
         table_1=_table_1(evidence),
         room=_room(evidence),
+        tables=tables.name,
+    )
+    everything = template("tables").substitute(
+        results=file.name,
+        versions=_versions(row for rows in suites.values() for row in rows),
         everything=_everything(suites),
     )
+    write_whole(tables, everything)
     write_whole(file, text)
+
+
+def tables_file(file: Path) -> Path:
+    """Return where the tables stand beside a document of results: `results-tables.md`."""
+    return file.with_name(f"{file.stem}-tables.md")
+
+
+def template(name: str) -> Template:
+    """Return the text of a document with blanks: all that is in it but what was measured."""
+    found = files("teamformer").joinpath("bench", "report", f"{name}_template.md")
+    return Template(found.read_text(encoding="utf-8"))
 
 
 def _origin(command: str, evidence: Evidence) -> dict[str, str]:
@@ -68,10 +86,17 @@ def _origin(command: str, evidence: Evidence) -> dict[str, str]:
         "each": f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}",
         "first_seed": f"{seeds[0]}",
         "last_seed": f"{seeds[-1]}",
+        "versions": _versions(evidence.rows),
         "codes": ", ".join(sorted({row.code for row in evidence.rows})),
         "machine": f"{platform.system()} on {platform.machine()} with {os.cpu_count()} cores",
         "python": platform.python_version(),
     }
+
+
+def _versions(rows: Iterable[Row]) -> str:
+    """Say which versions of this package made rows; those before 0.1.0 left no trace of theirs."""
+    found = sorted({row.version for row in rows})
+    return " and ".join(version or "before 0.1.0" for version in found)
 
 
 def _claims(evidence: Evidence) -> dict[str, str]:
@@ -165,9 +190,9 @@ def _of_paper(table: Mapping[str, Sequence[T]], family: str, setting: str) -> T 
 
 def _everything(suites: Mapping[str, Sequence[Row]]) -> str:
     parts = [
-        f"### {name}\n\n{summary_table(Evidence(rows).summaries)}" for name, rows in suites.items()
+        f"## {name}\n\n{summary_table(Evidence(rows).summaries)}" for name, rows in suites.items()
     ]
-    return "\n".join([*parts, EXPLANATION])
+    return "\n".join([EXPLANATION, *parts])
 
 
 def _room(evidence: Evidence) -> str:

@@ -24,18 +24,20 @@ HEADERS = (
     "to bound",
 )
 EXPLANATION = """\
-`makespan`: mean steps over completed trials ± standard error; `with failures`: over all trials, a
-failure counting as its step limit. `failures`: how many, and the 95% interval of the rate (Wilson).
-`to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
-interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
-mean. `cost`: mean cost over completed trials, where missions have one; `cost to central`: as `to
-central`, of costs. `room won`: the part of the steps between the plan that takes as needed what may
-be and `central`, which knows the truth, on the same worlds, with its 95% interval. `inference`: CPU
-seconds that the method takes in a whole trial, mean ± standard deviation, over trials that ran
-alone, one after the other, one thread each (the first 50 of a setting; all others share batches and
-are not timed). `to best`, `to bound`: how much
-longer than the best makespan known of each world, by whatever method here, and than what is proven
-that no plan can beat; over the worlds that `central` planned, where it planned any.
+- `makespan`: mean steps over completed trials ± standard error. `cost`: the same of the cost, for
+  missions that have one. `with failures`: over all trials; a failure counts as its step limit.
+- `failures`: how many trials failed, and the 95% interval of the rate (Wilson).
+- `to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
+  interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
+  mean; `cost to central`: the same of costs. `room won`: of the steps between `plan@needed`, which
+  plans as if everything that may be needed were needed, and `central`, which knows the truth, the part that the method wins, on the
+  same worlds, with its 95% interval.
+- `inference`: CPU seconds that the method takes in a whole trial, mean ± standard deviation, over
+  trials that ran alone, one after the other, one thread each (the first 50 of a setting; all others
+  share batches and are not timed).
+- `to best`, `to bound`: by how much the makespan is above the best one known of the same world, by
+  any method here, and above what is proven that no plan can beat. If `central` planned worlds of a
+  setting, only those count.
 """
 
 
@@ -66,12 +68,12 @@ def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
 def headers_for(summaries: Sequence[Summary]) -> list[str]:
     """Return the columns that have something in them."""
     headers = list(HEADERS)
+    if any(summary.cost.count for summary in summaries):
+        headers.insert(headers.index("makespan") + 1, "cost")
     if any("authors-heuristic" in summary.against for summary in summaries):
         headers.insert(headers.index("to join-all") + 1, "to authors-heuristic")
     if any(summary.to_central.count for summary in summaries if summary.method != CENTRAL):
         headers.insert(headers.index("inference, s"), "to central")
-    if any(summary.cost.count for summary in summaries):
-        headers.insert(headers.index("failures"), "cost")
     if any(summary.cost_to_central.count for summary in summaries if summary.method != CENTRAL):
         headers.insert(headers.index("inference, s"), "cost to central")
     if any(summary.room.count for summary in summaries):

@@ -1,4 +1,4 @@
-"""A vehicle that speaks VDA5050 2.0 over MQTT: commands become orders, states become reports.
+"""A vehicle that speaks VDA5050 over MQTT: commands become orders, states become reports.
 
 A leg is an order of two nodes, where the vehicle is and where it is to go; it is sent again until
 the vehicle's state shows it, and the order before is cancelled first. Serving is an instant action.
@@ -13,7 +13,7 @@ import time
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
-from urllib.parse import urlparse
+from urllib.parse import parse_qsl, urlparse
 
 from paho.mqtt import client as mqtt
 from paho.mqtt.enums import CallbackAPIVersion
@@ -23,7 +23,8 @@ from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.grid import Place
 
-VERSION = "2.0.0"
+VERSIONS = ("2.0.0", "2.1.0", "3.0.0")
+"""Versions of VDA5050 that a vehicle may speak; the first unless the address names another."""
 
 SERVE = "serve"
 """The action that a vehicle must know; its parameters are `task`, `team` and `duration`."""
@@ -36,9 +37,12 @@ NEAR = 0.3
 
 KEEPALIVE = 15  # seconds
 
+POSITION_2 = ("agvPosition", "positionInitialized")
+"""What version 2 calls a vehicle's position, and whether it is known."""
+
 
 class Vda5050Body:
-    """One vehicle; `url` is mqtt://HOST:PORT/INTERFACE/MANUFACTURER/SERIAL?map=ID."""
+    """One vehicle; `url` is mqtt://HOST:PORT/INTERFACE/MANUFACTURER/SERIAL?map=ID&version=2.1.0."""
 
     def __init__(self, url: str, mission: Mission, robot: int) -> None:
         address = urlparse(url)
@@ -49,7 +53,17 @@ class Vda5050Body:
                 "write vda5050:mqtt://HOST:PORT/INTERFACE/MANUFACTURER/SERIAL?map=ID",
             )
         self._interface, self._manufacturer, self._serial = parts
-        self._map = address.query.removeprefix("map=") or "map"
+        told = {"map": "map", "version": VERSIONS[0]} | dict(parse_qsl(address.query))
+        if unknown := sorted(set(told) - {"map", "version"}):
+            raise TeamformerError(
+                f"--body vda5050 has no key '{unknown[0]}'", "use map and version"
+            )
+        self._map, self._version = told["map"], told["version"]
+        if self._version not in VERSIONS:
+            raise TeamformerError(
+                f"version of --body vda5050 is '{self._version}'", f"use {', '.join(VERSIONS)}"
+            )
+        self._major = self._version.partition(".")[0]
         self._tasks = {task.key: task for task in mission.tasks}
         self._lock = threading.Lock()
         self._state: Mapping[str, Any] = {}
@@ -116,9 +130,15 @@ class Vda5050Body:
             elif content.get("connectionState") != "ONLINE":
                 self._state = {}  # its last will: nothing that it said holds any more
 
+    @property
+    def _is_3(self) -> bool:
+        """Say whether the vehicle speaks version 3, which has other names than version 2."""
+        return self._major == "3"
+
     def _position(self) -> tuple[float, float] | None:
-        at = self._state.get("agvPosition")
-        if not isinstance(at, dict) or not at.get("positionInitialized"):
+        where, is_known = ("mobileRobotPosition", "localized") if self._is_3 else POSITION_2
+        at = self._state.get(where)
+        if not isinstance(at, dict) or not at.get(is_known):
             return None
         x, y = at.get("x"), at.get("y")
         if isinstance(x, int | float) and isinstance(y, int | float) and x == x and y == y:
@@ -170,7 +190,7 @@ class Vda5050Body:
         return self._command.serve and self._status_of(self._action) == "FINISHED"
 
     def _status_of(self, action: str) -> str | None:
-        for state in self._state.get("actionStates") or ():
+        for state in self._state.get("instantActionStates" if self._is_3 else "actionStates") or ():
             if isinstance(state, dict) and state.get("actionId") == action:
                 return str(state.get("actionStatus"))
         return None
@@ -178,7 +198,9 @@ class Vda5050Body:
     def _drive(self, at: tuple[float, float], goal: Place) -> None:
         last = str(self._state.get("lastNodeId") or "start")
         start = self._node(last, 0, at[0], at[1])
-        start["nodePosition"]["allowedDeviationXY"] = 1.0
+        start["nodePosition"]["allowedDeviationXY"] = (
+            {"a": 1.0, "b": 1.0, "theta": 0.0} if self._is_3 else 1.0
+        )
         end = self._node(f"{self._order_id()}-goal", 2, goal[0], goal[1])
         edge = {
             "edgeId": f"{self._order_id()}-way",
@@ -206,12 +228,13 @@ class Vda5050Body:
         action = {
             "actionType": kind,
             "actionId": name,
-            "blockingType": "HARD",
+            "blockingType": "NONE" if self._is_3 else "HARD",
             "actionParameters": [{"key": k, "value": v} for k, v in parameters.items()],
         }
         # The text of 2.0 calls the list `actions`, its first schema `instantActions`; vehicles
         # check for one or the other.
-        self._publish("instantActions", {"actions": [action], "instantActions": [action]})
+        both = {"actions": [action], "instantActions": [action]}
+        self._publish("instantActions", {"actions": [action]} if self._is_3 else both)
 
     def _node(self, name: str, sequence: int, x: float, y: float) -> dict[str, Any]:
         position = {"x": x, "y": y, "theta": 0.0, "mapId": self._map}
@@ -219,7 +242,7 @@ class Vda5050Body:
         return {**node, "nodePosition": position}
 
     def _topic(self, name: str) -> str:
-        return f"{self._interface}/v2/{self._manufacturer}/{self._serial}/{name}"
+        return f"{self._interface}/v{self._major}/{self._manufacturer}/{self._serial}/{name}"
 
     def _publish(self, topic: str, content: Mapping[str, Any]) -> None:
         self._headers[topic] = self._headers.get(topic, -1) + 1
@@ -227,7 +250,7 @@ class Vda5050Body:
         header = {
             "headerId": self._headers[topic],
             "timestamp": stamp,
-            "version": VERSION,
+            "version": self._version,
             "manufacturer": self._manufacturer,
             "serialNumber": self._serial,
         }

@@ -91,7 +91,7 @@ def relax(scenario: Scenario, in_table: bool = True) -> Relaxed:
     future = future_of(scenario)
     places = [*ends_of(scenario.tasks), *(robot.at for robot in scenario.robots)]
     if not in_table and are_ways_straight(scenario.world, scenario.tasks):
-        ways = None, np.array([robot.speed for robot in scenario.robots])
+        ways: tuple[Whole | None, np.ndarray] = (None, np.array([r.speed for r in scenario.robots]))
     else:
         ways = _ways(scenario)
     return relax_ways(

@@ -78,9 +78,9 @@ def _find_next_tasks(world: World, parts: Parts, is_new: Array) -> None:
             world.robots[robot].next = scouted
             continue
         part = parts.part[robot]
-        for entry in range(parts.first[part], parts.first[part + 1]):
-            if world.tasks[parts.task[entry]].is_open:
-                world.robots[robot].next = parts.task[entry]
+        for place in range(parts.first[part], parts.first[part + 1]):
+            if world.tasks[parts.task[place]].is_open:
+                world.robots[robot].next = parts.task[place]
                 break
 
 

@@ -45,15 +45,15 @@ BOX_TYPES = {np.dtype(np.float64): np.float32, np.dtype(np.bool_): np.int8}
 class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
     """One world in which every robot is an agent, named as in the scenario.
 
-    The lowest robot of a team decides for it; what its other members answer is ignored. All of
-    them see their team's view and get its reward (eq. 1). A lost robot terminates, with a reward
-    of 0 and what it saw last, and none is ever revived; everybody terminates when all is done or
-    can never be, and is truncated at the step limit.
+    The lowest robot of a team decides for it; actions of its other members are ignored. All of
+    them observe their team's view and get its reward (eq. 1). A lost robot terminates with a reward
+    of 0 and its last observation, and never comes back as an agent. All agents terminate when
+    everything is done or can never be done, and are truncated at the step limit.
 
-    `actions` is "counts" (the counts the team wants, which the scalable space spells) or
-    "original" (2^(|C|+1) actions; observations then hold an `action_mask`). With a `Spec` every
-    reset draws a new world of the same sizes; with a `Scenario` the world is always the same, and
-    what is uncertain in it is drawn anew.
+    `actions` is "counts" (the counts that the team wants, as in the scalable space) or
+    "original" (2^(|C|+1) actions; observations then have an `action_mask`). With a `Spec` every
+    reset draws a new world of the same sizes. With a `Scenario` the world is always the same, but
+    every reset draws its uncertain values again.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"name": "team_formation_v1", "render_modes": []}
@@ -80,17 +80,17 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         self.state_space = spaces.Box(NOBODY, np.inf, self.state().shape, np.float32)
 
     def observation_space(self, agent: str) -> spaces.Dict:
-        """Return what an agent sees: the arrays of its team's row in a `View`, padded."""
+        """Return the space of observations: the arrays of a team's row in a `View`, padded."""
         return self._observation_space
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
-        """Return what an agent may answer."""
+        """Return the space of actions."""
         return self._action_space
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observation], Everyone]:
-        """Begin anew; the seed decides the world that a `Spec` draws, and those of later resets."""
+        """Start again. The seed decides this world and those of later resets without a seed."""
         if seed is not None:
             self._rng = np.random.default_rng(seed)
         if isinstance(self._source, Spec) or self._source.has_surprises:
@@ -107,7 +107,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
     ) -> tuple[
         dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], Everyone
     ]:
-        """Make one step with the answers of the agents that are left."""
+        """Make one step with the actions of the agents that are left."""
         self._env.step(self._decision(actions))
         self._look()
         self._observations |= self._observe()  # the lost keep what they saw last
@@ -131,11 +131,11 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
     def state(self) -> Array:
         """Return the whole world as one float32 vector, for a critic that sees everything.
 
-        What is uncertain is there as it really is. Robot by robot: its team's slot, place (x, y)
-        and task, then what it brings (caps); all -1 once it is lost. Then task by task,
-        future ones too: whether it is open and whether done, its place, the steps of service left,
-        and what it needs (caps). Where tasks appear at random there are rows of -1 for those that
-        do not.
+        It has the actual values of everything uncertain. For each robot: its team's slot, place
+        (x, y) and task, then what it brings (caps); all are -1 once it is lost. For each task,
+        future ones included: whether it is open, whether it is done, its place, the steps of
+        service left, and what it needs (caps). If tasks appear at random, the rows of those that
+        do not appear are -1.
         """
         worlds = self._env.worlds
         robots, tasks = worlds.robots[0], worlds.tasks[0]

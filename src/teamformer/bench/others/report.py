@@ -125,7 +125,8 @@ def _sections(results: Sequence[Result], reported: AllReported) -> Iterator[str]
     yield (
         f"Means{had}. Wins, ties and losses are against the best published of each instance. "
         "Plans are told by their cost if the mission has one, others by their makespan. "
-        "Processor seconds are those of all threads together: fewer than the seconds if the machine was busy."
+        "Processor seconds are those of all threads together: fewer than the seconds if the "
+        "machine was busy."
     )
     yield markdown(COLUMNS, table_of_means(results, reported), 1).rstrip()
     methods = methods_of(results)

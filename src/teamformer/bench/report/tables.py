@@ -30,8 +30,8 @@ EXPLANATION = """\
 - `to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
   interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
   mean; `cost to central`: the same of costs. `room won`: of the steps between `plan@needed`, which
-  plans as if everything that may be needed were needed, and `central`, which knows the truth, the part that the method wins, on the
-  same worlds, with its 95% interval.
+  plans as if everything that may be needed were needed, and `central`, which
+  knows the truth, the part that the method wins, on the same worlds, with its 95% interval.
 - `inference`: CPU seconds that the method takes in a whole trial, mean ± standard deviation, over
   trials that ran alone, one after the other, one thread each (the first 50 of a setting; all others
   share batches and are not timed).

@@ -60,6 +60,10 @@ def _run_verb() -> int:
         return 1
     except ReaderGoneError:
         return 0
+    except MemoryError:
+        print("error: the memory ran out", file=sys.stderr)
+        print("hint: --method crews takes less, as do fewer robots or tasks", file=sys.stderr)
+        return 1
     except OSError as error:  # a disk that fills up while we write, say
         where = f"{error.filename}: " if error.filename else ""
         print(f"error: {where}{error.strerror or error}", file=sys.stderr)

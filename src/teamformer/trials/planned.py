@@ -18,6 +18,8 @@ from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
 from teamformer.sim.replay.task_times import cost_of_record, lateness
+from teamformer.trials.memory import refuse_too_large
+from teamformer.trials.methods import DEFAULT as SHARED
 from teamformer.trials.methods import load_method
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
@@ -43,6 +45,7 @@ def plan_mission(mission: Scenario, method: str, seconds: float) -> PlannedMissi
     """
     refuse_unplannable(mission, method)
     if mission.time == "continuous":
+        refuse_too_large(mission, load_method(SHARED))
         warm_up(is_linked(mission))
         made = plan_continuous(pose_mission(mission), method, seconds)
         if made is None:

@@ -16,6 +16,7 @@ from teamformer.policies.protocol import Planner
 from teamformer.sim.env import Decision, Tally, TeamFormation
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.view import View
+from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.methods import Method, Player, as_method
 from teamformer.trials.recorder import Recorder
 from teamformer.truth import draw_truth
@@ -60,9 +61,11 @@ def run_trial(
     uncertain.
 
     `lower_bound` is what is known of the mission; a planner that has proven more raises it.
-    `on_step` is called after each step, for a display of progress.
+    `on_step` is called after each step, for a display of progress. Raises `TeamformerError` for a
+    mission that is too large for the memory.
     """
     method, begun, compiled = as_method(player), time.perf_counter(), compiling_seconds()
+    refuse_too_large(mission, method)
     planning = deciding = 0.0
     is_interrupted = False
     truth = draw_truth(mission, seed)

@@ -36,6 +36,7 @@ from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import cost_of_record, lateness
 from teamformer.sim.replay.teams import completions
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
+from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.methods import DEFAULT, Method, default_for, load_method
 from teamformer.trials.rows import best_known, result_row, seconds_of
 from teamformer.trials.trial import Trial, run_trial
@@ -48,14 +49,17 @@ MOST_NAMES = 12
 def chosen_method(name: str | None, mission: Scenario, time_limit: float) -> Method:
     """Return the method of a name; without one the plan, or crews for a mission too large for it.
 
-    That it is crews is said. Raises `TeamformerError` for a name that is unknown.
+    That it is crews is said. Raises `TeamformerError` for a name that is unknown, and for a mission
+    that is too large for the memory.
     """
     if name is None:
         name = default_for(mission)
         if name != DEFAULT:
             size = f"{len(mission.robots)} robots and {len(mission.tasks)} tasks"
             say(f"{size} are too many to share a plan soon: {name} instead; or --method {DEFAULT}")
-    return load_method(name, time_limit)
+    method = load_method(name, time_limit)
+    refuse_too_large(mission, method)
+    return method
 
 
 def run(

@@ -198,7 +198,7 @@ def test_an_operators_task_may_be_finer_than_what_robots_bring() -> None:
     again = run_trial(run.scenario, JoinAll()).replay
     assert again.steps == run.record().steps
     with pytest.raises(TeamformerError, match=r"7\.501 x lift but .* lack 0\.001 x lift"):
-        run.happen(NewTask((5, 0), {"lift": 7.501}))
+        run.happen(NewTask((5, 0), {"lift": 7.501}, "most"))
 
 
 def test_a_fleet_does_what_an_operator_adds_in_fractions() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -134,6 +135,39 @@ def test_plans_in_steps_wait_for_windows_and_tell_who_is_late(
     (tmp_path / "late.yaml").write_text(LATE)
     row = plan(tmp_path / "late.yaml", capsys, "--time-limit", "1")
     assert (row["makespan"], row["late"]) == (12, {"near": 3, "far": 2})
+
+
+def test_a_bound_of_the_makespan_is_none_of_the_cost(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whatever comes first, 12 steps are the least; (2 * 12 + 3 + 2) / 3 is the cost of `LATE`."""
+    text = f"{LATE}cost: {{makespan: 2, tardiness: 1}}\n"
+    (tmp_path / "late.yaml").write_text(text)
+    assert teamformer("plan", str(tmp_path / "late.yaml"), "--time-limit", "1") == 0
+    first = capsys.readouterr().out.splitlines()[0]
+    assert re.fullmatch(
+        r"late: over at 12 \(no plan is over before \d+\), at a cost of 9.66667", first
+    )
+
+
+LOST = """
+teamformer: 1
+world: {grid: [15, 5]}
+capabilities: [a]
+robots:
+  - {name: x, at: [0, 0], can: [a], lost: 3}
+  - {name: y, at: [0, 0], can: [a]}
+tasks:
+  - {name: t, at: [14, 1], needs: [a], only: [x]}
+"""
+
+
+def test_what_can_never_be_done_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "lost.yaml").write_text(LOST)
+    assert teamformer("plan", str(tmp_path / "lost.yaml"), "--time-limit", "1") == 2
+    said = capsys.readouterr().err
+    assert "lost: t can never be done: since step 3 no robots are left" in said
+    assert "--time-limit" not in said
 
 
 @pytest.mark.parametrize(

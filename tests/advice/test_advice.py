@@ -73,6 +73,12 @@ def test_changes_are_what_they_say() -> None:
     assert [one.name for one in left.tasks] == ["t0", "t2"]
 
 
+def test_missions_in_steps_that_have_a_cost_are_measured_by_it() -> None:
+    """t2 is done after 3 steps, t0 after 10, t1 after 12 and 4 of work: the mean of 16 and 29."""
+    mission = replace(two_far_tasks(), cost={"makespan": 1, "completion": 1})
+    assert search(Search(0, mission, "plan")).value == (16 + (3 + 10 + 16)) / 2
+
+
 def test_a_new_robot_is_not_lost_as_the_one_that_it_is_like() -> None:
     mission = make([replace(robot("a", 0), absences=(Absence(5, 9),))], [task("a", 3)])
     more = next(iter(changes_of(mission))).mission

@@ -9,6 +9,8 @@ import pytest
 
 from home_care import HHCRSP
 from teamformer.bench.others.instances import read_instances
+from teamformer.bench.others.one_robot_worlds import draw_world
+from teamformer.bench.others.published import Reported, read_reported
 from teamformer.bench.others.report import write_report
 from teamformer.bench.others.results import (
     Result,
@@ -96,9 +98,11 @@ def test_wins_ties_and_losses_are_against_the_best_published() -> None:
     assert (told.instances, told.wins, told.ties, told.losses) == (4, 1, 1, 1)
     assert told.makespan == pytest.approx(12.500125)
     assert (told.bound, told.proven, told.seconds) == (11.25, 1, 1.75)
+    above = (11 / 12, 12.0005 / 12, 13 / 12)
+    assert told.percent_above_best == pytest.approx(100 * (sum(above) / 3 - 1))
     assert told.gap == pytest.approx(100 * (12.500125 / 11.25 - 1))
     shared = compare(results, "plan")
-    assert (shared.bound, shared.proven) == (11.0, 1)  # what central has proven holds for all
+    assert (shared.bound, shared.gap, shared.proven) == (0.0, 0.0, 1)  # proven by central
 
 
 def test_the_curve_is_the_mean_of_the_best_so_far() -> None:
@@ -112,9 +116,9 @@ def test_the_curve_is_the_mean_of_the_best_so_far() -> None:
 
 def test_the_report_keeps_collections_apart() -> None:
     other = result("env_1", "plan", 30.0, None, collection="dcmrta")
-    report = write_report([result("env_1", "plan", 9.0, 8.0), other])
-    assert "| plan | 1 | 9.000 |" in report
-    assert "| plan | 1 | 30.000 |" in report
+    report = write_report([result("env_1", "plan", 9.0, 8.0), other], {})
+    assert "| plan | 1 | 9.000 | 12.5% |" in report
+    assert "| plan | 1 | 30.000 |  |" in report
     assert report.index("## ral") < report.index("## dcmrta")
     assert "| env_1 | 8.000 |  | 9.000 |" in report
 
@@ -144,6 +148,78 @@ def test_the_command_writes_rows_and_goes_on(
     (out / "rows.jsonl").write_text('{"instance": "ral/env_2"}\n')
     assert teamformer("bench", "others", *words) == 2
     assert "rows.jsonl:1: this is no row of `bench others`" in capsys.readouterr().err
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Path:
+    """Return a folder of two folders, with what is known and reported of them beside these."""
+    place = tmp_path / "tables"
+    for name in ("small", "large"):
+        (place / name).mkdir(parents=True)
+        (place / name / "env_0.json").write_text(json.dumps(TREE))
+    (place / "best_known.csv").write_text(
+        "setting,env,makespan\nsmall,env_0,10\nlarge,env_0,12.5\n"
+    )
+    (place / "others.csv").write_text(
+        "setting,method,cores,seconds,percent_above_best_known\n"
+        "small,theirs,1,1,5.5\nlarge,theirs,1,1,7.5\n"
+    )
+    (place / "unrelated.csv").write_bytes(b"\xff\xfe")
+    return place
+
+
+def test_a_folder_of_folders_has_its_tables_beside_these(settings: Path) -> None:
+    large, small = read_instances([settings])
+    assert (large.name, large.published) == ("large/env_0", {"best published": 12.5})
+    assert (small.name, small.published) == ("small/env_0", {"best published": 10.0})
+    assert [one.best for one in read_instances([settings / "small"])] == [10.0]
+    assert read_reported(settings / "large") == (Reported("theirs", 1.0, 1.0, 7.5),)
+
+
+def test_what_others_report_must_be_a_number(settings: Path) -> None:
+    with (settings / "others.csv").open("a") as file:
+        file.write("small,theirs,1,2,few\n")
+    assert len(read_reported(settings / "large")) == 1
+    with pytest.raises(TeamformerError, match=r"others\.csv:4: the column 'percent_above_best"):
+        read_reported(settings / "small")
+
+
+def test_folders_are_compared_in_percent_above_the_best_known(
+    settings: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    words = (str(settings), "--methods", "plan", "--out", str(out))
+    assert teamformer("bench", "others", *words) == 0
+    shown = capsys.readouterr().out
+    rows = [json.loads(line) for line in (out / "rows.jsonl").read_text().splitlines()]
+    reached = rows[0]["makespan"]
+    above = [100 * (reached / best - 1) for best in (12.5, 10)]
+    report = (out / "report.md").read_text()
+    assert "| folder | plan | theirs, 1 x 1 s |" in report
+    assert f"| large | {above[0]:.1f}% | 7.5% |" in report
+    assert f"| small | {above[1]:.1f}% | 5.5% |" in report
+    assert f"| mean | {sum(above) / 2:.1f}% | 6.5% |" in report
+    assert "| theirs (reported) |  |  | 7.5% |" in report
+    assert f"{sum(above) / 2:.1f}%" in shown
+    assert all(row["processor_seconds"] > 0 for row in rows)
+
+
+def test_worlds_whose_tasks_need_one_robot_are_drawn(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    world = draw_world(4, 9, seed=1)
+    assert draw_world(4, 9, seed=1) == world != draw_world(4, 9, seed=2)
+    assert (len(world.robots), len(world.tasks)) == (4, 9)
+    for task in world.tasks:
+        assert sum(task.needs.values()) == 1
+        assert any(robot.can.keys() >= task.needs.keys() for robot in world.robots)
+    words = ("--settings", "one-robot-2-3", "--methods", "plan,auction", "--time-limit", "0.1")
+    assert teamformer("bench", "others", *words, "--trials", "1", "--seed", "5", "--json") == 0
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [row["instance"] for row in rows] == ["one-robot-2-3/env_5"] * 2
+    assert 0 < rows[0]["makespan"] <= rows[1]["makespan"]
+    assert teamformer("bench", "others", "--settings", "two-robots") == 2
+    assert "write one-robot-ROBOTS-TASKS" in capsys.readouterr().err
 
 
 def test_nothing_to_measure_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -88,6 +88,60 @@ def test_solvers_of_vehicle_routing_find_the_best_routes(name: str) -> None:
         PEERS[name](small(1), 1.0)
 
 
+def test_routing_is_never_worse_than_the_auctions_that_it_begins_with() -> None:
+    """Twelve tasks, half of which need both kinds of robots, of which there are three each."""
+    rng = np.random.default_rng(3)
+    places = rng.integers(0, 100, (13, 2))
+    ways = np.abs(places[:, None] - places[None, :]).sum(axis=2)
+    problem = pose_problem(
+        ways=[ways[:, :12]],
+        home=np.tile(ways[12], (6, 1)),
+        pace=[0] * 6,
+        origin=[12] * 6,
+        counts=[[1, 0]] * 3 + [[0, 1]] * 3,
+        needs=[[1, 1]] * 6 + [[1, 0]] * 3 + [[0, 1]] * 3,
+        duration=rng.integers(1, 30, 12),
+    )
+    fair = auction(problem, 0.0)
+    found = PEERS["or-routing"](problem, 1.0)
+    assert fair is not None
+    assert found is not None
+    assert makespan_of(problem, found.plan) < makespan_of(problem, fair.plan)
+
+
+@pytest.mark.parametrize("name", ["or-routing", "cp-sat"])
+def test_nobody_fills_two_seats_with_one_skill(name: str) -> None:
+    """One task needs two of a skill that each of three robots has once: two go, though one is near.
+
+    The robots stand at 1, 5 and 9 on a line, the task at 0. The second arrives at 5, so that it is
+    home at 5 + 2 + 5 = 12.
+    """
+    at = np.array([0, 1, 5, 9])
+    ways = np.abs(at[:, None] - at[None, :])
+    problem = pose_problem(
+        ways=[ways[:, :1]],
+        home=ways[1:],
+        pace=[0, 0, 0],
+        origin=[1, 2, 3],
+        counts=[[1], [1], [1]],
+        needs=[[2]],
+        duration=[2],
+    )
+    found = PEERS[name](problem, 1.0)
+    assert found is not None
+    assert sorted(found.plan.coalition[0, : found.plan.size[0]]) == [0, 1]
+    assert makespan_of(problem, found.plan) == 12
+
+
+def test_cp_sat_without_time_keeps_the_plan_it_was_handed() -> None:
+    problem = small(1)
+    fair, found = auction(problem, 0.0), PEERS["cp-sat"](problem, 0.0)
+    assert fair is not None
+    assert found is not None
+    assert makespan_of(problem, found.plan) <= makespan_of(problem, fair.plan)
+    assert 0 <= found.bound <= best_of_all(problem)
+
+
 def test_a_fair_auction_is_worked_out_by_hand() -> None:
     """On a line, depot at 0: `a` at 4 needs both kinds, `b` at 2 the first, `c` at 6 the second.
 

@@ -63,7 +63,7 @@ def test_every_setting_meets_every_policy_on_every_seed(tmp_path: Path) -> None:
 
 def test_missions_with_a_cost_are_told_by_it(tmp_path: Path) -> None:
     """The cost of a row is that of its record; the table has it beside the makespan."""
-    suite = replace(load_suite("deadlines"), settings=("deadlines",), methods=("plan", "heuristic"))
+    suite = replace(load_suite("missions"), settings=("deadlines",), methods=("plan", "heuristic"))
     rows = measured(tmp_path, Request(suite, trials=2))
     for (_, method, seed), row in rows.items():
         record = run_trial(world_of("deadlines", seed), load_method(method), seed=seed).replay
@@ -98,6 +98,13 @@ def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:
     assert row.rerun == (
         "teamformer bench small --settings 4N4T-C4 --methods join-all --seed 1 --trials 1 --json"
     )
+
+
+def test_a_row_of_a_mission_with_a_cost_has_it() -> None:
+    row = run_job(Job("hand", "deadlines-arrivals", "heuristic", (0, 1), 1.0, "abc"))[1]
+    alone = run_trial(world_of("deadlines-arrivals", 1), load_method("heuristic"), 1)
+    assert row.cost == cost_of_record(alone.replay) is not None
+    assert row.cost > 0
 
 
 def test_going_on_runs_only_what_is_missing(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
 from dataclasses import replace
 
@@ -24,6 +25,7 @@ from teamformer.bench.report.claim_checks import (
 from teamformer.bench.report.claims import FAILURES, INFERENCE, claims
 from teamformer.bench.report.evidence import Evidence
 from teamformer.bench.report.tables import cells_of, summary_csv, summary_table
+from teamformer.bench.rows import row_of
 from teamformer.bench.summary import on_shared_worlds, summarise
 
 SMALL = "4N4T-C4"
@@ -83,6 +85,33 @@ def test_what_the_planner_is_ahead_is_a_part_of_its_mean() -> None:
     table = summary_table(summarise(rows))
     assert "| to central |" in table
     assert "+10.0% (-14.8 to +34.8)" in table
+
+
+def test_costs_stand_beside_makespans_where_missions_have_them() -> None:
+    """Costs of 5, 7 and 6 by central, 6, 7 and 9 by the plan, which fails in the last world."""
+    rows = [
+        *rows_of("deadlines", "central", [10, 20, 30, 90]),
+        *rows_of("deadlines", "plan", [12, 20, 34, None]),
+    ]
+    costs = (5.0, 7.0, 6.0, 80.0, 6.0, 7.0, 9.0, None)
+    rows = [replace(row, cost=cost) for row, cost in zip(rows, costs, strict=True)]
+    ours = summarise(rows)[1]
+    assert ours.cost.value == pytest.approx(22 / 3)
+    assert ours.cost_to_central.value == pytest.approx(4 / 18)
+    table = summary_table(summarise(rows))
+    assert "| makespan | cost | failures |" in table
+    assert "| cost to central |" in table
+    assert " 7.3 ± 0.9 " in table
+    [_, line] = csv.DictReader(summary_csv(summarise(rows)).splitlines())
+    assert (line["cost_mean"], line["cost_to_central"]) == ("7.333333", "0.222222")
+    assert "cost" not in summary_table(summarise(rows_of(SMALL, "plan", [12])))
+
+
+def test_rows_of_earlier_versions_have_no_cost() -> None:
+    [row] = rows_of(SMALL, "plan", [12])
+    tree = json.loads(row.to_line())
+    assert tree.pop("cost") is None
+    assert row_of(json.dumps(tree)) == row
 
 
 def test_gaps_are_means_of_ratios() -> None:

@@ -10,18 +10,19 @@ import numpy as np
 import pytest
 
 import teamformer as tf
-from random_worlds import random_world, with_precedence_and_windows, with_surprises
+from random_worlds import random_world, with_loads, with_precedence_and_windows, with_surprises
 from small_worlds import make, robot, task
 from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.critical_path.words import why_so_late
 from teamformer.export.moments import moments
-from teamformer.model import Absence, Scenario
+from teamformer.model import Absence, Scenario, Task
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import AT_WORK
 from teamformer.sim.replay.record import Replay
 from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
@@ -79,6 +80,64 @@ def test_the_path_goes_on_with_the_task_that_another_is_after() -> None:
     assert path[:2] == [(0, 6, "walking", 0, 0), (6, 9, "serving", 0, 0)]
     assert [row[1] for row in path[2:]][-1] == played(mission).end.makespan
     assert {row[3] for row in path[2:]} == {1}
+
+
+def load(caps: str, x: int, to: int, duration: int, unload: int) -> Task:
+    return replace(task(caps, x, duration=duration), to=(to, 0), unload=unload)
+
+
+def test_a_load_is_loaded_carried_and_unloaded() -> None:
+    """Robot a is there after 3 steps, takes 2 to load, 5 to the goal and 4 to unload."""
+    mission = make([robot("a", 0)], [load("a", 3, to=8, duration=2, unload=4)])
+    path = path_of_record(played(mission))
+    assert told(path) == [
+        (0, 3, "walking", 0, 0),
+        (3, 5, "loading", 0, 0),
+        (5, 10, "carrying", 0, 0),
+        (10, 14, "unloading", 0, 0),
+    ]
+    assert why_so_late(mission, path) == [
+        "why so late: 14 steps are 3 walking, 2 loading, 5 carrying, 4 unloading",
+        "  0-14: t0: r0 walks 3, loads 2, carries 5, unloads 4",
+    ]
+    timed = continuous(mission)
+    assert told(path_of_plan(timed, planned(timed))) == told(path)
+
+
+def test_who_came_last_to_a_load_is_named_until_it_is_unloaded() -> None:
+    """r1 walks 7 to where r0 waits; together they load for 2, carry it 5 and unload it for 1."""
+    mission = make([robot("a", 0), robot("b", 10)], [load("ab", 3, to=8, duration=2, unload=1)])
+    assert told(path_of_record(played(mission))) == [
+        (0, 7, "walking", 1, 0),
+        (7, 8, "forming", 1, 0),
+        (8, 10, "loading", 1, 0),
+        (10, 15, "carrying", 1, 0),
+        (15, 16, "unloading", 1, 0),
+    ]
+
+
+def test_after_a_load_is_set_down_the_path_leads_over_who_carried_it() -> None:
+    """r0 carries the load from 3 on and is lost in step 8; r1, far off, fetches it and brings it.
+
+    It lies at 7, where r0 was after 4 steps with it; r1 walks 12 there and 8 on to the goal.
+    """
+    mission = make([robot("a", 0, lost=8), robot("a", 19)], [load("a", 3, 15, 1, 0)])
+    replay = played(mission)
+    path = told(path_of_record(replay))
+    down = next(n for n, step in enumerate(replay.steps, start=1) if step.left)
+    at = replay.steps[down - 1].left[0].x
+    assert path[:3] == [
+        (0, 3, "walking", 0, 0),
+        (3, 4, "loading", 0, 0),
+        (4, down - 1, "carrying", 0, 0),
+    ]
+    walked = int(19 - at)
+    assert path[3:] == [
+        (down - 1, down, "lost", 0, NOBODY),
+        (down, down + walked, "walking", 1, 0),
+        (down + walked, down + walked + 1, "loading", 1, 0),
+        (down + walked + 1, down + walked + 1 + int(15 - at), "carrying", 1, 0),
+    ]
 
 
 def test_a_window_that_opens_late_is_the_reason() -> None:
@@ -174,6 +233,7 @@ def random_mission(seed: int) -> Scenario:
     rng = np.random.default_rng(seed)
     mission = random_world(rng, is_plane=seed % 3 == 0)
     mission = with_precedence_and_windows(mission, rng) if seed % 2 else mission
+    mission = with_loads(mission, rng) if seed % 4 < 2 else mission
     return with_surprises(mission, rng) if seed % 5 == 0 else mission
 
 
@@ -198,7 +258,7 @@ def test_the_stretches_add_up_and_tell_what_the_record_tells(method: str) -> Non
                 continue
             for step in range(int(stretch.begin) + 1, int(stretch.end) + 1):
                 shown = seen[step].phase[stretch.robot]
-                if shown == "forming" and stretch.doing == "serving":
+                if shown == "forming" and stretch.doing in AT_WORK:
                     continue  # others come or leave while it serves
                 assert shown == stretch.doing, (seed, stretch, step)
     assert completed > 10

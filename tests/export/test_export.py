@@ -17,15 +17,17 @@ from teamformer.commands.records.export import export
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
-from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, WALKING, moments
+from teamformer.export.moments import moments
 from teamformer.export.plans_in_force import PlansInForce
 from teamformer.export.reasons import explain, story_lines
 from teamformer.grid import Grid
 from teamformer.model import Absence, Breakdown, Robot, Scenario, Task
 from teamformer.referee import judge
+from teamformer.sim.replay.phases import FORMING, IDLE, LOST, SERVING, WAITING, WALKING
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import Ending, Replay, SharedPlanMade, Step, TeamAt
 from teamformer.sim.replay.writing import write_replay
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 
 
@@ -176,8 +178,8 @@ def rows_of(path: Path) -> list[list[str]]:
 def test_tables_hold_what_was_recorded(tmp_path: Path) -> None:
     write_tables(two_lifters(), tmp_path)
     assert rows_of(tmp_path / "robots.csv")[1:] == [
-        ["a", "lift", "1.0", "ground", "0", "0", "", "", "2", "0", "1", "2", "1", "0"],
-        ["'=b", "lift", "1.0", "ground", "3", "0", "6", "", "1", "1", "1", "2", "0", "1"],
+        ["a", "lift", "1.0", "ground", "0", "0", "", "", *"201200010"],
+        ["'=b", "lift", "1.0", "ground", "3", "0", "6", "", *"111200001"],
     ]
     assert rows_of(tmp_path / "tasks.csv")[1:] == [
         ["beam", "2 x lift", "2", "0", "2", "0", "5", "a, =b"],
@@ -194,6 +196,37 @@ def test_tables_hold_what_was_recorded(tmp_path: Path) -> None:
     assert [(row[1], row[3], row[4]) for row in bars] == [
         ("walking", "0", "2"), ("forming", "2", "3"), ("serving", "3", "5"), ("idle", "5", "6"),
     ]  # fmt: skip
+
+
+def carried() -> Replay:
+    """A robot that walks 2 to a load, takes 3 to load it, carries it 4 and unloads it for 2."""
+    load = replace(task("a", 2, duration=3), to=(6, 0), unload=2)
+    mission = make([robot("a", 0)], [load])
+    return run_trial(mission, load_method("join-all")).replay
+
+
+def test_loading_carrying_and_unloading_are_told_everywhere(tmp_path: Path) -> None:
+    replay = carried()
+    write_tables(replay, tmp_path)
+    phases = [("walking", 2), ("loading", 3), ("carrying", 4), ("unloading", 2)]
+    bars = rows_of(tmp_path / "gantt.csv")[1:]
+    assert [(bar[1], int(bar[4]) - int(bar[3])) for bar in bars] == phases
+    assert [chapter.what for chapter in explain(replay, 0)] == [
+        "walks to t0",
+        "loads t0",
+        "carries t0",
+        "unloads t0",
+    ]
+    pytest.importorskip("foxglove")
+    from teamformer.export.mcap_file import write_mcap
+
+    write_mcap(replay, tmp_path / "load.mcap")
+    found = mcap_messages(tmp_path / "load.mcap")
+    scenes = [data for topic, _, data, _ in found if topic == "/mission"]
+    assert [
+        (name, sum(b"phase\x12" + bytes([len(name)]) + name.encode() in scene for scene in scenes))
+        for name, _ in phases
+    ] == phases
 
 
 def mcap_messages(path: Path) -> list[tuple[str, int, Any, str]]:

@@ -49,7 +49,9 @@ def test_one_schedule_becomes_a_page(
 ) -> None:
     out = tmp_path / "out"
     assert teamformer("fleet", "rehearse", mission, "--schedule", "3", "--out", str(out)) == 0
-    assert "50% of messages are lost" in capsys.readouterr().out
+    told = capsys.readouterr()
+    assert "50% of messages are lost" in told.out
+    assert f"hint: `teamformer view {out / 'replay.json'}`" in told.err.replace("\n", "")
     assert teamformer("view", str(out / "replay.json")) == 0
     assert (out / "replay.html").stat().st_size > 10_000
 

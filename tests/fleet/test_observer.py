@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from browsers import Opened
+from live_server import serving_session
 from loops import run_apart
 from small_worlds import make, robot, task
 from teamformer.export.events import events
@@ -205,7 +207,7 @@ def test_others_may_follow_what_is_seen(tmp_path: Path) -> None:
         ({"do": "happen", "lost": "r1"}, "a fleet's robots are lost and back by themselves"),
         ({"do": "happen", "task": {"at": [99, 0], "needs": ["a"]}}, "outside the map"),
         ({"do": "happen", "task": {"at": [4, 0], "needs": {"b": 2}}}, "all robots together"),
-        ({"do": "happen", "task": {"at": [4, 0], "needs": ["a"], "name": "t0"}}, "used already"),
+        ({"do": "happen", "task": {"at": [4, 0], "needs": ["a"], "name": "t0"}}, "used twice"),
         ({"do": "happen", "task": {"at": [4, 0], "needs": ["a"]}}, "only r0 hold it"),
         ("{", "the message is no JSON"),
     ],
@@ -226,16 +228,27 @@ def test_robots_that_are_not_heard_are_named_until_they_are() -> None:
     silence = Silence(["atlas", "bolt"], now=5.0)
     assert not silence.changes(15.0)
     assert silence.changes(15.1)
-    assert silence.warning.startswith("no robot has been heard for 10 s; does the fleet run, and")
+    warning = silence.warning(17.2)
+    assert warning is not None
+    assert warning.is_of_all
+    assert warning.text().startswith(
+        "no robot heard for 12 s; what is drawn is only where the robots start; does the fleet run"
+    )
     silence.refuse("another mission")
-    assert "10 s (what came was refused: another mission); does" in silence.warning
+    assert "10 s (what came was refused: another mission); what" in text_at(silence, 15.1)
     silence.hear(0, 16.0)
     assert silence.changes(16.0)
-    assert silence.warning == "not heard for 10 s: bolt"
+    assert text_at(silence, 16.0) == "not heard for 11 s: bolt"
     assert not silence.changes(17.0)
     silence.hear(1, 17.0)
     assert silence.changes(17.0)
-    assert silence.warning == ""
+    assert silence.warning(17.0) is None
+
+
+def text_at(silence: Silence, now: float) -> str:
+    warning = silence.warning(now)
+    assert warning is not None
+    return warning.text()
 
 
 def test_page_and_terminal_are_told_which_robots_are_not_heard(
@@ -256,8 +269,11 @@ def test_page_and_terminal_are_told_which_robots_are_not_heard(
         return next(message for message in reversed(told) if message["kind"] == "state")
 
     state = run_apart(listen())
-    assert said[0].startswith("no robot has been heard for 0 s (what came was refused: bad seal)")
-    assert state["warning"] == said[0]
+    assert said[0].startswith("no robot heard for 0 s (what came was refused: bad seal)")
+    warning = state["warning"]
+    assert f"{warning['before']}{warning['seconds']} s{warning['after']}" == said[0]
+    assert (warning["is_of_all"], state["is_heard"], state["is_playing"]) == (True, False, False)
+    assert session.watch.steps == []  # no time passes before anybody is heard
 
 
 def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
@@ -284,3 +300,29 @@ def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
     assert f"saved: {tmp_path / 'replay.json'}\n" in more
     assert live.returncode == 0
     assert read_replay(tmp_path / "replay.json").method == FLEET
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+def test_the_page_of_a_fleet_that_is_not_there_says_so(
+    browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, width: int, height: int
+) -> None:
+    """A banner counts, the pill says it, no time passes, and nothing offers to pause a fleet."""
+    pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
+    monkeypatch.setattr("teamformer.fleet.observer.silence.SILENCE", 1.0)
+    with serving_session(watching(Loopback(holders=0), tmp_path)) as server:
+        opened = Opened(browser.new_page(viewport={"width": width, "height": height}))
+        page = opened.page
+        page.goto(f"http://{server.address}/")
+        opened.wait_until(f"{TEXT}('#status') === 'No robot heard'", 20)
+        counted = [f"/^No robot heard for {n} s$/.test({TEXT}('#notice'))" for n in ("[1-9]", "3")]
+        for seconds in counted:
+            opened.wait_until(seconds, 10)
+        assert page.is_visible("#notice")
+        assert "does the fleet run" in page.inner_text("#outlook")
+        for part in ("#play", "#speed", "#start"):
+            assert page.is_hidden(part)
+        assert page.evaluate("window.teamformer.last") == 0
+        page.close()
+
+
+TEXT = "((part) => document.querySelector(part)?.textContent)"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -89,6 +90,7 @@ def missions(
             _write_loads(draw, world, tasks)
         _write_windows(draw, tasks, can_be_short=True)
         _write_precedence(draw, tasks, range(len(tasks)))
+        _keep_windows_possible(tasks, step=1)
     tree = _write(draw, world, caps, fleet.robots, tasks)
     for key, values in RULES.items():
         if now_and_then(draw, 3):
@@ -128,6 +130,7 @@ def continuous_missions(
     _write_windows(draw, tasks, can_be_short=False)
     group_of = _write_links(draw, tasks, fleet)
     _write_precedence(draw, tasks, group_of)
+    _keep_windows_possible(tasks, step=0)
     tree = {"time": "continuous", **_write(draw, world, caps, fleet.robots, tasks)}
     parts = {world.part(robot["at"]) for robot in fleet.robots}
     ends = ["home", *(place for place in world.places if parts == {world.part(place)})]
@@ -278,6 +281,21 @@ def _write_precedence(draw: st.DrawFn, tasks: Sequence[Tree], group_of: Sequence
         earlier = [other for other in range(number) if group_of[other] != group_of[number]]
         if earlier and now_and_then(draw):
             task["after"] = some(draw, earlier, 2)
+
+
+def _keep_windows_possible(tasks: Sequence[Tree], step: int) -> None:
+    """Have no window end before the tasks that come first can be done; `step` is what each adds."""
+    ends: list[float] = []
+    for task in tasks:
+        begin = max(task.get("appears", 0), task.get("between", [0])[0])
+        begin = max(
+            [math.ceil(begin) if step else begin, *(ends[n] for n in task.get("after", ()))]
+        )
+        takes = task.get("duration", 0)
+        takes = takes[0] if isinstance(takes, list) else takes
+        ends.append(begin + takes + task.get("unload", 0) + step)
+        if "after" in task and "between" in task:
+            task["between"][1] = max(task["between"][1], ends[-1])
 
 
 def _write_links(draw: st.DrawFn, tasks: Sequence[Tree], fleet: Fleet) -> list[int]:

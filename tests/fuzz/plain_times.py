@@ -129,7 +129,7 @@ def _told(
         "travel": travel,
         "tardiness": sum(tasks[k].weight * by for k, by in late.items()),
         "max_tardiness": max(late.values(), default=0.0),
-        "completion": sum(t.weight * (start[k] + t.duration) for k, t in enumerate(tasks)),
+        "completion": sum(t.weight * (start[k] + takes[k]) for k, t in enumerate(tasks)),
     }
     cost = None
     if scenario.cost is not None:

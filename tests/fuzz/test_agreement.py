@@ -42,6 +42,7 @@ from told import (
     TOLD_BY_PAGE,
     Bar,
     Line,
+    as_page_draws,
     bars_of,
     captions_agree,
     embedded,
@@ -123,7 +124,8 @@ def _compare_page(page: Any, tree: Any, lines: list[Line], folder: Path) -> None
     done = [line for line in lines if line.kind == "done"]
     assert sorted(Line(*line) for line in told["lines"]) == lines
     assert told["end"] == [tree["end"]["status"], tree["end"]["makespan"], len(done)]
-    assert sorted(Bar(*map(_in_table, bar)) for bar in told["bars"]) == sorted(bars_of(folder))
+    bars = as_page_draws(bars_of(folder))
+    assert sorted(Bar(*map(_in_table, bar)) for bar in told["bars"]) == sorted(bars)
     assert told["marks"] == told["stories"]  # what is marked on a robot's row, and its history
     assert Counter(text.split(" done by ")[0] for text in told["said"]) == Counter(
         line.task for line in done
@@ -295,16 +297,54 @@ def test_outputs_of_live_sessions_agree(
                     continue
                 line.send(json.dumps(message))
                 _wait_for_answer(line, message["do"])
+                if message["do"] in ("happen", "undo", "step"):
+                    _compare_page_of_the_moment(watching, server.session.mission)
         watching.wait_until("document.querySelector('#status').textContent !== 'Running'", 60)
         watching.wait_until(f"window.teamformer.last === {server.session.mission.steps}", 60)
         shown = sorted(Line(*told) for told in watching.page.evaluate("window.teamformer.told()"))
         incidents = [it for _, it in server.session.mission.incidents]
+        told_of = server.session._state()["incidents"]
         watching.page.close()
     lines = assert_all_agree(page, Outputs(tmp_path, with_gif=False))
     assert shown == lines
     lost = Counter(line.kind for line in lines)["lost"]
     assert lost == sum(isinstance(it, LostRobot) for it in incidents)
     assert len(incidents) >= 2
+    losses = {(step, f"robot {robots} {kind}") for step, kind, robots, _ in lines}
+    assert {(step, text) for step, text in told_of if text.startswith("robot")} <= losses
+
+
+def _compare_page_of_the_moment(watching: Opened, mission: Any) -> None:
+    """Compare tables, map and header with who is there, also before the step after an incident."""
+    texts = [it.text() for _, it in mission.incidents]
+    watching.wait_until(f"window.teamformer.last === {mission.steps}", 30)
+    watching.wait_until(f"window.teamformer.incidents().length === {len(texts)}", 30)
+    watching.wait_until("window.teamformer.step === window.teamformer.last", 30)
+    steps = mission.steps
+    lost = {
+        robot.name
+        for robot in mission.scenario.robots
+        if any(
+            away.lost <= steps + 1 and (away.back is None or away.back > steps)
+            for away in robot.absences
+        )
+    }
+    robots = [robot.name for robot in mission.scenario.robots]
+    tables = watching.page.evaluate("window.teamformer.tables()")
+    assert {row["Robot"] for row in tables["robots"] if row["Doing"] == "lost"} == lost
+    assert {row["Next"] for row in tables["robots"] if row["Robot"] in lost} <= {"-"}
+    heading = {row["Task"]: row["Who"] for row in tables["tasks"] if row["State"] != "done"}
+    assert not any(lost & set(who.split(", ")) for who in heading.values())
+    there = watching.page.evaluate("window.teamformer.teams().flatMap(({ robots }) => robots)")
+    assert {robots[robot] for robot in there} == set(robots) - lost
+    goals = watching.page.evaluate("window.teamformer.teams()")
+    pursued = {mission.scenario.tasks[it["task"]].name for it in goals if it["task"] is not None}
+    about = {row["Task"] for row in tables["tasks"] if row["State"] in ("on the way", "waiting")}
+    assert about <= pursued
+    watching.shown_step()
+    watching.wait_for_a_frame()
+    told = watching.page.inner_text("#figures").split("\n")
+    assert ("Lost" in told) == bool(lost)
 
 
 def _script(rng: np.random.Generator, robots: list[str], grid: Grid) -> Iterator[dict[str, Any]]:
@@ -358,7 +398,8 @@ def test_outputs_of_fleets_agree(number: int, page: Any, tmp_path: Path) -> None
     local = LocalFleet(fleet, told.put)
     with ThreadPoolExecutor(2) as threads:
         result = threads.submit(local.run, 240.0)
-        endpoint = told.get(timeout=60).removeprefix("world at ")
+        lines_told = iter(lambda: told.get(timeout=60), None)
+        endpoint = next(line for line in lines_told if line.startswith("world at ")).split()[-1]
         transport = ZenohTransport(fleet.number, OPERATOR, None, [endpoint])
         session = ObserverSession(
             Watch(fleet), transport, Post(fleet.number, fleet.robots), tmp_path

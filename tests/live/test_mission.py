@@ -127,7 +127,7 @@ def test_a_task_can_come_after_all_is_done() -> None:
     play(run, {})
     made = run.steps
     assert run.tally().status == "completed"
-    run.happen(NewTask((0, 0), {"lift": 1}))
+    run.happen(NewTask((0, 0), {"lift": 1}, "late"))
     assert run.is_running
     play(run, {})
     assert run.tally().status == "completed"
@@ -137,10 +137,10 @@ def test_a_task_can_come_after_all_is_done() -> None:
 @pytest.mark.parametrize(
     ("incident", "message"),
     [
-        (NewTask((99, 0), {"lift": 1}), r"task 't6' is at \[99, 0\], outside the map"),
-        (NewTask((0, 0), {"fly": 1}), "needs 'fly', which is not under capabilities"),
-        (NewTask((0, 0), {"lift": 99}), "but all robots together lack"),
-        (NewTask((0, 0), {}), "needs nothing"),
+        (NewTask((99, 0), {"lift": 1}, "t6"), r"task 't6' is at \[99, 0\], outside the map"),
+        (NewTask((0, 0), {"fly": 1}, "t6"), "needs 'fly', which is not under capabilities"),
+        (NewTask((0, 0), {"lift": 99}, "t6"), "but all robots together lack"),
+        (NewTask((0, 0), {}, "t6"), "needs nothing"),
         (LostRobot("nobody"), "there is no robot 'nobody'"),
     ],
 )
@@ -208,7 +208,7 @@ def test_who_plans_with_everything_is_not_surprised() -> None:
 
     run = Mission(mission().scenario, lambda: Method("knows", policy=KnowsEverything()), seed=0)
     with pytest.raises(TeamformerError, match="run it by another method"):
-        run.happen(NewTask((0, 0), {"lift": 1}))
+        run.happen(NewTask((0, 0), {"lift": 1}, "late"))
 
 
 @pytest.mark.parametrize("seed", range(4))

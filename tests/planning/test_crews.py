@@ -30,7 +30,9 @@ def shared_of(scenario: Scenario, is_one_team: bool = False) -> Shared:
     needs = table([dict(task.needs) for task in tasks], scenario.capabilities)
     return Shared(
         now=np.int64(0),
-        ways=travel_matrix(world, places, [task.at for task in tasks]).astype(np.float64),
+        table=travel_matrix(world, places, [task.at for task in tasks]).T.copy(),
+        spots=np.zeros((0, 2), np.int32),
+        goals=np.zeros((0, 2), np.int32),
         slowness=np.array([1 / robot.speed for robot in robots]),
         counts=table([dict(robot.can) for robot in robots], scenario.capabilities),
         needs=needs,

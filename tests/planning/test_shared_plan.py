@@ -61,7 +61,7 @@ def settled(
 ) -> tuple[list[int], list[list[int]]]:
     """Return the step in which each task of a plan is done, and by whom once it is settled."""
     situation = situation_of(start_of(scenario))
-    timed = time_team_plan(situation, plan_teams(situation.problem, order, crews))
+    timed = time_team_plan(situation, plan_teams(order, crews))
     plan = timed.plan
     crew = [sorted(plan.coalition[k, : plan.size[k]].tolist()) for k in range(len(order))]
     return timed.ends.tolist(), crew

@@ -43,7 +43,7 @@ def timed(scenario: Scenario, order: list[int], crews: list[list[int]]) -> tuple
     """Return cost, makespan and what timing a plan left, nothing being done on the way."""
     situation = situation_in_hindsight(scenario)
     groups = empty_groups(situation.problem, situation.company, scenario.forming_steps)
-    plan = plan_teams(situation.problem, order, crews)
+    plan = plan_teams(order, crews)
     cost, makespan = time_plan(situation.problem, no_crossings(), plan, groups)
     return int(cost), int(makespan), groups
 
@@ -110,7 +110,7 @@ def test_a_crew_stays_for_the_duration() -> None:
 
 def test_routes_follow_the_order() -> None:
     problem = relax(corridor([0, 0], [task(3, 1), task(5, 1), task(7, 1)]))
-    assert routes_of(plan_teams(problem, [2, 0, 1], [[0], [1, 0], [1]]), 2) == [[0, 1], [2, 1]]
+    assert routes_of(plan_teams([2, 0, 1], [[0], [1, 0], [1]]), 2) == [[0, 1], [2, 1]]
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -122,6 +122,6 @@ def test_times_are_those_of_a_slow_twin(seed: int) -> None:
     crews = [rng.permutation(robots)[: rng.integers(1, robots + 1)].tolist() for _ in range(tasks)]
     order = rng.permutation(tasks).tolist()
     _, makespan, groups = timed(scenario, order, crews)
-    slow = slow_ends(scenario, problem, plan_teams(problem, order, crews))
+    slow = slow_ends(scenario, problem, plan_teams(order, crews))
     assert groups.end[:tasks].tolist() == slow
     assert makespan == max(slow)

@@ -166,7 +166,7 @@ def test_a_play_becomes_a_plan(is_plane: bool) -> None:
     worlds = [random_world(rng, False, False, is_plane) for _ in range(25)]
     for scenario in worlds:
         problem = relax(scenario)
-        plan = plan_from_play(scenario, problem, JoinAll())
+        plan = plan_from_play(scenario, JoinAll())
         assert plan is not None
         for task, size in enumerate(plan.size.tolist()):
             has = problem.counts[plan.coalition[task, :size]].sum(axis=0)

@@ -76,6 +76,10 @@ CASES = [
      "takes 3 but has only 2 between 2 and 4; give it more time"),
     ("scan]}\nsens", "scan]}\n  - {name: y, at: [0, 0], needs: [lift], starts: {x: [4, 3]}}\nsens",
      10, "task 'y' starts 4 to 3 after 'x'; use [least, most], 0 or more and in this order"),
+    (NEEDS, f"{NEEDS}, between: [20, 30]}}\n  - {{name: y, at: [0, 0], needs: [scan], after: [x], "
+     "between: [0, 10]", 10,
+     "task 'y' is to be done by 10, but ends at 22 at the earliest: it is after 'x', which ends at "
+     "21 at the earliest; move one of the windows, or drop 'x' from after"),
     # loads
     (WORLD_AND_TASKS, WALLED_IN, 13,
      "nobody can bring the load of task 'x' from [0, 2] to [3, 2]: no way leads there"),

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
+
+from teamformer.errors import ScenarioError
 from teamformer.grid import Grid
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Robot, Scenario, Task
 
 DRONE = Robot("drone", (0, 0), {"a": 1}, moves="air")
+BEHIND = Task("load", (0, 1), {"a": 1}, to=(2, 1))
 LOAD = Task("load", (1, 0), {"a": 1}, to=(1, 1))
 WALLED = Scenario("yard", Grid(3, 2, ("...", "..@")), ("a",), (DRONE,), (LOAD,))
 
@@ -16,7 +20,21 @@ WALLED = Scenario("yard", Grid(3, 2, ("...", "..@")), ("a",), (DRONE,), (LOAD,))
 def test_loads_and_flights_over_obstacles_are_refused_together() -> None:
     (problem,) = rules_not_played(WALLED)
     assert problem.where == ("tasks", 0, "to")
-    assert "drop to and unload, or moves: air" in problem.message
+    assert problem.message == (
+        "task 'load' has a load, and robots do not fly loads over obstacles yet; "
+        "drop moves: air, or drop to and unload"
+    )
+
+
+def test_what_only_robots_that_fly_can_reach_gets_no_load() -> None:
+    """The drone would get there; that no way leads there is not the fault."""
+    with pytest.raises(ScenarioError) as caught:
+        replace(WALLED, world=Grid(3, 2, (".@.", ".@.")), tasks=(BEHIND,))
+    assert str(caught.value) == (
+        "nobody can bring the load of task 'load' from [0, 1] to [2, 1]: no way leads there on the "
+        "ground, and robots do not fly loads over obstacles yet; move one of the two or open the "
+        "map, and drop moves: air"
+    )
 
 
 def test_each_alone_is_played() -> None:

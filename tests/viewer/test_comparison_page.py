@@ -65,7 +65,7 @@ def test_a_table_tells_the_makespans_and_what_failed(
 
 
 CURVE = """([step, part]) => {
-  const canvas = document.querySelector("#compared canvas");
+  const canvas = document.querySelector("canvas.curves");
   const { x, y } = window.teamformer.lineOf(step, part);
   const sharpness = canvas.width / canvas.clientWidth;
   const at = canvas.getContext("2d").getImageData(x * sharpness - 2, y * sharpness - 2, 4, 4).data;
@@ -247,7 +247,11 @@ def test_the_legend_of_density_has_the_colours_of_the_map(open_page: Opener) -> 
         "1 robot in a square", "9 robots in a square", "75 robots in a square",
     ]  # fmt: skip
     corner = opened.page.evaluate("window.teamformer.pixelOf(1, 1)")
-    square = [{"x": corner["x"] + right, "y": corner["y"]} for right in (-6, -3, 0, 3, 6)]
+    square = [
+        {"x": corner["x"] + right, "y": corner["y"] + down}
+        for right in (-6, -3, 0, 3, 6)
+        for down in (-3, 0, 3)  # squares are a pixel apart
+    ]
     strongest, *around = pixels(opened, [legend["75 robots in a square"], *square])
     assert strongest in around
     [weakest] = pixels(opened, [legend["1 robot in a square"]])
@@ -265,3 +269,32 @@ def test_tasks_can_be_dimmed(open_page: Opener, dock: Tree) -> None:
     [after] = pixels(opened, [inside])
     assert sum(after[:3]) > sum(before[:3])  # nearer to the white ground
     assert opened.page.evaluate("window.teamformer.taskBox(2)") == spot  # and still there to click
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+def test_three_records_leave_no_part_of_the_stage_empty(
+    open_page: Opener, dock: Tree, fewer: Tree, width: int, height: int
+) -> None:
+    """Where three maps leave a quarter, the curves fill it; on phones maps lie under each other."""
+    trees = [dock, fewer, fewer | {"method": "third"}]
+    opened = open_page(trees, "#step=30", written=comparison_page)
+    page = opened.page
+    page.set_viewport_size({"width": width, "height": height})
+    opened.wait_until("window.teamformer.besideSteps().length === 2")
+    opened.wait_for_a_frame()
+    opened.wait_for_a_frame()
+    boxes = [box.bounding_box() for box in page.locator("#stage-map > :visible").all()]
+    stage = page.locator("#stage-map").bounding_box()
+    if width > 480:
+        covered = sum(box["width"] * box["height"] for box in boxes)
+        assert covered > 0.9 * stage["width"] * stage["height"]
+    else:
+        assert len(boxes) == 3
+        assert all(box["width"] == width and box["height"] >= 250 for box in boxes)
+    captions = [box.bounding_box() for box in page.locator(".caption:visible").all()]
+    assert all(  # over the map's upper edge, not on an axis
+        caption["y"] + caption["height"] < box["y"] + 40
+        for caption, box in zip(captions, boxes, strict=False)
+    )
+    page.keyboard.press("g")  # in other views the curves are in the panel
+    opened.wait_until("document.querySelector('#compared canvas.curves') !== null")

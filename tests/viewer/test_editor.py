@@ -49,6 +49,24 @@ def opened(begun: Opened) -> Opened:
     return begun
 
 
+def test_the_editor_offers_only_what_means_something_there(begun: Opened) -> None:
+    page = begun.page
+    begun.wait_until("window.teamformer.teams().length === 3")
+    shown = {button.inner_text() for button in page.locator("button:visible").all()}
+    assert not shown & {"Lines", "Trails", "Order", "Dim", "Gantt", "Events", "Teams", "Map"}
+    assert page.is_hidden("#filter")
+    assert page.is_hidden("#rings")
+    undo, redo = (page.get_by_role("button", name=name, exact=True) for name in ("Undo", "Redo"))
+    assert (undo.is_disabled(), redo.is_disabled()) == (True, True)
+    page.click("[data-tool=robot]")
+    click(begun, 8, 8)
+    begun.wait_until("window.teamformer.teams().length === 4")
+    assert (undo.is_disabled(), redo.is_disabled()) == (False, True)
+    undo.click()
+    begun.wait_until("window.teamformer.teams().length === 3")
+    assert (undo.is_disabled(), redo.is_disabled()) == (True, False)
+
+
 TOP = "(part) => document.querySelector(part).getBoundingClientRect().top"
 BOTTOM = "(part) => document.querySelector(part).getBoundingClientRect().bottom"
 
@@ -114,7 +132,7 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     assert page.evaluate(f"({BOTTOM})('.lists') <= ({TOP})('.transport')")
     page.click("text=Lose r1 …")
     page.click("text=Yes, lose r1")
-    wait_for(opened, "#incidents", "15: robot r1 lost")
+    wait_for(opened, "#incidents", "16: robot r1 lost")
     page.keyboard.press(" ")
     wait_for(opened, "#mission h2", "Live, over")
     page.click("#mission >> text=Save")
@@ -324,7 +342,7 @@ def test_fractions_are_drawn_saved_run_and_added(opened: Opened, tmp_path: Path)
     click(opened, 6, 6)
     page.fill("[name='cap 0']", "0.125")
     page.click("text=Add task")
-    wait_for(opened, "#incidents", "1: a task at [6, 6] that needs 0.125 x lift")
+    wait_for(opened, "#incidents", "1: task t2 at [6, 6] that needs 0.125 x lift")
 
 
 def test_from_the_example_to_its_mission_and_back(begun: Opened, served: Served) -> None:

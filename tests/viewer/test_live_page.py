@@ -54,6 +54,36 @@ def test_a_mission_starts_with_a_click_and_ends(opened: Opened) -> None:
     opened.wait_until("window.teamformer.step === 13", 30)
     wait_for(opened, "#status", "Completed")
     wait_for(opened, "#mission h2", "Live, over")
+    assert opened.page.inner_text("#outlook") == "All done at step 13."
+    assert "All done at step 13." in opened.page.inner_text("#notice")
+
+
+def test_what_was_worked_out_before_an_incident_is_not_shown_after_it(opened: Opened) -> None:
+    page = opened.page
+    step_to(opened, 4)
+    wait_for(opened, "#outlook", "If nothing more happens: all done at step 13.")
+    page.click("#tab-robots")
+    page.click(".row >> text=r1")
+    page.click("text=What would that cost?")
+    wait_for(opened, "#answer", "With robot r1 lost: all done at step")
+    page.click("text=Lose r1 …")
+    page.evaluate(WATCH_OUTLOOK)
+    page.click("text=Yes, lose r1")
+    wait_for(opened, "#incidents", "5: robot r1 lost")
+    assert page.inner_text("#answer") == ""
+    wait_for(opened, "#outlook", "If nothing more happens")
+    texts = page.evaluate("window.outlooks")
+    assert any(text.startswith("Working out how it ends") for text in texts)
+    assert "Incident in step 5: robot r1 lost." in page.inner_text("#notice")
+    assert opened.details().startswith("r1\nClose\nLost in step 5")
+
+
+WATCH_OUTLOOK = """() => {
+  window.outlooks = [];
+  const box = document.querySelector("#outlook");
+  new MutationObserver(() => window.outlooks.push(box.textContent))
+    .observe(box, { childList: true, characterData: true, subtree: true });
+}"""
 
 
 def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
@@ -76,13 +106,13 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     page.click("text=Lose r1 …")
     assert len(served.session.mission.incidents) == 1  # the task
     page.click("text=Yes, lose r1")
-    wait_for(opened, "#incidents", "4: robot r1 lost")
+    wait_for(opened, "#incidents", "5: robot r1 lost")
     wait_for(opened, "#details", "r1 counts for nothing from the next step on")
     assert page.locator("text=Lose r1").count() == 0
     step_to(opened, 6, begun=4)
     page.click("text=Bring r1 back")
     wait_for(opened, "#details", "r1 is there again from the next step on")
-    wait_for(opened, "#incidents", "6: robot r1 back")
+    wait_for(opened, "#incidents", "7: robot r1 back")
     page.keyboard.press(" ")
     wait_for(opened, "#status", "Completed")
     page.click("#mission >> text=Save")
@@ -111,7 +141,7 @@ def test_after_an_incident_the_page_says_what_is_so(browser: Any, tmp_path: Path
         add_a_task(opened)
         wait_for(opened, "#details", "Is told its next task with the next step")
         assert "Why: planned anew after step 3: extra appears." in opened.details()
-        assert page.get_attribute("#notice", "class") == "notice plain"
+        assert page.get_attribute("#notice-box", "class") == "notice plain"
         page.click("#tab-robots")
         page.click(".row >> text=r1")
         page.click("text=Lose r1 …")
@@ -119,7 +149,7 @@ def test_after_an_incident_the_page_says_what_is_so(browser: Any, tmp_path: Path
         wait_for(opened, "#details", "Lost")
         wait_for(opened, "#figures", "Lostr1")
         wait_for(opened, "#notice", "robot r1 lost")
-        assert page.get_attribute("#notice", "class").strip() == "notice"
+        assert page.get_attribute("#notice-box", "class").strip() == "notice"
         assert "assignment" not in opened.details()
         step_to(opened, 4, begun=3)
         wait_for(opened, "#details", "Lost in step 4")
@@ -170,12 +200,39 @@ def test_actions_are_in_sight_beside_the_map(opened: Opened, width: int, height:
         box = opened.page.get_by_role("button", name=name, exact=True).bounding_box()
         assert 0 <= box["x"] < width - box["width"]
         assert box["y"] + box["height"] < floor
+    assert opened.page.locator("#tab-events").bounding_box()["y"] < floor
     opened.page.click("text=New task …")
-    add = opened.page.get_by_role("button", name="Add task")
-    add.scroll_into_view_if_needed()
-    box = add.bounding_box()
-    assert box["y"] + box["height"] < floor
+    opened.wait_for_a_frame()
+    floor = opened.page.locator(".transport").bounding_box()["y"]
+    for field in opened.page.locator("#new-task :is(input, button)").all():
+        box = field.bounding_box()
+        assert 0 <= box["x"] <= width - box["width"]
+        assert opened.page.locator(".side").bounding_box()["y"] <= box["y"]
+        assert box["y"] + box["height"] < floor
     assert opened.page.locator("#map").bounding_box()["y"] >= 0  # it has not scrolled away
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+def test_neither_a_notice_nor_the_start_moves_or_covers_the_map(
+    opened: Opened, width: int, height: int
+) -> None:
+    page = opened.page
+    page.set_viewport_size({"width": width, "height": height})
+    wait_for(opened, "#outlook", "all done at step 13")
+    opened.wait_for_a_frame()
+    before = page.locator("#map").bounding_box()
+    assert page.locator("#start").bounding_box()["y"] >= before["y"] + before["height"]
+    step_to(opened, 1)
+    opened.wait_until("document.querySelector('#start').hidden")
+    page.evaluate("window.location.hash = 'robot=r1'")
+    page.click("text=Lose r1 …")
+    page.click("text=Yes, lose r1")
+    wait_for(opened, "#notice", "Incident in step 2: robot r1 lost")
+    assert page.is_visible("#notice")
+    after = page.locator("#map").bounding_box()
+    assert (after["width"], after["height"]) == (before["width"], before["height"])
+    page.click("#notice-close")
+    assert page.is_hidden("#notice")
 
 
 def test_one_looks_back_while_the_mission_goes_on(opened: Opened) -> None:
@@ -218,9 +275,16 @@ def test_a_task_in_a_wall_is_refused_in_the_page(opened: Opened, served: Served)
     assert "inside an obstacle; the nearest free cell is" in opened.page.inner_text("#notice")
     assert served.session.mission.incidents == []
     opened.wait_until("document.activeElement?.matches('[name=x][aria-invalid]')")
+    opened.page.fill("[name='cap 0']", "0")
+    opened.page.click("text=Add task")
+    wait_for(opened, "#notice", "needs nothing")
+    marked = "[...document.querySelectorAll('[aria-invalid]')].map(({ name }) => name)"
+    assert opened.page.evaluate(marked) == ["x", "y", "cap 0", "cap 1"]  # both are wrong
+    assert "task 't4'" in opened.page.inner_text("#notice")
+    opened.page.fill("[name='cap 0']", "1")
     opened.page.fill("[name=x]", "2")
     opened.page.click("text=Add task")
-    wait_for(opened, "#incidents", "that needs lift")
+    wait_for(opened, "#incidents", "0: task t4 at [2, 1] that needs lift")
     assert opened.page.is_hidden("#new-task")
 
 
@@ -242,6 +306,7 @@ def test_an_incident_is_undone_in_the_page(opened: Opened, served: Served) -> No
     lose_r1(opened)
     page.click("#incidents >> text=Undo")  # no step since: at once
     opened.wait_until("!document.querySelector('#incidents li')")
+    wait_for(opened, "#notice", "Undone: robot r1 lost. The mission is back at step 2.")
     lose_r1(opened)
     step_to(opened, 4, begun=2)
     page.click("#incidents >> text=Undo")
@@ -256,6 +321,7 @@ def test_an_incident_is_undone_in_the_page(opened: Opened, served: Served) -> No
     page.click("text=Restart …")
     page.get_by_role("button", name="Restart", exact=True).click()
     opened.wait_until("window.teamformer.last === 0")
+    wait_for(opened, "#notice", "The mission is back at its start; nothing has happened to it.")
     wait_for(opened, "#start-text", "Start the mission")
 
 

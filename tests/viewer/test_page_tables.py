@@ -205,3 +205,20 @@ def test_menus_close_by_escape_and_by_clicks_elsewhere(open_page: Opener, dock: 
         assert page.is_visible("#downloads")
         leave()
         assert page.is_hidden("#downloads")
+
+
+def test_on_a_tablet_all_rows_of_a_mission_are_in_sight(open_page: Opener, lane: Tree) -> None:
+    """And on a phone a shadow says that a table goes on at its side."""
+    scenario = lane["scenario"]
+    tasks = [scenario["tasks"][0] | {"name": f"t{number}"} for number in range(14)]
+    opened = open_page(toy_replay(scenario | {"tasks": tasks}), "#view=tasks")
+    opened.page.set_viewport_size({"width": 820, "height": 1180})
+    opened.wait_for_a_frame()
+    rows = opened.page.locator("#stage-tasks .rows").bounding_box()
+    assert rows["height"] >= 14 * 32
+    opened.page.set_viewport_size({"width": 390, "height": 844})
+    across = opened.page.locator("#stage-tasks .across")
+    assert across.evaluate("(box) => box.scrollWidth > box.clientWidth")
+    assert (
+        across.evaluate("(box) => getComputedStyle(box).backgroundAttachment").count("local") == 2
+    )

@@ -288,7 +288,7 @@ def test_what_is_no_record_is_refused_and_nothing_is_lost(
 ) -> None:
     opened = open_page(dock, "#step=7")
     opened.drop(text)
-    opened.wait_until("!document.querySelector('#notice').hidden")
+    opened.wait_until("!document.querySelector('#notice-box').hidden")
     assert message in opened.page.inner_text("#notice")
     assert opened.shown_step() == 7
     assert opened.errors == []
@@ -402,3 +402,78 @@ def test_messages_of_a_rehearsal_are_drawn_and_can_be_left_out(open_page: Opener
     without = pixels()
     assert with_messages[0] != without[0]
     assert with_messages[1] == without[1]
+
+
+@pytest.mark.parametrize(("width", "height"), SIZES)
+def test_the_legend_of_capabilities_and_the_tools_are_all_in_sight(
+    open_page: Opener, dock: Tree, width: int, height: int
+) -> None:
+    opened = open_page(dock, "#step=3")
+    opened.page.set_viewport_size({"width": width, "height": height})
+    opened.wait_for_a_frame()
+    buttons = opened.page.locator("#tools button:visible").all()
+    assert len(buttons) > 8
+    for button in buttons:
+        box = button.bounding_box()
+        assert 0 <= box["x"] <= width - box["width"]
+    if width == 390:
+        assert opened.page.is_hidden("#lines")
+        opened.page.click("#more")
+        assert opened.page.is_visible("#lines")
+
+
+def test_the_legend_of_a_crowd_lies_over_the_map_and_not_on_it(open_page: Opener) -> None:
+    opened = open_page(toy_replay(random_scenario(60, 50, 4, 40, 2)), "#step=3")
+    opened.page.set_viewport_size({"width": 390, "height": 844})
+    opened.wait_until("window.teamformer.detail() !== 'robots'")
+    opened.wait_for_a_frame()
+    opened.wait_for_a_frame()
+    lowest = max(item["y"] for item in opened.page.evaluate("window.teamformer.legend()"))
+    world = opened.page.evaluate("JSON.parse(document.querySelector('#replay').textContent)")
+    height = world["scenario"]["world"]["grid"][1]
+    tops = [opened.page.evaluate(f"window.teamformer.pixelOf(0, {y}).y") for y in (0, height - 1)]
+    assert lowest < min(tops)
+
+
+def test_names_of_robots_do_not_lie_over_other_robots(open_page: Opener) -> None:
+    robots = [
+        {"name": f"robot-{x}-{y}", "at": [x, y], "can": {"lift": 1}}
+        for x in range(4)
+        for y in range(3)
+    ]
+    scenario = small_scenario() | {"robots": robots}
+    scenario["tasks"] = [{"name": "far", "at": [9, 6], "needs": {"lift": 1}}]
+    opened = open_page(toy_replay(scenario), "#step=0")
+    opened.page.set_viewport_size({"width": 820, "height": 1180})
+    opened.wait_for_a_frame()
+    opened.wait_for_a_frame()
+    names = [it for it in opened.page.evaluate("window.teamformer.names()") if it["text"] != "far"]
+    assert names
+    for name in names:
+        for robot in range(len(robots)):
+            spot = opened.page.evaluate(f"window.teamformer.robotSpot({robot})")
+            is_over = abs(spot["x"] - name["x"]) < name["half"] - 2 + spot["r"]
+            assert not (is_over and abs(spot["y"] - name["y"]) < spot["r"] + 4)
+
+
+def test_many_short_bars_are_no_white_lines(open_page: Opener) -> None:
+    """The row of a robot that goes from task to task is as good as full."""
+    opened = open_page(toy_replay(random_scenario(100, 300, 4, 60, 2)), "#view=gantt")
+    opened.wait_until("document.querySelector('#gantt').width > 0")
+    opened.wait_for_a_frame()
+    opened.wait_for_a_frame()
+    part = opened.page.evaluate(EMPTY_PART)
+    assert part < 0.08
+
+
+EMPTY_PART = """() => {
+  const canvas = document.querySelector("#gantt");
+  const { bars, rowHeight } = window.teamformer.bars(0);
+  const sharpness = canvas.width / canvas.clientWidth;
+  const [left, right] = [bars[0].left, bars.at(-1).right].map((x) => Math.round(x * sharpness));
+  const y = Math.round((24 + rowHeight * 0.25) * sharpness);
+  const { data } = canvas.getContext("2d").getImageData(left, y, right - left, 1);
+  let empty = 0;
+  for (let at = 0; at < data.length; at += 4) empty += data[at] > 200 && data[at + 2] > 200;
+  return empty / (right - left);
+}"""

@@ -19,6 +19,7 @@ from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
+from teamformer.sim.replay.task_times import cost_of_record
 from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 from teamformer.trials.worker_processes import work_in_processes
@@ -67,9 +68,9 @@ def _played(
     mission: Scenario, method: str, with_path: bool
 ) -> tuple[float | None, tuple[Stretch, ...]]:
     replay = run_trial(expected_mission(mission), load_method(method)).replay
-    makespan = replay.end.makespan
+    value = replay.end.makespan if mission.cost is None else cost_of_record(replay)
     path = path_of_record(replay) if with_path else ()
-    return None if makespan is None else float(makespan), path
+    return None if value is None else float(value), path
 
 
 def _planned(

@@ -199,6 +199,7 @@ def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> 
         seed=seed,
         completed=makespan is not None,
         makespan=makespan,
+        cost=None,
         steps=makespan,
         tasks_done=None,
         tasks=len(scenario.tasks),
@@ -229,12 +230,12 @@ def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
     makespan = tally.steps if tally.status == "completed" else None
     return replace(
         known_row(job, seed, scenario, makespan),
+        cost=tally.cost,
         steps=tally.steps,
         tasks_done=tally.tasks_done,
         joins=tally.joins,
         splits=tally.splits,
         illegal_decisions=tally.illegal_decisions,
-        cost=None if tally.cost is None else round(tally.cost, 6),
     )
 
 

@@ -25,11 +25,12 @@ Between it and `central`, which knows the truth, lies the room that there is to 
 class Summary:
     """One method in one setting.
 
-    `makespan` is over completed trials only, as the paper has it; `steps` over all, a failure
-    counting as its step limit. `against` holds, for each baseline, the difference of makespans
-    over the worlds that both completed; `to_central` is that to `central` as a part of its mean.
+    `makespan` and `cost` are over completed trials only, as the paper has it; `steps` over all, a
+    failure counting as its step limit. `against` holds, for each baseline, the difference of
+    makespans over the worlds that both completed; `to_central` is that to `central` as a part of
+    its mean, and `cost_to_central` the same of costs.
     `room` is the part of the steps between `HOPEFUL` and `central` that is won, on the worlds that
-    all three completed. `cost` is over completed trials of missions that have a cost.
+    all three completed.
     `inference` is the CPU time that deciding took in a trial,
     `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
     ratios of the makespan to the best known and to the lower bound of the same world, less one;
@@ -42,10 +43,11 @@ class Summary:
     trials: int
     failures: int
     makespan: Mean
-    cost: Mean
+    cost: Mean  # of missions that have one
     steps: Mean
     against: Mapping[str, Mean]
     to_central: Mean
+    cost_to_central: Mean
     room: Mean
     inference: Mean
     waiting: Mean
@@ -74,6 +76,10 @@ def summarise(rows: Iterable[Row]) -> list[Summary]:
         cell: {row.world_seed: row.makespan for row in cells[cell] if row.makespan is not None}
         for cell in cells
     }
+    costs = {
+        cell: {row.world_seed: row.cost for row in cells[cell] if row.cost is not None}
+        for cell in cells
+    }
     planned: dict[str, set[int]] = defaultdict(set)
     for (setting, _), found in cells.items():
         planned[setting] |= {row.world_seed for row in found if row.relaxed is not None}
@@ -87,6 +93,7 @@ def summarise(rows: Iterable[Row]) -> list[Summary]:
                 if bar != method and (setting, bar) in makespans
             },
             share_of(makespans[setting, method], makespans.get((setting, CENTRAL), {})),
+            share_of(costs[setting, method], costs.get((setting, CENTRAL), {})),
             room_won(
                 makespans[setting, method],
                 makespans.get((setting, HOPEFUL), {}),
@@ -112,7 +119,7 @@ def differences(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
     return mean_of([ours[world] - theirs[world] for world in ours if world in theirs])
 
 
-def share_of(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
+def share_of(ours: Mapping[int, float], theirs: Mapping[int, float]) -> Mean:
     """Return the mean of ours less theirs as a part of their mean, over the worlds of both."""
     shared = [world for world in ours if world in theirs]
     if not shared:
@@ -140,6 +147,7 @@ def _summary(
     planned: set[int],
     against: Mapping[str, Mean],
     to_central: Mean,
+    cost_to_central: Mean,
     room: Mean,
 ) -> Summary:
     known = [row for row in rows if row.world_seed in planned or not planned]
@@ -155,6 +163,7 @@ def _summary(
         steps=_mean(row.steps for row in rows),
         against=against,
         to_central=to_central,
+        cost_to_central=cost_to_central,
         room=room,
         inference=_mean(row.decision_cpu_seconds for row in alone),
         waiting=_mean(row.decision_seconds for row in alone),

@@ -29,12 +29,19 @@ def view(
     files: Annotated[
         list[Path],
         typer.Argument(
-            metavar="REPLAY... [PAGE]",
-            help="records, and the .html to write; beside the first record if not named",
+            metavar="FILE... [PAGE]",
+            help="records, and the .html to write, by default beside the first; or a map",
         ),
     ],
 ) -> None:
-    """Write the page of a recorded trial, or of several trials in step."""
+    """Write the page of a recorded trial, or of several in step; of a map, draw the free cells.
+
+    A mission (.yaml) or a map (.map, or a ROS map's .yaml) is drawn in the terminal.
+    """
+    if len(files) == 1 and files[0].suffix.lower() in (".yaml", ".yml", ".map"):
+        from teamformer.commands.missions.draw_map import draw_map
+
+        raise typer.Exit(draw_map(files[0]))
     from teamformer.commands.records.view import view as command
 
     raise typer.Exit(command(files))

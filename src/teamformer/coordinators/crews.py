@@ -10,8 +10,9 @@ from teamformer.planning.steps.situation import situation_of
 from teamformer.planning.steps.starts import plan_from_crews
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
-ROUNDS = 1500
-"""How many changes are tried for each open task."""
+ROUNDS, MOST_ROUNDS = 1500, 1_500_000
+"""How many changes are tried for each open task, and in all; with more than that plans of 3,000
+tasks are not better."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,8 @@ class Crews:
         """
         if not known.possible_tasks:
             return Plan(made_from="nothing")
-        situation = situation_of(replace(known, open_tasks=known.possible_tasks))
-        rounds = self.rounds * len(situation.tasks)
+        situation = situation_of(replace(known, open_tasks=known.possible_tasks), in_table=False)
+        rounds = min(self.rounds * len(situation.tasks), MOST_ROUNDS)
         dealt = plan_from_crews(situation.problem, situation.company, rounds)
         crews = time_team_plan(situation, dealt)
         timed = [("crews", crews)]

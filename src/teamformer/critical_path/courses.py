@@ -6,17 +6,23 @@ records of a thousand robots too.
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from teamformer.capabilities import covers, total
-from teamformer.critical_path.stretches import FORMING, IDLE, LOST, SERVING, WAITING, WALKING
 from teamformer.grid import Place
 from teamformer.model import Scenario
-from teamformer.plane import Plane
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import (
+    CARRYING,
+    LOADING,
+    SERVING,
+    UNLOADING,
+    is_same_place,
+    phase_of,
+)
 from teamformer.sim.replay.record import Replay, Step
 from teamformer.sim.replay.teams import Teams
 
@@ -46,13 +52,17 @@ class Changing(Generic[Value]):
 
 @dataclass(frozen=True)
 class Service:
-    """A task that was done: from the end of step `begun` to the end of step `ended`."""
+    """What a team did for a task: from the end of step `begun` to the end of step `ended`.
+
+    A load has several: each time that it is loaded and carried, and at last unloaded.
+    """
 
     task: int
+    doing: str  # one of AT_WORK
     begun: int
     ended: int
     begun_by: tuple[int, ...]  # the robots of the team that was there then
-    robots: tuple[int, ...]  # those of the team that did it
+    robots: tuple[int, ...]  # those of the team that ended it
 
 
 @dataclass
@@ -74,8 +84,11 @@ class Courses:
 
     def __init__(self, replay: Replay) -> None:
         self.mission: Scenario = replay.mission
-        self.services: dict[int, Service] = {}  # by task
+        self.services: dict[int, Service] = {}  # the last one of each task
         self.done_in: dict[int, list[int]] = {}  # tasks by the step in which they were done
+        self.set_down_in: dict[int, list[tuple[int, tuple[int, ...]]]] = {}  # loads, by whom
+        self._up: dict[int, tuple[int, tuple[int, ...]]] = {}  # load -> since when, by whom
+        self._goal = [Changing(task.at) for task in self.mission.tasks]  # where teams head for
         teams = Teams(replay)
         self._of = [
             _Course(
@@ -108,15 +121,40 @@ class Courses:
         for slot, task in step.pursued:
             for robot in teams.robots.get(slot, ()):
                 self._of[robot].told[number] = task
+        for task, x, y in step.left:
+            robots = self._carried(task, number)
+            self._goal[task].set(number, (x, y))
+            self.set_down_in.setdefault(number, []).append((task, robots))
+        for task, slot in step.taken:
+            wanted, robots = self.mission.tasks[task], teams.robots[slot]
+            self._write_service(task, LOADING, number - int(wanted.duration), number, robots)
+            self._up[task] = number, robots
+            self._goal[task].set(number, wanted.to or wanted.at)
         for task, slot in step.done:
-            self._write_service(task, number, teams.robots[slot])
+            wanted, robots = self.mission.tasks[task], teams.robots[slot]
+            if wanted.to is None:
+                self._write_service(task, SERVING, number - int(wanted.duration), number, robots)
+            else:
+                arrived = number - int(wanted.unload)
+                self._carried(task, arrived)
+                self._write_service(task, UNLOADING, arrived, number, robots)
+            self.done_in.setdefault(number, []).append(task)
 
-    def _write_service(self, task: int, ended: int, robots: tuple[int, ...]) -> None:
-        begun = ended - int(self.mission.tasks[task].duration)
-        service = Service(task, begun, ended, self._beginners(task, begun, robots), robots)
+    def _carried(self, task: int, ended: int) -> tuple[int, ...]:
+        """Write down that a load was carried since it was taken up; return by whom."""
+        if task not in self._up:
+            return ()
+        since, robots = self._up.pop(task)
+        self._write_service(task, CARRYING, since, ended, robots)
+        return robots
+
+    def _write_service(
+        self, task: int, doing: str, begun: int, ended: int, robots: tuple[int, ...]
+    ) -> None:
+        beginners = self._beginners(task, begun, robots)
+        service = Service(task, doing, begun, ended, beginners, robots)
         self.services[task] = service
-        self.done_in.setdefault(ended, []).append(task)
-        for robot in robots:
+        for robot in {*robots, *beginners}:
             self._of[robot].services.append(service)
 
     def _beginners(self, task: int, begun: int, robots: tuple[int, ...]) -> tuple[int, ...]:
@@ -127,6 +165,13 @@ class Courses:
             if covers(total(fleet[mate].can for mate in team), needs):
                 return team
         return robots
+
+    def news_in(self, step: int) -> Iterator[tuple[int, tuple[int, ...]]]:
+        """Yield tasks that were done or loads that were set down in a step, and who did it."""
+        for task in self.done_in.get(step, ()):
+            yield task, self.services[task].robots
+        for task, robots in self.set_down_in.get(step, ()):
+            yield task, robots
 
     def team(self, robot: int, steps: int) -> tuple[int, ...]:
         """Return the robots of a robot's team after so many steps; of a lost one, nobody."""
@@ -152,23 +197,16 @@ class Courses:
 
     def doing(self, robot: int, step: int) -> str:
         """Return what a robot did in a step."""
-        course = self._of[robot]
-        if not course.team.after(step) or step in course.back:
-            return LOST
-        if step in course.formed:
-            return FORMING
-        if self.service_in(robot, step) is not None:
-            return SERVING
-        if step in course.walked:
-            return WALKING
-        task = self.pursued(robot, step)
-        if task == NOBODY:
-            return IDLE
-        there = self._stands_at(course.place.after(step), self.mission.tasks[task].at)
-        return WAITING if there else WALKING
-
-    def _stands_at(self, one: Place, other: Place) -> bool:
-        world = self.mission.world
-        if isinstance(world, Plane):
-            return math.dist(one, other) <= world.arrival_radius + 1e-9
-        return one == other
+        course, task = self._of[robot], self.pursued(robot, step)
+        service, place = self.service_in(robot, step), course.place.after(step)
+        is_there = task != NOBODY and is_same_place(
+            self.mission, place, self._goal[task].after(step)
+        )
+        return phase_of(
+            is_lost=not course.team.after(step) or step in course.back,
+            has_formed=step in course.formed,
+            work=None if service is None else service.doing,
+            has_moved=step in course.walked,
+            task=task,
+            is_there=is_there,
+        )

@@ -7,21 +7,20 @@ from collections import defaultdict
 from collections.abc import Generator, Iterator
 from typing import NamedTuple
 
-from teamformer.critical_path.stretches import (
-    CLOSED,
-    FORMING,
-    LINKED,
-    SERVING,
-    UNKNOWN,
-    WAITING,
-    WALKING,
-    Stretch,
-    in_order,
-)
+from teamformer.critical_path.stretches import CLOSED, LINKED, UNKNOWN, Stretch, in_order
+from teamformer.mission.windows import release_of
 from teamformer.model import Scenario, Task
 from teamformer.planning.continuous.routes import MissionPlan, Stop
-from teamformer.planning.continuous.times import release_of
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import (
+    CARRYING,
+    FORMING,
+    LOADING,
+    SERVING,
+    UNLOADING,
+    WAITING,
+    WALKING,
+)
 
 NEAR = 1e-9
 """Times nearer than this share of the makespan count as one: sums of fractions are rounded."""
@@ -71,7 +70,7 @@ class _Tracing:
         yield self._back_to(last.stops[place].end, WALKING, last.robot)
         while visit is not None:
             task = visit.stop.task
-            yield self._back_to(visit.stop.start, SERVING, visit.robot, task)
+            yield from self._done(visit)
             visit = yield from self._started(task, visit.robot)
 
     def _back_to(self, when: float, doing: str, robot: int = NOBODY, task: int = NOBODY) -> Stretch:
@@ -79,6 +78,16 @@ class _Tracing:
         stretch = Stretch(when, self._now, doing, robot, task)
         self._now = when
         return stretch
+
+    def _done(self, visit: _Visit) -> Iterator[Stretch]:
+        """Go back from the end of a task to its start."""
+        wanted, robot, stop = self._mission.tasks[visit.stop.task], visit.robot, visit.stop
+        if wanted.to is None:
+            yield self._back_to(stop.start, SERVING, robot, stop.task)
+            return
+        yield self._back_to(stop.end - wanted.unload, UNLOADING, robot, stop.task)
+        yield self._back_to(stop.start + wanted.duration, CARRYING, robot, stop.task)
+        yield self._back_to(stop.start, LOADING, robot, stop.task)
 
     def _started(self, task: int, robot: int) -> Generator[Stretch, None, _Visit | None]:
         """Go back from when a task starts; return the visit at whose end the path goes on."""
@@ -88,7 +97,7 @@ class _Tracing:
             for visit in self._visits_before(wanted):
                 if self._is_now(visit.stop.end):
                     return visit
-            if self._is_now(release_of(self._mission, task)):
+            if self._is_now(release_of(wanted)):
                 is_known = self._is_now(wanted.between[0]) if wanted.between else False
                 yield self._back_to(0, CLOSED if is_known else UNKNOWN, task=task)
                 return None

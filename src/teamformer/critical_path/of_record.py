@@ -6,17 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from teamformer.critical_path.courses import Courses, Service
-from teamformer.critical_path.stretches import (
-    CLOSED,
-    FORMING,
-    IDLE,
-    SERVING,
-    UNKNOWN,
-    WAITING,
-    Stretch,
-    in_order,
-)
+from teamformer.critical_path.stretches import CLOSED, UNKNOWN, Stretch, in_order
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import AT_WORK, FORMING, IDLE, WAITING
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import opening_steps
 
@@ -76,8 +68,10 @@ class _Tracing:
     def _made(self, robot: int) -> Iterator[Stretch]:
         """Go back to before what a robot did in the step now."""
         step, doing = self._now, self._courses.doing(robot, self._now)
-        if doing == SERVING and (service := self._courses.service_in(robot, step)):
-            yield from self._told_of(robot)
+        if doing in AT_WORK and (service := self._courses.service_in(robot, step)):
+            is_same_team = not set(self._robots).isdisjoint(service.begun_by)
+            if service.task != self._task or not is_same_team:
+                yield from self._told_of(robot)
             self._go_before(service, step)
             return
         task = self._courses.pursued(robot, step)
@@ -95,7 +89,7 @@ class _Tracing:
     def _go_before(self, service: Service, until: int) -> None:
         """Go back to when those who began a service were ready for it."""
         self._robots, self._task = _led_by(self._robots, service.begun_by), service.task
-        stretch = Stretch(service.begun, until, SERVING, task=service.task)
+        stretch = Stretch(service.begun, until, service.doing, task=service.task)
         self._together.append((stretch, self._robots))
         self._now = service.begun
 
@@ -110,8 +104,7 @@ class _Tracing:
         doing = self._courses.doing(robot, self._now)
         if doing == IDLE and self._now != self._passed_on:
             self._passed_on = self._now
-            for task in self._courses.done_in.get(self._now, ()):
-                doers = self._courses.services[task].robots
+            for task, doers in self._courses.news_in(self._now):
                 if robot not in doers:  # what they did gave it its next task
                     self._robots, self._task = doers, task
                     return

@@ -8,9 +8,11 @@ from typing import Any
 
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import PHASES
 
-DOINGS = ("walking", "waiting", "forming", "serving", "idle", "lost", "unknown", "closed", "linked")
-WALKING, WAITING, FORMING, SERVING, IDLE, LOST, UNKNOWN, CLOSED, LINKED = DOINGS
+NOT_TO_BE_DONE = ("unknown", "closed", "linked")
+UNKNOWN, CLOSED, LINKED = NOT_TO_BE_DONE
+DOINGS = (*PHASES, *NOT_TO_BE_DONE)
 """Until a task is known (`unknown`) or may begin (`closed`), what robots do does not matter.
 
 A `linked` stretch lies between the starts of two tasks in continuous time; it is negative where the

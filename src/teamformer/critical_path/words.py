@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from teamformer.critical_path.stretches import (
-    CLOSED,
-    DOINGS,
-    FORMING,
-    IDLE,
-    LINKED,
-    LOST,
-    SERVING,
-    UNKNOWN,
-    WAITING,
-    WALKING,
-    Stretch,
-)
+from teamformer.critical_path.stretches import CLOSED, DOINGS, LINKED, UNKNOWN, Stretch
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import (
+    CARRYING,
+    FORMING,
+    IDLE,
+    LOADING,
+    LOST,
+    PHASES,
+    SERVING,
+    UNLOADING,
+    WAITING,
+    WALKING,
+)
 
 MOST_LINES = 8
 """Of a longer path the last ones are told; `--json` tells all."""
@@ -29,6 +29,9 @@ VERBS = {
     WAITING: "waits",
     FORMING: "forms a team",
     SERVING: "serves",
+    LOADING: "loads",
+    CARRYING: "carries",
+    UNLOADING: "unloads",
     IDLE: "is idle",
     LOST: "is lost",
     UNKNOWN: "is not known yet",
@@ -36,12 +39,7 @@ VERBS = {
     LINKED: "its start is linked",
 }
 SHARES = {
-    WALKING: "walking",
-    WAITING: "waiting",
-    FORMING: "forming",
-    SERVING: "serving",
-    IDLE: "idle",
-    LOST: "lost",
+    **{phase: phase for phase in PHASES},
     UNKNOWN: "before tasks are known",
     CLOSED: "before tasks may begin",
     LINKED: "between linked starts",

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from teamformer.capabilities import describe
 from teamformer.export.events import events
-from teamformer.export.moments import PHASES, Moment, moments
+from teamformer.export.moments import Moment, moments
 from teamformer.rules.constants import NEVER, NOBODY
+from teamformer.sim.replay.phases import PHASES
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import opening_steps
 

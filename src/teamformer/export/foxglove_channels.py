@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import colorsys
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import foxglove
@@ -181,8 +182,8 @@ def _tasks(
             color=_colour(number, 0.25 if is_done else 0.9),
         )
         texts = [_text(task.name, moment.task_at[number], size)]
-        needs = describe(task.needs)
-        yield _entity(f"task/{task.name}", time, cubes=[box], texts=texts, needs=needs)
+        facts = {"needs": describe(task.needs)}
+        yield _entity(f"task/{task.name}", time, cubes=[box], texts=texts, facts=facts)
 
 
 def _robots(scenario: Scenario, moment: Moment, time: int) -> Iterator[SceneEntity]:
@@ -201,7 +202,8 @@ def _robots(scenario: Scenario, moment: Moment, time: int) -> Iterator[SceneEnti
         name = scenario.robots[robot].name
         lines = [] if task == NOBODY else [_line(place, moment.task_at[task], size, colour)]
         texts = [_text(name if slot != NOBODY else f"{name}, lost", place, size)]
-        yield _entity(f"robot/{name}", time, cylinders=[disc], lines=lines, texts=texts)
+        told = {"phase": moment.phase[robot]}
+        yield _entity(f"robot/{name}", time, [], [disc], lines, texts, told)
 
 
 def _entity(
@@ -211,7 +213,7 @@ def _entity(
     cylinders: Sequence[CylinderPrimitive] = (),
     lines: Sequence[LinePrimitive] = (),
     texts: Sequence[TextPrimitive] = (),
-    needs: str = "",
+    facts: Mapping[str, str] = MappingProxyType({}),
 ) -> SceneEntity:
     return SceneEntity(
         timestamp=_timestamp(time),
@@ -221,7 +223,7 @@ def _entity(
         cylinders=list(cylinders),
         lines=list(lines),
         texts=list(texts),
-        metadata=[KeyValuePair(key="needs", value=needs)] if needs else [],
+        metadata=[KeyValuePair(key=key, value=value) for key, value in facts.items()],
     )
 
 

@@ -11,9 +11,10 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from teamformer.export.moments import IDLE, LOST, SERVING, Moment, moments
+from teamformer.export.moments import Moment, moments
 from teamformer.grid import Grid, Place
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import AT_WORK, IDLE, LOST
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import done_steps, opening_steps
 
@@ -92,7 +93,7 @@ class _Sheet:
         image = self._ground.copy()
         pen = ImageDraw.Draw(image)
         now = zip(moment.task, moment.phase, strict=True)
-        served = {task for task, phase in now if phase == SERVING}
+        served = {task for task, phase in now if phase in AT_WORK}
         self._draw_tasks(pen, moment, served)
         self._draw_robots(pen, moment)
         pen.text((MARGIN, self._size[1] - CAPTION + 4), self._caption(moment), INK, self._font)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from teamformer.export.services import Services, is_same_place
+from teamformer.export.services import Services
 from teamformer.grid import Place
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import IDLE, is_same_place, phase_of
 from teamformer.sim.replay.record import Replay, Step
 from teamformer.sim.replay.teams import Teams
-
-PHASES = ("walking", "waiting", "forming", "serving", "idle", "lost")
-WALKING, WAITING, FORMING, SERVING, IDLE, LOST = PHASES
 
 
 @dataclass(frozen=True)
@@ -64,31 +62,27 @@ class _Activities:
         """Make a step; return the task that each robot was about in it, and what it did."""
         was_at, was_for = self._places(), self._tasks()
         forming = self.teams.follow(step)
-        slots = self.teams.slot
-        at_work = self._services.slots_at_work()
-        serving = {robot for robot, slot in enumerate(slots) if slot in at_work}
+        by_slot = self._services.work(number)
+        work = [by_slot.get(slot) for slot in self.teams.slot]
         self._services.go_on(step, number)
         phases, told = [], dict(step.pursued)
         pursued = [
             NOBODY if slot == NOBODY else told.get(slot, before if now == NOBODY else now)
             for slot, before, now in zip(self.teams.slot, was_for, self._tasks(), strict=True)
         ]
-        for robot, slot in enumerate(self.teams.slot):
-            if slot == NOBODY or robot in step.back:
-                phases.append(LOST)
-            elif robot in forming:
-                phases.append(FORMING)
-            elif robot in serving:
-                phases.append(SERVING)
-            else:
-                phases.append(self._way(was_at[robot], self.teams.place(robot), pursued[robot]))
+        for robot, (slot, task) in enumerate(zip(self.teams.slot, pursued, strict=True)):
+            place = self.teams.place(robot)
+            is_lost = slot == NOBODY or robot in step.back
+            phases.append(
+                phase_of(
+                    *(is_lost, robot in forming, work[robot], place != was_at[robot], task),
+                    is_there=self._is_at(place, task),
+                )
+            )
         return pursued, phases
 
-    def _way(self, before: Place, after: Place, task: int) -> str:
-        """Return what a robot did that neither formed nor served."""
-        if before != after:
-            return WALKING
+    def _is_at(self, place: Place, task: int) -> bool:
+        """Say whether a place is where a team heads for that is to do a task."""
         if task == NOBODY:
-            return IDLE
-        there = is_same_place(self._mission, after, self._services.goal_of(task))
-        return WAITING if there else WALKING
+            return False
+        return is_same_place(self._mission, place, self._services.goal_of(task))

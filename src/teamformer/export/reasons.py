@@ -9,10 +9,21 @@ from itertools import islice
 
 from teamformer.capabilities import describe, missing, total
 from teamformer.export.events import events
-from teamformer.export.moments import FORMING, IDLE, LOST, SERVING, WAITING, Moment, moments
+from teamformer.export.moments import Moment, moments
 from teamformer.export.plans_in_force import PlansInForce
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import (
+    AT_WORK,
+    CARRYING,
+    FORMING,
+    IDLE,
+    LOADING,
+    LOST,
+    SERVING,
+    UNLOADING,
+    WAITING,
+)
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import opening_steps
 
@@ -73,6 +84,9 @@ class _Narrator:
             IDLE: "idle",
             FORMING: f"forms {mates}" if mates else "forms a team",
             SERVING: f"serves {name}",
+            LOADING: f"loads {name}",
+            CARRYING: f"carries {name}",
+            UNLOADING: f"unloads {name}",
             WAITING: f"waits at {name}",
         }.get(phase, f"walks to {name}" if name else "walks, while plans are made anew")
         return f"{what}, {mates}" if mates and phase not in (LOST, FORMING) else what
@@ -84,7 +98,7 @@ class _Narrator:
             return _why_waiting(self._replay.mission, moment, self._robot, task)
         if phase == IDLE:
             return self._why_idle(moment)
-        if phase == SERVING:
+        if phase in AT_WORK:
             return "its team brings all that the task needs"
         if phase in (LOST, FORMING) or task == NOBODY:
             return ""

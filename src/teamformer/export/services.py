@@ -6,11 +6,10 @@ import math
 
 from teamformer.capabilities import covers, total
 from teamformer.grid import Place
-from teamformer.model import Scenario
-from teamformer.plane import Plane
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.phases import is_same_place, work_on
 from teamformer.sim.replay.record import Replay, Step
-from teamformer.sim.replay.task_times import opening_steps
+from teamformer.sim.replay.task_times import done_steps, opening_steps
 from teamformer.sim.replay.teams import Teams
 
 
@@ -20,15 +19,19 @@ class Services:
     def __init__(self, replay: Replay, teams: Teams) -> None:
         self._mission, self._teams = replay.mission, teams
         self._serving: dict[int, set[int]] = {}  # task -> robots that began it
-        self._opens = opening_steps(replay)
+        self._opens, self._done = opening_steps(replay), done_steps(replay)
         self._is_done = [False] * len(self._mission.tasks)
         self._lies = [task.at for task in self._mission.tasks]  # loads where they were taken up
         self._up: dict[int, Place] = {}  # load that is carried -> where it is brought to
 
-    def slots_at_work(self) -> set[int]:
-        """Return the slots of teams that serve something."""
-        slots = {self._teams.slot[robot] for robots in self._serving.values() for robot in robots}
-        return slots - {NOBODY}
+    def work(self, number: int) -> dict[int, str]:
+        """Return what teams do for tasks in the step that comes, by slot."""
+        work: dict[int, str] = {}
+        for task, robots in self._serving.items():
+            wanted, done_in = self._mission.tasks[task], self._done.get(task, math.inf)
+            doing = work_on(wanted, task in self._up, number, done_in)
+            work |= dict.fromkeys((self._teams.slot[robot] for robot in robots), doing)
+        return {slot: doing for slot, doing in work.items() if slot != NOBODY}
 
     def goal_of(self, task: int) -> Place:
         """Return where a team heads for that is to do a task."""
@@ -102,10 +105,3 @@ class Services:
             return False
         robots = (self._mission.robots[robot] for robot in self._teams.robots[slot])
         return covers(total(robot.can for robot in robots), self._mission.tasks[task].needs)
-
-
-def is_same_place(scenario: Scenario, one: Place, other: Place) -> bool:
-    """Say whether two places are one: the same cell, or points within the arrival radius."""
-    if isinstance(scenario.world, Plane):
-        return math.dist(one, other) <= scenario.world.arrival_radius + 1e-9
-    return one == other

@@ -16,7 +16,7 @@ from teamformer.live.comments import rewrite
 from teamformer.mission.rules import rules_of_live_missions
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
-from teamformer.scenarios.maps.formats import read_coarse_map
+from teamformer.scenarios.maps.formats import is_map, read_coarse_map
 from teamformer.scenarios.tree_reader import INFINITE
 from teamformer.scenarios.tree_writer import world_to_tree
 from teamformer.scenarios.yaml import reader, writer
@@ -45,9 +45,6 @@ EXAMPLE: Tree = EMPTY | {
     ],
 }
 """What the editor begins with: a mission that runs, to be changed."""
-
-ROS_MAP = re.compile(r"^(image|resolution):", re.MULTILINE)
-"""What only the description of a ROS map has at its left edge."""
 
 FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
 
@@ -95,7 +92,7 @@ def open_draft(name: str, text: str, beside: Mapping[str, bytes] | None = None) 
         for other, content in (beside or {}).items():
             (Path(folder) / Path(other).name).write_bytes(content)
         try:
-            if kind == ".map" or ROS_MAP.search(text):
+            if is_map(name, text):
                 return EMPTY | {"name": Path(name).stem, "world": _world_of(read_coarse_map(path))}
             return draft_of_file(path, Path(name).stem)
         except TeamformerError as error:

@@ -19,23 +19,26 @@ SEARCHES = 4
 
 @dataclass(frozen=True)
 class NewTask:
-    """A task that everybody learns of now; an empty name is replaced by a free one."""
+    """A task that everybody learns of now."""
 
     at: Place
     needs: Counts
-    name: str = ""
+    name: str
     duration: int = 0
 
     def apply(self, scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
         """Return the scenario in which this has happened when `steps` steps were made."""
-        name = self.name or _free_name(scenario)
-        task = Task(name, self.at, dict(self.needs), self.duration, steps)
+        task = Task(self.name, self.at, dict(self.needs), self.duration, steps)
         return _checked(scenario, tasks=(*scenario.tasks, task))
 
     def text(self) -> str:
         """Return the incident as words."""
-        what = f"task {self.name}" if self.name else "a task"
-        return f"{what} at [{self.at[0]}, {self.at[1]}] that needs {describe(self.needs)}"
+        place = f"[{self.at[0]}, {self.at[1]}]"
+        return f"task {self.name} at {place} that needs {describe(self.needs)}"
+
+    def told_in(self, steps: int) -> int:
+        """Return the step that the record tells it in if it happens after `steps` steps."""
+        return steps
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,10 @@ class LostRobot:
     def text(self) -> str:
         """Return the incident as words."""
         return f"robot {self.robot} lost"
+
+    def told_in(self, steps: int) -> int:
+        """Return the step that the record tells it in if it happens after `steps` steps."""
+        return steps + 1
 
 
 @dataclass(frozen=True)
@@ -83,6 +90,10 @@ class RobotBack:
         """Return the incident as words."""
         return f"robot {self.robot} back"
 
+    def told_in(self, steps: int) -> int:
+        """Return the step that the record tells it in if it happens after `steps` steps."""
+        return steps + 1
+
 
 Incident = NewTask | LostRobot | RobotBack
 
@@ -102,6 +113,10 @@ class PlanTakenOver:
     def text(self) -> str:
         """Return what happened as words."""
         return f"plan of central taken over: {self.forecast.text()}; before: {self.without.text()}"
+
+    def told_in(self, steps: int) -> int:
+        """Return the step that the record tells it in if it happens after `steps` steps."""
+        return steps
 
 
 Happening = Incident | PlanTakenOver
@@ -153,7 +168,8 @@ def _checked(scenario: Scenario, **changes: object) -> Scenario:
         raise TeamformerError("; ".join(problem.message for problem in error.problems)) from None
 
 
-def _free_name(scenario: Scenario) -> str:
+def free_name(scenario: Scenario) -> str:
+    """Return a name for a new task that no task of a scenario has."""
     names = {task.name for task in scenario.tasks}
     number = len(names) + 1
     while f"t{number}" in names:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from base64 import b64decode
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.live.incidents import Incident, LostRobot, NewTask, RobotBack
+from teamformer.live.incidents import Incident, LostRobot, NewTask, RobotBack, free_name
 from teamformer.model import Scenario
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 
@@ -67,27 +67,29 @@ def read_files(message: Message) -> dict[str, bytes]:
 
 
 class TaskRefusedError(TeamformerError):
-    """A new task is wrong; `key` is what of it, as in a file, or empty."""
+    """A new task is wrong; `keys` are the parts of it that are, as in a file."""
 
-    def __init__(self, message: str, key: str) -> None:
+    def __init__(self, message: str, keys: Sequence[str]) -> None:
         super().__init__(message)
-        self.key = key
+        self.keys = tuple(keys)
 
 
 def read_incident(message: Message, scenario: Scenario) -> Incident:
     """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}` or `{"task": TREE}`.
 
-    A task is written as in a file.
+    A task is written as in a file; without a name it gets one that is free.
     """
     for key, incident in (("lost", LostRobot), ("back", RobotBack)):
         if isinstance(message.get(key), str):
             return incident(message[key])
     if not isinstance(message.get("task"), dict):
         raise TeamformerError("an incident needs 'lost' or 'back': a name, or 'task': a mapping")
-    tree = scenario_to_tree(scenario) | {"tasks": [message["task"]]}
+    task_tree = {"name": free_name(scenario)} | message["task"]
+    tree = scenario_to_tree(scenario)
     try:
-        task = scenario_from_tree(tree).tasks[0]
+        task = scenario_from_tree(tree | {"tasks": [*tree["tasks"], task_tree]}).tasks[-1]
     except ScenarioError as error:
         text = "; ".join(problem.message for problem in error.problems)
-        raise TaskRefusedError(text, "".join(map(str, error.problems[0].where[2:3]))) from None
-    return NewTask(task.at, task.needs, message["task"].get("name", ""), int(task.duration))
+        keys = dict.fromkeys(str(key) for it in error.problems for key in it.where[2:3])
+        raise TaskRefusedError(text, tuple(keys)) from None
+    return NewTask(task.at, task.needs, task.name, int(task.duration))

@@ -125,8 +125,8 @@ class Session:
             message = read_message(text)
             await self._do(watcher, message)
         except TeamformerError as error:
-            key = error.key if isinstance(error, TaskRefusedError) else ""
-            watcher.tell(json.dumps({"kind": "refused", "text": str(error), "key": key}))
+            keys = error.keys if isinstance(error, TaskRefusedError) else ()
+            watcher.tell(json.dumps({"kind": "refused", "text": str(error), "keys": keys}))
 
     async def step(self) -> None:
         """Make one step, if there is one, and tell everybody."""
@@ -164,7 +164,7 @@ class Session:
             if moment not in (None, self._moment()):
                 raise TeamformerError("the mission has gone on since then; plan anew")
             self.mission.scenario_with(incident)
-            text = f"step {self.mission.steps}: {incident.text()}"
+            text = f"step {incident.told_in(self.mission.steps)}: {incident.text()}"
             self._tell_planning(text)
             try:
                 await asyncio.to_thread(self.mission.happen, incident)
@@ -182,8 +182,9 @@ class Session:
         """Go back to just before the latest incident, and tell everybody."""
         self._pause()
         async with self.lock:
-            self.mission.undo()
-            self._tell_another_past()
+            incident = self.mission.undo()
+            back = f"Undone: {incident.text()}. The mission is back at step {self.mission.steps}."
+            self._tell_another_past(back)
 
     async def restart(self) -> None:
         """Go back to the mission's start, with nothing that happened to it, and tell everybody."""
@@ -194,7 +195,7 @@ class Session:
                 self.mission = await asyncio.to_thread(self.mission.anew)
             finally:
                 self._planning_is_over()
-            self._tell_another_past()
+            self._tell_another_past("The mission is back at its start; nothing has happened to it.")
 
     def close(self) -> None:
         """Let everything end that goes on in the background."""
@@ -258,10 +259,10 @@ class Session:
         else:
             raise TeamformerError(f"a mission under way cannot '{command}'")
 
-    def _tell_another_past(self) -> None:
-        """Tell everybody the mission whole, for its past is another."""
+    def _tell_another_past(self, text: str) -> None:
+        """Tell everybody the mission whole, for its past is another, and why."""
         self._changes += 1
-        self._tell_all("mission", {"record": self._record()} | self._state())
+        self._tell_all("mission", {"record": self._record(), "text": text} | self._state())
         self._predict()
         self._work_out_bound()
 
@@ -278,10 +279,12 @@ class Session:
 
     async def _what_if(self, incident: Incident) -> Tree:
         async with self.lock:
-            past = self.mission.past()
+            changes, past = self._changes, self.mission.past()
             changed = await asyncio.to_thread(self.mission.past_with, incident)
         without = await asyncio.to_thread(forecast, past)
         found = await asyncio.to_thread(forecast, changed)
+        if changes != self._changes:
+            raise TeamformerError("something else has happened meanwhile; ask again")
         ends = forecast_to_tree(found) | {"without": forecast_to_tree(without)}
         return {"kind": "what_if", **ends, "text": incident.text()}
 
@@ -334,7 +337,8 @@ class Session:
             is_over = threading.Event()
             try:
                 found = await asyncio.to_thread(forecast, past, is_over.is_set)
-            except TeamformerError:  # of a policy; its step will tell
+            except TeamformerError:  # of a policy; its step will tell more
+                self._tell_all("forecast", {"status": "failed"})
                 return
             finally:
                 is_over.set()
@@ -370,11 +374,13 @@ class Session:
         return record_so_far(self.mission.record(), self.mission.is_running)
 
     def _state(self) -> Tree:
+        incidents = self.mission.incidents
         return {
             "is_playing": self.is_playing,
             "speed": self.speed,
             "watchers": len(self.watchers),
-            "incidents": [[step, incident.text()] for step, incident in self.mission.incidents],
+            "incidents": [[it.told_in(steps), it.text()] for steps, it in incidents],
+            "undo_to": incidents[-1][0] if incidents else None,
             "leaving": self._leaving(),
             "planning": self._planning,
             "has_editor": self.has_editor,

@@ -282,7 +282,7 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
             said = f"{what} has {key}"
             yield from _problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")
         if places_are_good:
-            yield from find_load_problems(scenario.world, task, number)
+            yield from find_load_problems(scenario, number)
         known = {name: n for name, n in task.needs.items() if name in scenario.capabilities}
         if not covers(everybody, known):
             yield Problem((*where, "needs"), _impossible(what, everybody, known))

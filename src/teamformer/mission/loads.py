@@ -9,11 +9,12 @@ from teamformer.errors import Problem
 from teamformer.mission.places import believed_place
 
 if TYPE_CHECKING:
-    from teamformer.model import Scenario, Task, World
+    from teamformer.model import Scenario
 
 
-def find_load_problems(world: World, task: Task, number: int) -> Iterator[Problem]:
+def find_load_problems(scenario: Scenario, number: int) -> Iterator[Problem]:
     """Return why the load of a task cannot be brought to where it is to go."""
+    task, world = scenario.tasks[number], scenario.world
     if task.to is None:
         if task.unload:
             message = f"task '{task.name}' has unload {task.unload:g} but nothing to carry"
@@ -23,12 +24,18 @@ def find_load_problems(world: World, task: Task, number: int) -> Iterator[Proble
     if world.region(place) != world.region(task.to):
         (x, y), (to_x, to_y) = place, task.to
         message = f"nobody can bring the load of task '{task.name}' from [{x}, {y}]"
-        remedy = "no way leads there; move one of the two or open the map"
-        yield Problem(("tasks", number, "to"), f"{message} to [{to_x}, {to_y}]: {remedy}")
+        is_flown_to = any(robot.flies for robot in scenario.robots)
+        fault = "no way leads there"
+        if is_flown_to:
+            fault += " on the ground, and robots do not fly loads over obstacles yet"
+        remedy = "move one of the two or open the map"
+        if is_flown_to and scenario.time == "steps":
+            remedy += ", and drop moves: air"
+        yield Problem(("tasks", number, "to"), f"{message} to [{to_x}, {to_y}]: {fault}; {remedy}")
 
 
 def find_flown_loads(scenario: Scenario) -> Iterator[Problem]:
-    """Return the loads of a mission in which robots fly over obstacles: it cannot have both.
+    """Return the loads of a mission in steps in which robots fly over obstacles.
 
     A team that flies and loses robots might set a load down where nobody on the ground gets to.
     """
@@ -36,9 +43,9 @@ def find_flown_loads(scenario: Scenario) -> Iterator[Problem]:
         return
     for number, task in enumerate(scenario.tasks):
         if task.to is not None:
-            message = f"task '{task.name}' has a load, and robots fly over obstacles"
-            remedy = "one mission cannot have both yet; drop to and unload, or moves: air"
-            yield Problem(("tasks", number, "to"), f"{message}: {remedy}")
+            message = f"task '{task.name}' has a load, and robots do not fly loads over obstacles"
+            remedy = "drop moves: air, or drop to and unload"
+            yield Problem(("tasks", number, "to"), f"{message} yet; {remedy}")
 
 
 def rules_without_loads(scenario: Scenario, who: str) -> Iterator[Problem]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from teamformer.capabilities import covers, describe, missing, total
+from teamformer.capabilities import Counts, covers, describe, missing, total
 from teamformer.errors import Problem
 from teamformer.mission.rules import find_surprises
 
@@ -31,11 +31,15 @@ def find_surprise_problems(scenario: Scenario) -> Iterator[Problem]:
             yield Problem(("robots", number, "delays"), f"{message}; use 0 to less than 1")
     if scenario.arrivals is not None:
         yield from _problems_of_arrivals(scenario.arrivals)
+    is_unsure = any(task.may_need for task in scenario.tasks)
+    everybody = total(robot.can for robot in scenario.robots) if is_unsure else {}
     for number, task in enumerate(scenario.tasks):
         if task.lasts is not None:
             where = ("tasks", number, "duration")
             yield from _problems_of_range(task.lasts, 0, where, f"task '{task.name}' takes")
-        yield from _problems_of_may_need(scenario, task, ("tasks", number, "may_need"))
+        if task.may_need:
+            where = ("tasks", number, "may_need")
+            yield from _problems_of_may_need(scenario, task, everybody, where)
 
 
 def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
@@ -87,7 +91,7 @@ def _problems_of_breaks(
 
 
 def _problems_of_may_need(
-    scenario: Scenario, task: Task, where: tuple[str | int, ...]
+    scenario: Scenario, task: Task, everybody: Counts, where: tuple[str | int, ...]
 ) -> Iterator[Problem]:
     what = f"task '{task.name}' may need"
     for name, probability in task.may_need.items():
@@ -99,8 +103,7 @@ def _problems_of_may_need(
             yield Problem((*where, name), message)
     known = {n: count for n, count in task.worst_needs.items() if n in scenario.capabilities}
     sure = {name: count for name, count in task.needs.items() if name in scenario.capabilities}
-    everybody = total(robot.can for robot in scenario.robots)
-    if task.may_need and covers(everybody, sure) and not covers(everybody, known):
+    if covers(everybody, sure) and not covers(everybody, known):
         short = describe(missing(everybody, known))
         message = f"{what} {describe(known)} but all robots together lack {short}"
         yield Problem(where, f"{message}; add such a robot or drop it from may_need")

@@ -151,11 +151,12 @@ class Tasks:
         self.loads.put_down(self.places)
         for task in sorted(found.keys() | recorded.keys()):
             self._compare(fleet, task, found.get(task), recorded.get(task), step, notes)
-        for task in sorted(found.keys() | recorded.keys()):
-            self.done.setdefault(task, step)
-            for team in fleet.teams.values():
-                team.services.pop(task, None)
-                team.carries = None if team.carries == task else team.carries
+        over = found.keys() | recorded.keys()
+        self.done |= {task: self.done.get(task, step) for task in over}
+        for team in fleet.teams.values():
+            for task in over & team.services.keys():
+                del team.services[task]
+            team.carries = None if team.carries in over else team.carries
 
     def _is_with_load(
         self,
@@ -176,9 +177,10 @@ class Tasks:
         return heads_for in team.services
 
     def _can_begin(self, fleet: Fleet, team: RecordedTeam, task: int, step: int) -> bool:
+        if task in self.done or not self.is_open(task, step - 1) or self.loads.is_let_go(task):
+            return False
         is_served = any(task in other.services for other in fleet.teams.values())
-        is_free = not is_served and task not in self.done and not self.loads.is_let_go(task)
-        return is_free and self.is_open(task, step - 1) and fleet.covers(team, task)
+        return not is_served and fleet.covers(team, task)
 
     def _serve(
         self, fleet: Fleet, slot: int, team: RecordedTeam, task: int, found: dict[int, int]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.grid import BLOCKED, Grid, Place
-from teamformer.jit import entry
+from teamformer.jit import entry, kernel
 from teamformer.rules.arrays import Array
 
 UNREACHABLE = np.int32(2**30)
@@ -52,6 +52,25 @@ def travel_matrix(grid: Grid, origins: Sequence[Place], goals: Sequence[Place]) 
         fill_field(blocked, to_x[goal], to_y[goal], field)
         distances[:, goal] = field[from_y, from_x]
     return distances
+
+
+def longest_straight(origins: Array, goals: Array) -> int:
+    """Return the longest Manhattan distance from origins to goals, (places, 2) each."""
+    (from_x, from_y), (to_x, to_y) = origins.T, goals.T
+    turned = ((from_x + from_y, to_x + to_y), (from_x - from_y, to_x - to_y))
+    return max(max(int(a.max() - b.min()), int(b.max() - a.min())) for a, b in turned)
+
+
+@kernel
+def way_between(table: Array, spots: Array, goals: Array, place: int, goal: int) -> int:
+    """Return the way from a place to a goal, from a table (goals, places) if that has entries.
+
+    Else it is the Manhattan distance from `spots` (places, 2) to `goals` (goals, 2).
+    """
+    if len(table) > 0:
+        return table[goal, place]
+    away_x = abs(goals[goal, 0] - spots[place, 0])
+    return away_x + abs(goals[goal, 1] - spots[place, 1])
 
 
 def straight_ways(origins: Sequence[Place], goals: Sequence[Place]) -> npt.NDArray[np.float64]:

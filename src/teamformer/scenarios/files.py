@@ -9,16 +9,24 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import Problem, ScenarioError, TeamformerError
-from teamformer.model import Scenario
+from teamformer.mission.windows import find_hopeless_windows
+from teamformer.model import Scenario, World
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.tree_reader import Reader
 from teamformer.scenarios.tree_writer import scenario_to_tree
 from teamformer.scenarios.trees import read_tree
+from teamformer.scenarios.world_trees import read_world
 from teamformer.scenarios.yaml import reader, writer
 from teamformer.scenarios.yaml.reader import StopReadingError
 from teamformer.whole_files import write_whole
 
-__all__ = ["read_scenario", "scenario_from_tree", "scenario_to_tree", "write_scenario"]
+__all__ = [
+    "read_scenario",
+    "read_world_of",
+    "scenario_from_tree",
+    "scenario_to_tree",
+    "write_scenario",
+]
 
 LARGEST_FILE = 20_000_000  # bytes
 """A scenario of a hundred thousand robots fits; anything larger is not a scenario."""
@@ -35,16 +43,33 @@ def read_scenario(path: Path, find_problems: Finder | None = None) -> Scenario:
 
     Maps are looked for beside the file. `find_problems` looks for more in a scenario that is good.
     """
-    hint = "`teamformer generate -o FILE` writes a scenario to start from"
-    text = read_text(path, LARGEST_FILE, hint)
-    is_json = path.suffix.lower() == ".json"
-    tree = reader.parse_json(text) if is_json else reader.parse(text)
+    tree = _parsed(path)
     scenario = _read(tree, str(path), path.stem, path.parent)
-    for problem in find_problems(scenario) if find_problems else ():
+    finders = [find_hopeless_windows, *([find_problems] if find_problems else ())]
+    for problem in (problem for find in finders for problem in find(scenario)):
         tree.refuse(problem.where, problem.message)
     if tree.problems:
         raise _error(tree, str(path))
     return scenario
+
+
+def read_world_of(path: Path) -> World:
+    """Read the world of a scenario file, whatever is wrong with its other parts."""
+    tree = _parsed(path)
+    value = tree.value if isinstance(tree.value, dict) else {}
+    world = None
+    with suppress(StopReadingError):
+        world = read_world(Reader(tree), value.get("world"), path.parent)
+    if world is None or tree.problems:
+        raise _error(tree, str(path))
+    return world
+
+
+def _parsed(path: Path) -> reader.Tree:
+    hint = "`teamformer generate -o FILE` writes a scenario to start from"
+    text = read_text(path, LARGEST_FILE, hint)
+    is_json = path.suffix.lower() == ".json"
+    return reader.parse_json(text) if is_json else reader.parse(text)
 
 
 def scenario_from_tree(value: Any, source: str = "scenario") -> Scenario:

@@ -5,9 +5,9 @@
 `-30x30` sets the grid. Without it the grid is the paper's: 10 x 10, from 100 robots or tasks on
 20 x 20 (Boehme and Hollinger, ICRA 2026, section V).
 
-`real`, `sparse`, `warehouse`, `moving` and `air-ground` are families of missions that people have;
-`real-lost` loses one robot that can be spared, in `real-arrivals` a fifth of the tasks appears
-later.
+`real`, `sparse`, `warehouse`, `moving`, `carry`, `air-ground` and `deadlines` are families of
+missions that people have; `real-lost` loses one robot that can be spared, in `real-arrivals` a
+fifth of the tasks appears later.
 `-durations`, `-needs` (with a probability of 50%; `-needs30`, `-needs70`), `-places`, `-delays`,
 `-calls`, `-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name says, in any
 setting: `4N20T-C4-needs`, `real-mixed`.

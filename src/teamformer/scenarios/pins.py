@@ -37,10 +37,12 @@ class Pinned:
 
 
 def read_pins(
-    reader: Reader, where: Where, keys: Mapping[str, object], robots: Sequence[Robot]
+    reader: Reader, where: Where, keys: Mapping[str, object], number_of: Mapping[str, int]
 ) -> Pins:
-    """Return the pins of a task; robots that are none are refused."""
-    number_of = {robot.name: number for number, robot in enumerate(robots)}
+    """Return the pins of a task; robots that are none are refused.
+
+    `number_of` has the number of each robot by its name.
+    """
     read: dict[str, tuple[int, ...]] = {}
     for key in ("only", "with"):
         names = reader.names((*where, key), keys[key]) if key in keys else []

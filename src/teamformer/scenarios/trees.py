@@ -265,10 +265,11 @@ def _with_pins(reader: Reader, top: Mapping[str, Any], world: World, mission: Pi
     """Return a mission with the pins of its tasks said in capabilities."""
     pins, any_are = [], False
     listed = top.get("tasks")
+    number_of = {robot.name: number for number, robot in enumerate(mission.robots)}
     for number, keys in enumerate(listed if isinstance(listed, list) else ()):
         said = keys if isinstance(keys, dict) else {}
         any_are |= "only" in said or "with" in said
-        pins.append(read_pins(reader, ("tasks", number), said, mission.robots))
+        pins.append(read_pins(reader, ("tasks", number), said, number_of))
     if not any_are or not reader.is_faithful:
         return mission
     if "arrivals" in top:

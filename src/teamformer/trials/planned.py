@@ -38,7 +38,8 @@ def plan_mission(mission: Scenario, method: str, seconds: float) -> PlannedMissi
     """Return the plan that a method makes in so many seconds; None if it finds none.
 
     A mission in steps is planned by `central`, for what is to be expected, and the routes are read
-    off its play. Raises what `refuse_unplannable` raises.
+    off its play. Raises what `refuse_unplannable` raises, and `TeamformerError` for a mission that
+    no plan can do in full.
     """
     refuse_unplannable(mission, method)
     if mission.time == "continuous":
@@ -50,6 +51,12 @@ def plan_mission(mission: Scenario, method: str, seconds: float) -> PlannedMissi
         return PlannedMission(**told, critical_path=path_of_plan(mission, made))
     trial = run_trial(expected_mission(mission), load_method(method, seconds))
     end, bound = trial.replay.end, trial.replay.lower_bound or 0
+    if end.blocked_tasks:
+        raise TeamformerError(
+            f"{mission.name}: {', '.join(end.blocked_tasks)} can never be done: since step "
+            f"{end.steps} no robots are left that bring what is needed",
+            "add such robots, or drop their lost",
+        )
     if end.makespan is None:
         return None
     number_of = {task.name: number for number, task in enumerate(mission.tasks)}

@@ -95,9 +95,9 @@ def test_a_group_serves_what_it_passes_on_its_way() -> None:
     tasks = (Task("far", (10, 0), {"a": 1}), Task("passed", (5, 0), {"a": 1}, duration=3))
     scenario = Scenario("corridor", Grid(30, 1), ("a",), (ann, bob), tasks)
     arcs = TeamArcs(situation_in_hindsight(scenario))
-    arcs.begin_at(plan_teams(arcs.situation.problem, [0, 1], [[0], [1]]))
+    arcs.begin_at(plan_teams([0, 1], [[0], [1]]))
     assert ends_of(arcs)[0] == 13  # five cells, three steps of service, five cells
-    arcs.begin_at(plan_teams(arcs.situation.problem, [1, 0], [[0], [0]]))
+    arcs.begin_at(plan_teams([1, 0], [[0], [0]]))
     assert ends_of(arcs) == [13, 8]
 
 
@@ -111,7 +111,7 @@ def test_large_coalitions_are_begun_without_robots_to_spare() -> None:
         (Task("t", (9, 0), {"a": 2}), Task("u", (1, 0), {"a": 1})),
     )
     arcs = TeamArcs(situation_in_hindsight(scenario))
-    arcs.begin_at(plan_teams(arcs.situation.problem, [0, 1], [list(range(8)), [7]]))
+    arcs.begin_at(plan_teams([0, 1], [list(range(8)), [7]]))
     assert arcs.plan.size.tolist() == [6, 1]  # two that are needed, and four riders
     assert arcs.search.graph.total[COST] > 0
 
@@ -135,7 +135,7 @@ def test_nobody_is_planned_for_what_ends_after_it_is_lost() -> None:
     scenario = Scenario("corridor", Grid(30, 1), ("a",), (lost, stays), tasks)
     situation = situation_in_hindsight(scenario)
     arcs = TeamArcs(situation)
-    arcs.begin_at(plan_teams(situation.problem, [0, 1], [[0], [0]]))
+    arcs.begin_at(plan_teams([0, 1], [[0], [0]]))
     assert arcs.search.graph.total[MAKESPAN] >= FAR * TICKS
     found = arcs.improve(arcs.best, rounds=200)
     assert found.plan.coalition[:, 0].tolist() == [0, 1]

@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from teamformer.bench.others.published import BEST, NUMBER, Published, read_published
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.imports import import_missions
 from teamformer.scenarios.imports.trees import read_json
 
-Published = dict[str, float]
-"""Makespans by method, or costs."""
-
 HINT = "name folders of them: teamformer bench others FOLDER"
-NUMBER = re.compile(r"\d+(\.\d*)?(e-?\d+)?")
 LARGEST_TABLE = 1_000_000  # bytes
-BEST = "best published"
-SUMMARY = "best_known"
-"""A column that only repeats the best of the others."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +44,11 @@ def read_instances(folders: Sequence[Path]) -> list[Instance]:
     """Return all instances in folders, each with what tables (`*.csv`) beside it say.
 
     A folder holds HeteroMRTA's `env_*.json`, DCMRTA's folders `env_*`, SADCHER's JSON files, or
-    those of HHCRSP, for which what `*best.md` says is read, in the folder or beside it.
+    those of HHCRSP, for which what `*best.md` says is read, in the folder or beside it. A folder
+    without instances stands for the folders in it.
     """
-    names = [folder.resolve().name for folder in folders]
-    if len(set(names)) < len(names):
-        raise TeamformerError("two of the folders have one name", "name each once")
-    found = [one for folder in folders for one in _instances_in(folder)]
+    collections = [inner for folder in _told_apart(folders) for inner in collections_in(folder)]
+    found = [one for folder in _told_apart(collections) for one in _instances_in(folder)]
     if not found:
         raise TeamformerError(
             "there is no instance to measure",
@@ -65,10 +57,25 @@ def read_instances(folders: Sequence[Path]) -> list[Instance]:
     return found
 
 
-def _instances_in(folder: Path) -> Iterator[Instance]:
+def _told_apart(folders: Sequence[Path]) -> Sequence[Path]:
+    """Return folders as they are; raises `TeamformerError` if two have one name."""
+    if len({folder.resolve().name for folder in folders}) < len(folders):
+        raise TeamformerError("two of the folders have one name", "name each once")
+    return folders
+
+
+def collections_in(folder: Path) -> list[Path]:
+    """Return a folder, or the folders in it if these hold instances and it holds none itself."""
     if not folder.is_dir():
         raise TeamformerError(f"{folder}: this is no folder", HINT)
-    tables, best = _read_tables(folder), _read_best(folder)
+    if any(_form_of(path) for path in folder.iterdir()):
+        return [folder]
+    inner = [path for path in sorted(folder.iterdir(), key=_natural) if path.is_dir()]
+    return [path for path in inner if any(_form_of(each) for each in path.iterdir())]
+
+
+def _instances_in(folder: Path) -> Iterator[Instance]:
+    tables, best = read_published(folder), _read_best(folder)
     for path in sorted(folder.iterdir(), key=_natural):
         form = _form_of(path)
         if form is None:
@@ -97,23 +104,6 @@ def _natural(path: Path) -> tuple[str, int]:
     return re.sub(r"\d+", "", path.stem), int(number[0]) if number else 0
 
 
-def _read_tables(folder: Path) -> dict[int, Published]:
-    """Return what tables say, by instance: a column for a method, or a file with `makespan`."""
-    told: dict[int, Published] = {}
-    for path in sorted(folder.glob("*.csv")):
-        for row in _rows(path):
-            number = row.pop("env", None) or row.pop("", None) or ""
-            if "makespan" in row:
-                row = {path.stem: row["makespan"]}
-            known = told.setdefault(int(number), {}) if number.isdigit() else {}
-            known |= {
-                name: float(value)
-                for name, value in row.items()
-                if name != SUMMARY and NUMBER.fullmatch(value or "")
-            }
-    return told
-
-
 def _read_best(folder: Path) -> dict[str, Published]:
     """Return the best costs known by file, from Markdown tables in a folder or beside it."""
     told: dict[str, Published] = {}
@@ -125,12 +115,3 @@ def _read_best(folder: Path) -> dict[str, Published]:
             if NUMBER.fullmatch(told_of.get("total_cost", "")):
                 told[told_of.get("instance", "")] = {BEST: float(told_of["total_cost"])}
     return told
-
-
-def _rows(path: Path) -> list[dict[str, str]]:
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            return [{k: v for k, v in row.items() if k is not None} for row in csv.DictReader(file)]
-    except (csv.Error, UnicodeDecodeError):
-        hint = "mend it, or take it out of the folder"
-        raise TeamformerError(f"{path}: this is no table of commas", hint) from None

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
 
-from teamformer.bench.others.instances import Instance, Published
+from teamformer.bench.others.instances import Instance
+from teamformer.bench.others.published import Published
 from teamformer.bench.peers.names import PEERS, plan_by_peer
 from teamformer.errors import TeamformerError
 from teamformer.planning.continuous.continuous_mission import pose_mission
@@ -20,6 +21,9 @@ EQUAL = 1e-3
 DIGITS = 6
 """Places after the point that are written of a makespan."""
 
+THREADS = {"central": 2}
+"""Threads of the methods that have more than one."""
+
 MOMENTS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0)
 """Seconds at which the curve of `central` is told."""
 
@@ -28,7 +32,8 @@ MOMENTS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0)
 class Result:
     """What a method reached on an instance; `curve` holds (seconds, makespan).
 
-    Where plans are judged by a cost, it stands in place of the makespan.
+    `processor_seconds` are those that its threads together were given of the machine. Where plans
+    are judged by a cost, it stands in place of the makespan.
     """
 
     collection: str
@@ -41,27 +46,39 @@ class Result:
     time_limit: float
     curve: tuple[tuple[float, float], ...]
     published: Published
+    processor_seconds: float = 0.0
 
     @property
     def best(self) -> float | None:
         """Return the best published makespan."""
         return min(self.published.values(), default=None)
 
+    @property
+    def percent_above_best(self) -> float | None:
+        """Return by how much it is above the best published makespan."""
+        return None if self.best is None else 100 * (self.makespan / self.best - 1)
+
 
 @dataclass(frozen=True)
 class Comparison:
-    """A method's means, and how often it is better than the best published, or worse."""
+    """A method's means, and how often it is better than the best published, or worse.
+
+    `bound` is the method's own; `gap` and `proven` are by the best bound of any method.
+    """
 
     method: str
     instances: int
     makespan: float
+    percent_above_best: float | None  # of the instances whose best is published
     bound: float
     gap: float  # percent that the makespans are above the bounds, together
     proven: int
     wins: int
     ties: int
     losses: int
+    threads: int
     seconds: float
+    processor_seconds: float
 
 
 def measure(instance: Instance, method: str, time_limit: float) -> Result | None:
@@ -70,14 +87,14 @@ def measure(instance: Instance, method: str, time_limit: float) -> Result | None
     None if a peer finds no plan in that time. Raises `OutOfReachError` if it cannot be asked.
     """
     mission = pose_mission(instance.mission)
-    begun = time.perf_counter()
+    begun, worked = time.perf_counter(), time.process_time()
     if method in PEERS:
         made = plan_by_peer(mission, method, time_limit)
         if made is None:
             return None
     else:
         made = plan_continuous(mission, method, time_limit)
-    seconds = time.perf_counter() - begun
+    seconds, worked = time.perf_counter() - begun, time.process_time() - worked
     assert made is not None, "tasks that nobody can do are refused with the scenario"
     return Result(
         collection=instance.collection,
@@ -90,6 +107,7 @@ def measure(instance: Instance, method: str, time_limit: float) -> Result | None
         time_limit=time_limit,
         curve=tuple((round(when, 3), round(value, DIGITS)) for when, value in made.curve),
         published=instance.published,
+        processor_seconds=round(worked, 3),
     )
 
 
@@ -113,18 +131,27 @@ def compare(results: Sequence[Result], method: str) -> Comparison:
         method=method,
         instances=len(mine),
         makespan=makespan,
-        bound=floor,
+        percent_above_best=mean_percent_above_best(mine),
+        bound=fmean(result.bound for result in mine),
         gap=100 * (makespan / floor - 1) if floor > 0 else 0.0,
         proven=sum(result.makespan <= bound[result.instance] for result in mine),
         wins=sum(reached < best - EQUAL for reached, best in compared),
         ties=sum(abs(reached - best) <= EQUAL for reached, best in compared),
         losses=sum(reached > best + EQUAL for reached, best in compared),
+        threads=THREADS.get(method, 1),
         seconds=fmean(result.seconds for result in mine),
+        processor_seconds=fmean(result.processor_seconds for result in mine),
     )
 
 
+def mean_percent_above_best(results: Sequence[Result]) -> float | None:
+    """Return how far results are above the best published in the mean; None if none is."""
+    above = [each for result in results if (each := result.percent_above_best) is not None]
+    return fmean(above) if above else None
+
+
 def _bound_of(results: Sequence[Result], instance: str) -> float:
-    """Return the best bound of an instance: only `central` works one out."""
+    """Return the best bound of an instance: `central` and `cp-sat` work one out."""
     return max(result.bound for result in results if result.instance == instance)
 
 

@@ -14,7 +14,7 @@ from teamformer.planning.continuous.problem import CoalitionProblem
 EXPLORATION = 5
 """How thoroughly it searches: the most that it offers."""
 
-THREADS = 2
+THREADS = 1
 
 
 def plan_by_vroom(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:

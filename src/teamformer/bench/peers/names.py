@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from functools import partial
 
 from teamformer.bench.peers.auction import auction
 from teamformer.bench.peers.by_pyvrp import plan_by_pyvrp
 from teamformer.bench.peers.by_vroom import plan_by_vroom
-from teamformer.bench.peers.peer_plan import OutOfReachError, Peer, PeerPlan, plain
+from teamformer.bench.peers.peer_plan import OutOfReachError, Peer, PeerPlan, makespan_of, plain
 from teamformer.bench.peers.routing import route_copies
 from teamformer.planning.continuous.continuous_mission import ContinuousMission
 from teamformer.planning.continuous.cp_sat import solve_exactly
@@ -21,12 +22,11 @@ MOST_ARCS = 400_000
 """Robots times pairs of tasks from which on CP-SAT's model is not built: it takes gigabytes."""
 
 
-WORKERS = 8
-"""Threads of CP-SAT: each has a strategy of its own, and with fewer it finds less."""
-
-
 def _cp_sat(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:
-    """Return what CP-SAT makes of the plan of one fair auction, and its bound."""
+    """Return what one thread of CP-SAT makes of the plan of one fair auction, and its bound.
+
+    The plan is the auction's where CP-SAT finds none that is better.
+    """
     arcs = len(problem.counts) * len(problem.needs) ** 2
     if arcs > MOST_ARCS:
         raise OutOfReachError(f"cp-sat is asked no missions with {arcs:,} arcs")
@@ -35,8 +35,9 @@ def _cp_sat(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:
     if first is None:
         return None
     left = seconds - (time.perf_counter() - begun)
-    found = solve_exactly(problem, first.plan, 0, left, WORKERS)
-    return None if found.plan is None else PeerPlan(found.plan, found.bound)
+    found = solve_exactly(problem, first.plan, 0, left, is_large=True)
+    plans = [plan for plan in (found.plan, first.plan) if plan is not None]
+    return PeerPlan(min(plans, key=partial(makespan_of, problem)), found.bound)
 
 
 PEERS: dict[str, Peer] = {

@@ -29,9 +29,9 @@ EXPLANATION = """\
 - `failures`: how many trials failed, and the 95% interval of the rate (Wilson).
 - `to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
   interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
-  mean. `room won`: of the steps between `plan@needed`, which plans as if everything that may be
-  needed were needed, and `central`, which knows the truth, the part that the method wins, on the
-  same worlds, with its 95% interval.
+  mean; `cost to central`: that of costs. `room won`: of the steps between `plan@needed`, which
+  plans as if everything that may be needed were needed, and `central`, which knows the truth, the
+  part that the method wins, on the same worlds, with its 95% interval.
 - `inference`: CPU seconds that the method takes in a whole trial, mean ± standard deviation, over
   trials that ran alone, one after the other, one thread each (the first 50 of a setting; all others
   share batches and are not timed).
@@ -49,9 +49,10 @@ def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
         "method": summary.method,
         "trials": str(summary.trials),
         "makespan": plus_minus(summary.makespan, summary.makespan.error),
-        "cost": plus_minus(summary.cost, summary.cost.error) if summary.cost.count else "",
         "failures": f"{summary.failures} ({100 * low:.1f}-{100 * high:.1f}%)",
         "with failures": number(summary.steps.value),
+        "cost": plus_minus(summary.cost, summary.cost.error),
+        "cost to central": percent_interval(summary.cost_to_central),
         "to central": percent_interval(summary.to_central),
         "room won": percent_interval(summary.room),
         "inference, s": seconds(summary.inference),
@@ -67,12 +68,14 @@ def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
 def headers_for(summaries: Sequence[Summary]) -> list[str]:
     """Return the columns that have something in them."""
     headers = list(HEADERS)
-    if any(summary.cost.count for summary in summaries):
-        headers.insert(headers.index("makespan") + 1, "cost")
     if any("authors-heuristic" in summary.against for summary in summaries):
         headers.insert(headers.index("to join-all") + 1, "to authors-heuristic")
     if any(summary.to_central.count for summary in summaries if summary.method != CENTRAL):
         headers.insert(headers.index("inference, s"), "to central")
+    if any(summary.cost.count for summary in summaries):
+        headers.insert(headers.index("failures"), "cost")
+    if any(summary.cost_to_central.count for summary in summaries if summary.method != CENTRAL):
+        headers.insert(headers.index("inference, s"), "cost to central")
     if any(summary.room.count for summary in summaries):
         headers.insert(headers.index("inference, s"), "room won")
     return headers
@@ -111,6 +114,8 @@ def _numbers(summary: Summary) -> dict[str, str | int | float]:
         "failure_rate_high": high,
         "makespan_mean": summary.makespan.value,
         "makespan_error": summary.makespan.error,
+        "cost_mean": summary.cost.value,
+        "cost_error": summary.cost.error,
         "steps_mean_with_failures": summary.steps.value,
         "illegal_decisions": summary.illegal,
         "inference_cpu_seconds_mean": summary.inference.value,
@@ -120,6 +125,8 @@ def _numbers(summary: Summary) -> dict[str, str | int | float]:
         "timed_trials": summary.inference.count,
         "to_central": summary.to_central.value,
         "to_central_half_width": summary.to_central.half_width,
+        "cost_to_central": summary.cost_to_central.value,
+        "cost_to_central_half_width": summary.cost_to_central.half_width,
         "room_won": summary.room.value,
         "room_won_half_width": summary.room.half_width,
         "to_best_known": summary.to_best.value,

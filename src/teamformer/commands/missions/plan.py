@@ -65,7 +65,7 @@ def _announce(scenario: Scenario, method: str) -> None:
 def _show(scenario: Scenario, made: PlannedMission, row: Mapping[str, Any]) -> None:
     """Print a plan, given as `--json` prints it: every output rounds the same way."""
     cost = f", at a cost of {row['cost']:g}" if "cost" in row else ""
-    over = f"{row['scenario']}: over at {row['makespan']:g}{cost}{_known(row)}"
+    over = f"{row['scenario']}: over at {row['makespan']:g}{_known(row)}{cost}"
     out.print(over, markup=False)
     for task, by in row["late"].items():
         out.print(f"late: {task} by {by:g}", markup=False)
@@ -83,9 +83,11 @@ def _show(scenario: Scenario, made: PlannedMission, row: Mapping[str, Any]) -> N
 
 
 def _known(row: Mapping[str, Any]) -> str:
-    """Say how good a plan is; of one with a cost no bound is known."""
+    """Say what no makespan is below; that of a plan with a cost is not meant to come near it."""
     if row["bound"] <= 0:
         return ""
+    if "cost" in row:
+        return f" (no plan is over before {row['bound']:g})"
     gap = 100 * (row["makespan"] / row["bound"] - 1)
     known = "proven" if row["proven"] else f"{gap:.1f}% above what no plan beats"
     return f" ({known}: {row['bound']:g})"

@@ -33,7 +33,7 @@ from teamformer.commands.console import (
     say,
     wide,
 )
-from teamformer.commands.policies.bench_others import bench_others
+from teamformer.commands.policies.bench_others import WORLDS, Asked, bench_others
 from teamformer.errors import TeamformerError
 from teamformer.scenarios.authors import read_worlds
 from teamformer.trials.methods import Method
@@ -60,8 +60,9 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
         return _measure_speed(as_json)
     if suite_name == "others":
         limit = 10.0 if options.time_limit is None else options.time_limit
-        parts = (options.worlds, options.methods, limit, options.folder)
-        return bench_others(*parts, as_json)
+        worlds = options.trials or WORLDS
+        asked = Asked(options.worlds, options.settings, worlds, options.seed)
+        return bench_others(asked, options.methods, limit, options.folder, as_json)
     if suite_name == "robotarium":
         return _fly_missions(options, as_json)
     if suite_name == "fleet":

@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TextIO
 
 from rich.table import Table
 
-from teamformer.bench.others.instances import Instance, read_instances
+from teamformer.bench.others.instances import Instance, collections_in, read_instances
+from teamformer.bench.others.one_robot_worlds import draw_instances
+from teamformer.bench.others.published import Reported, read_reported
 from teamformer.bench.others.report import (
     COLUMNS,
+    AllReported,
     collections,
     results_of,
+    table_of_folders,
     table_of_means,
     write_report,
 )
 from teamformer.bench.others.results import Result, measure, result_of
 from teamformer.bench.peers.names import LIBRARIES, PEERS
 from teamformer.bench.peers.peer_plan import OutOfReachError
-from teamformer.commands.console import Counting, out, prepare_folder, say
+from teamformer.commands.console import Counting, prepare_folder, say, wide
 from teamformer.errors import TeamformerError
 from teamformer.extras import require
 from teamformer.mission.links import is_linked
@@ -30,9 +34,32 @@ from teamformer.whole_files import write_whole
 
 ROWS, REPORT = "rows.jsonl", "report.md"
 
+WORLDS = 2
+"""Worlds that are drawn of each setting, if not said otherwise."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is to be measured: instances in folders, and worlds that are drawn, by settings."""
+
+    folders: Sequence[Path]
+    settings: Sequence[str] = ()
+    worlds: int = WORLDS  # of each setting
+    first_seed: int = 0
+
+    def instances(self) -> list[Instance]:
+        """Return all instances; raises `TeamformerError` if there is none."""
+        drawn = draw_instances(self.settings, self.worlds, self.first_seed)
+        return [*drawn, *(read_instances(self.folders) if self.folders or not drawn else ())]
+
+    def reported(self) -> dict[str, tuple[Reported, ...]]:
+        """Return what others report of each folder of instances."""
+        inner = [path for folder in self.folders for path in collections_in(folder)]
+        return {path.resolve().name: read_reported(path) for path in inner}
+
 
 def bench_others(
-    folders: Sequence[Path],
+    asked: Asked,
     methods: Sequence[str],
     time_limit: float,
     folder: Path | None,
@@ -47,7 +74,7 @@ def bench_others(
             raise TeamformerError(f"--methods {method} is unknown here", hint)
         if method in LIBRARIES:
             require("peers", LIBRARIES[method])
-    instances = read_instances(folders)
+    instances, reported = asked.instances(), asked.reported()
     if not is_asked and any(is_linked(instance.mission) for instance in instances):
         methods = tuple(LINKED_PLANNERS)
     if folder is not None:
@@ -64,10 +91,10 @@ def bench_others(
         say(f"interrupted{kept}")
         return 1
     if folder is not None:
-        write_whole(folder / REPORT, write_report(results))
+        write_whole(folder / REPORT, write_report(results, reported))
         say(f"written: {folder / ROWS}, {folder / REPORT}")
     if not as_json:
-        _show(results)
+        _show(results, reported)
     return 0
 
 
@@ -132,10 +159,18 @@ def _rows_in(path: Path) -> list[Result]:
     return results
 
 
-def _show(results: Sequence[Result]) -> None:
+def _show(results: Sequence[Result], reported: AllReported) -> None:
     for collection in collections(results):
-        table = Table(*COLUMNS, box=None, title=collection, title_justify="left")
-        for row in table_of_means(results_of(results, collection)):
-            table.add_row(*row)
-        out.print(table)
+        rows = table_of_means(results_of(results, collection), reported)
+        _print_table(COLUMNS, rows, collection)
+    if len(collections(results)) > 1:
+        title = "percent above the best published, in the mean"
+        _print_table(*table_of_folders(results, reported), title)
     say("wins, ties and losses are against the best published makespan of each instance")
+
+
+def _print_table(headers: Sequence[str], rows: Sequence[Sequence[str]], title: str) -> None:
+    table = Table(*headers, box=None, title=title, title_justify="left")
+    for row in rows:
+        table.add_row(*row)
+    wide.print(table)

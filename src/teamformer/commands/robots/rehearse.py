@@ -149,7 +149,9 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
     replay = record_of(rehearsal, outcome, trace.events, options.seed) if is_recorded else None
     if options.folder is not None and replay is not None:
         write_replay(replay, options.folder / "replay.json")
-        say(f"record: {options.folder / 'replay.json'}")
+        record = options.folder / "replay.json"
+        say(f"record: {record}")
+        say(f"hint: `teamformer view {record}` writes its page")
     if as_json:
         row = {"schedule": schedule, "faults": list(faults.kinds), "violations": violations}
         print_json({**row, **vars(outcome)})

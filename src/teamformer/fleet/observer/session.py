@@ -70,7 +70,7 @@ class ObserverSession:
             if not self.watch.has_facts and now >= asked:
                 asked = now + AGAIN
                 self._ask_for_facts()
-            if now >= due:
+            if now >= due and self._silence.was_any_heard:
                 due = max(due + self.watch.mission.step, now)
                 self._make_step()
 
@@ -129,11 +129,8 @@ class ObserverSession:
     async def _add(self, new: NewTask) -> None:
         """Offer a task until enough robots hold it, and tell who does."""
         mission = self.watch.mission
-        caps, names = mission.scenario.capabilities, {t.name for t in self.watch.scenario.tasks}
-        if new.name in names:
-            raise TeamformerError(f"the name '{new.name}' is used already; take another")
+        caps, name = mission.scenario.capabilities, new.name
         key = (1 + secrets.randbits(36)) << 24
-        name = new.name or f"t{len(names) + 1}"
         x, y = float(new.at[0]), float(new.at[1])
         task = TaskFact(key, name, x, y, row_of(new.needs, caps), new.duration * mission.step)
         if not mission.is_site(x, y):
@@ -154,6 +151,7 @@ class ObserverSession:
         self._tell_of_task(f"task {name} accepted, held by {', '.join(holders)}")
 
     def _hear(self, came: Sequence[bytes], now: float) -> None:
+        was_any_heard = self._silence.was_any_heard
         for data in came:
             message, fault = self._post.judge(data)
             if message is None:
@@ -166,12 +164,15 @@ class ObserverSession:
             for task in self.watch.hear(message):
                 if task.key not in self._operators:  # that one is told once it is accepted
                     self._tell_of_task(f"task {task.name} added by an operator")
+        if self._silence.was_any_heard != was_any_heard:
+            self._tell_all("state", self._state())
         self._listen_for_silence(now)
 
     def _listen_for_silence(self, now: float) -> None:
         """Tell everybody when other robots than before are not heard, until all is done."""
         if self._silence.changes(now) and not self.watch.is_over:  # then they leave
-            self._say_aloud(self._silence.warning or "all robots are heard again")
+            warning = self._silence.warning(now)
+            self._say_aloud(warning.text() if warning else "all robots are heard again")
             self._tell_all("state", self._state())
 
     def _ask_for_facts(self) -> None:
@@ -199,10 +200,12 @@ class ObserverSession:
         return record_so_far(self.watch.record(), is_running=True)
 
     def _state(self) -> Tree:
-        speed = 1 / self.watch.mission.step
-        watched = {"is_playing": True, "speed": speed, "watchers": len(self._watchers)}
-        warning = "" if self.watch.is_over else self._silence.warning
-        return watched | {"incidents": self._incidents, "is_fleet": True, "warning": warning}
+        speed, is_over = 1 / self.watch.mission.step, self.watch.is_over
+        is_heard = self._silence.was_any_heard
+        watched = {"is_playing": is_heard, "speed": speed, "watchers": len(self._watchers)}
+        warning = None if is_over else self._silence.warning(time.monotonic())
+        told = {"is_heard": is_heard, "is_over": is_over, "warning": warning and warning._asdict()}
+        return watched | {"incidents": self._incidents, "is_fleet": True} | told
 
     def _tell_all(self, kind: str, news: Tree) -> None:
         text = json.dumps({"kind": kind} | news, separators=(",", ":"))

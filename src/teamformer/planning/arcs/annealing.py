@@ -33,6 +33,7 @@ from teamformer.planning.arcs.graph import (
 from teamformer.planning.arcs.in_steps.members import replace_member, ride
 from teamformer.planning.arcs.in_steps.stretches import move_stretch
 from teamformer.planning.arcs.judging import (
+    CHAINED,
     Trial,
     accept,
     empty_trial,
@@ -42,21 +43,17 @@ from teamformer.planning.arcs.judging import (
 from teamformer.planning.arcs.start import first_plan
 from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import Moved, empty_moved, move_task, take_back
-from teamformer.planning.continuous.problem import NEVER, CoalitionProblem
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
-COOLING, MOST_COOLING = 30, 100
-"""Annealings begin at what a task takes a robot on average, divided by the first of these and a
-tenth of the tasks, and by the second at most."""
+HOT, COLD = 20, 800
+"""An annealing begins and ends at what a task takes a robot on average, divided by these."""
 
-FEW_TASKS, HOTTER = 30, 8
-"""With fewer tasks than the first of these it is divided by the second: one moved task changes more
+FEW_TASKS, HOT_IF_FEW, COLD_IF_FEW = 30, 8, 80
+"""With fewer tasks than the first of these it is divided by the others: one moved task changes more
 of a small plan, so that more has to get worse before it gets better."""
-
-COLDER = 10
-"""They end at so many times less."""
 
 ROUNDS_EACH, FEW_ANNEALINGS = 9_000, 2
 """The shared plan of few tasks takes so many rounds for each task, so many times."""
@@ -119,11 +116,10 @@ class ArcSearch:
 
     @property
     def heats(self) -> tuple[int, int]:
-        """Return where an annealing begins and ends: with more tasks it may be colder."""
-        tasks = len(self.problem.needs)
-        usual = min(MOST_COOLING, COOLING + tasks // 10)
-        hot = self.leg // (HOTTER if has_few_tasks(tasks) else usual)
-        return hot, hot // COLDER
+        """Return where an annealing begins and ends."""
+        is_few = has_few_tasks(len(self.problem.needs))
+        hot, cold = (HOT_IF_FEW, COLD_IF_FEW) if is_few else (HOT, COLD)
+        return self.leg // hot, self.leg // cold
 
     @property
     def leg(self) -> int:
@@ -212,6 +208,7 @@ def anneal_arcs(
     """Make changes; keep those that are better or, while it is hot, a bit worse."""
     total, habits = graph.total, problem.habits
     is_best, must_copy = False, False
+    trial.number[CHAINED] = NOBODY
     for turn in range(begin, end):
         temperature = hot + (cold - hot) * turn // rounds
         slack = temperature * slacks[draw_below(random, len(slacks))] // STEPS
@@ -243,6 +240,7 @@ def anneal_arcs(
             take_back(graph, moved)
             if must_copy:
                 write_down(problem, graph, best)
+                trial.number[CHAINED] = NOBODY  # what was a bit off may be timed anew
                 is_best, must_copy = False, False
     if is_best:
         write_down(problem, graph, best)

@@ -155,7 +155,7 @@ def _consider(
     if tail == choice.number[BANNED]:
         return
     place, pace = seats[tail].node, problem.kinds[kind].pace
-    way = problem.ways[pace, place, task]
+    way = problem.ways_to[pace, task, place]
     comes = nodes[place].end + way
     if place == choice.number[FELLOWS_FROM] and seats[head].node == choice.number[FELLOWS_TO]:
         comes -= TOGETHER

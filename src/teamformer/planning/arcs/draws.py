@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.jit import kernel
 from teamformer.planning.arcs.graph import LATEST, ArcProblem, Graph, is_in_steps
-from teamformer.planning.arcs.judging import COMES_BY, LEAVES_BY, Trial
+from teamformer.planning.arcs.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
 from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
@@ -16,32 +16,35 @@ def draw_task(problem: ArcProblem, graph: Graph, trial: Trial, random: Array) ->
 
     Of such a task it is noted by which of its seats what the makespan hangs on comes and leaves.
     """
+    number = trial.number
     if draw_below(random, 2) == 0:
-        task = _draw_critical(problem, graph, trial, random)
-        if task != NOBODY:
-            return task
-    trial.number[COMES_BY] = trial.number[LEAVES_BY] = NOBODY
+        if number[CHAINED] == NOBODY:
+            _find_chain(problem, graph, trial)
+        if number[CHAINED] > 0:
+            link = trial.chain[draw_below(random, number[CHAINED])]
+            number[COMES_BY], number[LEAVES_BY] = link[1], link[2]
+            return int(link[0])
+    number[COMES_BY] = number[LEAVES_BY] = NOBODY
     return draw_below(random, len(problem.near))
 
 
 @kernel
-def _draw_critical(problem: ArcProblem, graph: Graph, trial: Trial, random: Array) -> int:
-    """Draw a task on the way back from the home that is reached last; NOBODY if there is none."""
+def _find_chain(problem: ArcProblem, graph: Graph, trial: Trial) -> None:
+    """List the tasks on the way back from the home that is reached last."""
     seats, tasks, most = graph.seats, len(problem.near), problem.most[0]
     leaves_by = seats[len(seats) - len(graph.back) + graph.total[LATEST]].prev
-    drawn, count, task = NOBODY, 0, seats[leaves_by].node
+    count, task = 0, seats[leaves_by].node
     while task != NOBODY and task < tasks:
         comes_by, before = _waited_for(problem, graph, task, task * most)
+        link = trial.chain[count]
+        link[0], link[1], link[2] = task, comes_by, leaves_by
         count += 1
-        if draw_below(random, count) == 0:
-            drawn = task
-            trial.number[COMES_BY], trial.number[LEAVES_BY] = comes_by, leaves_by
         if comes_by == NOBODY:
             leaves_by, task = NOBODY, before
         else:
             leaves_by = seats[comes_by].prev
             task = seats[leaves_by].node
-    return drawn
+    trial.number[CHAINED] = count
 
 
 @kernel
@@ -67,7 +70,7 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
         else:
             place = graph.seats[tail].node
             pace = problem.kinds[graph.seats[seat].kind].pace
-            comes = nodes[place].end + problem.ways[pace, place, task]
+            comes = nodes[place].end + problem.ways_to[pace, task, place]
         if comes > there:
             latest, there = seat, comes
     return latest, NOBODY

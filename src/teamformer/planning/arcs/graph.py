@@ -40,15 +40,16 @@ NODE = np.dtype(
         ("tail", np.int64),  # the longest chain of work and ways from its start to the end of all
         ("duration", np.int64),
         ("release", np.int64),
-        ("due", np.int64),
-        ("price", np.int64),  # of each tick until its end
-        ("late_price", np.int64),  # of each tick that it is late
         ("first", np.int32),  # of its seats
         ("taken", np.int32),  # how many of its seats are
         ("need", np.int32),  # which of the different needs
         ("is_waiting", np.int32),  # whether it is on the agenda: 0, or what is to be worked out
         ("has_links", np.int32),  # whether it comes before or after other tasks
-    ]
+        ("due", np.int64),
+        ("price", np.int64),  # of each tick until its end
+        ("late_price", np.int64),  # of each tick that it is late
+    ],
+    align=True,
 )
 SEAT = np.dtype([("prev", np.int32), ("next", np.int32), ("node", np.int32), ("kind", np.int32)])
 WAY = np.dtype([("to", np.int64), ("key", np.int64), ("pace", np.int64), ("comes", np.int64)])
@@ -56,7 +57,7 @@ WAY = np.dtype([("to", np.int64), ("key", np.int64), ("pace", np.int64), ("comes
 FIRST, LAST = -1, NEVER
 """The keys of depots and homes."""
 
-FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 40, 7
+FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 28, 7
 """How many tasks are near to each: every seventh within these limits."""
 
 MAKESPAN, COST, BACK_SUM, LATE, LATEST, END_SUM = range(6)
@@ -75,6 +76,7 @@ class ArcProblem(NamedTuple):
     """What does not change: the places, the kinds of robots, who covers what."""
 
     ways: Ticks  # (paces, places, tasks)
+    ways_to: Ticks  # (paces, tasks, places) the same, so that all ways to a task lie together
     home: Ticks  # (kinds, places)
     site: Whole  # (places,) the same number for places that lie at the same position
     kinds: Records  # (kinds,) KIND
@@ -148,6 +150,7 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
     useful, covers, listed = list_covers(counts, number, needs)
     return ArcProblem(
         ways=problem.ways,
+        ways_to=np.ascontiguousarray(problem.ways.transpose(0, 2, 1)),
         home=problem.home,
         site=problem.site,
         kinds=kinds,
@@ -265,7 +268,7 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
     for seat in range(first_seat, first_seat + node.taken):
         place = graph.seats[graph.seats[seat].prev].node
         pace = problem.kinds[graph.seats[seat].kind].pace
-        there = max(there, graph.nodes[place].end + problem.ways[pace, place, task])
+        there = max(there, graph.nodes[place].end + problem.ways_to[pace, task, place])
         comes_apart |= problem.site[place] != first_site
     start = max(node.release, there + problem.forming[0] * comes_apart)
     if node.has_links:

@@ -41,10 +41,11 @@ PREV, NEXT, END, BACK, COMES = range(5)
 ARRIVING, PARTING = 1, 2
 """What is to be worked out of a node on the agenda: its start, or in steps also who leaves when."""
 
-LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY = range(6)
+LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED = range(7)
 """Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
-key of a node whose arcs out have changed: behind it tails still hold; and the seats by which what
-the makespan hangs on comes to the task at hand and leaves it, or NOBODY."""
+key of a node whose arcs out have changed: behind it tails still hold; the seats by which what
+the makespan hangs on comes to the task at hand and leaves it, or NOBODY; and how many tasks it
+hangs on, or NOBODY if the plan has changed since they were listed."""
 
 REFUSED = -1
 
@@ -52,22 +53,24 @@ REFUSED = -1
 class Trial(NamedTuple):
     """A change at hand."""
 
-    number: Ticks  # (6,)
+    number: Ticks  # (7,)
     log: Records  # ENTRY
     agenda: Records  # (tasks + 1,) WAITING, latest first
     homes: Whole  # (robots,) homes whose arc in, or its begin, has changed
     is_listed: Whole  # (robots,) whether a home is among them
+    chain: Whole  # (tasks, 3) tasks that the makespan hangs on, each with COMES_BY and LEAVES_BY
 
 
-def empty_trial(graph: Graph) -> Trial:
-    """Return room for a change."""
-    room = 10 * len(graph.seats) + len(graph.nodes) + len(graph.back)
+def empty_trial(graph: Graph, timed_again: int = 0) -> Trial:
+    """Return room for a change; in it tasks may be timed so often beside their first time."""
+    room = 10 * len(graph.seats) + 4 * len(graph.nodes) + len(graph.back) + timed_again
     return Trial(
-        number=np.zeros(6, np.int64),
+        number=np.full(7, NOBODY, np.int64),
         log=np.zeros(room, ENTRY).view(np.recarray),
         agenda=np.zeros(len(graph.nodes) + 1, WAITING).view(np.recarray),
         homes=np.zeros(len(graph.back), np.int32),
         is_listed=np.zeros(len(graph.back), np.int32),
+        chain=np.zeros((len(graph.order), 3), np.int32),
     )
 
 
@@ -250,6 +253,7 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
     number, nodes, seats = trial.number, graph.nodes, graph.seats
     total, back = graph.total, graph.back
     total[COST] = cost
+    number[CHAINED] = NOBODY
     is_latest_changed = False
     for place in range(number[LOGGED]):
         index, old = trial.log[place].index, trial.log[place].old

@@ -187,7 +187,7 @@ def _look(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, which: i
         if robot == NOBODY:
             break
         pace = problem.kinds[problem.kind[robot]].pace
-        comes = room.free[robot] + problem.ways[pace, room.place[robot], task]
+        comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
         if found == keeps and first[found - 1].comes <= comes:
             continue
         if found < keeps:
@@ -305,7 +305,7 @@ def _is_first(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, robo
         if first[index].robot == robot:
             return True
     pace = problem.kinds[problem.kind[robot]].pace
-    comes = room.free[robot] + problem.ways[pace, room.place[robot], task]
+    comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
     return keeps > 0 and comes < first[keeps - 1].comes
 
 

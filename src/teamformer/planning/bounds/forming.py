@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.relaxation.problem import Relaxed, in_blocks, steps_from_starts
 from teamformer.rules.constants import FAR
 
 Numbers = npt.NDArray[np.integer[Any]]
@@ -32,13 +32,16 @@ def raise_for_forming(scenario: Scenario, problem: Relaxed, walked: Numbers) -> 
         return raised
     teams = [list(team) for team in scenario.starting_teams]
     has = np.array([problem.counts[team].sum(axis=0) for team in teams])  # (teams, caps)
-    steps = problem.steps[problem.pace, problem.cells[:, len(walked) :]]  # (tasks, robots)
-    for task in np.flatnonzero(walked < FAR).tolist():
-        useful = np.minimum(has, problem.needs[task]).sum(axis=1)  # (teams,)
-        most = np.sort(useful)[::-1].cumsum()
-        fewest = 1 + int(np.searchsorted(most, problem.needs[task].sum()))
-        ways = sorted(steps[task, teams[t]].min() for t in np.flatnonzero(useful).tolist())
-        raised[task] = _fewest_steps([*ways[: fewest - 1], max(ways[fewest - 1], walked[task])])
+    members = np.concatenate(teams)  # (robots,) team by team
+    first = np.cumsum([0, *map(len, teams[:-1])])  # (teams,)
+    for tasks in in_blocks(np.flatnonzero(walked < FAR), len(members)):
+        nearest = np.minimum.reduceat(steps_from_starts(problem, tasks)[:, members], first, axis=1)
+        for task, ways in zip(tasks.tolist(), nearest, strict=True):  # (teams,) each
+            useful = np.minimum(has, problem.needs[task]).sum(axis=1)  # (teams,)
+            most = np.sort(useful)[::-1].cumsum()
+            fewest = 1 + int(np.searchsorted(most, problem.needs[task].sum()))
+            soonest = np.sort(np.partition(ways[useful > 0], fewest - 1)[:fewest]).tolist()
+            raised[task] = _fewest_steps([*soonest[:-1], max(soonest[-1], int(walked[task]))])
     return raised
 
 

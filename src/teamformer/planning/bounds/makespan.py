@@ -25,8 +25,11 @@ from teamformer.planning.bounds.open_paths import (
 )
 from teamformer.planning.relaxation.problem import (
     Relaxed,
+    cells_between,
+    in_blocks,
     may_set_down,
     relax,
+    steps_from_starts,
     without_directions,
 )
 from teamformer.rules.constants import FAR, NOBODY
@@ -46,11 +49,11 @@ LEFT_OUT = (0.0, 0.5, 0.8)
 def lower_bound(scenario: Scenario) -> int:
     """Return a number of steps in which no policy can complete a scenario faster."""
     if not may_set_down(scenario):
-        problem = relax(scenario)
+        problem = relax(scenario, in_table=False)
         return bound_makespan(problem, earliest_formed(scenario, problem))
     robots = tuple(replace(robot, absences=()) for robot in scenario.robots)
     scenario = replace(scenario, robots=robots)
-    problem = relax(scenario)
+    problem = relax(scenario, in_table=False)
     is_whole = np.array([task.to is None for task in scenario.tasks])
     return bound_makespan(problem, earliest_formed(scenario, problem), is_whole)
 
@@ -96,18 +99,25 @@ def earliest_starts(problem: Relaxed) -> Numbers:
     direct way from its start, and is missing from the step it is lost.
     """
     start = problem.appears.astype(np.int64) + 1
-    ways = problem.steps[problem.pace, problem.cells[:, len(start) :]]  # (tasks, robots)
-    arrive = np.maximum(ways, start[:, None])  # (tasks, robots)
-    arrive[arrive + problem.duration[:, None] >= problem.lost] = FAR
+    for tasks in in_blocks(np.arange(len(start)), len(problem.pace)):
+        start[tasks] = _starts_of(problem, tasks)
+    return start
+
+
+def _starts_of(problem: Relaxed, tasks: Numbers) -> Numbers:
+    """Return the same of some tasks."""
+    start, needs = problem.appears[tasks].astype(np.int64) + 1, problem.needs[tasks]
+    arrive = np.maximum(steps_from_starts(problem, tasks), start[:, None])  # (tasks, robots)
+    arrive[arrive + problem.duration[tasks, None] >= problem.lost] = FAR
     for cap, robots in enumerate(problem.able):
         able = robots[robots != NOBODY]
         if len(able) == 0:
             continue  # nobody has it, so nobody needs it
         queue = np.argsort(arrive[:, able], axis=1)  # (tasks, able)
         brought = problem.counts[able, cap][queue].cumsum(axis=1)  # (tasks, able)
-        last = (brought < problem.needs[:, [cap]]).sum(axis=1)  # (tasks,) place in the queue
+        last = (brought < needs[:, [cap]]).sum(axis=1)  # (tasks,) place in the queue
         in_turn = np.take_along_axis(arrive[:, able], queue, axis=1)  # (tasks, able)
-        is_needed = problem.needs[:, cap] > 0
+        is_needed = needs[:, cap] > 0
         start[is_needed] = np.maximum(start, in_turn[np.arange(len(start)), last])[is_needed]
     return start
 
@@ -158,7 +168,7 @@ def _bound_visits(legs: Times, ready: Times, duration: Times, visits: Numbers, r
 def one_for_each_place(problem: Relaxed, tasks: Numbers, start: Numbers) -> Numbers:
     """Keep the task that ends last of those in one place, or whose places touch on a plane."""
     by_end = tasks[np.argsort(-(start + problem.duration)[tasks], kind="stable")]
-    is_same = problem.cells[np.ix_(by_end, by_end)] == 0  # (tasks, tasks)
+    is_same = cells_between(problem, by_end, by_end) == 0  # (tasks, tasks)
     kept: Numbers = by_end[_are_apart(is_same)]
     return kept
 
@@ -182,7 +192,7 @@ def _legs(problem: Relaxed, robots: Numbers, tasks: Numbers) -> tuple[Times, flo
     of the next leg; the steps that gains come second. Where no way is, any time is sound, and the
     longest leg does.
     """
-    cells = problem.cells[np.ix_(tasks, tasks)]
+    cells = cells_between(problem, tasks, tasks)
     speed = float(problem.speed[robots].max())
     legs: Times = problem.steps[np.unique(problem.pace[robots])][:, cells].min(axis=0)
     legs = legs.astype(np.float64)

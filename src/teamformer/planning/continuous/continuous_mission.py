@@ -13,6 +13,7 @@ from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
 from teamformer.mission.links import is_linked
 from teamformer.mission.rules import HOME as ENDS_HOME
+from teamformer.mission.windows import release_of
 from teamformer.model import Scenario
 from teamformer.planning.arcs.linked.solve import LinkedSolution
 from teamformer.planning.continuous.links import (
@@ -31,7 +32,7 @@ from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, pose
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
 from teamformer.planning.continuous.solve import Solution
-from teamformer.planning.continuous.times import Clock, release_of
+from teamformer.planning.continuous.times import Clock
 from teamformer.planning.relaxation.problem import count_table, ends_of, least_carried
 from teamformer.roads import AIR, Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
@@ -130,7 +131,7 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         counts=counts,
         needs=needs,
         duration=_ticks(takes, scale),
-        release=_ticks([release_of(scenario, task) for task in range(len(tasks))], scale),
+        release=_ticks([release_of(task) for task in tasks], scale),
         due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
         precedence=[
             (number_of[name], number) for number, task in enumerate(tasks) for name in task.after
@@ -215,7 +216,7 @@ def _scale(scenario: Scenario, ways: Times, home: Times, carry: Times) -> float:
     total = sum(task.duration + task.unload + scenario.forming for task in scenario.tasks)
     total += float(carry.max(axis=0).sum())
     total += longest * (len(scenario.tasks) + 1) + 1e-6
-    total += max(release_of(scenario, task) for task in range(len(scenario.tasks)))
+    total += max(release_of(task) for task in scenario.tasks)
     scale = 1e-6
     while 10 * scale * total <= MOST_TICKS:
         scale *= 10

@@ -36,22 +36,27 @@ def is_small(problem: CoalitionProblem) -> bool:
 
 
 def solve_exactly(
-    problem: CoalitionProblem, plan: CoalitionPlan, bound: int, seconds: float, workers: int = 1
+    problem: CoalitionProblem,
+    plan: CoalitionPlan,
+    bound: int,
+    seconds: float,
+    is_large: bool = False,
 ) -> Proof:
-    """Return the best plan that CP-SAT finds in so many seconds, and its bound.
+    """Return the best plan that one thread of CP-SAT finds in so many seconds, and its bound.
 
-    It begins with a plan as a hint: of one worker who does what, of several, which share their
-    plans, all of it. The seconds include posing the model.
+    It begins with a plan as a hint: who does what. If the problem `is_large`, all of the plan is
+    hinted, and the bound comes from a linear relaxation. The seconds include posing the model.
     """
     begun = time.perf_counter()
-    circuits = _Circuits(problem, bound)
+    circuits = _Circuits(problem, bound, int(schedule_of(problem, plan).total[MAKESPAN]))
     circuits.hint(plan)
-    if workers > 1:
+    if is_large:
         circuits.hint_ways(plan)
     from ortools.sat.python import cp_model
 
     solver = make_solver(seed=0)
-    solver.parameters.num_workers = workers
+    if is_large:
+        solver.parameters.linearization_level = 2
     left = seconds - (time.perf_counter() - begun)
     solver.parameters.max_time_in_seconds = max(left, 0.01)
     status = solver.solve(circuits.model)
@@ -66,17 +71,12 @@ def solve_exactly(
 class _Circuits:
     """The model: which robot goes from where to where, and when tasks start."""
 
-    def __init__(self, problem: CoalitionProblem, bound: int) -> None:
+    def __init__(self, problem: CoalitionProblem, bound: int, horizon: int) -> None:
+        """Pose the model of plans that end by the horizon."""
         from ortools.sat.python import cp_model
 
         self.problem, self.model = problem, cp_model.CpModel()
         tasks, robots = len(problem.needs), len(problem.counts)
-        horizon = int(
-            problem.duration.sum()
-            + tasks * problem.ways.max()
-            + problem.home.max()
-            + problem.release.max(initial=0)
-        )
         self.start = [
             self.model.new_int_var(int(problem.release[task]), horizon, f"start {task}")
             for task in range(tasks)
@@ -103,6 +103,7 @@ class _Circuits:
         origin = int(problem.origin[robot])
         arcs: list[tuple[int, int, cp_model.LiteralT]] = []
         ways: dict[tuple[int, int], cp_model.IntVar] = {}
+        busy: list[cp_model.LinearExprT] = []  # ticks of the ways and tasks that the robot takes
         self.goes.append(ways)
         idle = ways[0, 0] = model.new_bool_var("")
         arcs.append((0, 0, idle))
@@ -117,13 +118,20 @@ class _Circuits:
                 does if self._is_straight(pace, origin, task) else first
             )
             model.add(self.makespan >= end + int(problem.home[kind, task])).only_enforce_if(last)
+            busy += [
+                int(problem.ways[pace, origin, task]) * first,
+                int(problem.duration[task]) * does,
+                int(problem.home[kind, task]) * last,
+            ]
             for other in range(tasks):
                 if other != task:
                     goes = ways[task + 1, other + 1] = model.new_bool_var("")
                     arcs.append((task + 1, other + 1, goes))
                     way = int(problem.ways[pace, task, other])
                     model.add(self.start[other] >= end + way).only_enforce_if(goes)
+                    busy.append(way * goes)
         model.add_circuit(arcs)
+        model.add(self.makespan >= sum(busy))  # nothing new, but it raises the bound
 
     def _is_straight(self, pace: int, origin: int, task: int) -> bool:
         """Say whether no detour by another task is shorter."""

@@ -38,7 +38,7 @@ class MissionPlan:
     routes: tuple[Route, ...]
     late: dict[int, float]
     curve: tuple[tuple[float, float], ...] = ()  # (seconds, makespan or cost) of each improvement
-    cost: float | None = None  # of a mission that has one; its bound and proof are of the cost
+    cost: float | None = None  # of a mission that has one
 
     @property
     def order(self) -> tuple[int, ...]:

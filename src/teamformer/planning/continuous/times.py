@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from teamformer.mission.costs import cost_of, parts_of_ends
 from teamformer.mission.rules import latest_end
+from teamformer.mission.windows import release_of
 from teamformer.model import Scenario
 from teamformer.planning.continuous.routes import MissionPlan, Route, Stop
 from teamformer.planning.continuous.schedule import CoalitionPlan
@@ -86,7 +87,7 @@ class Clock:
     def _ready(self, task: int, before: dict[int, int], start: Times) -> float:
         """Return when a task can start, but for its links."""
         arrive = [self._free(p, start) + self._way(robot, p, task) for robot, p in before.items()]
-        ready = max(release_of(self._scenario, task), *arrive)
+        ready = max(release_of(self._scenario.tasks[task]), *arrive)
         if len({int(self._site[place]) for place in before.values()}) > 1:
             ready = max(ready, max(arrive) + self._scenario.forming)
         numbers = (self._number_of[name] for name in self._scenario.tasks[task].after)
@@ -135,9 +136,3 @@ class Clock:
             late=dict(sorted(late.items())),
             cost=None if scenario.cost is None else cost_of(scenario.cost, parts),
         )
-
-
-def release_of(scenario: Scenario, task: int) -> float:
-    """Return when a task may begin, whoever is there."""
-    wanted = scenario.tasks[task]
-    return max(float(wanted.appears), wanted.between[0] if wanted.between else 0.0)

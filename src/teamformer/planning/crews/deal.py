@@ -22,6 +22,7 @@ from teamformer.planning.crews.routes import (
     empty_lists,
     empty_parties,
     gather_parties,
+    way,
 )
 from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
@@ -31,6 +32,10 @@ from teamformer.rules.tour import plan_tour
 if TYPE_CHECKING:
     from teamformer.planning.crews.evaluation import Room
     from teamformer.planning.crews.routes import CrewRoutes, Parties, Shared
+
+
+LARGEST_TOUR = 2000
+"""Through more tasks than this the tour goes to the nearest one each time, and is not improved."""
 
 
 @entry
@@ -85,19 +90,16 @@ def _cut_tour(shared: Shared, lists: CrewRoutes, is_able: Array) -> None:
     A task that the crew whose turn it is cannot do goes to one that can and has least to do.
     """
     count = len(shared.duration)
-    between = np.zeros((count, count), dtype=np.int64)
-    for task in range(count):
-        for other in range(count):
-            between[task, other] = np.int64(min(shared.ways[task, other], shared.ways[other, task]))
     start = np.zeros(count, dtype=np.int64)
     for task in range(count):
         for robot in range(len(shared.place)):
-            start[task] += np.int64(shared.ways[shared.place[robot], task]) // len(shared.place)
+            start[task] += way(shared, shared.place[robot], task) // len(shared.place)
     share = np.zeros(len(is_able), dtype=np.int64)  # how many tasks each crew should have
     for number in range(len(is_able)):
         share[number] = (count + len(is_able) - 1) // len(is_able)
     turn = 0
-    for task in plan_tour(between, start):
+    tour = _short_tour(shared, start) if count <= LARGEST_TOUR else _quick_tour(shared, start)
+    for task in tour:
         while turn < len(is_able) - 1 and lists.length[turn] >= share[turn]:
             turn += 1
         chosen = turn
@@ -109,3 +111,39 @@ def _cut_tour(shared: Shared, lists: CrewRoutes, is_able: Array) -> None:
                 ):
                     chosen = number
         append_task(lists, chosen, task)
+
+
+@allocating_kernel
+def _short_tour(shared: Shared, start: Array) -> Array:
+    """Return a tour through all tasks that small changes do not shorten."""
+    count = len(start)
+    between = np.zeros((count, count), dtype=np.int64)
+    for task in range(count):
+        for other in range(count):
+            between[task, other] = min(way(shared, task, other), way(shared, other, task))
+    return plan_tour(between, start)
+
+
+@allocating_kernel
+def _quick_tour(shared: Shared, start: Array) -> Array:
+    """Return a tour that goes to the nearest task each time, the lowest of equals."""
+    count = len(start)
+    left, tour = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    first = 0
+    for task in range(count):
+        left[task] = task
+        if start[task] < start[first]:
+            first = task
+    place = first
+    for position in range(count):
+        tour[position] = left[place]
+        for gap in range(place, count - position - 1):
+            left[gap] = left[gap + 1]
+        place, least = 0, np.int64(-1)
+        for rank in range(count - position - 1):
+            away = min(
+                way(shared, tour[position], left[rank]), way(shared, left[rank], tour[position])
+            )
+            if least < 0 or away < least:
+                place, least = rank, away
+    return tour

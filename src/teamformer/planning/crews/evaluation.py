@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from teamformer.jit import allocating_kernel, kernel
+from teamformer.planning.crews.routes import way
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.rules.constants import ROUNDING
 from teamformer.rules.pairing import pair_off
@@ -70,7 +71,7 @@ def walk_list(
         slowness, soonest = room.slowness[0], shared.now + 1
         while position < length:
             task = tasks[position]
-            end += np.int64(np.ceil(shared.ways[place, task] * slowness - ROUNDING))
+            end += np.int64(np.ceil(way(shared, place, task) * slowness - ROUNDING))
             end = max(end, soonest) + shared.duration[task]
             room.ends[position] = end
             place = task
@@ -105,8 +106,8 @@ def _meet_at(shared: Shared, room: Room, count: int, task: int) -> tuple[Any, An
             helpers += 1
     for index in range(helpers):
         party = room.helper[index]
-        way = shared.ways[room.place[party], task]
-        steps = np.int64(np.ceil(way * room.slowness[party] - ROUNDING))
+        cells = way(shared, room.place[party], task)
+        steps = np.int64(np.ceil(cells * room.slowness[party] - ROUNDING))
         if helpers > 1 and steps == 0:
             steps += 1
         _insert(room.arrival, index, max(room.ready[party] + steps, shared.now + 1))

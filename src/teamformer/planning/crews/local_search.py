@@ -7,18 +7,23 @@ whole and the number of changes is fixed, so that everybody who searches finds t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.crews.evaluation import walk_list
 from teamformer.planning.crews.moves import change_lists
-from teamformer.planning.crews.routes import gather_parties, replace_list
+from teamformer.planning.crews.routes import (
+    gather_parties,
+    replace_list,
+    set_finish,
+    slowest_of,
+    way,
+)
 from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 from teamformer.rules.constants import NOBODY
-from teamformer.rules.sorting import sort_indices
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.evaluation import Room
@@ -37,6 +42,18 @@ SCALE, LARGEST = 1024, 8191
 """Makespans are counted in 1024ths of the first one, to eight times that."""
 
 
+class Kept(NamedTuple):
+    """The best lists and crews so far, and what has changed since these were written down."""
+
+    tasks: Array  # (crews, tasks)
+    length: Array  # (crews,)
+    crew: Array  # (robots,)
+    list_changes: Array  # (crews + 1,) how many lists have changed, then their crews
+    is_list_changed: Array  # (crews,)
+    crew_changes: Array  # (robots + 1,) how many robots have changed crews, then these
+    is_crew_changed: Array  # (robots,)
+
+
 @allocating_kernel
 def improve_lists(
     shared: Shared,
@@ -53,21 +70,25 @@ def improve_lists(
     """
     for number in range(len(lists.length)):
         tasks, length = lists.tasks[number], lists.length[number]
-        lists.finish[number] = walk_list(shared, parties, number, tasks, length, room)
-    near = _nearest_tasks(shared)
+        set_finish(lists, number, walk_list(shared, parties, number, tasks, length, room))
+    near, is_alone = _nearest_tasks(shared), _who_starts_alone(shared)
     reference = np.int64(1)
     for number in range(len(lists.length)):
         reference = max(reference, lists.finish[number] - shared.now)
     cost = np.int64(0)
     for number in range(len(lists.length)):
         cost += _weigh(shared, lists.finish[number], reference)
-    best, best_cost = (lists.tasks.copy(), lists.length.copy(), crew.copy()), cost
+    best, best_cost = _first_kept(lists, crew), cost
     for turn in range(rounds):
         limit = cost + _draw_threshold(cost, len(lists.crew), rounds - turn, rounds, room.random)
         if draw_below(room.random, TRADES) == 0:
-            cost = _try_trade(shared, lists, parties, crew, room, reference, cost, limit)
+            cost = _try_trade(
+                shared, lists, parties, crew, is_alone, room, best, reference, cost, limit
+            )
         else:
-            cost = _try_change(shared, lists, parties, is_able, near, room, reference, cost, limit)
+            cost = _try_change(
+                shared, lists, parties, is_able, near, room, best, reference, cost, limit
+            )
         if cost < best_cost:
             best_cost = cost
             _keep(lists, crew, best)
@@ -98,12 +119,13 @@ def _try_change(
     is_able: Array,
     near: Array,
     room: Room,
+    best: Kept,
     reference: int,
     cost: int,
     limit: int,
 ) -> Any:
     """Make a change unless it costs too much; return what the lists cost then."""
-    slowest = _slowest(lists)
+    slowest = slowest_of(lists)
     one, other, length, other_length = change_lists(lists, is_able, near, slowest, room)
     if one == NOBODY:
         return cost
@@ -118,20 +140,13 @@ def _try_change(
     if new_cost > limit:
         return cost
     replace_list(lists, one, room.first, length)
-    lists.finish[one] = finish
+    set_finish(lists, one, finish)
+    _note(best.list_changes, best.is_list_changed, one)
     if one != other:
         replace_list(lists, other, room.second, other_length)
-        lists.finish[other] = other_finish
+        set_finish(lists, other, other_finish)
+        _note(best.list_changes, best.is_list_changed, other)
     return new_cost
-
-
-@kernel
-def _slowest(lists: CrewRoutes) -> int:
-    slowest = 0
-    for number in range(1, len(lists.length)):
-        if lists.finish[number] > lists.finish[slowest]:
-            slowest = number
-    return slowest
 
 
 @kernel
@@ -140,7 +155,9 @@ def _try_trade(
     lists: CrewRoutes,
     parties: Parties,
     crew: Array,
+    is_alone: Array,
     room: Room,
+    best: Kept,
     reference: int,
     cost: int,
     limit: int,
@@ -148,7 +165,8 @@ def _try_trade(
     """Swap two robots that can do the same, unless it costs too much; return the cost then."""
     robot, partner = draw_below(room.random, len(crew)), draw_below(room.random, len(crew))
     one, other = crew[robot], crew[partner]
-    if one == other or not _are_alike(shared, robot, partner):
+    is_able = is_alone[robot] and is_alone[partner] and _are_alike(shared, robot, partner)
+    if one == other or not is_able:
         return cost
     finish, other_finish = _trade(shared, lists, parties, crew, robot, partner, room)
     new_cost = cost - _weigh(shared, lists.finish[one], reference)
@@ -158,22 +176,18 @@ def _try_trade(
     if new_cost > limit:
         _trade(shared, lists, parties, crew, robot, partner, room)
         return cost
-    lists.finish[one], lists.finish[other] = finish, other_finish
+    set_finish(lists, one, finish)
+    set_finish(lists, other, other_finish)
+    _note(best.crew_changes, best.is_crew_changed, robot)
+    _note(best.crew_changes, best.is_crew_changed, partner)
     return new_cost
 
 
 @kernel
 def _are_alike(shared: Shared, robot: int, partner: int) -> bool:
-    """Say whether two robots can do the same in the same part of the map, and start alone."""
+    """Say whether two robots can do the same in the same part of the map."""
     if shared.robot_region[robot] != shared.robot_region[partner]:
         return False
-    for member in range(len(shared.company)):
-        leader = shared.company[member]
-        if member not in (robot, partner) and leader in (
-            shared.company[robot],
-            shared.company[partner],
-        ):
-            return False
     for cap in range(shared.counts.shape[1]):
         if shared.counts[robot, cap] != shared.counts[partner, cap]:
             return False
@@ -205,39 +219,80 @@ def _trade(
 def _nearest_tasks(shared: Shared) -> Array:
     """Return the nearest other tasks of the same region, NOBODY where there are fewer."""
     count = len(shared.duration)
-    near = np.empty((count, NEIGHBOURS), dtype=np.int32)
-    order, spare = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    near = np.full((count, NEIGHBOURS), NOBODY, dtype=np.int32)
+    away = np.empty(NEIGHBOURS, dtype=np.int64)
     for task in range(count):
         found = 0
-        sort_indices(shared.ways[task], order, spare)
-        for rank in range(count):
-            other = order[rank]
-            is_near = shared.task_region[other] == shared.task_region[task]
-            if other != task and is_near and found < NEIGHBOURS:
-                near[task, found] = other
-                found += 1
-        for place in range(found, NEIGHBOURS):
-            near[task, place] = NOBODY
+        for other in range(count):
+            if other == task or shared.task_region[other] != shared.task_region[task]:
+                continue
+            cells = way(shared, task, other)
+            if found == NEIGHBOURS and cells >= away[found - 1]:
+                continue
+            found = min(found + 1, NEIGHBOURS)
+            gap = found - 1
+            while gap > 0 and away[gap - 1] > cells:
+                away[gap], near[task, gap] = away[gap - 1], near[task, gap - 1]
+                gap -= 1
+            away[gap], near[task, gap] = cells, other
     return near
 
 
-@kernel
-def _keep(lists: CrewRoutes, crew: Array, best: tuple[Array, ...]) -> None:
-    """Write down the lists."""
-    tasks, length, members = best
-    for number in range(len(length)):
-        length[number] = lists.length[number]
-        for position in range(length[number]):
-            tasks[number, position] = lists.tasks[number, position]
-    for robot in range(len(crew)):
-        members[robot] = crew[robot]
+@allocating_kernel
+def _who_starts_alone(shared: Shared) -> Array:
+    """Return which robots start in no team, (robots,)."""
+    robots = len(shared.company)
+    size, is_alone = np.zeros(robots, dtype=np.int64), np.empty(robots, dtype=np.bool_)
+    for robot in range(robots):
+        size[shared.company[robot]] += 1
+    for robot in range(robots):
+        is_alone[robot] = size[shared.company[robot]] == 1
+    return is_alone
+
+
+@allocating_kernel
+def _first_kept(lists: CrewRoutes, crew: Array) -> Kept:
+    crews, robots = len(lists.length), len(crew)
+    return Kept(
+        lists.tasks.copy(),
+        lists.length.copy(),
+        crew.copy(),
+        np.zeros(crews + 1, dtype=np.int64),
+        np.zeros(crews, dtype=np.bool_),
+        np.zeros(robots + 1, dtype=np.int64),
+        np.zeros(robots, dtype=np.bool_),
+    )
 
 
 @kernel
-def _put_back(lists: CrewRoutes, crew: Array, best: tuple[Array, ...]) -> None:
+def _note(changes: Array, is_changed: Array, number: int) -> None:
+    """Note that a list or a robot's crew is not what was written down."""
+    if not is_changed[number]:
+        is_changed[number] = True
+        changes[0] += 1
+        changes[changes[0]] = number
+
+
+@kernel
+def _keep(lists: CrewRoutes, crew: Array, best: Kept) -> None:
+    """Write down what has changed."""
+    for index in range(1, best.list_changes[0] + 1):
+        number = best.list_changes[index]
+        best.is_list_changed[number] = False
+        best.length[number] = lists.length[number]
+        for position in range(lists.length[number]):
+            best.tasks[number, position] = lists.tasks[number, position]
+    for index in range(1, best.crew_changes[0] + 1):
+        robot = best.crew_changes[index]
+        best.is_crew_changed[robot] = False
+        best.crew[robot] = crew[robot]
+    best.list_changes[0] = best.crew_changes[0] = 0
+
+
+@kernel
+def _put_back(lists: CrewRoutes, crew: Array, best: Kept) -> None:
     """Make the lists what was written down."""
-    tasks, length, members = best
-    for number in range(len(length)):
-        replace_list(lists, number, tasks[number], length[number])
+    for number in range(len(lists.length)):
+        replace_list(lists, number, best.tasks[number], best.length[number])
     for robot in range(len(crew)):
-        crew[robot] = members[robot]
+        crew[robot] = best.crew[robot]

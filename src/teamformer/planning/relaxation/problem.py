@@ -18,7 +18,7 @@ place here, and in favour of the robots, so that no plan under the rules is fast
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,11 +28,18 @@ from teamformer.capabilities import Counts
 from teamformer.grid import Grid, Place
 from teamformer.jit import kernel
 from teamformer.mission.rules import opening_step
-from teamformer.model import Robot, Scenario, Task
+from teamformer.model import Robot, Scenario, Task, World
 from teamformer.plane import Plane
 from teamformer.planning.prices import Prices, prices_of
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR, MICROMETRES, NOBODY, ROUNDING
-from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
+from teamformer.rules.distances import (
+    UNREACHABLE,
+    longest_straight,
+    straight_ways,
+    travel_matrix,
+    way_between,
+)
 
 Whole = npt.NDArray[np.int32]
 
@@ -40,12 +47,18 @@ SHORTEST_CELL = 1e-4  # metres
 MOST_CELLS = 200_000
 """Of a plane: how long a cell is, and how many the longest way has at most."""
 
+BLOCK = 4_000_000
+"""Ways that are looked at at once where there is no table of them."""
+
 
 class Relaxed(NamedTuple):
     """The relaxed problem as plain arrays; times are in steps."""
 
     cells: Whole  # (tasks, places) ways from places to tasks, as column of `steps` and `lengths`;
-    # without walls to fly over that is their cells; places are the tasks' ends, then the starts
+    # without walls to fly over that is their cells; places are the tasks' ends, then the starts;
+    # (0, 0) where ways are worked out from `spots` and `goals` as they are needed
+    spots: Whole  # (places, 2) where the places are, or (0, 2) where ways are in the table
+    goals: Whole  # (tasks, 2) where the tasks are, or (0, 2)
     lengths: Whole  # (movers, ways) cells on the ground and, if some robots fly over walls, in the
     # air; last column, and where there is none on the ground: more than any way has
     steps: Whole  # (paces, ways) steps that ways take; last column, and where there is none: FAR
@@ -70,16 +83,23 @@ class Future(NamedTuple):
     lost: Whole  # (robots,) as in Relaxed
 
 
-def relax(scenario: Scenario) -> Relaxed:
-    """Return the relaxed problem of a scenario."""
+def relax(scenario: Scenario, in_table: bool = True) -> Relaxed:
+    """Return the relaxed problem of a scenario.
+
+    Without `in_table` it has no table of ways where these can be worked out as they are needed.
+    """
     future = future_of(scenario)
     places = [*ends_of(scenario.tasks), *(robot.at for robot in scenario.robots)]
+    if not in_table and are_ways_straight(scenario.world, scenario.tasks):
+        ways = None, np.array([robot.speed for robot in scenario.robots])
+    else:
+        ways = _ways(scenario)
     return relax_ways(
         scenario,
         scenario.tasks,
         scenario.robots,
         places,
-        *_ways(scenario),
+        *ways,
         future,
         ready=np.zeros(len(scenario.robots), dtype=np.int32),
     )
@@ -90,7 +110,7 @@ def relax_ways(
     tasks: Sequence[Task],
     robots: Sequence[Robot],
     places: Sequence[Place],
-    walked: Whole,
+    walked: Whole | None,
     speed: npt.NDArray[np.float64],
     future: Future,
     ready: Whole,
@@ -98,14 +118,20 @@ def relax_ways(
     """Return the relaxed problem of some tasks and robots of a scenario.
 
     `places` are the ends of tasks, then starts; `walked` are the cells from there to tasks on the
-    ground, (tasks, places), and `speed` (robots,) is what robots walk of them in a step.
+    ground, (tasks, places), and `speed` (robots,) is what robots walk of them in a step. Without
+    `walked` ways are straight, and there is no table of them.
     """
-    cells, lengths = number_ways(walked, flights(scenario, [task.at for task in tasks], places))
+    spots = goals = np.zeros((0, 2), np.int32)
+    if walked is None:
+        spots, goals = np.array(places, np.int32), np.array([task.at for task in tasks], np.int32)
+        cells, lengths = np.zeros((0, 0), np.int32), _lengths_to(longest_straight(spots, goals))
+    else:
+        cells, lengths = number_ways(walked, flights(scenario, [task.at for task in tasks], places))
     speeds, rank = np.unique(speed, return_inverse=True)
     counts = count_table([robot.can for robot in robots], scenario)
     needs = count_table([task.needs for task in tasks], scenario)
     steps, pace = steps_of_ways(speeds, lengths), paces_of(rank, robots, lengths)
-    carry = cells.diagonal().copy()
+    carry = cells.diagonal().copy() if len(cells) else np.zeros(len(tasks), np.int32)
     np.fill_diagonal(cells, 0)  # which is not the way from a task's end to its beginning
     quickest = [
         least_carried(counts, steps[pace, way], need) if way > 0 else 0
@@ -114,6 +140,8 @@ def relax_ways(
     duration = np.array([task.duration + task.unload for task in tasks], np.int32)
     return Relaxed(
         cells=cells,
+        spots=spots,
+        goals=goals,
         lengths=lengths,
         steps=steps,
         pace=pace,
@@ -246,7 +274,7 @@ def number_ways(walked: Whole, flown: Whole | None) -> tuple[Whole, Whole]:
     if flown is None:
         no_way = 1 + longest
         cells: Whole = np.ascontiguousarray(np.minimum(walked, no_way))
-        return cells, np.arange(no_way + 1, dtype=np.int32)[None]
+        return cells, _lengths_to(longest)
     no_way = 1 + max(longest, int(flown.max()))
     pairs = np.stack([np.minimum(walked, no_way), flown]).reshape(2, -1)  # (movers, ways)
     pairs = np.append(pairs, [[0], [0]], axis=1)  # it is there, and so the first
@@ -254,6 +282,48 @@ def number_ways(walked: Whole, flown: Whole | None) -> tuple[Whole, Whole]:
     number = number.ravel()[:-1]
     lengths = np.append(kinds, [[no_way], [no_way]], axis=1).astype(np.int32)
     return number.reshape(walked.shape).astype(np.int32), lengths
+
+
+def _lengths_to(longest: int) -> Whole:
+    """Return the cells of ways whose number is their cells, (1, ways)."""
+    return np.arange(longest + 2, dtype=np.int32)[None]
+
+
+def are_ways_straight(world: World, tasks: Sequence[Task]) -> bool:
+    """Say whether places tell how far it is: on grids without walls, where nothing is carried."""
+    is_open = isinstance(world, Grid) and not world.rows
+    return is_open and all(task.to is None for task in tasks)
+
+
+def cells_between(problem: Relaxed, tasks: Array, places: Array) -> Whole:
+    """Return the ways from some places to some tasks, (tasks, places), as column of `steps`."""
+    if len(problem.cells):
+        listed: Whole = problem.cells[np.ix_(tasks, places)]
+        return listed
+    goals, spots = problem.goals[tasks], problem.spots[places]
+    cells: Whole = np.abs(goals[:, None, 0] - spots[:, 0])
+    cells += np.abs(goals[:, None, 1] - spots[:, 1])
+    return cells
+
+
+@kernel
+def way_number(problem: Relaxed, place: int, task: int) -> int:
+    """Return the way from a place to a task, as column of `steps`."""
+    return way_between(problem.cells, problem.spots, problem.goals, place, task)
+
+
+def steps_from_starts(problem: Relaxed, tasks: Array) -> Whole:
+    """Return the steps that each robot takes from its start to some tasks, (tasks, robots)."""
+    starts = len(problem.appears) + np.arange(len(problem.pace))
+    steps: Whole = problem.steps[problem.pace, cells_between(problem, tasks, starts)]
+    return steps
+
+
+def in_blocks(tasks: Array, each: int) -> Iterator[Array]:
+    """Yield tasks in turn, so many at once that tables with `each` columns are no burden."""
+    rows = max(1, BLOCK // max(1, each))
+    for begin in range(0, len(tasks), rows):
+        yield tasks[begin : begin + rows]
 
 
 def paces_of(rank: npt.NDArray[np.intp], robots: Sequence[Robot], lengths: Whole) -> Whole:
@@ -277,6 +347,8 @@ def has_prices(problem: Relaxed) -> bool:
 
 def walked_cells(problem: Relaxed) -> Whole:
     """Return the cells of ways on the ground, (tasks, places); many where there is none."""
+    if len(problem.lengths) == 1:  # the number of a way is its cells
+        return problem.cells
     cells: Whole = problem.lengths[0, problem.cells]
     return cells
 

@@ -127,7 +127,7 @@ class TeamArcs:
             self._robots[row[:size]].tolist()
             for row, size in zip(plan.coalition, plan.size, strict=True)
         ]
-        return plan_teams(self.situation.problem, plan.order.tolist(), coalitions)
+        return plan_teams(plan.order.tolist(), coalitions)
 
 
 def cost_of(timed: TimedPlan) -> int:

@@ -53,7 +53,7 @@ def _share_out(problem: Relaxed, tour: Array, crews: list[list[int]]) -> TeamPla
         for position, task in enumerate(part.tolist()):
             turn[task] = position
             chosen[task] = _able_crew(problem, task, crew)
-    return plan_teams(problem, np.argsort(turn, kind="stable").tolist(), chosen)
+    return plan_teams(np.argsort(turn, kind="stable").tolist(), chosen)
 
 
 def _able_crew(problem: Relaxed, task: int, crew: list[int]) -> list[int]:

@@ -12,6 +12,7 @@ from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import (
     Future,
     Relaxed,
+    are_ways_straight,
     ends_of,
     future_of,
     relax_ways,
@@ -37,8 +38,11 @@ class Situation(NamedTuple):
     forming_steps: int
 
 
-def situation_of(known: Known) -> Situation:
-    """Return the present as arrays; what is still to come in the mission is not looked at."""
+def situation_of(known: Known, in_table: bool = True) -> Situation:
+    """Return the present as arrays; what is still to come in the mission is not looked at.
+
+    Without `in_table` it has no table of ways where these can be worked out as they are needed.
+    """
     scenario, robots = known.mission, known.robots
     number = {robot: index for index, robot in enumerate(robots)}
     company = np.zeros(len(robots), np.int64)
@@ -48,7 +52,10 @@ def situation_of(known: Known) -> Situation:
     wanted = [scenario.tasks[task] for task in tasks]
     spots = [task.at for task in wanted]
     places = [*ends_of(wanted), *(known.places[robot] for robot in robots)]
-    walked, speed = _ways(scenario, spots, places, robots)
+    if not in_table and are_ways_straight(scenario.world, wanted):
+        walked, speed = None, _paces(scenario, robots)
+    else:
+        walked, speed = _ways(scenario, spots, places, robots)
     problem = relax_ways(
         scenario,
         wanted,
@@ -98,6 +105,11 @@ def plan_of(situation: Situation, found: TeamPlan) -> Plan:
     )
 
 
+def _paces(scenario: Scenario, robots: tuple[int, ...]) -> Array:
+    """Return what each robot walks in a step, in cells or metres, (robots,)."""
+    return np.array([scenario.world.pace(scenario.robots[robot].speed) for robot in robots])
+
+
 def _ways(
     scenario: Scenario, spots: list[Place], places: list[Place], robots: tuple[int, ...]
 ) -> tuple[Array, Array]:
@@ -105,7 +117,7 @@ def _ways(
 
     On a plane a cell is a small fraction of the longest way, and no way is counted short.
     """
-    pace = np.array([scenario.world.pace(scenario.robots[robot].speed) for robot in robots])
+    pace = _paces(scenario, robots)
     if isinstance(scenario.world, Grid):
         return travel_matrix(scenario.world, places, spots).T, pace
     metres = straight_ways(spots, places)

@@ -8,13 +8,12 @@ from collections.abc import Iterator
 
 from teamformer.planning.arcs.annealing import ENDLESS
 from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.planning.relaxation.schedule import Schedule
 from teamformer.planning.steps.arc_search import COLD, COOL, LARGE, LESS_HOT, TeamArcs, cost_of
 from teamformer.planning.steps.initial import crew_plans
 from teamformer.planning.steps.shared_plan import relaxed_rounds, rounds_for
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.starts import plan_from_coalitions
-from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
+from teamformer.planning.steps.team_plan import TeamPlan
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
 Starts = Iterator[TeamPlan]
@@ -79,11 +78,6 @@ def is_able(problem: Relaxed, plan: TeamPlan) -> bool:
     coalitions = zip(plan.coalition, plan.size, strict=True)
     has = [problem.counts[coalition[:size]].sum(axis=0) for coalition, size in coalitions]
     return all((have >= need).all() for have, need in zip(has, problem.needs, strict=True))
-
-
-def plan_from_schedule(problem: Relaxed, schedule: Schedule) -> TeamPlan:
-    """Return the plan in which the robots of each task are those of a relaxed schedule."""
-    return plan_teams(problem, schedule.order, schedule.coalitions)
 
 
 def from_best(best: BestPlan) -> Starts:

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.planning.crews.deal import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
-from teamformer.planning.relaxation.problem import Relaxed, walked_cells
+from teamformer.planning.relaxation.problem import Relaxed, steps_from_starts, walked_cells
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.relaxation.threshold import Search
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
@@ -41,19 +41,23 @@ def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> TeamPlan:
         coalitions[task] = sorted(united)
     if len(problem.lengths) > 1:  # crews know nothing of who flies
         return complete_plan(problem, sequence.tolist(), coalitions)
-    return plan_teams(problem, sequence.tolist(), coalitions)
+    return plan_teams(sequence.tolist(), coalitions)
 
 
 def _shared(problem: Relaxed, company: Array) -> Shared:
     """Return what the planner of crews goes by."""
     tasks = len(problem.appears)
-    ways = np.ascontiguousarray(walked_cells(problem).T, dtype=np.float64)  # (places, tasks)
-    no_way = problem.steps.shape[1] - 1
-    task_region, robot_region = _regions(problem.cells < no_way)
+    if len(problem.cells):
+        no_way = problem.steps.shape[1] - 1
+        task_region, robot_region = _regions(problem.cells < no_way)
+    else:  # a grid without walls is one region
+        task_region, robot_region = np.zeros(tasks, np.int64), np.zeros(len(company), np.int64)
     slowness = 1 / problem.speed
     return Shared(
         np.int64(problem.appears.max()),
-        ways,
+        walked_cells(problem),
+        problem.spots,
+        problem.goals,
         slowness,
         problem.counts.astype(np.int64),
         problem.needs.astype(np.int64),
@@ -85,7 +89,7 @@ def plan_from_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> TeamPl
     schedule = search.best
     if schedule is None:
         return None
-    return plan_teams(problem, schedule.order, [list(robots) for robots in schedule.coalitions])
+    return plan_teams(schedule.order, [list(robots) for robots in schedule.coalitions])
 
 
 def complete_plan(
@@ -98,12 +102,11 @@ def complete_plan(
     chosen = [
         _complete(problem, task, list(coalition)) for task, coalition in enumerate(coalitions)
     ]
-    return plan_teams(problem, order, chosen)
+    return plan_teams(order, chosen)
 
 
 def _complete(problem: Relaxed, task: int, coalition: list[int]) -> list[int]:
-    tasks = len(problem.appears)
-    ways = problem.steps[problem.pace, problem.cells[task, tasks:]]  # (robots,)
+    ways = steps_from_starts(problem, np.array([task]))[0]  # (robots,)
     coalition = [robot for robot in coalition if ways[robot] < FAR]
     lacking = problem.needs[task] - problem.counts[coalition].sum(axis=0, dtype=np.int64)
     if not (lacking > 0).any():

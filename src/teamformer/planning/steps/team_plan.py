@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.rules.constants import NOBODY
 
@@ -16,26 +15,18 @@ class TeamPlan(NamedTuple):
     """Which tasks are done in what order, by whom."""
 
     order: Array  # (tasks,)
-    coalition: Array  # (tasks, robots) the first `size` of them, travellers along included
+    coalition: Array  # (tasks, largest) the first `size` of each, travellers along included
     size: Array  # (tasks,)
 
 
-def empty_team_plan(problem: Relaxed) -> TeamPlan:
-    """Return a plan in which nobody does anything."""
-    tasks, robots = len(problem.appears), len(problem.pace)
-    return TeamPlan(
-        np.arange(tasks, dtype=np.int32),
-        np.full((tasks, robots), NOBODY, np.int32),
-        np.zeros(tasks, np.int32),
-    )
-
-
-def plan_teams(
-    problem: Relaxed, order: Sequence[int], coalitions: Sequence[Sequence[int]]
-) -> TeamPlan:
+def plan_teams(order: Sequence[int], coalitions: Sequence[Sequence[int]]) -> TeamPlan:
     """Return a plan as arrays; `coalitions` holds the robots of each task, by its number."""
-    plan = empty_team_plan(problem)
-    plan.order[:] = order
+    largest = max(map(len, coalitions), default=0)
+    plan = TeamPlan(
+        np.array(order, np.int32),
+        np.full((len(coalitions), largest), NOBODY, np.int32),
+        np.zeros(len(coalitions), np.int32),
+    )
     for task, coalition in enumerate(coalitions):
         plan.size[task] = len(coalition)
         plan.coalition[task, : len(coalition)] = coalition

@@ -16,7 +16,7 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.prices import SHARES
-from teamformer.planning.relaxation.problem import Relaxed, pace_together
+from teamformer.planning.relaxation.problem import Relaxed, pace_together, way_number
 from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.team_plan import TeamPlan
@@ -260,7 +260,7 @@ def _walk(
     """
     pace, cells, way = (
         groups.pace[group],
-        problem.cells[task, group],
+        way_number(problem, group, task),
         group * len(plan.order) + task,
     )
     rank = pace  # of its speed
@@ -297,7 +297,7 @@ def _walk(
     if here == cells:
         return came
     if passed == 0 and len(problem.lengths) > 1:
-        return since + problem.steps[pace, problem.cells[task, group]]
+        return since + problem.steps[pace, way_number(problem, group, task)]
     return since + _steps_of(problem, crossings, rank, cells - passed)
 
 

@@ -21,9 +21,8 @@ from teamformer.planning.steps.solve import (
     from_best,
     from_coalitions,
     improve,
-    plan_from_schedule,
 )
-from teamformer.planning.steps.team_plan import TeamPlan, routes_of
+from teamformer.planning.steps.team_plan import TeamPlan, plan_teams, routes_of
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 from teamformer.policies.central.plan_from_play import CoalitionLog, plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
@@ -89,7 +88,7 @@ def plan_centrally(
         bound, searched = solution.bound, list[tuple[float, int]]()
     else:
         best = BestPlan(plays.begun, first)
-        played = shared.plan(situation.problem)
+        played = shared.plan()
         if played is not None:
             best.offer(time_team_plan(situation, played))
         for name, followed in FOLLOWED:
@@ -121,7 +120,7 @@ def _follow(
     tasks, kinds = len(scenario.tasks), max(1.0, len(scenario.capabilities) / FEW_CAPABILITIES)
     if plays.seconds_left < CREW_SECONDS * kinds * tasks * (tasks + len(scenario.robots)):
         return
-    plan = plan_from_play(scenario, situation.problem, followed, plays.begun + plays.limit)
+    plan = plan_from_play(scenario, followed, plays.begun + plays.limit)
     if plan is not None:
         best.offer(time_team_plan(situation, plan))
         plays.add(name, _player(scenario, plan))
@@ -205,7 +204,7 @@ def _relax_and_search(
     best.raise_bound(solution.bound)
     starts = from_coalitions(situation.problem, best, seed)
     if solution.schedule is not None:
-        start = plan_from_schedule(situation.problem, solution.schedule)
+        start = plan_teams(solution.schedule.order, solution.schedule.coalitions)
         starts = chain([start], starts)
     improve(best, situation, deadline, starts, seed + 1)
     return solution

@@ -8,7 +8,6 @@ import time
 import numpy as np
 
 from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
 from teamformer.policies.central.players import Player, decision_of, stage_for
 from teamformer.rules.constants import NOBODY
@@ -31,22 +30,22 @@ class CoalitionLog:
                 self._order.append(task)
                 self._coalitions[task] = np.flatnonzero(team_of == tasks[task]["done_by"]).tolist()
 
-    def plan(self, problem: Relaxed) -> TeamPlan | None:
+    def plan(self) -> TeamPlan | None:
         """Return what was done as a plan; None if not everything was."""
         if not all(self._coalitions):
             return None
-        return plan_teams(problem, self._order, self._coalitions)
+        return plan_teams(self._order, self._coalitions)
 
 
 def plan_from_play(
-    scenario: Scenario, problem: Relaxed, player: Player, deadline: float = math.inf
+    scenario: Scenario, player: Player, deadline: float = math.inf
 ) -> TeamPlan | None:
     """Return the plan of a player's play; None if that does not complete, or not in time.
 
-    `problem` is the scenario's; `deadline` is what `time.perf_counter` then shows.
+    `deadline` is what `time.perf_counter` then shows.
     """
     env, log = stage_for(player, scenario, scenario), CoalitionLog(scenario)
     while env.is_running[0] and time.perf_counter() < deadline:
         env.step(decision_of(player, env, env.view()))
         log.note(env)
-    return log.plan(problem)
+    return log.plan()

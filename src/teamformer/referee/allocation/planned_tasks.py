@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from teamformer.referee.completion import Tasks
 from teamformer.referee.teams import Fleet, RecordedTeam
@@ -19,7 +20,7 @@ class PlannedTasks:
         self._scouts = {steps: dict(scouts) for steps, scouts in replay.scouts}
         self._looks: dict[int, int] = {}  # the task that a robot looks at first
         self._took = [step.took for step in replay.steps]
-        self._coalition: dict[int, set[int]] = {}
+        self._routes: dict[int, list[int]] = {}  # each robot's tasks in the plan's order
         self._orders = dict(replay.orders)
         self._rank: dict[int, int] = {}
 
@@ -39,7 +40,10 @@ class PlannedTasks:
             order = self._orders.get(steps_made, ())
             self._rank = {task: i for i, task in enumerate(order)}
             made = self._plans[steps_made].coalitions
-            self._coalition = {task: set(c) for task, c in zip(order, made, strict=False)}
+            self._routes = {}
+            for task, coalition in dict(zip(order, made, strict=False)).items():
+                for robot in coalition:
+                    self._routes.setdefault(robot, []).append(task)
             self._looks = dict(self._scouts.get(steps_made, {}))
         elif steps_made > 0:
             self._exchange_parts(self._took[steps_made - 1])
@@ -67,9 +71,9 @@ class PlannedTasks:
 
     def _exchange_parts(self, took: Sequence[tuple[int, int]]) -> None:
         for pair in took:
-            for coalition in self._coalition.values():
-                coalition ^= set(pair) if len(coalition & set(pair)) == 1 else set()
             one, other = pair
+            routes = self._routes.pop(one, []), self._routes.pop(other, [])
+            self._routes[other], self._routes[one] = routes
             looks = {one: self._looks.pop(other, None), other: self._looks.pop(one, None)}
             self._looks |= {robot: task for robot, task in looks.items() if task is not None}
 
@@ -95,12 +99,12 @@ class PlannedTasks:
                 )
 
     def _next_tasks(self, team: RecordedTeam, tasks: Tasks, steps_made: int) -> Iterator[int]:
-        open_now = [task for task in self._coalition if tasks.is_open(task, steps_made)]
         for robot in team.robots:
             if robot in self._looks:
                 yield self._looks[robot]
                 continue
-            yield from [task for task in open_now if robot in self._coalition[task]][:1]
+            route = self._routes.get(robot, ())
+            yield from islice((task for task in route if tasks.is_open(task, steps_made)), 1)
 
 
 def check_assignments(

@@ -28,6 +28,15 @@ MOST_CELLS = 100  # a side
 HINT = "write the name as it is seen from the folder of the scenario"
 
 
+ROS_MAP = re.compile(r"^(image|resolution):", re.MULTILINE)
+"""What only the description of a ROS map has at its left edge."""
+
+
+def is_map(name: str, text: str) -> bool:
+    """Say whether a file of this name and text is a map, and not a mission."""
+    return name.lower().endswith(".map") or ROS_MAP.search(text) is not None
+
+
 def read_map(path: Path, cell: float | None = None) -> Grid:
     """Read a map by its file name: MovingAI for `.map`, ROS map_server for `.yaml`."""
     if path.suffix in (".yaml", ".yml"):

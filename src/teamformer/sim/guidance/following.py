@@ -28,10 +28,13 @@ def follow_plans(worlds: Worlds, parts: Parts, is_new: Array) -> None:
         world = world_at(worlds, w)
         if world.count.status == RUNNING and world.rules.is_coordinated:
             own = Parts(
-                parts.coalition[w],
+                parts.first[w],
+                parts.task[w],
+                parts.part[w],
                 parts.scouts[w],
                 parts.took[w],
                 parts.kind[w],
+                parts.is_parting[w],
                 parts.waiting[w],
                 parts.wanted[w],
             )
@@ -44,12 +47,13 @@ def _follow(world: World, parts: Parts, is_new: Array) -> None:
     find_earliest_tasks(world)
     for position in range(world.count.open):
         parts.waiting[world.order[position]] = NOBODY
+    _find_who_parts(world, parts)
     for team in range(world.rules.robots):
         for cap in range(world.has.shape[1]):
             parts.wanted[team, cap] = world.has[team, cap]
         if world.teams[team].size == 0 or world.teams[team].serves > 0:
             continue
-        if _is_parting(world, team):
+        if parts.is_parting[team]:
             _part(world, parts, team)
         else:
             _join_who_waits(world, parts, team)
@@ -73,9 +77,10 @@ def _find_next_tasks(world: World, parts: Parts, is_new: Array) -> None:
         if scouted != NOBODY and world.tasks[scouted].is_open and _is_unseen(world, scouted):
             world.robots[robot].next = scouted
             continue
-        for position in range(world.count.open):
-            if parts.coalition[world.order[position], robot]:
-                world.robots[robot].next = world.order[position]
+        part = parts.part[robot]
+        for entry in range(parts.first[part], parts.first[part + 1]):
+            if world.tasks[parts.task[entry]].is_open:
+                world.robots[robot].next = parts.task[entry]
                 break
 
 
@@ -86,13 +91,14 @@ def _is_unseen(world: World, task: int) -> bool:
 
 
 @kernel
-def _is_parting(world: World, team: int) -> bool:
-    """Say whether a team's robots have different next tasks."""
-    task = world.robots[team].next
-    for robot in range(team + 1, world.rules.robots):
-        if world.robots[robot].team == team and world.robots[robot].next != task:
-            return True
-    return False
+def _find_who_parts(world: World, parts: Parts) -> None:
+    """Find the teams whose robots have different next tasks."""
+    for team in range(world.rules.robots):
+        parts.is_parting[team] = False
+    for robot in range(world.rules.robots):
+        team = world.robots[robot].team
+        if team != NOBODY and world.robots[robot].next != world.robots[team].next:
+            parts.is_parting[team] = True
 
 
 @kernel
@@ -201,11 +207,9 @@ def _exchange(world: World, parts: Parts, team: int, task: int, leaves: bool) ->
 
 @kernel
 def _swap_parts(world: World, parts: Parts, robot: int, other: int) -> None:
-    for position in range(world.count.open):
-        task = world.order[position]
-        part = parts.coalition[task, robot]
-        parts.coalition[task, robot] = parts.coalition[task, other]
-        parts.coalition[task, other] = part
+    part = parts.part[robot]
+    parts.part[robot] = parts.part[other]
+    parts.part[other] = part
     scouted = parts.scouts[robot]
     parts.scouts[robot] = parts.scouts[other]
     parts.scouts[other] = scouted

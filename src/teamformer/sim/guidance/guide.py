@@ -82,11 +82,16 @@ class Guide:
     def plan(self, worlds: Worlds, w: int) -> Plan:
         """Return the plan that a world goes by now; tasks that are not in it have no coalition."""
         order = worlds.order[w, : worlds.count["open"][w]].tolist()
-        who = self.parts.coalition[w]
         scouts = self.parts.scouts[w].tolist()
+        robots_of: dict[int, list[int]] = {task: [] for task in order}
+        for robot, part in enumerate(self.parts.part[w].tolist()):
+            begin, end = self.parts.first[w, part : part + 2]
+            for task in self.parts.task[w, begin:end].tolist():
+                if task in robots_of:
+                    robots_of[task].append(robot)
         return Plan(
             order=tuple(order),
-            coalitions=tuple(tuple(np.flatnonzero(who[task]).tolist()) for task in order),
+            coalitions=tuple(tuple(robots_of[task]) for task in order),
             scouts=tuple((robot, task) for robot, task in enumerate(scouts) if task != NOBODY),
         )
 
@@ -126,23 +131,38 @@ class Guide:
 
         Tasks that are not in it wait at the end.
         """
-        coalition, tasks = self.parts.coalition[w], worlds.tasks[w]
+        tasks, teams = worlds.tasks[w], worlds.robots["team"][w]
         served = np.flatnonzero(tasks["is_open"] & (tasks["server"] != NOBODY)).tolist()
-        coalition[:] = False
         self.parts.scouts[w] = NOBODY
         for robot, task in plan.scouts:
             self.parts.scouts[w, robot] = task
+        robots_of = dict(zip(plan.order, plan.coalitions, strict=True))
         for task in served:
-            coalition[task] = worlds.robots["team"][w] == tasks["server"][task]
-        for task, robots in zip(plan.order, plan.coalitions, strict=True):
-            coalition[task, list(robots)] = True
+            servers = np.flatnonzero(teams == tasks["server"][task]).tolist()
+            robots_of[task] = tuple({*servers, *robots_of.get(task, ())})
         planned = [*served, *(task for task in plan.order if task not in served)]
         waiting = sorted(set(np.flatnonzero(tasks["is_open"]).tolist()) - set(planned))
         order: Array = np.array(planned + waiting, np.int64)
         worlds.order[w, : len(order)] = order
         tasks["rank"][order] = np.arange(len(order))
         worlds.count["orders"][w] += 1
+        self._write_parts(w, [(task, robots_of.get(task, ())) for task in order.tolist()])
         self.plans[w].append((int(worlds.count["steps"][w]), plan))
+
+    def _write_parts(self, w: int, rows: list[tuple[int, Sequence[int]]]) -> None:
+        """Write down the tasks of each robot; `rows` has all tasks in order, with their robots."""
+        lists: list[list[int]] = [[] for _ in range(self.parts.part.shape[1])]
+        for task, robots in rows:
+            for robot in robots:
+                lists[robot].append(task)
+        first = np.cumsum([0, *map(len, lists)])
+        if first[-1] > self.parts.task.shape[1]:
+            longer = np.full((len(self.parts.task), int(first[-1])), NOBODY, np.int32)
+            longer[:, : self.parts.task.shape[1]] = self.parts.task
+            self.parts = self.parts._replace(task=longer)
+        self.parts.first[w] = first
+        self.parts.task[w, : first[-1]] = [task for tasks in lists for task in tasks]
+        self.parts.part[w] = np.arange(len(lists))
 
     def _follow(self, worlds: Worlds, is_new: Array, news: Array) -> None:
         """Write what teams are to do next; a new plan is kept with the exchanges made at once."""
@@ -206,10 +226,13 @@ def _make_parts(worlds: Worlds, scenarios: Sequence[Scenario]) -> Parts:
     count, robots, caps = worlds.has.shape
     tasks = worlds.tasks.shape[1]
     parts = Parts(
-        coalition=np.zeros((count, tasks, robots), dtype=np.bool_),
+        first=np.zeros((count, robots + 1), dtype=np.int32),
+        task=np.zeros((count, 0), dtype=np.int32),
+        part=np.zeros((count, robots), dtype=np.int32) + np.arange(robots, dtype=np.int32),
         scouts=np.full((count, robots), NOBODY, dtype=np.int32),
         took=np.full((count, robots), NOBODY, dtype=np.int32),
         kind=np.zeros((count, robots), dtype=np.int32),
+        is_parting=np.zeros((count, robots), dtype=np.bool_),
         waiting=np.full((count, tasks), NOBODY, dtype=np.int32),
         wanted=np.zeros((count, robots, caps), dtype=np.int32),
     )

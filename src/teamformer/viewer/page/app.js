@@ -344,6 +344,18 @@ function readTrial(record) {
     history,
     colours: capabilityColours(capabilities.length),
     labels: shortLabels(capabilities),
-    sceneAt: rememberLast(SCENES_KEPT, (step) => sceneAt(history, step)),
+    sceneAt: sceneKeeper(history),
+  };
+}
+
+// Returns what gives the scene after a step, the last few of which are kept.
+function sceneKeeper(history) {
+  let [leaving, scenes] = [null, null];
+  return (step) => {
+    if (history.leaving !== leaving) {
+      leaving = history.leaving;
+      scenes = rememberLast(SCENES_KEPT, (at) => sceneAt(history, at));
+    }
+    return scenes(step);
   };
 }

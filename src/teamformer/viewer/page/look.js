@@ -27,8 +27,11 @@ function lookInto(app) {
     pixelOf: (x, y) => ({ x: app.map.shown.camera.x(x), y: app.map.shown.camera.y(y) }),
     detail: () => app.map.shown.detail,
     legend: () => app.map.shown.legend.map(({ text, x, y }) => ({ text, x, y })),
+    names: () => app.map.shown.names.map(({ text, x, y, half }) => ({ text, x, y, half })),
     groups: () => app.map.shown.groups.map(({ x, y, count }) => ({ x, y, count })),
     told: () => toldOf(app.history),
+    tables: () => tablesOf(app),
+    incidents: () => app.state.incidents,
     criticalPath: () => criticalPath(app.history),
     bars: (robot) => ganttRow(app, robot),
     curves: () => curvesOf(app.history),
@@ -52,6 +55,15 @@ function ganttRow({ gantt, history }, robot) {
     marks: gantt.deeds[robot].map(({ task, step }) => ({ task: nameOf(task), step })),
     rowHeight: gantt.rowHeight(),
   };
+}
+
+// What the tables say of the moment that is shown: a row for each task and each robot, by column.
+function tablesOf(app) {
+  const moment = momentOf(app);
+  const { tasks, robots } = app.history.scenario;
+  const rowsOf = (things, columns) =>
+    things.map((_, number) => Object.fromEntries(columns.map(({ name, of }) => [name, of(moment, number).text])));
+  return { tasks: rowsOf(tasks, TASK_COLUMNS), robots: rowsOf(robots, ROBOT_COLUMNS) };
 }
 
 // Who did what and when: [step, what, the robots' names, the task's name].

@@ -141,7 +141,7 @@ def _cost_of(
     That is its detour, how late the task would be and, after it, the next one.
     """
     node, weight, pace = graph.nodes[task], links.weight, problem.kinds[kind].pace
-    way = problem.ways[pace, place, task]
+    way = problem.ways_to[pace, task, place]
     end = max(graph.nodes[place].end + way, node.release) + node.duration
     late, push = max(0, end - node.due), 0
     if to >= problem.ways.shape[1]:

@@ -17,15 +17,14 @@ from teamformer.planning.arcs.graph import ArcProblem, Graph, back_of, start_of
 from teamformer.planning.arcs.judging import (
     BACK,
     END,
-    ENTRY,
     HOMES,
     LOGGED,
     NEXT,
     PREV,
-    WAITING,
     WAITS,
     Trial,
     connect,
+    empty_trial,
     follow,
     record,
     wait,
@@ -91,18 +90,10 @@ def empty_ledger(problem: LinkedProblem) -> Ledger:
     )
 
 
-def empty_trial(problem: LinkedProblem, graph: Graph) -> Trial:
-    """Return room for a change; a task may be timed more than once in it."""
-    nodes, robots = len(graph.nodes), len(graph.back)
-    timed = (MOST_TIMED + TIMED_EACH * nodes) * problem.members.shape[1]
-    room = 8 * len(graph.seats) + 4 * nodes + robots + timed
-    return Trial(
-        number=np.zeros(6, np.int64),
-        log=np.zeros(room, ENTRY).view(np.recarray),
-        agenda=np.zeros(nodes + 1, WAITING).view(np.recarray),
-        homes=np.zeros(robots, np.int32),
-        is_listed=np.zeros(robots, np.int32),
-    )
+def room_for_change(problem: LinkedProblem, graph: Graph) -> Trial:
+    """Return room for a change; linked tasks may be timed more than once in it."""
+    timed = MOST_TIMED + TIMED_EACH * len(graph.nodes)
+    return empty_trial(graph, timed * problem.members.shape[1])
 
 
 @kernel

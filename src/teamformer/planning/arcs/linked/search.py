@@ -37,9 +37,9 @@ from teamformer.planning.arcs.linked.judging import (
     accept_change,
     begin_change,
     empty_ledger,
-    empty_trial,
     links_of,
     propagate,
+    room_for_change,
     sum_up_change,
     time_links,
     undo_change,
@@ -85,7 +85,7 @@ class LinkedSearch:
         self.arcs = pose_arcs(base, min(len(base.needs) - 1, NEAR))
         self.graph, self._best = empty_graph(base), empty_graph(base)
         self._links, self._ledger = links_of(problem), empty_ledger(problem)
-        self._trial = empty_trial(problem, self.graph)
+        self._trial = room_for_change(problem, self.graph)
         self._room = empty_room(self.arcs, self._links, len(self.graph.seats))
         self._draws = Random(seed)
         self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)

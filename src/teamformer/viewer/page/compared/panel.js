@@ -7,7 +7,7 @@ class Compared {
     this.app = app;
     this.box = box;
     this.table = element("div", {});
-    this.canvas = element("canvas", { role: "img", "aria-label": "Tasks done over time; the table says the same in numbers" });
+    this.canvas = element("canvas", { class: "curves", role: "img", "aria-label": "Tasks done over time; the table says the same in numbers" });
     box.append(element("h2", {}, "Compared"), this.canvas, this.table);
     this.curves = new Curves(app, this.canvas);
     new ResizeObserver(() => this.layMaps()).observe(byId("stage-map"));
@@ -30,10 +30,16 @@ class Compared {
   layMaps() {
     const { app } = this;
     const { clientWidth: width, clientHeight: height } = byId("stage-map");
-    if (!width) return;
     const count = 1 + app.companions.length;
-    const columns = columnsFor(count, app.history.scenario.world.used, width, height);
+    const columns = width > PHONE ? columnsFor(count, app.history.scenario.world.used, width, height) : 1;
     byId("stage-map").style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
+    this.placeCurves(width > 0 && count % columns > 0);
+  }
+
+  // Where maps leave a part of the stage empty, the curves are there, else in the panel.
+  placeCurves(isRoom) {
+    if (isRoom) byId("stage-map").append(this.canvas);
+    else if (this.canvas.parentElement !== this.box) this.box.insertBefore(this.canvas, this.table);
   }
 }
 

@@ -4,9 +4,13 @@ const MOST_PIXELS_PER_CELL = 96;
 const AROUND = [60, 72]; // pixels left and right, over and under a map that is fitted
 const LEAST_PIXELS_PER_CELL = 1.5;
 
+const AROUND_ON_PHONES = [44, 46];
+const PHONE = 480; // pixels across
+
 // The pixels a cell at which what is used of a world fits into a box.
 function scaleToFit(used, width, height) {
-  return Math.min((width - AROUND[0]) / used.width, (height - AROUND[1]) / used.height);
+  const [across, down] = width <= PHONE ? AROUND_ON_PHONES : AROUND;
+  return Math.min((width - across) / used.width, (height - down) / used.height);
 }
 
 class Camera {
@@ -19,13 +23,14 @@ class Camera {
     this.isFitted = true;
   }
 
-  fit(width, height) {
+  // `above` is what has to stay free over the map.
+  fit(width, height, above = 0) {
     const { used } = this.world;
-    const wanted = scaleToFit(used, width, height);
+    const wanted = scaleToFit(used, width, height - above);
     this.cell = Math.max(LEAST_PIXELS_PER_CELL, Math.min(wanted, MOST_PIXELS_PER_CELL));
-    const above = this.world.yIsUp ? this.world.height - used.low - used.height : used.low;
+    const first = this.world.yIsUp ? this.world.height - used.low - used.height : used.low;
     this.left = (width - this.cell * used.width) / 2 - this.cell * used.left;
-    this.top = (height - this.cell * used.height) / 2 - this.cell * above;
+    this.top = above + (height - above - this.cell * used.height) / 2 - this.cell * first;
     this.isFitted = true;
   }
 

@@ -8,7 +8,7 @@ function drawAssignments(view) {
   ctx.lineWidth = 1.5;
   ctx.setLineDash([5, 4]);
   for (const team of scene.teams.values()) {
-    if (team.assigned === NOBODY || isLeavingTeam(view, team)) continue;
+    if (team.assigned === NOBODY) continue;
     const isChosen = team === selectedTeam || team.assigned === selection.task;
     if (!options.lines && !isChosen) continue;
     ctx.globalAlpha = isChosen ? 1 : 0.55;

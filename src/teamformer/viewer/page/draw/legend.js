@@ -4,16 +4,18 @@ const LEGEND_ROW = 18; // pixels
 const LEGEND_MARK = 20; // with the space before its text
 const LEGEND_GAP = 14;
 
-// Over the map, where robots are not drawn one by one; pictures have it too.
+// Over the map, where robots are not drawn one by one; pictures have it too. Returns its pixels down
+// that do not fit into what is free around a map that is fitted.
 function drawCrowdLegend(view) {
-  if (view.detail === "robots") return;
+  if (view.detail === "robots") return 0;
   const { ctx, theme } = view;
   ctx.font = `11px ${theme.font}`;
   const items = inRows(ctx, [...crowdItems(view), ...taskItems(view)], view.width - 20);
   const width = Math.max(...items.map(({ right }) => right));
   ctx.globalAlpha = 0.85;
   ctx.fillStyle = theme.paper;
-  ctx.fillRect(6, 6, width + 8, (items.at(-1).row + 1) * LEGEND_ROW + 4);
+  const height = (items.at(-1).row + 1) * LEGEND_ROW + 4;
+  ctx.fillRect(6, 6, width + 8, height);
   for (const { text, draw, x, y } of items) {
     draw(x, y);
     ctx.globalAlpha = 1;
@@ -23,6 +25,7 @@ function drawCrowdLegend(view) {
     ctx.fillText(text, x + LEGEND_MARK - 6, y + 0.5);
   }
   view.legend = items;
+  return Math.max(0, height - LEGEND_ROW);
 }
 
 // The items with the places of their marks: one after the other, a new row where there is no room.

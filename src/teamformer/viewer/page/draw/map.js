@@ -9,7 +9,7 @@ class TrialMap {
   constructor(app, canvas) {
     this.app = app;
     this.canvas = canvas;
-    this.placed = new Map(); // step -> places, at one zoom
+    this.placed = new Map(); // scene -> places, at one zoom
     this.images = new Map(); // of tasks, at one zoom
     this.keptFor = "";
     this.readTheme();
@@ -23,6 +23,7 @@ class TrialMap {
   // Another world from now on.
   look(world) {
     this.camera = new Camera(world);
+    this.above = 0;
     if (this.width) this.camera.fit(this.width, this.height);
     this.placed.clear();
     this.images.clear();
@@ -42,14 +43,15 @@ class TrialMap {
     const sharpness = window.devicePixelRatio || 1;
     this.width = width;
     this.height = height;
+    this.above = 0;
     this.canvas.width = Math.round(width * sharpness);
     this.canvas.height = Math.round(height * sharpness);
-    if (this.camera?.isFitted) this.camera.fit(width, height);
+    if (this.camera?.isFitted) this.camera.fit(width, height, this.above);
     this.app.redraw();
   }
 
   fit() {
-    this.camera.fit(this.width, this.height);
+    this.camera.fit(this.width, this.height, this.above);
     this.app.redraw();
   }
 
@@ -80,9 +82,18 @@ class TrialMap {
     drawTeams(view);
     drawSelection(view);
     drawNames(view);
-    drawCrowdLegend(view);
+    const legend = drawCrowdLegend(view);
     this.shown = view;
     this.frames = (this.frames ?? 0) + 1;
+    if (legend > this.above) this.makeRoom(legend);
+  }
+
+  // A map that is fitted lies under the legend of its crowds.
+  makeRoom(above) {
+    this.above = above;
+    if (!this.camera.isFitted) return;
+    this.camera.fit(this.width, this.height, above);
+    this.draw();
   }
 
   // What stands still between two steps, drawn once for both: {canvas, changing}, the ground with
@@ -156,14 +167,12 @@ class TrialMap {
   }
 
   placesAt(step) {
+    const scene = this.app.sceneAt(step);
     if (this.placed.size > 8) this.placed.clear();
-    if (!this.placed.has(step)) {
-      this.placed.set(
-        step,
-        placeEverybody(this.app.history, this.app.sceneAt(step), this.camera.cell),
-      );
+    if (!this.placed.has(scene)) {
+      this.placed.set(scene, placeEverybody(this.app.history, scene, this.camera.cell));
     }
-    return this.placed.get(step);
+    return this.placed.get(scene);
   }
 
   // What is under a pixel: {robot}, {task}, {group} or {}.

@@ -9,6 +9,7 @@ const LOST_NAMED = 12; // robots, whatever the zoom
 function drawNames(view) {
   const { ctx, theme, camera, options } = view;
   const taken = [];
+  view.names = taken;
   ctx.font = `500 11px ${theme.font}`;
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
@@ -17,11 +18,12 @@ function drawNames(view) {
     if (isRoomy || task === view.selection.task) drawTaskName(view, taken, task);
   });
   const lost = robotsLostAt(view.history, view.scene.step);
-  if (isRoomy || lost.length <= LOST_NAMED) drawLostNames(view, taken, lost);
+  const discs = view.detail === "robots" ? discsByCell(view) : new Map();
+  if (isRoomy || lost.length <= LOST_NAMED) drawLostNames(view, taken, lost, discs);
   if (view.detail !== "robots") return;
   for (const teams of teamsByPlace(view.scene).values()) {
     const named = isRoomy ? teams : teams.filter((team) => team === view.selectedTeam);
-    if (named.length) drawTeamNames(view, taken, named);
+    if (named.length) drawTeamNames(view, taken, named, discs);
     if (!isRoomy) drawBadges(view, teams);
   }
 }
@@ -44,12 +46,15 @@ function namesOfPlace(scenario, task, mates) {
   return shown.join(", ") + (mates.length > MANY ? ` + ${mates.length - MANY} more` : "");
 }
 
-function drawLostNames(view, taken, lost) {
+function drawLostNames(view, taken, lost, discs) {
   const { scenario, theme } = view;
   for (const robot of lost) {
     const { x, y, r } = robotSpot(view, robot);
     const name = `${robotName(scenario, robot)}, lost`;
-    drawName(view, taken, name, { x, y: y - r - 9 }, theme.bad);
+    const half = view.ctx.measureText(name).width / 2;
+    const isFree = (at) => !isOverDisc(view, discs, new Set([robot]), { x, y: at, half });
+    const at = [y - r - 9, y + r + 9].find(isFree) ?? y - r - 9;
+    drawName(view, taken, name, { x, y: at }, theme.bad);
   }
 }
 
@@ -63,8 +68,9 @@ function teamsByPlace(scene) {
   return places;
 }
 
-// One line over all that is in a place, or over the task that is there.
-function drawTeamNames(view, taken, teams) {
+// One line over all that is in a place, or over the task that is there; under it where other robots
+// are over it.
+function drawTeamNames(view, taken, teams, discs) {
   const { scenario, theme, camera } = view;
   if (!isOnScreen(view, camera.x(teams[0].x), camera.y(teams[0].y), 2 * camera.cell)) return;
   const texts = teams.slice(0, TEAMS_NAMED).map(({ slot, robots }) => {
@@ -76,7 +82,39 @@ function drawTeamNames(view, taken, teams) {
   const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
   const top = Math.min(...spots.map((spot) => spot.y - spot.r));
   const y = Math.min(top, topOfTaskAround(view, x, top)) - 10;
-  drawName(view, taken, texts.join(", "), { x, y }, theme.ink);
+  const own = new Set(teams.flatMap(({ robots }) => robots));
+  const half = view.ctx.measureText(texts.join(", ")).width / 2;
+  const isFree = (at) => !isOverDisc(view, discs, own, { x, y: at, half });
+  const below = Math.max(...spots.map((spot) => spot.y + spot.r)) + 10;
+  const at = [y, below].find(isFree);
+  if (at !== undefined) drawName(view, taken, texts.join(", "), { x, y: at }, theme.ink);
+}
+
+// The robots on the map by the cell that they are drawn in.
+function discsByCell({ blended, scenario }) {
+  const cells = new Map();
+  scenario.robots.forEach((_, robot) => {
+    const key = cellKey(Math.round(blended.x[robot]), Math.round(blended.y[robot]));
+    if (cells.has(key)) cells.get(key).push(robot);
+    else cells.set(key, [robot]);
+  });
+  return cells;
+}
+
+// Whether a line of text would lie over a robot that is not one of its own.
+function isOverDisc(view, discs, own, { x, y, half }) {
+  const [[left, one], [right, other]] = [[x - half, y - 6], [x + half, y + 6]].map(([px, py]) => view.camera.placeAt(px, py));
+  const [low, high] = [Math.round(Math.min(one, other)), Math.round(Math.max(one, other))];
+  for (let column = Math.round(left) - 1; column <= Math.round(right) + 1; column++) {
+    for (let row = low - 1; row <= high + 1; row++) {
+      for (const robot of discs.get(cellKey(column, row)) ?? []) {
+        if (own.has(robot)) continue;
+        const spot = robotSpot(view, robot);
+        if (Math.abs(spot.x - x) < spot.r + half && Math.abs(spot.y - y) < spot.r + 5) return true;
+      }
+    }
+  }
+  return false;
 }
 
 // The upper edge of the task whose square a pixel is in; teams walk through such squares too.
@@ -117,7 +155,7 @@ function drawName(view, taken, name, { x, y }, colour) {
   const half = ctx.measureText(text).width / 2 + 2;
   const covers = (box) => Math.abs(box.x - x) < box.half + half && Math.abs(box.y - y) < 13;
   if (taken.some(covers)) return;
-  taken.push({ x, y, half });
+  taken.push({ text, x, y, half });
   ctx.lineWidth = 3;
   ctx.lineJoin = "round";
   ctx.strokeStyle = theme.ground;

@@ -75,11 +75,11 @@ function placeRobots(places, robots, middle, scale) {
 
 // Where a task's square is, in cells from the middle of its own: {right, down, half}. It opens to
 // embrace the robots that stand there; tasks that share a cell share it out, and line up below
-// the robots that come.
-function taskSquare(places, { at, mates }, task, cell) {
+// the robots that come. `least` is half a side in pixels.
+function taskSquare(places, { at, mates }, task, cell, least) {
   const inside = places.cells.get(cellKey(...at)) ?? 0;
   if (mates.length === 1) {
-    return { right: 0, down: 0, half: Math.max(TASK_HALF, 6 / cell, inside + 2 / cell) };
+    return { right: 0, down: 0, half: Math.max(TASK_HALF, least / cell, inside + 2 / cell) };
   }
   const columns = Math.ceil(Math.sqrt(mates.length));
   const pitch = Math.max((2 * TASK_HALF) / columns, 10 / cell);

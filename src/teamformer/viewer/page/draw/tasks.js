@@ -63,16 +63,20 @@ function taskImage(view, task, half, reach, standing) {
   return canvas;
 }
 
+const FEW_TASKS = 40; // of so many each may be a little larger than its cell, so that letters fit
+const ROOMY_CELL = 12; // pixels
+
 // The square of a task in pixels.
 function taskBox(view, task) {
-  const { camera, sites, places, placesAfter, part, detail } = view;
+  const { camera, sites, places, placesAfter, part, detail, scenario } = view;
   const { cell } = camera;
   const { at, isUp } = sites[task];
   if (isUp) return loadBox(view, task);
   const [x, y] = [camera.x(at[0]), camera.y(at[1])];
   if (detail !== "robots") return { x, y, half: Math.max(1.5, 0.3 * cell) };
+  const least = scenario.tasks.length <= FEW_TASKS && cell >= ROOMY_CELL ? 8 : 6;
   const [from, to] = [places, placesAfter].map((known) =>
-    taskSquare(known, sites[task], task, cell),
+    taskSquare(known, sites[task], task, cell, least),
   );
   const pixels = (key) => between(from[key], to[key], part) * cell;
   return { x: x + pixels("right"), y: y + pixels("down"), half: pixels("half") };
@@ -274,7 +278,9 @@ function needsThatFit({ ctx, theme, scenario, labels, history, scene }, task, ha
   for (const lines of [needsLines(scenario, labels, needs), kindsLines(needs)]) {
     if (!lines) continue;
     const marked = [...lines.slice(0, -1), lines.at(-1) + mark];
-    const wanted = Math.min(15, (half * 1.45) / Math.max(2.4, 1.15 * marked.length));
+    const roomy = (half * 1.45) / Math.max(2.4, 1.15 * marked.length);
+    const tight = (half * 1.45) / Math.max(1.6, 1.15 * marked.length); // in a small square
+    const wanted = Math.min(15, Math.max(roomy, Math.min(tight, SMALLEST_TEXT + 1)));
     ctx.font = `600 ${wanted}px ${theme.font}`;
     const widest = Math.max(...marked.map((line) => ctx.measureText(line).width));
     const size = wanted * Math.min(1, (half * 1.5) / widest);

@@ -114,8 +114,7 @@ function drawLabel({ ctx, labels, colours, theme }, cap, x, y, r) {
 
 function drawLostRobots(view) {
   const { ctx, theme, history, scene } = view;
-  const leaving = (history.leaving ?? []).filter((robot) => isLeaving(history, robot, scene.step));
-  for (const robot of [...robotsLostAt(history, scene.step), ...leaving]) {
+  for (const robot of robotsLostAt(history, scene.step)) {
     const { x, y, r } = robotSpot(view, robot);
     ctx.globalAlpha = 0.8;
     drawDisc(ctx, x, y, r * 0.86, theme.lost);

@@ -11,6 +11,7 @@ class EditorApp extends App {
     this.problems = [];
     this.panel = new EditorPanel(this, byId("mission"));
     document.body.classList.add("editing");
+    this.lists.open("robots");
     this.options.lines = false;
     document.addEventListener("keydown", (event) => this.press(event), true);
   }
@@ -83,6 +84,7 @@ class EditorApp extends App {
     this.options.names = true;
     this.select(selection);
     showHeader(this);
+    this.panel.showHistory();
     clearTimeout(this.checkTimer);
     this.checkTimer = setTimeout(() => this.link.send({ do: "check", scenario: tree }), CHECK_AFTER);
   }
@@ -95,6 +97,7 @@ class EditorApp extends App {
   useTool(tool) {
     this.tool = tool;
     this.panel.showTools();
+    if (LISTS[`${tool}s`]) this.lists.open(`${tool}s`);
   }
 
   // The place in the draft's own lengths: a cell, or metres to the centimetre.

@@ -14,6 +14,8 @@ class EditorPanel {
     this.problems = element("ul", { class: "problems", id: "problems", "aria-label": "Problems" });
     this.file = element("input", { type: "text", id: "file-name", value: "mission.yaml", "aria-label": "File name" });
     this.kitBox = element("fieldset", { id: "kit" });
+    this.undo = act("Undo", () => app.undo());
+    this.redo = act("Redo", () => app.redo());
     box.replaceChildren(
       element("h2", {}, "Draw a mission"),
       element("button", { type: "button", class: "run", on: () => this.run() }, playSign(), "Run the mission"),
@@ -24,8 +26,8 @@ class EditorPanel {
       element(
         "div",
         { class: "acts" },
-        act("Undo", () => app.undo()),
-        act("Redo", () => app.redo()),
+        this.undo,
+        this.redo,
         act("New", () => app.ask({ do: "new" })),
         act("Open …", () => this.openFile()),
         this.file,
@@ -39,6 +41,14 @@ class EditorPanel {
     box.hidden = false;
     this.fill();
     this.showTools();
+    this.showHistory();
+  }
+
+  // Only what there is can be undone, or done again.
+  showHistory() {
+    const { before, after } = this.app.draft;
+    this.undo.disabled = !before.length;
+    this.redo.disabled = !after.length;
   }
 
   run() {

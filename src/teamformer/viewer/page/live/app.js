@@ -4,7 +4,7 @@ class LiveApp extends App {
   constructor(record, link) {
     super(record, new LivePlayer((message) => this.ask(message)));
     this.link = link;
-    this.state = { incidents: [], watchers: 1 };
+    this.state = { incidents: [], watchers: 1, warning: null };
     this.panel = new MissionPanel(this, byId("mission"));
   }
 
@@ -19,7 +19,7 @@ class LiveApp extends App {
   }
 
   startText() {
-    const isOpen = this.history.end.status === "running";
+    const isOpen = this.history.end.status === "running" && !this.state?.isFleet;
     return isOpen && this.history.last === 0 && !this.player.isPlaying ? "Start the mission" : "";
   }
 
@@ -32,7 +32,7 @@ class LiveApp extends App {
 
   hear(message) {
     const { kind } = message;
-    if (kind === "mission") this.reopen(message.record);
+    if (kind === "mission") this.reopen(message);
     if (kind === "step") this.take(message);
     if (kind === "incident") this.change(message);
     if (kind === "bound") this.learnBound(message.lower_bound);
@@ -44,21 +44,22 @@ class LiveApp extends App {
   }
 
   // The whole mission so far: the line was down, it begins anew, or an incident was undone.
-  reopen(record) {
+  reopen({ record, text }) {
     const { selection, options } = this;
     this.load(record);
     Object.assign(this, { selection: this.knows(selection) ? selection : {}, options });
     this.showAll();
     this.panel?.forget();
+    if (text) notify(text, "plain");
   }
 
   knows({ task = 0 }) {
     return task < this.history.scenario.tasks.length;
   }
 
-  refuse({ text, key }) {
+  refuse({ text, keys = [] }) {
     notify(`Not done: ${text}.`);
-    this.panel.keepForm(key);
+    this.panel.keepForm(keys);
   }
 
   // A step; one that does not follow the last is of a line that broke, and is told anew.
@@ -69,9 +70,14 @@ class LiveApp extends App {
     (history.replay.plans ??= []).push(...plans);
     this.steps.push(step);
     history.grow(step, end);
-    history.leaving = []; // the step says that they are lost
     this.follow();
-    if (end) notify(noticeText(history));
+    if (end) this.tellEnd();
+  }
+
+  tellEnd() {
+    const { scenario, end } = this.history;
+    const text = noticeText(this.history) || `${capitalised(describeOutcome(scenario.world, end))}.`;
+    notify(text, end.status === "completed" ? "good" : "");
   }
 
   // An incident changes what is known; of the past, only what the latest step led to.
@@ -82,6 +88,7 @@ class LiveApp extends App {
     Object.assign(this, { selection, options });
     showHeader(this);
     this.follow();
+    this.panel.forget();
     this.panel.taskIsAdded();
     notify(`Incident in ${text}.`, isLoss ? "" : "plain");
   }
@@ -101,11 +108,15 @@ class LiveApp extends App {
 
   takeState(state) {
     const { is_playing, speed, watchers, incidents, leaving = [], planning = "" } = state;
-    const { is_fleet = false, warning = "", has_editor = false } = state;
+    const { is_fleet = false, has_editor = false, undo_to = null } = state;
+    const { warning = null, is_heard = true, is_over = false } = state; // of a fleet
     this.tellPlanning(planning);
-    this.state = { watchers, incidents, isFleet: is_fleet, warning, planning, hasEditor: has_editor };
+    this.tellSilence(warning);
+    this.state = { watchers, incidents, planning, hasEditor: has_editor, undoTo: undo_to };
+    Object.assign(this.state, { isFleet: is_fleet, warning, isHeard: is_heard, isOver: is_over });
+    document.body.classList.toggle("of-fleet", is_fleet);
     const { robots } = this.history.scenario;
-    this.history.leaving = leaving.map((name) => robots.findIndex((robot) => robot.name === name));
+    leave(this.history, leaving.map((name) => robots.findIndex((robot) => robot.name === name)));
     Object.assign(this.player, { isPlaying: is_playing, speed });
     this.panel.show();
     this.show(true);
@@ -117,9 +128,22 @@ class LiveApp extends App {
     else if (this.state.planning) notify("");
   }
 
+  isUnheard() {
+    return this.state?.isHeard === false;
+  }
+
+  // Robots of a fleet that are not heard are a banner for as long as that is so.
+  tellSilence(warning) {
+    const was = this.state.warning;
+    if (warning?.after === was?.after && warning?.before === was?.before) return;
+    if (warning) notifySeconds({ ...warning, before: capitalised(warning.before), after: warning.is_of_all ? "" : warning.after });
+    else notify("All robots are heard.", "good");
+  }
+
   // How a mission stands that is not over; a record's own word for that is another.
   statusText() {
-    const { player, history } = this;
+    const { player, history, state } = this;
+    if (state.isFleet && player.isFollowing) return fleetStatus(state);
     if (!player.isFollowing || history.end.status !== "running") return "";
     if (player.isPlaying) return "running";
     return history.last ? "paused" : "not started";
@@ -172,9 +196,10 @@ class LiveApp extends App {
     const { last, scenario, replay } = this.history;
     const name = robotName(scenario, robot);
     const isGone = isLost(this.history, robot, last);
-    const { lost = [], back = [] } = replay.scenario.robots[robot]; // steps, lists if several
-    if ([isGone ? back : lost].flat().includes(last + 1)) {
-      const what = isGone ? "is there again" : "counts for nothing";
+    const isLeaving = this.history.leaving.has(robot);
+    const { back = [] } = replay.scenario.robots[robot]; // a step, or a list if several
+    if (isLeaving || (isGone && [back].flat().includes(last + 1))) {
+      const what = isLeaving ? "counts for nothing" : "is there again";
       return [element("p", { class: "muted" }, `${name} ${what} from the next step on.`)];
     }
     const [words, incident] = isGone ? [`Bring ${name} back`, { back: name }] : [`Lose ${name}`, { lost: name }];
@@ -242,6 +267,13 @@ const FILES = {
   "tables.zip": "Tables (CSV, zip)",
   "replay.mcap": "MCAP for Foxglove",
 };
+
+// How a fleet stands, which nobody here can pause.
+function fleetStatus({ isOver, isHeard, warning }) {
+  if (isOver) return "completed";
+  if (warning?.is_of_all) return "no robot heard";
+  return isHeard ? "running" : "listening";
+}
 
 function savedText({ paths, note }) {
   return `Saved: ${paths.join(", ")}${note ? `; ${note}` : ""}`;

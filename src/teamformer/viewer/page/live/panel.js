@@ -1,7 +1,7 @@
 // The panel of a live mission: how it stands, what it will come to, what happened, a new task.
 
-// The field of the form for each key of a task in a file.
-const FIELDS_OF_KEYS = { at: "[name=x]", needs: ".needs", name: "[name=title]", duration: "[name=duration]" };
+// The fields of the form for each key of a task in a file.
+const FIELDS_OF_KEYS = { at: "[name=x], [name=y]", needs: ".needs", name: "[name=title]", duration: "[name=duration]" };
 
 class MissionPanel {
   constructor(app, box) {
@@ -43,19 +43,19 @@ class MissionPanel {
       element("span", { class: `pulse ${isOn && !state.warning ? "on" : ""}` }),
       `${status}${this.app.isCutOff ? ", connection lost" : doing || pages}`,
     );
-    if (state.isFleet) this.outlook.textContent = state.warning; // which robots are not heard
+    this.showOutlook();
     this.restart.hidden = state.isFleet;
     this.edit.hidden = !state.hasEditor;
     const { world } = history.scenario;
     const items = state.incidents.map(([step, text]) => element("li", {}, `${shortMoment(world, step)}: ${text}`));
     if (items.length && !state.isFleet) items.at(-1).append(" ", link("Undo", () => this.undo(), "undo"));
-    refill(this.incidents, items);
+    refill(this.incidents, items.reverse()); // the latest first
   }
 
   // At once where no step has been made since; else these steps are undone with it.
   undo() {
     const { state, history } = this.app;
-    const [step] = state.incidents.at(-1);
+    const step = state.undoTo;
     const go = () => this.app.ask({ do: "undo" });
     if (step === history.last) return go();
     const since = describeSpan(history.scenario.world, history.last - step);
@@ -100,23 +100,38 @@ class MissionPanel {
     this.question.scrollIntoView({ block: "nearest" });
   }
 
-  // Another past: what was worked out for the old one holds no more.
+  // Another past, or an incident: what was worked out before holds no more.
   forget() {
     stopWork(this.answer);
     for (const box of [this.answer, this.offer]) box.replaceChildren();
-    this.outlook.textContent = "";
+    this.ahead = null;
     this.question.hidden = true;
+    this.showOutlook();
+  }
+
+  // How the mission has ended, or what the server has worked out that it will come to.
+  showOutlook() {
+    const { state, history } = this.app;
+    const { world } = history.scenario;
+    stopWork(this.outlook);
+    this.outlook.classList.toggle("bad", Boolean(state.warning));
+    if (state.warning) showSeconds(this.outlook, state.warning); // which robots are not heard
+    else if (state.isFleet) this.outlook.textContent = "";
+    else if (history.end.status !== "running") this.outlook.textContent = `${capitalised(describeOutcome(world, history.end))}.`;
+    else if (this.ahead) this.outlook.textContent = `If nothing more happens: ${describeOutcome(world, this.ahead)}.`;
+    else showWork(this.outlook, "Working out how it ends …");
   }
 
   // What the server worked out: the mission's end, or what an incident would make of it.
   tell(message) {
     const { world } = this.app.history.scenario;
-    const end = describeOutcome(world, message);
     if (message.kind === "forecast") {
+      this.ahead = message;
       this.app.expect(message.done_at ?? []);
-      this.outlook.textContent = `If nothing more happens: ${end}.`;
+      this.showOutlook();
       return;
     }
+    const end = describeOutcome(world, message);
     const more = message.steps - message.without.steps;
     stopWork(this.answer);
     const mean = message.band ? " on average" : "";
@@ -158,7 +173,8 @@ class MissionPanel {
     const { x, y } = this.form.elements;
     if (at) [x.value, y.value] = at;
     this.mark();
-    (at ? this.form.querySelector(".needs") : x).focus();
+    (at ? this.form.querySelector(".needs") : x).focus({ preventScroll: true });
+    this.form.scrollIntoView({ block: "nearest" });
   }
 
   fill({ capabilities, world }) {
@@ -171,8 +187,12 @@ class MissionPanel {
     this.form.replaceChildren(
       element("fieldset", {}, element("legend", {}, "Place"), row("x", number("x", { required: "" })), row("y", number("y", { required: "" }))),
       element("fieldset", {}, element("legend", {}, "Needs"), ...needs),
-      row("Name", element("input", { type: "text", name: "title", maxlength: 200, placeholder: "chosen for you" })),
-      row("Duration, steps", element("input", { type: "number", name: "duration", min: 0, step: 1, value: 0 })),
+      element(
+        "div",
+        { class: "pair" },
+        row("Name", element("input", { type: "text", name: "title", maxlength: 200, placeholder: "chosen for you" })),
+        row("Duration, steps", element("input", { type: "number", name: "duration", min: 0, step: 1, value: 0 })),
+      ),
       element(
         "div",
         { class: "acts" },
@@ -218,16 +238,17 @@ class MissionPanel {
     if (this.isAdding) this.close();
   }
 
-  // A task that is refused can be mended; the field of the file's key that is wrong is marked.
-  keepForm(key) {
+  // A task that is refused can be mended; the fields of the file's keys that are wrong are marked.
+  keepForm(keys) {
     this.isAdding = false;
     stopWork(this.answer);
     this.answer.textContent = "";
     if (this.form.hidden) return;
     for (const field of this.form.elements) field.removeAttribute("aria-invalid");
-    const field = this.form.querySelector(FIELDS_OF_KEYS[key] ?? "none");
-    field?.setAttribute("aria-invalid", "true");
-    field?.focus();
+    const wrong = keys.map((key) => FIELDS_OF_KEYS[key] ?? "none").join() || "none";
+    const fields = [...this.form.querySelectorAll(wrong)];
+    for (const field of fields) field.setAttribute("aria-invalid", "true");
+    fields[0]?.focus();
   }
 
   close() {
@@ -250,6 +271,7 @@ function describeOutcome(world, { status, steps, band, done, futures }) {
     return `all done ${when}, in ${Math.round(0.8 * done)} of ${futures} futures${part}`;
   }
   if (status === "completed") return `all done ${describeAt(world, steps)}`;
+  if (status === "failed") return "nobody knows, for the method failed when it was played ahead";
   if (status === "infeasible") return `given up ${describeAt(world, steps)}, for something can never be done`;
   return `not done within ${describeSpan(world, steps)}`;
 }

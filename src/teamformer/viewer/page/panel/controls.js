@@ -13,6 +13,8 @@ function connectControls(app) {
   click("zoom-fit", () => app.fitView());
   click("help", () => byId("help-text").showModal());
   click("start", () => player.toggle());
+  click("notice-close", () => notify(""));
+  click("more", ({ currentTarget }) => showMore(currentTarget));
   for (const name of SWITCHES) click(name, () => app.toggle(name));
   for (const view of VIEWS) click(`view-${view}`, () => app.look(view));
   connectChoice(app, "rings", RINGS);
@@ -25,6 +27,12 @@ function connectControls(app) {
   });
   document.addEventListener("keydown", (event) => pressKey(app, event));
   connectPointer(app, map.canvas);
+}
+
+// On phones, what the map shows is chosen in rows that unfold.
+function showMore(button) {
+  const isOpen = byId("tools").classList.toggle("unfolded");
+  button.setAttribute("aria-expanded", String(isOpen));
 }
 
 // A list of choices for an option of that name.
@@ -201,8 +209,7 @@ function tipLines(app, { robot, task, group }) {
   const team = teamOfRobot(app.scene(), robot);
   const can = describeCounts(scenario, scenario.robots[robot].can, 5);
   const title = `${robotName(scenario, robot)} (${can})`;
-  const { step } = app.player;
-  if (!team || isLeaving(history, robot, step)) return [title, describeLoss(history, robot, step)];
+  if (!team) return [title, describeLoss(history, robot, app.player.step)];
   const who = team.robots.length > 1 ? `in ${nameOfTeam(scenario, team)}, which ` : "";
   return [title, who + describeDoing(scenario, team, app.player.step)];
 }

@@ -109,8 +109,7 @@ function statusAt(history, step) {
 }
 
 function lostFigure(history, step) {
-  const leaving = (history.leaving ?? []).filter((robot) => isLeaving(history, robot, step));
-  const lost = [...robotsLostAt(history, step), ...leaving];
+  const lost = robotsLostAt(history, step);
   return lost.length ? [figure("Lost", listRobots(history.scenario, lost), "")] : [];
 }
 
@@ -134,7 +133,7 @@ function ratioText({ end, lowerBound, scenario }) {
 function figure(title, value, note) {
   return element(
     "div",
-    {},
+    { class: title.toLowerCase().replaceAll(" ", "-") },
     element("dt", {}, title),
     element("dd", {}, value, element("small", {}, note)),
   );

@@ -11,8 +11,8 @@ function detailsOf(app) {
   if (task !== undefined) return taskDetails(app, task);
   if (cap !== undefined) return capabilityDetails(app, cap);
   if (robot === undefined) return overview(app);
-  const isGone = !app.selectedTeam() || isLeaving(app.history, robot, app.player.step);
-  return isGone ? lostDetails(app, robot) : teamDetails(app, app.selectedTeam(), robot);
+  const team = app.selectedTeam();
+  return team ? teamDetails(app, team, robot) : lostDetails(app, robot);
 }
 
 const ACTIVITIES = {
@@ -25,10 +25,10 @@ const ACTIVITIES = {
 };
 
 function overview(app) {
+  if (app.isUnheard?.()) return [element("h2", {}, "No robot heard yet"), lead("What the map shows is only where the robots start")];
   const scene = app.scene();
   const counts = new Map();
-  const view = { history: app.history, scene };
-  const teams = [...scene.teams.values()].filter((team) => !isLeavingTeam(view, team));
+  const teams = [...scene.teams.values()];
   for (const team of teams) {
     counts.set(team.activity, (counts.get(team.activity) ?? 0) + 1);
   }

@@ -157,13 +157,14 @@ function listedRobots(app, isWanted) {
 
 function robotRow(app, robot) {
   const { history, selection, player } = app;
-  const [first] = history.scenario.robots[robot].can;
+  const { can } = history.scenario.robots[robot];
+  const [first] = can;
   return {
     class: selection.robot === robot ? "now" : "",
     on: () => app.select({ robot }),
     children: [
       first ? swatch(app, first[0]) : null,
-      twoLines(robotName(history.scenario, robot), describeShares(history, robot, player.step)),
+      twoLines(robotName(history.scenario, robot), player.step ? describeShares(history, robot, player.step) : `brings ${describeCounts(history.scenario, can, MANY)}`),
     ],
   };
 }

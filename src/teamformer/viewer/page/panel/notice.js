@@ -2,18 +2,32 @@
 
 const ticking = new WeakMap(); // by box, the timer of its seconds
 
-// What went wrong; with "good" what went well, with "plain" what has happened.
+const NOTICE_STAYS = 8000; // milliseconds, of one that is not bad
+
+let noticeTimer = null;
+
+// What went wrong, which stays until it is closed; for a while, with "good" what went well, with
+// "plain" what has happened.
 function notify(text, kind = "") {
   stopWork(byId("notice"));
+  clearTimeout(noticeTimer);
   byId("notice").textContent = text;
-  byId("notice").className = `notice ${kind}`;
-  byId("notice").hidden = !text;
+  byId("notice-box").className = `notice ${kind}`;
+  byId("notice-box").hidden = !text;
+  if (kind) noticeTimer = setTimeout(() => notify(""), NOTICE_STAYS);
 }
 
 // What is being worked on, until the next notice.
 function notifyWork(text) {
   notify(text, "plain");
+  clearTimeout(noticeTimer);
   showWork(byId("notice"), text);
+}
+
+// What is wrong for some seconds, which are counted.
+function notifySeconds(parts) {
+  notify(" ");
+  showSeconds(byId("notice"), parts);
 }
 
 // A text with a sign that moves and, after a second, for how long it has been so; those who listen
@@ -25,6 +39,16 @@ function showWork(box, text) {
   box.replaceChildren(sign, text, seconds);
   const begun = performance.now();
   const tell = () => (seconds.textContent = ` ${Math.round((performance.now() - begun) / 1000)} s`);
+  ticking.set(box, setInterval(tell, 1000));
+}
+
+// A text with seconds that go on counting from so many; those who listen hear it once.
+function showSeconds(box, { before, seconds, after }) {
+  stopWork(box);
+  const count = element("span", { "aria-live": "off" }, String(seconds));
+  box.replaceChildren(before, count, ` s${after}`);
+  const begun = performance.now() - 1000 * seconds;
+  const tell = () => (count.textContent = String(Math.round((performance.now() - begun) / 1000)));
   ticking.set(box, setInterval(tell, 1000));
 }
 

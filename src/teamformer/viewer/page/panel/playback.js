@@ -39,6 +39,7 @@ function showStart(app) {
 function showSwitches(app) {
   for (const name of SWITCHES) byId(name).setAttribute("aria-pressed", String(app.options[name]));
   byId("messages").hidden = !app.history.hasMessages;
+  byId("more").hidden = !["map", "gantt"].includes(app.view);
   byId("zoom").hidden = app.view in app.tables || app.view === "plots";
   byId("save-picture").hidden = app.view in app.tables;
   byId("rings").value = app.options.rings;

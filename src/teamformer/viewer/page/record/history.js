@@ -29,6 +29,7 @@ function frames(recorded) {
     carriedBy: new Map(), // load -> the slot of the team that has it up after the latest step read
     absences: scenario.robots.map(() => []), // [{from, to, place}], steps; `to` is open till it is back
     headings: scenario.robots.map(() => NOBODY), // by slot, the task last headed for
+    leaving: new Map(), // of a live mission: robot -> its absence from the next step on
   };
   history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
   history.sitesAfter = rememberLast(STATES_KEPT, (count) => sitesAfter(history, count));
@@ -44,6 +45,7 @@ function grow(history, take, change, end) {
   const step = stepInSquares(history.scenario.world, change);
   history.replay.steps.push(step);
   history.last++;
+  if (history.leaving.size) history.leaving = new Map(); // the step says that they are lost
   take(step, history.last);
   if (!end) return;
   history.end = history.replay.end = end;
@@ -288,20 +290,35 @@ function needsAt(history, task, step) {
 
 // Since when and where a robot is lost at a step; undefined while it is there.
 function absenceAt(history, robot, step) {
-  return history.absences[robot].find(({ from, to }) => from <= step && step < to);
+  const leaving = step >= history.last && history.leaving.get(robot);
+  return leaving || history.absences[robot].find(({ from, to }) => from <= step && step < to);
 }
 
 function isLost(history, robot, step) {
   return absenceAt(history, robot, step) !== undefined;
 }
 
-// Whether a robot of a live mission counts for nothing from the next step on.
-function isLeaving({ leaving = [], last }, robot, step) {
-  return step >= last && leaving.includes(robot);
+// The robots of a live mission that count for nothing from the next step on: whatever is shown of
+// the latest step has them lost already.
+function leave(history, robots) {
+  if ([...history.leaving.keys()].join() === robots.join()) return;
+  const state = history.at(history.last);
+  const from = history.last + 1;
+  history.leaving = new Map(
+    robots.map((robot) => {
+      const { x, y } = placeOf(state, robot);
+      return [robot, { from, to: Infinity, place: [x, y] }];
+    }),
+  );
 }
 
-function isLeavingTeam({ history, scene }, team) {
-  return team.robots.every((robot) => isLeaving(history, robot, scene.step));
+// The state that is shown after a step: as recorded, without robots that are leaving.
+function stateShown(history, step) {
+  const state = history.at(step);
+  if (step < history.last || !history.leaving.size) return state;
+  const left = copyState(state);
+  for (const robot of history.leaving.keys()) loseRobot(left, robot);
+  return left;
 }
 
 function robotsLostAt(history, step) {

@@ -4,7 +4,7 @@
 // carries}.
 // `site` is where its task is believed to be, `goal` is the task whose colour the ring may take: the one served, just done or headed for.
 function sceneAt(history, step) {
-  const state = history.at(step);
+  const state = stateShown(history, step);
   const teams = gatherTeams(history.scenario, state);
   const serving = servicesAt(history, step);
   const justDone = doneIn(history, step);
@@ -87,10 +87,9 @@ function activityOf(world, team) {
 
 function servicesAt(history, step) {
   const serving = new Map();
-  history.services.forEach((services, task) => {
-    for (const { slot, from, to } of services) {
-      if (from <= step && step < to) serving.set(slot, { task, from });
-    }
+  history.services.forEach((_, task) => {
+    const service = serviceOf(history, task, step);
+    if (service) serving.set(service.slot, { task, from: service.from });
   });
   return serving;
 }
@@ -130,8 +129,17 @@ function standingOf(history, task, step) {
   return "open";
 }
 
+// The service of a task that goes on after a step; null if there is none, or it is broken off
+// because a robot leaves.
 function serviceOf(history, task, step) {
-  return history.services[task].find(({ from, to }) => from <= step && step < to) ?? null;
+  const service = history.services[task].find(({ from, to }) => from <= step && step < to);
+  if (!service || step < history.last || !history.leaving.size) return service ?? null;
+  const { scenario } = history;
+  const state = stateShown(history, step);
+  const robots = service.robots.filter((robot) => state.team[robot] !== NOBODY);
+  const slot = state.team[robots[0]];
+  if (!robots.length || !covers(countsOfTeam(scenario, state, slot), scenario.tasks[task].needs)) return null;
+  return { ...service, slot, robots };
 }
 
 function countDone(history, step) {

@@ -1,6 +1,7 @@
 // A row of the Gantt view: a robot's name, its bars, a mark for each task that it did, its idle share.
 
 const NAMED_FROM = 34; // pixels of a bar
+const PARTED_FROM = 16; // pixels of a bar
 const MARK = 4; // pixels from the middle of a mark to its edge
 const DARK = "#1b1400"; // ink on the colour of waiting, in both themes
 
@@ -21,18 +22,22 @@ const BARS = { phase: "What they do", task: "Tasks" };
 
 function drawBarsOfRow(ctx, gantt, robot, top, row) {
   const { from, to } = gantt.stepsInSight();
-  for (const run of gantt.runs[robot]) {
-    if (run.to >= from && run.from <= to) drawBar(ctx, gantt, run, top, row);
-  }
+  const isWide = (run) => run && gantt.x(run.to) - gantt.x(run.from) >= PARTED_FROM;
+  gantt.runs[robot].forEach((run, index, runs) => {
+    const isParted = isWide(run) && isWide(runs[index + 1]);
+    if (run.to >= from && run.from <= to) drawBar(ctx, gantt, run, top, row, isParted ? 0.6 : 0);
+  });
 }
 
-function drawBar(ctx, gantt, run, top, row) {
+// `parted` is the space before the next bar: between narrow bars there is none, or they would be
+// mostly space.
+function drawBar(ctx, gantt, run, top, row, parted) {
   const gap = row > 10 ? 2 : 1;
   const [left, right] = [gantt.x(run.from), gantt.x(run.to)];
   const { colour, strength, ink } = paintOf(gantt.app, run);
   ctx.fillStyle = colour;
   ctx.globalAlpha = strength;
-  ctx.fillRect(left, top + gap / 2, Math.max(0.75, right - left - 0.6), row - gap);
+  ctx.fillRect(left, top + gap / 2, Math.max(0.75, right - left - parted), row - gap);
   ctx.globalAlpha = 1;
   nameBar(ctx, gantt, run, top + row / 2, ink);
 }
@@ -68,6 +73,7 @@ function nameBar(ctx, gantt, { phase, task, from, to }, middle, ink) {
 function drawMarksOfRow(ctx, gantt, robot, top, row) {
   const { theme, isDark } = gantt.app.map;
   const half = Math.min(MARK, row * 0.32);
+  ctx.lineWidth = row > 16 ? 1.5 : 0.75;
   let [last, beside] = [-1, 0];
   for (const { task, step } of gantt.deeds[robot]) {
     beside = step === last ? beside + 1 : 0;
@@ -81,7 +87,6 @@ function drawMarksOfRow(ctx, gantt, robot, top, row) {
     ctx.closePath();
     ctx.fillStyle = taskColour(task, isDark);
     ctx.strokeStyle = theme.surface;
-    ctx.lineWidth = 1.5;
     ctx.stroke();
     ctx.fill();
   }

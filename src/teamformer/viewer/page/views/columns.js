@@ -66,7 +66,8 @@ function whoCell(moment, task) {
   const served = serviceOf(history, task, step)?.robots ?? [];
   const now = isDone ? history.doers[task] : [...new Set([...served, ...there])];
   if (now.length) return word(listRobots(scenario, now));
-  const later = plan?.coalitions.get(task) ?? history.doers[task];
+  const planned = plan?.coalitions.get(task) ?? history.doers[task];
+  const later = planned.filter((robot) => !isLost(history, robot, step));
   return later.length ? word(listRobots(scenario, later), true) : NOTHING;
 }
 
@@ -92,9 +93,9 @@ function lateCell(moment, task) {
 }
 
 // What a robot's team does, in few words.
-function doingOf({ history, scene, scenario, step }, robot) {
+function doingOf({ scene, scenario }, robot) {
   const team = teamOfRobot(scene, robot);
-  if (!team || isLeaving(history, robot, step)) return "lost";
+  if (!team) return "lost";
   const task = team.goal === NOBODY ? "" : taskName(scenario, team.goal);
   const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", idle: "idle", waits: `waits at ${task}` };
   return words[team.activity] ?? `walks to ${task}`;

@@ -148,7 +148,7 @@ def plan(
     The plan has `makespan`, `bound`, `order`, `coalitions`, `routes` and `critical_path`, in the
     mission's unit of time. `method` is `central`, which searches for `seconds`. In continuous time
     it can also be `plan`, the plan that every robot computes for itself, or `reactive`. Raises
-    `TeamformerError` if tasks can never be done, because robots are lost.
+    `TeamformerError` if tasks can never be done because robots are lost.
 
     >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
     >>> made.bound <= made.makespan <= 27

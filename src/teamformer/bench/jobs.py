@@ -235,7 +235,6 @@ def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
         joins=tally.joins,
         splits=tally.splits,
         illegal_decisions=tally.illegal_decisions,
-        cost=tally.cost,
     )
 
 

@@ -16,13 +16,14 @@ Key = tuple[str, str, int]
 class Row:
     """A trial, as `run --json` tells it, and everything needed to run it again.
 
-    `decision_seconds` is by the clock on the wall, `decision_cpu_seconds` what the process used;
-    a trial that ran with others `side_by_side` has its share of theirs, by its `decisions` (rows
-    of views answered). `list_schedule` is the makespan of the list schedule along the task order,
-    `relaxed` that of the planner's schedule; in both joining is free. `curve` is the planner's:
-    (seconds, makespan) of each improvement. `code` tells states of this package's files apart;
-    `version` is its version, empty in rows that are older than this field. `cost` is what a mission
-    with a cost came to. None: not known, or not measured.
+    `cost` is what a completed mission cost, None if it has no cost. `decision_seconds` is by the
+    clock on the wall, `decision_cpu_seconds` what the process used; a trial that ran with others
+    `side_by_side` has its share of theirs, by its `decisions` (rows of views answered).
+    `list_schedule` is the makespan of the list schedule along the task order, `relaxed` that of the
+    planner's schedule; in both joining is free. `code` tells states of this package's files
+    apart; `version` is its version, empty in rows older than this field.
+    `curve` is the planner's: (seconds, makespan) of each improvement. None: not known, or not
+    measured.
     """
 
     suite: str
@@ -56,7 +57,6 @@ class Row:
     code: str
     rerun: str
     version: str = ""
-    cost: float | None = None
 
     @property
     def key(self) -> Key:

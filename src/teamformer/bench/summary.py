@@ -30,7 +30,7 @@ class Summary:
     makespans over the worlds that both completed; `to_central` is that to `central` as a part of
     its mean, and `cost_to_central` the same of costs.
     `room` is the part of the steps between `HOPEFUL` and `central` that is won, on the worlds that
-    all three completed. `cost` is over completed trials of missions that have a cost.
+    all three completed.
     `inference` is the CPU time that deciding took in a trial,
     `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
     ratios of the makespan to the best known and to the lower bound of the same world, less one;

@@ -32,11 +32,11 @@ from teamformer.truth import draw_truth
 
 @dataclass(frozen=True)
 class Decision:
-    """What each deciding team wants: one row for each row of the view.
+    """What each deciding team wants: one row for each row of the view it answers.
 
-    `wanted` (teams, caps) has the counts that the team wants to have: its own counts mean maintain,
-    fewer mean split, more mean join. `task` (teams,), if given, has the number of the task that the
-    team should head for; -1 leaves this to the allocator.
+    `wanted` (teams, caps) are the counts the team wants to have: its own to maintain, fewer to
+    split, more to join. `task` (teams,), if given, names the task to head for; -1 leaves that to
+    the allocator.
     """
 
     wanted: Array
@@ -45,7 +45,7 @@ class Decision:
 
 @dataclass(frozen=True)
 class Tally:
-    """The state of a trial in numbers."""
+    """How a trial stands."""
 
     status: str  # running, completed, step limit or infeasible
     steps: int
@@ -57,23 +57,19 @@ class Tally:
 
 
 class TeamFormation:
-    """A batch of worlds that are stepped together.
+    """Many worlds in one: `view()` what the teams know, `step(decision)` what they want.
 
-    `view()` returns what the teams know, and `step(decision)` makes a step with what they want.
     Scenarios of different sizes may be mixed. The same scenarios and decisions give the same
     results with any number of threads. `rewards` (worlds, robots) holds the rewards of the last
-    step, by slot. `truths` has the actual values of uncertain missions; by default they are drawn
-    with seed 0. If you use more than one thread, call `close()` at the end, or use the environment
-    in a `with`.
+    step, by slot. `truths` says what uncertain missions really are; left out, it is drawn by the
+    seed 0. With more than one thread, `close()` it, or use it in a `with`, to end them.
 
-    `coordinator` is one coordinator for all worlds, or a sequence with one for each world (None for
-    a world without). In a world with a coordinator teams follow its plans, and
-    `planned_decision(view)` returns what the plans want. In a world without one, teams head for
-    tasks by the paper's shared order and allocator. `new_tasks` says what happens to that order
-    when tasks appear: `resolve` computes it again, `nearest` inserts each task after the task
-    nearest to it. `foresight` says how unknown needs are treated: as `needed` or as `absent`. The
-    default `scouting` treats them as needed, and chooses where to look for a task so that the whole
-    search is short.
+    With a `coordinator`, one for all worlds or one for each (None: without), teams go by its plans:
+    `planned_decision(view)` is what these want. Without one, teams head for tasks by the paper's
+    shared order and allocator; `new_tasks` says what becomes of the order when tasks appear: it is
+    solved anew (`resolve`), or each goes after its nearest (`nearest`). `foresight` says how needs
+    are treated that nobody knows yet: as `needed` or as `absent`; with `scouting` as needed, and
+    places are looked for with a view to what may come.
     """
 
     def __init__(
@@ -134,13 +130,13 @@ class TeamFormation:
         self.close()
 
     def close(self) -> None:
-        """End the threads. Later views and steps work without them."""
+        """End the threads; views and steps are then made without them."""
         if self._pool is not None:
             self._pool.shutdown()
             self._pool = None
 
     def reset(self) -> None:
-        """Reset every world to its start."""
+        """Put every world back to its start."""
         for array, start in zip(self.worlds, self._start, strict=True):
             if not (self._are_ways_fixed and array is self.worlds.fields):
                 array[:] = start
@@ -149,7 +145,7 @@ class TeamFormation:
         self._is_viewed = False
 
     def fork(self) -> TeamFormation:
-        """Return an independent copy in the same state, without threads."""
+        """Return another environment in the same state that goes its own way, without threads."""
         twin = copy.copy(self)
         shared = self.worlds.fields if self._are_ways_fixed else None
         twin.worlds = Worlds(*(a if a is shared else a.copy() for a in self.worlds))
@@ -163,7 +159,7 @@ class TeamFormation:
     def view(self) -> View:
         """Return the views of all teams of the running worlds.
 
-        The arrays are reused: the next call overwrites them.
+        The arrays are reused: they hold until the next call.
         """
         lay_out_rows(self.worlds, self._first_row, self._first_member)
         self._in_chunks(self._fill_views)
@@ -177,11 +173,10 @@ class TeamFormation:
         return View(*(short.get(f, getattr(self._room, f)[:rows]) for f in View._fields))
 
     def step(self, decision: Decision) -> None:
-        """Make one step in every running world.
+        """Make one step in every running world, with a row for each row of the latest view.
 
-        The decision must have a row for each row of the latest view. Raises ValueError if the state
-        has changed since that view, or if the decision has another number of rows, fractions, or
-        counts that 32 bits cannot hold.
+        Raises ValueError where the state has changed since that view, and where the decision has
+        other rows, fractions, or counts that 32 bits cannot hold.
         """
         wanted, named = self._read(decision)
         self._in_chunks(lambda begin, end: self._step_worlds(wanted, named, begin, end))
@@ -190,9 +185,9 @@ class TeamFormation:
     def start_step(self, decision: Decision) -> None:
         """Make the phases of a step before motion: decisions, splits, joins and allocation.
 
-        Use this if something else moves the robots, such as real robots. They go where
-        `worlds.teams` says: a team with the `intent` JOIN to its `partner`, other teams to their
-        `task`. `finish_step` then ends the step with the places that they have reached.
+        For motion from outside, such as that of real robots: they go where `worlds.teams` says
+        (its `task`; for a joiner, whose `intent` is JOIN, its `partner`), and `finish_step` ends
+        the step with where they have got to.
         """
         wanted, named = self._read(decision)
         form_worlds(self.worlds, wanted, named, self._first_row)
@@ -200,8 +195,8 @@ class TeamFormation:
     def finish_step(self, places: Array) -> None:
         """Make the phases after motion, with every team at its row of `places`.
 
-        `places` (worlds, robots, 2) has the place of each team at its slot; other rows have no
-        meaning. On a plane, a place outside counts as the nearest place on the edge.
+        `places` (worlds, robots, 2) has the place of each team at its slot; other rows mean
+        nothing. On a plane what lies outside counts as at its edge.
         """
         if places.shape != (*self.rewards.shape, 2):
             raise ValueError(f"places has {places.shape}, not {(*self.rewards.shape, 2)}")
@@ -218,39 +213,36 @@ class TeamFormation:
         return np.asarray(self.worlds.rules["is_coordinated"])
 
     def planned_decision(self, view: View) -> Decision:
-        """Return the decision that the coordinators' plans want from the teams of a view."""
+        """Return what the plans of coordinators want of each team of a view."""
         return Decision(self._guided.wanted(view.world, view.slot))
 
     def known(self, w: int = 0) -> Known:
-        """Return what everybody in a world knows now."""
+        """Return what everybody knows of a world now."""
         return known_of(self.worlds, w, self.scenarios[w], 0)
 
     def plan(self, w: int = 0) -> Plan:
-        """Return the plan that a world with a coordinator follows now."""
+        """Return the plan that a coordinated world goes by now."""
         return self._guided.plan(self.worlds, w)
 
     def plans(self, w: int = 0) -> tuple[tuple[int, Plan], ...]:
-        """Return all plans of a world so far, each with the steps made before it.
-
-        Empty without a coordinator.
-        """
+        """Return all plans of a world so far, each with the steps made when it was; or none."""
         return tuple(self._guide.plans[w]) if self._guide else ()
 
     def heeds(self, w: int = 0) -> tuple[str, ...]:
-        """Return the news after which a world's coordinator is asked; empty without one."""
+        """Return the news after which a world's coordinator is asked; none without one."""
         coordinator = self._guide.coordinators[w] if self._guide else None
         return () if coordinator is None else heeded_by(coordinator)
 
     def exchanges(self, w: int = 0) -> Array:
-        """Return whose part of the plan each robot took over in the latest step, as (robots,)."""
+        """Return the robot whose part of the plan each has taken in the latest step, (robots,)."""
         if self._guide is None:
             return np.full(self.worlds.robots.shape[1], NOBODY)
         return self._guide.parts.took[w]
 
     def take_over_plan(self, plan: Plan, w: int = 0) -> None:
-        """Make the teams of a world with a coordinator follow a plan from the next step on.
+        """Let the teams of a coordinated world go by a plan from the next step on.
 
-        The plan holds until there is news after which the coordinator makes a new one.
+        It holds until there is news after which the coordinator makes a new one.
         """
         self._guided.take_over(self.worlds, w, plan)
 
@@ -279,11 +271,11 @@ class TeamFormation:
 
     @property
     def is_running(self) -> Array:
-        """Return which worlds are still running, as (worlds,)."""
+        """Return which worlds go on, as (worlds,)."""
         return np.asarray(self.worlds.count["status"] == RUNNING)
 
     def tally(self, w: int = 0) -> Tally:
-        """Return the state of one world in numbers."""
+        """Return how one world stands."""
         count, status = self.worlds.count[w], STATUS_NAMES[self.worlds.count[w]["status"]]
         return Tally(
             status=status,

@@ -29,9 +29,9 @@ EXPLANATION = """\
 - `failures`: how many trials failed, and the 95% interval of the rate (Wilson).
 - `to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
   interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
-  mean; `cost to central`: the same of costs. `room won`: of the steps between `plan@needed`, which
-  plans as if everything that may be needed were needed, and `central`, which
-  knows the truth, the part that the method wins, on the same worlds, with its 95% interval.
+  mean; `cost to central`: that of costs. `room won`: of the steps between `plan@needed`, which
+  plans as if everything that may be needed were needed, and `central`, which knows the truth, the
+  part that the method wins, on the same worlds, with its 95% interval.
 - `inference`: CPU seconds that the method takes in a whole trial, mean ± standard deviation, over
   trials that ran alone, one after the other, one thread each (the first 50 of a setting; all others
   share batches and are not timed).
@@ -68,8 +68,6 @@ def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
 def headers_for(summaries: Sequence[Summary]) -> list[str]:
     """Return the columns that have something in them."""
     headers = list(HEADERS)
-    if any(summary.cost.count for summary in summaries):
-        headers.insert(headers.index("makespan") + 1, "cost")
     if any("authors-heuristic" in summary.against for summary in summaries):
         headers.insert(headers.index("to join-all") + 1, "to authors-heuristic")
     if any(summary.to_central.count for summary in summaries if summary.method != CENTRAL):

@@ -11,10 +11,17 @@ import pytest
 from toy_replays import Tree
 
 from browsers import Opened
-from live_server import Served, serving, small_mission
+from live_server import Served, serving, serving_session, small_mission
+from teamformer.errors import TeamformerError
+from teamformer.live.mission_with_past import Mission
+from teamformer.live.session import Session
 from teamformer.model import Absence
+from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
+from teamformer.sim.env import Decision
 from teamformer.sim.replay.reading import read_replay
+from teamformer.sim.view import View
+from teamformer.trials.methods import Method
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
 
@@ -286,6 +293,30 @@ def test_a_task_in_a_wall_is_refused_in_the_page(opened: Opened, served: Served)
     opened.page.click("text=Add task")
     wait_for(opened, "#incidents", "0: task t4 at [2, 1] that needs lift")
     assert opened.page.is_hidden("#new-task")
+
+
+class GivesUp(JoinFitting):
+    """Joins as its parent does, and fails from its sixth decision on."""
+
+    def __init__(self) -> None:
+        self.decisions = 0
+
+    def decide(self, view: View) -> Decision:
+        self.decisions += 1
+        if self.decisions > 5:
+            raise TeamformerError("the policy knows no further")
+        return super().decide(view)
+
+
+def test_an_end_that_cannot_be_foreseen_is_not_awaited_for_ever(
+    browser: Any, tmp_path: Path
+) -> None:
+    run = Mission(small_mission(), lambda: Method("gives up", policy=GivesUp()), seed=0)
+    with serving_session(Session(run, tmp_path, 20.0)) as server:
+        opened = Opened(browser.new_page())
+        opened.page.goto(f"http://{server.address}/")
+        wait_for(opened, "#outlook", "nobody knows, for the method failed when it was played ahead")
+        opened.page.close()
 
 
 def test_a_server_that_ends_is_told(browser: Any, tmp_path: Path) -> None:

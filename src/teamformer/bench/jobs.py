@@ -230,6 +230,7 @@ def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
     makespan = tally.steps if tally.status == "completed" else None
     return replace(
         known_row(job, seed, scenario, makespan),
+        cost=tally.cost,
         steps=tally.steps,
         tasks_done=tally.tasks_done,
         joins=tally.joins,

@@ -34,6 +34,7 @@ class Row:
     seed: int
     completed: bool
     makespan: int | None
+    cost: float | None
     steps: int | None
     tasks_done: int | None
     tasks: int

@@ -72,6 +72,8 @@ def headers_for(summaries: Sequence[Summary]) -> list[str]:
         headers.insert(headers.index("to join-all") + 1, "to authors-heuristic")
     if any(summary.to_central.count for summary in summaries if summary.method != CENTRAL):
         headers.insert(headers.index("inference, s"), "to central")
+    if any(summary.cost.count for summary in summaries):
+        headers.insert(headers.index("failures"), "cost")
     if any(summary.cost_to_central.count for summary in summaries if summary.method != CENTRAL):
         headers.insert(headers.index("inference, s"), "cost to central")
     if any(summary.room.count for summary in summaries):

@@ -37,6 +37,10 @@ class ScenarioError(TeamformerError):
         self.problems = tuple(problems)
 
 
+class UndoableError(TeamformerError):
+    """A mission that is as it should be, but that nobody can do in full: no user's mistake."""
+
+
 class ReplayError(TeamformerError):
     """A replay file that cannot be read."""
 

@@ -10,7 +10,7 @@ from types import FrameType
 
 from teamformer.cli import fleet, missions, policies, records, robotarium  # noqa: F401  (registers verbs)
 from teamformer.cli.app import app
-from teamformer.errors import ReaderGoneError, TeamformerError
+from teamformer.errors import ReaderGoneError, TeamformerError, UndoableError
 
 
 def _open_what_is_closed() -> None:
@@ -54,7 +54,7 @@ def _run_verb() -> int:
         print(f"error: {error}", file=sys.stderr)
         if error.hint:
             print(f"hint: {error.hint}", file=sys.stderr)
-        return 2
+        return 1 if isinstance(error, UndoableError) else 2
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 1

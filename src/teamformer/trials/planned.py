@@ -9,7 +9,7 @@ from typing import Any
 from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
-from teamformer.errors import Problem, ScenarioError, TeamformerError
+from teamformer.errors import Problem, ScenarioError, TeamformerError, UndoableError
 from teamformer.mission.costs import judged_by
 from teamformer.mission.links import is_linked
 from teamformer.mission.rules import rules_not_played
@@ -40,7 +40,7 @@ def plan_mission(mission: Scenario, method: str, seconds: float) -> PlannedMissi
     """Return the plan that a method makes in so many seconds; None if it finds none.
 
     A mission in steps is planned by `central`, for what is to be expected, and the routes are read
-    off its play. Raises what `refuse_unplannable` raises, and `TeamformerError` for a mission that
+    off its play. Raises what `refuse_unplannable` raises, and `UndoableError` for a mission that
     no plan can do in full.
     """
     refuse_unplannable(mission, method)
@@ -55,7 +55,7 @@ def plan_mission(mission: Scenario, method: str, seconds: float) -> PlannedMissi
     trial = run_trial(expected_mission(mission), load_method(method, seconds))
     end, bound = trial.replay.end, trial.replay.lower_bound or 0
     if end.blocked_tasks:
-        raise TeamformerError(
+        raise UndoableError(
             f"{mission.name}: {', '.join(end.blocked_tasks)} can never be done: since step "
             f"{end.steps} no robots are left that bring what is needed",
             "add such robots, or drop their lost",

@@ -5,11 +5,15 @@ from __future__ import annotations
 import resource
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from teamformer.cli import main
+from teamformer.grid import Grid
+from teamformer.scenarios.generate import Spec, generate
 from teamformer.trials import memory
 from teamformer.trials.memory import bytes_left, bytes_needed, plans_for_all
 from teamformer.trials.methods import load_method
@@ -66,9 +70,18 @@ def test_what_is_left_is_the_least_of_limit_and_machine() -> None:
 
 
 def test_what_is_needed_grows_with_the_square() -> None:
-    assert bytes_needed(2000, 2000, has_plan=True) == 4 * bytes_needed(1000, 1000, has_plan=True)
-    assert bytes_needed(9, 10, has_plan=True) == memory.PLANNED * 361
-    assert bytes_needed(9, 10, has_plan=False) == memory.PLAYED * 361
+    spec = Spec(9, 10, 3, world=Grid(20, 30))
+    mission = generate(spec, np.random.default_rng(0), "m")
+    assert bytes_needed(mission, has_plan=True) == memory.PLANNED * 361
+    assert bytes_needed(mission, has_plan=False) == memory.PLAYED * 361
+    walled = replace(mission, world=Grid(20, 30, ("." * 20,) * 30))
+    assert bytes_needed(walled, has_plan=False) == memory.TABLED * 361 + memory.FIELD * 600 * 10
+
+
+def test_what_fits_is_what_is_left() -> None:
+    """Half of a mission takes a quarter of what grows with the square, half of the fields."""
+    assert memory.share_that_fits(needed=400 + 100, fields=100, left=100 + 50) == 0.5
+    assert memory.share_that_fits(needed=400, fields=0, left=100) == 0.5
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,19 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from teamformer.coordination import Known
 from teamformer.grid import Grid
 from teamformer.jit import entry
 from teamformer.model import Robot, Scenario, Task
-from teamformer.planning.crews.deal import deal_crews
+from teamformer.planning.bounds.makespan import bound_makespan, earliest_formed
+from teamformer.planning.crews.deal import _quick_tour, deal_crews
 from teamformer.planning.crews.evaluation import empty_room, walk_list
 from teamformer.planning.crews.routes import Shared, bits_of, empty_parties, gather_parties
+from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.steps.shared_plan import shared_plan_of
+from teamformer.planning.steps.situation import situation_of
+from teamformer.planning.steps.starts import plan_from_crews
+from teamformer.planning.steps.timed_plan import time_team_plan
 from teamformer.rules.distances import travel_matrix
 from teamformer.scenarios.generate import Spec, generate
 
@@ -211,3 +218,42 @@ def test_more_changes_help() -> None:
             lasts[-1] += max(ends_of(world, crew, c, tasks)[-1] for c, tasks in enumerate(lists))
     assert lasts[0] > 1.2 * lasts[2]
     assert lasts[1] > lasts[2]
+
+
+def test_ways_that_are_worked_out_give_the_plans_that_a_table_gives() -> None:
+    rng = np.random.default_rng(6)
+    for _ in range(5):
+        world = generate(Spec(12, 40, 4, world=Grid(20, 20)), rng)
+        known = Known(
+            mission=world,
+            step=0,
+            open_tasks=tuple(range(40)),
+            places=tuple(robot.at for robot in world.robots),
+            teams=world.starting_teams,
+            free_at=(0,) * 12,
+        )
+        plans = []
+        for in_table, shape in ((True, (40, 52)), (False, (0, 0))):
+            situation = situation_of(known, in_table)
+            assert situation.problem.cells.shape == shape
+            dealt = plan_from_crews(situation.problem, situation.company, 2000)
+            assert dealt.coalition.shape == (40, max(dealt.size))
+            plans.append(shared_plan_of(situation, "crews", time_team_plan(situation, dealt)))
+        assert plans[0] == plans[1]
+        bounds = [
+            bound_makespan(problem, earliest_formed(world, problem))
+            for problem in (relax(world), relax(world, in_table=False))
+        ]
+        assert bounds[0] == bounds[1] > 0
+
+
+@entry
+def _tour(shared, start):  # type: ignore[no-untyped-def]
+    return _quick_tour(shared, start)
+
+
+def test_through_very_many_tasks_the_tour_goes_to_the_nearest_each_time() -> None:
+    """One robot at 4, tasks at 3, 7, 0 and 8: the nearest of those left is 3, then 0, 7 and 8."""
+    tasks = tuple(Task(f"t{x}", (x, 0), {"a": 1}) for x in (3, 7, 0, 8))
+    world = Scenario("line", Grid(9, 1), ("a",), (Robot("r", (4, 0), {"a": 1}),), tasks)
+    assert _tour(shared_of(world), np.array([1, 3, 4, 4])).tolist() == [0, 2, 1, 3]

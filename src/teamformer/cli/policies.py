@@ -42,7 +42,7 @@ def bench(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure methods on a suite of settings; `speed` times the simulator.
+    """Measure methods on a suite of settings; `speed` times the simulator, `size` large missions.
 
     Suites: fig3 fig4a fig4b fig5a fig5b fig6 fig9 table1, together `paper`; taught,
     missions, uncertain, methods, scale, authors, others, robotarium, fleet.

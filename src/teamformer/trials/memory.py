@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Iterator
@@ -9,17 +10,23 @@ from pathlib import Path
 
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
+from teamformer.grid import Grid
 from teamformer.model import Scenario
+from teamformer.planning.relaxation.problem import are_ways_straight
 from teamformer.policies.protocol import Planner
 from teamformer.trials.methods import STAND_IN, Method
 
-PLANNED, PLAYED = 24, 10
-"""Bytes for the square of how many robots and tasks there are, with a shared plan and without one.
+PLANNED, TABLED, PLAYED = 24, 10, 3
+"""Bytes for the square of how many robots and tasks there are: with a shared plan; without one, but
+with a table of ways, as there are walls, loads or a plane; and without both.
 
-Measured as what a process grew by until the third step, on 200 x 200 cells with eight capabilities
-of which a task needs three. With a plan: 93 MB for 1,000 robots and 1,000 tasks, 370 MB for 2,000
-and 2,000 and for 3,000 and 1,000. By crews: 303 MB for 3,000 and 3,000.
+Measured as what a process grew by, with eight capabilities of which a task needs three. With a plan
+93 MB for 1,000 robots and 1,000 tasks, 370 MB for 2,000 and 2,000 and for 3,000 and 1,000. With a
+table by crews 303 MB for 3,000 and 3,000. Without both 450 MB for 10,000 and 10,000.
 """
+
+FIELD = 8
+"""Bytes for each cell of a map with walls and each task: distances, at the start and now."""
 
 MEGABYTE = 2**20
 
@@ -31,12 +38,12 @@ def refuse_too_large(mission: Scenario, method: Method) -> None:
     """Raise `TeamformerError` with what would fit if a mission needs more memory than is left."""
     robots, tasks = len(mission.robots), len(mission.tasks)
     has_plan = plans_for_all(method)
-    needed, left = bytes_needed(robots, tasks, has_plan), bytes_left()
+    needed, left = bytes_needed(mission, has_plan), bytes_left()
     if left is None or needed <= left:
         return
-    share = (left / needed) ** 0.5  # what is needed grows with the square of the size
+    share = share_that_fits(needed, _bytes_of_fields(mission), left)
     hint = f"about {int(robots * share)} robots and {int(tasks * share)} tasks would fit"
-    if has_plan and bytes_needed(robots, tasks, has_plan=False) <= left:
+    if has_plan and bytes_needed(mission, has_plan=False) <= left:
         hint += f", or use --method {STAND_IN}"
     raise TeamformerError(
         f"{mission.name}: {robots} robots and {tasks} tasks need about {_shown(needed)} of memory "
@@ -50,9 +57,28 @@ def plans_for_all(method: Method) -> bool:
     return isinstance(method.coordinator, SharedPlan) or isinstance(method.policy, Planner)
 
 
-def bytes_needed(robots: int, tasks: int, has_plan: bool) -> int:
+def bytes_needed(mission: Scenario, has_plan: bool) -> int:
     """Return how many bytes a mission takes, beside what the process has already."""
-    return (PLANNED if has_plan else PLAYED) * (robots + tasks) ** 2
+    untabled = PLAYED if are_ways_straight(mission.world, mission.tasks) else TABLED
+    square = (len(mission.robots) + len(mission.tasks)) ** 2
+    return (PLANNED if has_plan else untabled) * square + _bytes_of_fields(mission)
+
+
+def _bytes_of_fields(mission: Scenario) -> int:
+    """Return how many bytes the distances to all tasks take where there are walls."""
+    world = mission.world
+    if not isinstance(world, Grid) or not world.rows:
+        return 0
+    return FIELD * world.width * world.height * len(mission.tasks)
+
+
+def share_that_fits(needed: int, fields: int, left: int) -> float:
+    """Return the part of a mission that fits; fields grow with its size, the rest with its square.
+
+    It is the positive root of square x share^2 + fields x share = left.
+    """
+    square = needed - fields
+    return (math.sqrt(fields**2 + 4.0 * square * left) - fields) / (2 * square)
 
 
 def bytes_left() -> int | None:

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
 from teamformer.bench.measurements.anytime import anytime_curves
+from teamformer.bench.measurements.size import SizeRow
 from teamformer.bench.rows import Row
 from teamformer.bench.statistics import growth_exponent
 from teamformer.bench.suites import Suite
@@ -69,6 +70,28 @@ def draw_anytime(rows: Sequence[Row], folder: Path) -> Iterator[Path]:
     path = folder / "anytime.png"
     figure.savefig(path)
     yield path
+
+
+def draw_size(rows: Sequence[SizeRow], folder: Path) -> Path:
+    """Draw how time and memory of running and judging grow with a mission; return the file."""
+    title = "run and check against size: as many robots as tasks, each of which needs 3 of 8 skills"
+    figure, panels = _begin(title, 2, columns=2, width=8.4)
+    labels = ("seconds of one core", "MB at most")
+    for axes, label, what in zip(panels, labels, ("seconds", "megabytes"), strict=True):
+        for command, stroke in (("run", "-"), ("check", ":")):
+            for method in dict.fromkeys(row.method for row in rows):
+                points = [(r.count, getattr(r, f"{command}_{what}")) for r in rows
+                          if r.method == method]  # fmt: skip
+                counts, values = zip(*points, strict=True)
+                name = f"{command}, {method}"
+                axes.plot(counts, values, stroke, color=colour_of(method), label=name, marker=".")
+        _scale(axes, sorted({row.count for row in rows}))
+        axes.set_xlabel("robots, and as many tasks")
+        axes.set_ylabel(label)
+    _finish(figure, panels[0])
+    path = folder / "size.png"
+    figure.savefig(path)
+    return path
 
 
 def _bars(part: Suite, summaries: Sequence[Summary]) -> Figure:

@@ -58,6 +58,8 @@ def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
     """Measure and show; return the exit status."""
     if suite_name == "speed":
         return _measure_speed(as_json)
+    if suite_name == "size":
+        return _measure_size(options.folder, as_json)
     if suite_name == "others":
         limit = 10.0 if options.time_limit is None else options.time_limit
         worlds = options.trials or WORLDS
@@ -199,4 +201,32 @@ def _measure_speed(as_json: bool) -> int:
             table.add_row(row.setting, f"{row.value:,.4g}", row.unit)
     if not as_json:
         out.print(table)
+    return 0
+
+
+def _measure_size(folder: Path | None, as_json: bool) -> int:
+    from teamformer.bench.measurements.size import measure_size
+
+    announce_compiling()
+    table = Table(box=None, header_style="dim")
+    for header in ("method", "robots, tasks", "makespan", "run, s", "MB", "check, s", "MB"):
+        table.add_column(header, justify="right")
+    rows = []
+    for row in measure_size():
+        rows.append(row)
+        if as_json:
+            print_json({"suite": "size", **vars(row)})
+        else:
+            err.print(f"{row.count} robots by {row.method} ...", markup=False)
+            taken = (row.run_seconds, row.run_megabytes, row.check_seconds, row.check_megabytes)
+            table.add_row(
+                row.method, str(row.count), str(row.makespan), *(f"{value:.3g}" for value in taken)
+            )
+    if not as_json:
+        out.print(table)
+    if folder is not None:
+        from teamformer.bench.report.figures import draw_size
+
+        prepare_folder(folder)
+        say(f"written: {draw_size(rows, folder)}")
     return 0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -52,18 +51,22 @@ def measure_size(sides: dict[int, int] = SIDES) -> Iterator[SizeRow]:
                 yield SizeRow(method, count, json.loads(told)["makespan"], *ran, *judged)
 
 
-def _measured(words: Sequence[str]) -> tuple[str, float, float]:
-    """Return what a command prints, its processor seconds and the most megabytes it took.
+WATCH = """
+import json, os, sys
+command = [sys.executable, "-m", "teamformer.cli", *sys.argv[1:]]
+_, status, usage = os.wait4(os.spawnv(os.P_NOWAIT, sys.executable, command), 0)
+used = usage.ru_utime + usage.ru_stime, usage.ru_maxrss
+print(json.dumps([os.waitstatus_to_exitcode(status), *used]), file=sys.stderr)
+"""
+"""Runs a command and tells what it used, in a small process: a child begins as a copy of its parent,
+and the memory of that copy counts as the child's."""
 
-    Less memory than this process itself has is not seen: a child begins as its copy.
-    """
-    command = [sys.executable, "-m", "teamformer.cli", *words]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
-        assert process.stdout is not None
-        told = process.stdout.read().decode()
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        raise subprocess.CalledProcessError(process.returncode, command)
-    peak = usage.ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
-    return told, usage.ru_utime + usage.ru_stime, peak
+
+def _measured(words: Sequence[str]) -> tuple[str, float, float]:
+    """Return what a command prints, its processor seconds and the most megabytes it took."""
+    command = [sys.executable, "-c", WATCH, *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    status, seconds, peak = json.loads(done.stderr.splitlines()[-1])
+    if status != 0:
+        raise subprocess.CalledProcessError(status, words)
+    return done.stdout, seconds, peak / (1e6 if sys.platform == "darwin" else 1e3)

@@ -58,8 +58,8 @@ _, status, usage = os.wait4(os.spawnv(os.P_NOWAIT, sys.executable, command), 0)
 used = usage.ru_utime + usage.ru_stime, usage.ru_maxrss
 print(json.dumps([os.waitstatus_to_exitcode(status), *used]), file=sys.stderr)
 """
-"""Runs a command and tells what it used, in a small process: a child begins as a copy of its parent,
-and the memory of that copy counts as the child's."""
+"""Runs a command and tells what it used, in a small process: a child begins as a copy of its
+parent, and the memory of that copy counts as the child's."""
 
 
 def _measured(words: Sequence[str]) -> tuple[str, float, float]:

@@ -6,6 +6,7 @@ import resource
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +63,7 @@ def test_what_is_left_is_the_least_of_limit_and_machine() -> None:
             capture_output=True,
             text=True,
             check=True,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),  # noqa: B023
+            preexec_fn=partial(resource.setrlimit, resource.RLIMIT_AS, (limit, limit)),
         ).stdout
         assert 0 < int(shown) < limit
     free = next(x for x in Path("/proc/meminfo").read_text().splitlines() if "MemAvailable" in x)

@@ -9,15 +9,10 @@ from hypothesis import given, settings
 
 from missions import continuous_missions, missions
 from teamformer.scenarios.files import scenario_from_tree
-from teamformer.scenarios.trees import (
-    ARRIVALS_KEYS,
-    BREAKS_KEYS,
-    DELAYS_KEYS,
-    ROBOT_KEYS,
-    TASK_KEYS,
-    TOP_KEYS,
-)
-from teamformer.scenarios.world_trees import KEYS as WORLD_KEYS
+from teamformer.scenarios.trees.mission import ARRIVALS_KEYS, TOP_KEYS
+from teamformer.scenarios.trees.robots import BREAKS_KEYS, DELAYS_KEYS, ROBOT_KEYS
+from teamformer.scenarios.trees.tasks import TASK_KEYS
+from teamformer.scenarios.trees.world import KEYS as WORLD_KEYS
 
 IN_ANOTHER_FILE = {"world map", "world cell"}
 """Keys that `test_files.py` writes."""

@@ -20,6 +20,7 @@ from teamformer.planning.steps.shared_plan import shared_plan_of
 from teamformer.planning.steps.situation import situation_of
 from teamformer.planning.steps.starts import plan_from_crews
 from teamformer.planning.steps.timed_plan import time_team_plan
+from teamformer.rules.arrays import Array
 from teamformer.rules.distances import travel_matrix
 from teamformer.scenarios.generate import Spec, generate
 
@@ -248,7 +249,7 @@ def test_ways_that_are_worked_out_give_the_plans_that_a_table_gives() -> None:
 
 
 @entry
-def _tour(shared, start):  # type: ignore[no-untyped-def]
+def _tour(shared: Shared, start: Array) -> Array:
     return _quick_tour(shared, start)
 
 

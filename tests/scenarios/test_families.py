@@ -10,7 +10,8 @@ import pytest
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.scenarios.families import FAMILIES, INCIDENT_STEPS, about_half_of
+from teamformer.scenarios.families import FAMILIES
+from teamformer.scenarios.family_missions import INCIDENT_STEPS, about_half_of
 from teamformer.scenarios.named_settings import size_of, world_of
 from teamformer.scenarios.surprises import BREAKDOWN, CALLS, DELAYS, LASTS, SURPRISES, WITHIN
 from teamformer.trials.methods import load_method

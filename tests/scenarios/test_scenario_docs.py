@@ -10,8 +10,10 @@ from test_broken_files import CASES, GOOD, problems_of
 from teamformer.model import Breakdown
 from teamformer.roads import Roads
 from teamformer.scenarios.files import read_scenario
-from teamformer.scenarios.trees import ROBOT_KEYS, TASK_KEYS, TOP_KEYS
-from teamformer.scenarios.world_trees import FORMS
+from teamformer.scenarios.trees.mission import TOP_KEYS
+from teamformer.scenarios.trees.robots import ROBOT_KEYS
+from teamformer.scenarios.trees.tasks import TASK_KEYS
+from teamformer.scenarios.trees.world import FORMS
 
 DOCS = Path(__file__).parents[2] / "docs" / "reference" / "scenarios.md"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -13,11 +14,11 @@ from teamformer.model import Scenario, Task
 FIRST = replace(task("a", 3, duration=4), between=(20, 30))
 
 
-def mission(then: Task, first: Task = FIRST, **rules: object) -> Scenario:
+def mission(then: Task, first: Task = FIRST, **rules: Any) -> Scenario:
     """Return a mission in which t1 is after t0."""
     small = make([robot("a", 0)], [first, then])
     tasks = (small.tasks[0], replace(small.tasks[1], after=("t0",)))
-    return replace(small, tasks=tasks, **rules)  # type: ignore[arg-type]
+    return replace(small, tasks=tasks, **rules)
 
 
 @pytest.mark.parametrize(("time", "end"), [("steps", 27), ("continuous", 25)])

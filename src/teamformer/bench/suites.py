@@ -11,7 +11,7 @@ from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.mission.rules import FORESIGHTS, NEW_TASKS
 from teamformer.scenarios.file_access import names_of_shipped, read_shipped_or_own
 from teamformer.scenarios.named_settings import size_of
-from teamformer.scenarios.tree_reader import Reader
+from teamformer.scenarios.trees.reader import Reader
 from teamformer.scenarios.yaml.reader import parse
 
 KEYS = (

@@ -28,6 +28,9 @@ from teamformer.sim.replay.teams import Teams
 
 Value = TypeVar("Value")
 
+Robots = tuple[int, ...]
+"""Numbers of robots, ascending."""
+
 
 class Changing(Generic[Value]):
     """A value that holds after a number of steps until it changes."""
@@ -86,8 +89,8 @@ class Courses:
         self.mission: Scenario = replay.mission
         self.services: dict[int, Service] = {}  # the last one of each task
         self.done_in: dict[int, list[int]] = {}  # tasks by the step in which they were done
-        self.set_down_in: dict[int, list[tuple[int, tuple[int, ...]]]] = {}  # loads, by whom
-        self._up: dict[int, tuple[int, tuple[int, ...]]] = {}  # load -> since when, by whom
+        self.set_down_in: dict[int, list[tuple[int, Robots]]] = {}  # step -> loads and carriers
+        self._up: dict[int, tuple[int, Robots]] = {}  # load -> step, carriers
         self._goal = [Changing(task.at) for task in self.mission.tasks]  # where teams head for
         teams = Teams(replay)
         self._of = [
@@ -141,7 +144,7 @@ class Courses:
             self.done_in.setdefault(number, []).append(task)
 
     def _carried(self, task: int, ended: int) -> tuple[int, ...]:
-        """Write down that a load was carried since it was taken up; return by whom."""
+        """Record the carrying of a load, which ends here; return the robots that carried it."""
         if task not in self._up:
             return ()
         since, robots = self._up.pop(task)
@@ -166,7 +169,7 @@ class Courses:
                 return team
         return robots
 
-    def news_in(self, step: int) -> Iterator[tuple[int, tuple[int, ...]]]:
+    def news_in(self, step: int) -> Iterator[tuple[int, Robots]]:
         """Yield tasks that were done or loads that were set down in a step, and who did it."""
         for task in self.done_in.get(step, ()):
             yield task, self.services[task].robots

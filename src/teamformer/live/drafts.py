@@ -17,8 +17,8 @@ from teamformer.mission.rules import rules_of_live_missions
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
 from teamformer.scenarios.maps.formats import is_map, read_coarse_map
-from teamformer.scenarios.tree_reader import INFINITE
-from teamformer.scenarios.tree_writer import world_to_tree
+from teamformer.scenarios.trees.reader import INFINITE
+from teamformer.scenarios.trees.writer import world_to_tree
 from teamformer.scenarios.yaml import reader, writer
 
 Tree = dict[str, Any]

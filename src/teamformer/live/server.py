@@ -88,26 +88,14 @@ def make_app(
     async def home(request: Request) -> Response:
         refusal = doors.refusal(request)
         if refusal is not None:
-            return PlainTextResponse(f"{refusal}\n", status_code=403)
+            return _plain(refusal, 403)
         return HTMLResponse(page(), headers={"Cache-Control": "no-store"})
 
     async def download(request: Request) -> Response:
         refusal = doors.refusal(request)
         if refusal is not None:
-            return PlainTextResponse(f"{refusal}\n", status_code=403)
-        name = request.path_params["name"]
-        if name not in DOWNLOADS:
-            return PlainTextResponse(f"there is no file '{name}'\n", status_code=404)
-        record = await session.record()
-        if record is None:
-            return PlainTextResponse("no mission runs yet\n", status_code=404)
-        try:
-            content = await asyncio.to_thread(make_download, record, name)
-        except TeamformerError as error:
-            text = f"{error}; {error.hint}" if error.hint else str(error)
-            return PlainTextResponse(f"{text}\n", status_code=501)
-        kept = {"Content-Disposition": f'attachment; filename="{name}"'}
-        return Response(content, headers=kept, media_type="application/octet-stream")
+            return _plain(refusal, 403)
+        return await _download(session, request.path_params["name"])
 
     async def talk(connection: WebSocket) -> None:
         if doors.refusal(connection) is not None:
@@ -139,6 +127,25 @@ def make_app(
         WebSocketRoute("/socket", talk),
     ]
     return Starlette(routes=routes, lifespan=lifespan)
+
+
+async def _download(session: Watched, name: str) -> Response:
+    """Return a file of the mission as it is now, or why there is none."""
+    if name not in DOWNLOADS:
+        return _plain(f"there is no file '{name}'", 404)
+    record = await session.record()
+    if record is None:
+        return _plain("no mission runs yet", 404)
+    try:
+        content = await asyncio.to_thread(make_download, record, name)
+    except TeamformerError as error:
+        return _plain(f"{error}; {error.hint}" if error.hint else str(error), 501)
+    kept = {"Content-Disposition": f'attachment; filename="{name}"'}
+    return Response(content, headers=kept, media_type="application/octet-stream")
+
+
+def _plain(text: str, status: int) -> Response:
+    return PlainTextResponse(f"{text}\n", status_code=status)
 
 
 def configure(app: Starlette, host: str, port: int) -> uvicorn.Config:

@@ -12,10 +12,10 @@ from teamformer.errors import Problem, ScenarioError, TeamformerError
 from teamformer.mission.windows import find_hopeless_windows
 from teamformer.model import Scenario, World
 from teamformer.scenarios.file_access import read_text
-from teamformer.scenarios.tree_reader import Reader
-from teamformer.scenarios.tree_writer import scenario_to_tree
-from teamformer.scenarios.trees import read_tree
-from teamformer.scenarios.world_trees import read_world
+from teamformer.scenarios.trees.mission import read_tree
+from teamformer.scenarios.trees.reader import Reader
+from teamformer.scenarios.trees.world import read_world
+from teamformer.scenarios.trees.writer import scenario_to_tree
 from teamformer.scenarios.yaml import reader, writer
 from teamformer.scenarios.yaml.reader import StopReadingError
 from teamformer.whole_files import write_whole

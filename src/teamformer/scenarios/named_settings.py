@@ -23,7 +23,8 @@ import numpy as np
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.scenarios.families import FAMILIES, draw_mission, family_in, split_name
+from teamformer.scenarios.families import FAMILIES, family_in, split_name
+from teamformer.scenarios.family_missions import draw_mission
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.scenarios.surprises import SURPRISES, make_uncertain
 

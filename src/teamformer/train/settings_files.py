@@ -8,7 +8,7 @@ from typing import Any, get_args, get_type_hints
 
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.scenarios.file_access import names_of_shipped, read_shipped_or_own
-from teamformer.scenarios.tree_reader import Reader, name_of
+from teamformer.scenarios.trees.reader import Reader, name_of
 from teamformer.scenarios.yaml.reader import Tree, Where, from_value, parse
 from teamformer.scenarios.yaml.words import describe
 from teamformer.train.training_settings import DEVICES, TrainSettings

@@ -12,14 +12,8 @@ import pytest
 
 from random_coalitions import is_able, least_coalitions, plain_times, random_problem
 from teamformer.planning.arcs.annealing import ArcSearch
-from teamformer.planning.arcs.graph import (
-    BACK_SUM,
-    COST,
-    LATE,
-    MAKESPAN,
-    pose_arcs,
-    read_off,
-)
+from teamformer.planning.arcs.arc_problem import pose_arcs
+from teamformer.planning.arcs.graph import BACK_SUM, COST, LATE, MAKESPAN, read_off
 from teamformer.planning.continuous.first_plan import draw_plan
 from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem, pose_problem
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan, schedule_of
@@ -181,7 +175,8 @@ import numpy as np
 from test_arcs import any_plan, assert_consistent, lasting
 from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.arcs.draws import draw_task
-from teamformer.planning.arcs.graph import COST, most_seats
+from teamformer.planning.arcs.arc_problem import most_seats
+from teamformer.planning.arcs.graph import COST
 from teamformer.planning.arcs.judging import accept, sum_up_trial, undo
 from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import move_task, take_back

@@ -35,6 +35,11 @@ class Reported:
     seconds: float
     percent: float
 
+    @property
+    def label(self) -> str:
+        """Return the method with what it took: two rows may be of one method."""
+        return f"{self.method}, {self.cores:g} x {self.seconds:g} s"
+
 
 def read_published(folder: Path) -> dict[int, Published]:
     """Return what tables say of a folder's instances, by number.

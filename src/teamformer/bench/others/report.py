@@ -85,18 +85,11 @@ def table_of_folders(
     What others report is beside it; the folders' means weigh alike in the last row.
     """
     methods, folders = methods_of(results), collections(results)
-    theirs = {
-        f"{each.method}, {each.cores:g} x {each.seconds:g} s": None
-        for folder in folders
-        for each in reported.get(folder, ())
-    }
+    theirs = list(dict.fromkeys(each.label for f in folders for each in reported.get(f, ())))
     table: list[list[float | None]] = []
     for folder in folders:
         mine = [each for each in results if each.collection == folder]
-        told = {
-            f"{each.method}, {each.cores:g} x {each.seconds:g} s": each.percent
-            for each in reported.get(folder, ())
-        }
+        told = {each.label: each.percent for each in reported.get(folder, ())}
         own = [mean_percent_above_best([r for r in mine if r.method == m]) for m in methods]
         table.append([*own, *(told.get(name) for name in theirs)])
     rows = [[name, *map(_percent, row)] for name, row in zip(folders, table, strict=True)]

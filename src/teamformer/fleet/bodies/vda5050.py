@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import parse_qsl, urlparse
 
 from paho.mqtt import client as mqtt
@@ -37,8 +37,31 @@ NEAR = 0.3
 
 KEEPALIVE = 15  # seconds
 
-POSITION_2 = ("agvPosition", "positionInitialized")
-"""What version 2 calls a vehicle's position, and whether it is known."""
+
+class Dialect(NamedTuple):
+    """What versions of VDA5050 say differently."""
+
+    position: str  # where a vehicle is
+    is_localized: str  # whether that is known
+    action_states: str  # of instant actions
+    action_lists: tuple[str, ...]  # names of the list of instant actions
+    blocking: str  # how a service blocks other actions
+    deviation: Any  # by a metre from the node that a vehicle stands at
+
+
+DIALECTS = {
+    # The text of 2.0 calls the list `actions`, its first schema `instantActions`; vehicles check
+    # for one or the other.
+    "2": Dialect(
+        *("agvPosition", "positionInitialized", "actionStates"),
+        *(("actions", "instantActions"), "HARD", 1.0),
+    ),
+    "3": Dialect(
+        *("mobileRobotPosition", "localized", "instantActionStates"),
+        *(("actions",), "NONE", {"a": 1.0, "b": 1.0, "theta": 0.0}),
+    ),
+}
+"""By the first number of a version."""
 
 
 class Vda5050Body:
@@ -64,6 +87,7 @@ class Vda5050Body:
                 f"version of --body vda5050 is '{self._version}'", f"use {', '.join(VERSIONS)}"
             )
         self._major = self._version.partition(".")[0]
+        self._dialect = DIALECTS[self._major]
         self._tasks = {task.key: task for task in mission.tasks}
         self._lock = threading.Lock()
         self._state: Mapping[str, Any] = {}
@@ -130,15 +154,9 @@ class Vda5050Body:
             elif content.get("connectionState") != "ONLINE":
                 self._state = {}  # its last will: nothing that it said holds any more
 
-    @property
-    def _is_3(self) -> bool:
-        """Say whether the vehicle speaks version 3, which has other names than version 2."""
-        return self._major == "3"
-
     def _position(self) -> tuple[float, float] | None:
-        where, is_known = ("mobileRobotPosition", "localized") if self._is_3 else POSITION_2
-        at = self._state.get(where)
-        if not isinstance(at, dict) or not at.get(is_known):
+        at = self._state.get(self._dialect.position)
+        if not isinstance(at, dict) or not at.get(self._dialect.is_localized):
             return None
         x, y = at.get("x"), at.get("y")
         if isinstance(x, int | float) and isinstance(y, int | float) and x == x and y == y:
@@ -190,7 +208,7 @@ class Vda5050Body:
         return self._command.serve and self._status_of(self._action) == "FINISHED"
 
     def _status_of(self, action: str) -> str | None:
-        for state in self._state.get("instantActionStates" if self._is_3 else "actionStates") or ():
+        for state in self._state.get(self._dialect.action_states) or ():
             if isinstance(state, dict) and state.get("actionId") == action:
                 return str(state.get("actionStatus"))
         return None
@@ -198,9 +216,7 @@ class Vda5050Body:
     def _drive(self, at: tuple[float, float], goal: Place) -> None:
         last = str(self._state.get("lastNodeId") or "start")
         start = self._node(last, 0, at[0], at[1])
-        start["nodePosition"]["allowedDeviationXY"] = (
-            {"a": 1.0, "b": 1.0, "theta": 0.0} if self._is_3 else 1.0
-        )
+        start["nodePosition"]["allowedDeviationXY"] = self._dialect.deviation
         end = self._node(f"{self._order_id()}-goal", 2, goal[0], goal[1])
         edge = {
             "edgeId": f"{self._order_id()}-way",
@@ -228,13 +244,10 @@ class Vda5050Body:
         action = {
             "actionType": kind,
             "actionId": name,
-            "blockingType": "NONE" if self._is_3 else "HARD",
+            "blockingType": self._dialect.blocking,
             "actionParameters": [{"key": k, "value": v} for k, v in parameters.items()],
         }
-        # The text of 2.0 calls the list `actions`, its first schema `instantActions`; vehicles
-        # check for one or the other.
-        both = {"actions": [action], "instantActions": [action]}
-        self._publish("instantActions", {"actions": [action]} if self._is_3 else both)
+        self._publish("instantActions", {name: [action] for name in self._dialect.action_lists})
 
     def _node(self, name: str, sequence: int, x: float, y: float) -> dict[str, Any]:
         position = {"x": x, "y": y, "theta": 0.0, "mapId": self._map}

@@ -8,25 +8,27 @@ from collections.abc import Callable
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.arcs.coalition_choice import Choice, empty_choice
-from teamformer.planning.arcs.draws import draw_task
-from teamformer.planning.arcs.graph import (
-    COST,
-    MAKESPAN,
+from teamformer.planning.arcs.arc_problem import (
     REPLACE,
     RIDE,
     SLACK,
     STRETCH,
     SWAP,
     ArcProblem,
-    Graph,
     StepRules,
-    empty_graph,
-    is_in_steps,
-    lay,
     most_seats,
     near_of,
     pose_arcs,
+)
+from teamformer.planning.arcs.coalition_choice import Choice, empty_choice
+from teamformer.planning.arcs.draws import draw_task
+from teamformer.planning.arcs.graph import (
+    COST,
+    MAKESPAN,
+    Graph,
+    empty_graph,
+    is_in_steps,
+    lay,
     read_off,
     time_anew,
 )
@@ -240,7 +242,7 @@ def anneal_arcs(
             take_back(graph, moved)
             if must_copy:
                 write_down(problem, graph, best)
-                trial.number[CHAINED] = NOBODY  # what was a bit off may be timed anew
+                trial.number[CHAINED] = NOBODY  # in steps writing down corrects times
                 is_best, must_copy = False, False
     if is_best:
         write_down(problem, graph, best)

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import kernel
-from teamformer.planning.arcs.graph import ArcProblem, Graph, Records, leave
+from teamformer.planning.arcs.arc_problem import ArcProblem, Records
+from teamformer.planning.arcs.graph import Graph, leave
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.continuous.problem import NEVER, NOBODY, Ticks, Whole
 from teamformer.rules.arrays import Array

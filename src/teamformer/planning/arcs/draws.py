@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
-from teamformer.planning.arcs.graph import LATEST, ArcProblem, Graph, is_in_steps
+from teamformer.planning.arcs.arc_problem import ArcProblem
+from teamformer.planning.arcs.graph import LATEST, Graph, is_in_steps
 from teamformer.planning.arcs.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
 from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.arrays import Array

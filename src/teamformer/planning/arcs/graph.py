@@ -13,26 +13,26 @@ leave it are at their next one: `in_steps` has that for the latter.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.arcs.covers import list_covers
+from teamformer.planning.arcs.arc_problem import (
+    ArcProblem,
+    Records,
+    StepRules,
+    different_needs,
+    most_seats,
+)
 from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways, start_in_steps
-from teamformer.planning.arcs.near import near_tasks
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
-from teamformer.planning.prices import SHARES, Prices
 from teamformer.rules.constants import FAR
 
 if TYPE_CHECKING:
     from teamformer.rules.arrays import Array
 
-Records = np.recarray[Any, np.dtype[np.void]]
-
-KIND = np.dtype([("pace", np.int32), ("type", np.int32), ("lost", np.int64)])
 NODE = np.dtype(
     [
         ("end", np.int64),  # when the task ends; 0 for depots
@@ -51,53 +51,16 @@ NODE = np.dtype(
     ],
     align=True,
 )
+
 SEAT = np.dtype([("prev", np.int32), ("next", np.int32), ("node", np.int32), ("kind", np.int32)])
+
 WAY = np.dtype([("to", np.int64), ("key", np.int64), ("pace", np.int64), ("comes", np.int64)])
 
 FIRST, LAST = -1, NEVER
 """The keys of depots and homes."""
 
-FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 28, 7
-"""How many tasks are near to each: every seventh within these limits."""
-
 MAKESPAN, COST, BACK_SUM, LATE, LATEST, END_SUM = range(6)
 """What is known of a graph as a whole; LATEST is the home that is reached last."""
-
-SWAP, REPLACE, RIDE, ANYWHERE, IN_PLACE, BUNDLE, SMOOTH, SLACK, STRETCH = range(9)
-"""Habits of a search: how many percent of the changes are swaps, replacements, riders; of the moves
-how many are to any moment, in place, or try a bundle; how many percent the mean end of tasks weighs
-in steps; by how many ticks chains may be longer than allowed."""
-
-CONTINUOUS = (40, 0, 0, 5, 0, 0, 0, 0, 0)
-"""The habits in continuous time."""
-
-
-class ArcProblem(NamedTuple):
-    """What does not change: the places, the kinds of robots, who covers what."""
-
-    ways: Ticks  # (paces, places, tasks)
-    ways_to: Ticks  # (paces, tasks, places) the same, so that all ways to a task lie together
-    home: Ticks  # (kinds, places)
-    site: Whole  # (places,) the same number for places that lie at the same position
-    kinds: Records  # (kinds,) KIND
-    origin: Whole  # (robots,) the place where each starts
-    kind: Whole  # (robots,)
-    mixed: Whole  # (robots,) all robots, those of a kind far from each other
-    counts: Whole  # (types, caps) what robots of each type bring
-    needs: Whole  # (needs, caps) the different needs
-    useful: Whole  # (needs, types) how many of a type a coalition has at most
-    covers: Whole  # (needs, covers, width, 2) types and how many of each, then NOBODY
-    listed: Whole  # (needs,) how many covers are listed; 0 if there are too many
-    near: Whole  # (tasks, near) the tasks nearest to each
-    before: Whole  # (tasks, most) the tasks that must have ended before each, then NOBODY
-    after: Whole  # (tasks, most) the tasks that each must have ended before, then NOBODY
-    forming: Ticks  # (1,)
-    most: Ticks  # (1,) seats of each task
-    habits: Whole  # (9,)
-    passed: Whole  # (ways + 1,) of in steps: where the tasks of each way begin in `passes`
-    passes: Whole  # tasks that take time and lie on a way, from the place on
-    together: Whole  # (paces, paces) the pace of those who go together
-    weights: Ticks  # (4,) in steps: of makespan and ends, the divisor, and if there are prices
 
 
 class Graph(NamedTuple):
@@ -111,99 +74,6 @@ class Graph(NamedTuple):
     order: Whole  # (tasks,) in steps: the tasks by their keys, when all was timed
     ways: Records  # (seats of a node,) WAY, room for the ways that lead from a node
     there: Ticks  # (seats of a node,) room for the steps in which groups are there
-
-
-def near_of(tasks: int) -> int:
-    """Return how many tasks are near to each of so many."""
-    return min(tasks - 1, max(FEWEST_NEAR, min(MOST_NEAR, tasks // NEAR_SHARE)))
-
-
-class StepRules(NamedTuple):
-    """What a mission in steps has beside its coalition problem; robots of a team are in a row."""
-
-    ready: Ticks  # (places - tasks,) when the robots at each depot are free
-    lost: Ticks  # (robots,) the step in which each is lost, if that is known; alike in a kind
-    together: Whole  # (paces, paces) the pace of those who go together
-    prices: Prices  # if more than the makespan counts
-    near: int  # how many tasks are near to each
-    riders: int  # how many robots more than it needs come to a task at most
-    habits: tuple[int, ...]
-    passed: Whole  # (ways + 1,) as in ArcProblem
-    passes: Whole
-
-
-def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = None) -> ArcProblem:
-    """Return a coalition problem as one of arcs; `near` tasks are near to each.
-
-    Robots are of a type if they bring the same; of a kind if they are as fast and go home to the
-    same place, too.
-    """
-    asked = problem.needs.max(axis=0, initial=0) > 0
-    _, first = np.unique(problem.kind, return_index=True)
-    brings = problem.counts[first][:, asked]  # (kinds, caps)
-    counts, kind_type = np.unique(brings, axis=0, return_inverse=True)
-    kinds = np.zeros(len(first), KIND).view(np.recarray)
-    kinds.pace, kinds.type = problem.pace[first], kind_type.ravel()
-    kinds.lost = NEVER if steps is None else steps.lost[first]
-    needs, _ = _different_needs(problem)
-    number = np.bincount(kind_type.ravel()[problem.kind], minlength=len(counts)).astype(np.int32)
-    useful, covers, listed = list_covers(counts, number, needs)
-    return ArcProblem(
-        ways=problem.ways,
-        ways_to=np.ascontiguousarray(problem.ways.transpose(0, 2, 1)),
-        home=problem.home,
-        site=problem.site,
-        kinds=kinds,
-        origin=problem.origin,
-        kind=problem.kind,
-        mixed=_mixed(problem),
-        counts=np.ascontiguousarray(counts, np.int32),
-        needs=needs,
-        useful=useful,
-        covers=covers,
-        listed=listed,
-        near=near_tasks(problem.ways[0], near),
-        before=problem.before,
-        after=problem.after,
-        forming=problem.forming,
-        most=np.array([most_seats(problem, steps)]),
-        habits=np.array(CONTINUOUS if steps is None else steps.habits, np.int32),
-        passed=np.zeros(1, np.int32) if steps is None else steps.passed,
-        passes=np.zeros(0, np.int32) if steps is None else steps.passes,
-        together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
-        weights=_weights(len(problem.needs), steps),
-    )
-
-
-def _weights(tasks: int, steps: StepRules | None) -> Ticks:
-    """Return the weights of makespan and ends in what a plan in steps costs, and the divisor.
-
-    Without prices the ends of tasks count a little, so that plans of one makespan differ.
-    """
-    if steps is None:
-        return np.array([1, 0, 1, 0])
-    if len(steps.prices.due) > 0:
-        return np.array([steps.prices.whole[0], 1, SHARES * tasks, 1])
-    return np.array([100 * tasks, steps.habits[SMOOTH], 100 * tasks, 0])
-
-
-def _mixed(problem: CoalitionProblem) -> Whole:
-    """Return the first robots of all kinds, then the second ones, and so on."""
-    columns = problem.like.T.ravel()
-    return columns[columns != NOBODY]
-
-
-def _different_needs(problem: CoalitionProblem) -> tuple[Whole, npt.NDArray[np.intp]]:
-    """Return the different needs, and which of them each task has."""
-    asked = problem.needs.max(axis=0, initial=0) > 0
-    needs, number = np.unique(problem.needs[:, asked], axis=0, return_inverse=True)
-    return np.ascontiguousarray(needs, np.int32), number.ravel()
-
-
-def most_seats(problem: CoalitionProblem, steps: StepRules | None = None) -> int:
-    """Return how many robots come to a task at most: none to spare, and riders in steps."""
-    riders = 0 if steps is None else steps.riders
-    return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1) + riders))
 
 
 def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:
@@ -222,7 +92,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     if steps is not None and len(steps.prices.due) > 0:
         nodes.due[:tasks] = np.minimum(steps.prices.due, FAR) * TICKS
         nodes.price[:tasks], nodes.late_price[:tasks] = steps.prices.ends, steps.prices.late
-    nodes.need[:tasks] = _different_needs(problem)[1]
+    nodes.need[:tasks] = different_needs(problem)[1]
     linked = (problem.before[:, 0] != NOBODY) | (problem.after[:, 0] != NOBODY)
     nodes.has_links[:tasks] = linked
     most = most_seats(problem, steps)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.planning.arcs.arc_problem import ArcProblem, Records
 from teamformer.planning.arcs.graph import (
     BACK_SUM,
     COST,
@@ -20,9 +21,7 @@ from teamformer.planning.arcs.graph import (
     LATE,
     LATEST,
     MAKESPAN,
-    ArcProblem,
     Graph,
-    Records,
     back_of,
     cost_of,
     is_in_steps,
@@ -43,11 +42,9 @@ ARRIVING, PARTING = 1, 2
 
 LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED = range(7)
 """Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
-key of a node whose arcs out have changed: behind it tails still hold; the seats by which what
-the makespan hangs on comes to the task at hand and leaves it, or NOBODY; and how many tasks it
-hangs on, or NOBODY if the plan has changed since they were listed."""
-
-REFUSED = -1
+key of a node whose arcs out have changed: behind it tails still hold; the seats by which what the
+makespan hangs on comes to the task at hand and leaves it, or NOBODY; and the length of the chain,
+or NOBODY if the plan has changed since it was listed."""
 
 
 class Trial(NamedTuple):
@@ -62,10 +59,12 @@ class Trial(NamedTuple):
 
 
 def empty_trial(graph: Graph, timed_again: int = 0) -> Trial:
-    """Return room for a change; in it tasks may be timed so often beside their first time."""
+    """Return room for a change; `timed_again` is how often tasks may be timed more than once."""
     room = 10 * len(graph.seats) + 4 * len(graph.nodes) + len(graph.back) + timed_again
+    number = np.zeros(7, np.int64)
+    number[CHAINED] = NOBODY
     return Trial(
-        number=np.full(7, NOBODY, np.int64),
+        number=number,
         log=np.zeros(room, ENTRY).view(np.recarray),
         agenda=np.zeros(len(graph.nodes) + 1, WAITING).view(np.recarray),
         homes=np.zeros(len(graph.back), np.int32),

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.arcs.graph import ArcProblem, Graph, Records
+from teamformer.planning.arcs.arc_problem import ArcProblem, Records
+from teamformer.planning.arcs.graph import Graph
 from teamformer.planning.continuous.first_plan import draw_plan
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
+from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.coalition_choice import THIS_ONE
 from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import ArcProblem, Graph, leave
+from teamformer.planning.arcs.graph import Graph, leave
 from teamformer.planning.arcs.judging import (
     COMES_BY,
     LEAVES_BY,

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import kernel
+from teamformer.planning.arcs.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
 from teamformer.planning.arcs.coalition_choice import (
     COMES,
     FELLOWS_FROM,
@@ -18,15 +19,7 @@ from teamformer.planning.arcs.coalition_choice import (
     sum_up_picks,
 )
 from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import (
-    ANYWHERE,
-    BUNDLE,
-    IN_PLACE,
-    LAST,
-    MAKESPAN,
-    ArcProblem,
-    Graph,
-)
+from teamformer.planning.arcs.graph import LAST, MAKESPAN, Graph
 from teamformer.planning.arcs.in_steps.bundles import draw_group, pick_group
 from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
 from teamformer.planning.continuous.problem import NOBODY, Ticks

@@ -42,10 +42,10 @@ def solve_exactly(
     seconds: float,
     is_large: bool = False,
 ) -> Proof:
-    """Return the best plan that one thread of CP-SAT finds in so many seconds, and its bound.
+    """Search with one thread of CP-SAT; return its best plan, if it finds one, and its bound.
 
-    It begins with a plan as a hint: who does what. If the problem `is_large`, all of the plan is
-    hinted, and the bound comes from a linear relaxation. The seconds include posing the model.
+    `plan` is its hint: who does what. If the problem `is_large`, the whole plan is the hint, and
+    the bound comes from a linear relaxation. `seconds` include the time to pose the model.
     """
     begun = time.perf_counter()
     circuits = _Circuits(problem, bound, int(schedule_of(problem, plan).total[MAKESPAN]))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.planning.arcs.annealing import ArcSearch
-from teamformer.planning.arcs.graph import MAKESPAN, StepRules
+from teamformer.planning.arcs.arc_problem import StepRules
+from teamformer.planning.arcs.graph import MAKESPAN
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.continuous.problem import CoalitionProblem, Ticks, Whole, pose_problem
 from teamformer.planning.continuous.schedule import empty_plan

@@ -16,7 +16,7 @@ from teamformer.frame import Frame
 from teamformer.grid import BLOCKED, FREE, LARGEST_MAP, Grid
 from teamformer.scenarios.file_access import read_bytes, read_text
 from teamformer.scenarios.maps.images import Image, read_image
-from teamformer.scenarios.tree_reader import Reader, misshapen
+from teamformer.scenarios.trees.reader import Reader, misshapen
 from teamformer.scenarios.yaml.reader import Where, parse
 from teamformer.scenarios.yaml.words import Misread, describe
 

@@ -17,7 +17,7 @@ from io import StringIO
 
 from teamformer.errors import TeamformerError
 from teamformer.roads import LONGEST_WAY, Roads, Rows
-from teamformer.scenarios.tree_reader import LONGEST_TEXT
+from teamformer.scenarios.trees.reader import LONGEST_TEXT
 
 LARGEST_FILE = 20_000_000  # bytes
 

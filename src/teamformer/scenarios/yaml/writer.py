@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from teamformer.scenarios.tree_reader import INFINITE
+from teamformer.scenarios.trees.reader import INFINITE
 from teamformer.scenarios.yaml.words import scalar
 
 PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_-]*( [A-Za-z0-9_-]+)*")

@@ -11,7 +11,7 @@ from teamformer.capabilities import Counts
 from teamformer.errors import ScenarioError
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.scenarios.tree_writer import absences_to_tree, counts_to_tree, task_to_tree
+from teamformer.scenarios.trees.writer import absences_to_tree, counts_to_tree, task_to_tree
 from teamformer.sim.replay.values import (
     DamageError,
     amount_of,

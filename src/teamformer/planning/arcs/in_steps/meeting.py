@@ -17,7 +17,8 @@ from teamformer.rules.constants import FAR
 from teamformer.rules.pairing import pair_off
 
 if TYPE_CHECKING:
-    from teamformer.planning.arcs.graph import ArcProblem, Graph
+    from teamformer.planning.arcs.arc_problem import ArcProblem
+    from teamformer.planning.arcs.graph import Graph
 
 TICKS = 1024
 """Ticks of a step, a power of two."""

@@ -15,7 +15,8 @@ from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.planning.arcs.graph import ArcProblem, Graph
+    from teamformer.planning.arcs.arc_problem import ArcProblem
+    from teamformer.planning.arcs.graph import Graph
     from teamformer.planning.arcs.judging import Trial
     from teamformer.rules.arrays import Array
 

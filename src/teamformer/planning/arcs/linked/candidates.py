@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import kernel
-from teamformer.planning.arcs.graph import ArcProblem, Graph, Records
+from teamformer.planning.arcs.arc_problem import ArcProblem, Records
+from teamformer.planning.arcs.graph import Graph
 from teamformer.planning.arcs.linked.judging import Links
 from teamformer.planning.continuous.links import (
     HOME,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
+from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import ArcProblem, Graph
+from teamformer.planning.arcs.graph import Graph
 from teamformer.planning.arcs.judging import Trial, record
 from teamformer.planning.arcs.linked.candidates import Room
 from teamformer.planning.arcs.linked.judging import KIND, Ledger, Links, lead, way_out

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.arcs.graph import ArcProblem, Graph, back_of, start_of
+from teamformer.planning.arcs.arc_problem import ArcProblem
+from teamformer.planning.arcs.graph import Graph, back_of, start_of
 from teamformer.planning.arcs.judging import (
     BACK,
     END,

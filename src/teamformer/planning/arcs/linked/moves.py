@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from teamformer.jit import kernel
+from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import LAST, ArcProblem, Graph
+from teamformer.planning.arcs.graph import LAST, Graph
 from teamformer.planning.arcs.judging import Trial, connect, record
 from teamformer.planning.arcs.linked.candidates import PICKS, STAMP, Room, choose, gather
 from teamformer.planning.arcs.linked.judging import KEY, KIND, TAKEN, Ledger, Links, lead, way_out

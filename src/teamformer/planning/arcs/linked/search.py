@@ -14,14 +14,8 @@ import numpy as np
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.annealing import FEWEST_ROUNDS, SECONDS_AT_ONCE, copy_graph
-from teamformer.planning.arcs.graph import (
-    ArcProblem,
-    Graph,
-    empty_graph,
-    lay,
-    pose_arcs,
-    read_off,
-)
+from teamformer.planning.arcs.arc_problem import ArcProblem, pose_arcs
+from teamformer.planning.arcs.graph import Graph, empty_graph, lay, read_off
 from teamformer.planning.arcs.judging import Trial
 from teamformer.planning.arcs.linked.candidates import Room, empty_room
 from teamformer.planning.arcs.linked.exchanges import exchange_rests

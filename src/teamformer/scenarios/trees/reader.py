@@ -198,3 +198,12 @@ def _suggest(key: Any, keys: Mapping[str, bool]) -> str:
 
 def _list(keys: Mapping[str, bool]) -> str:
     return ", ".join(keys)
+
+
+def read_range(reader: Reader, where: Where, value: Any, remedy: str) -> tuple[int, int] | None:
+    """Return the least and the most of a number of steps; None after refusing what is no range."""
+    pair = reader.pair(where, value, remedy)
+    if pair is None:
+        return None
+    least, most = (reader.whole((*where, part), steps) for part, steps in enumerate(pair))
+    return least, most

@@ -14,7 +14,7 @@ from teamformer.capabilities import covers, describe, missing, total
 from teamformer.mission.places import possible_places
 from teamformer.mission.reach import can_reach
 from teamformer.model import Robot, Task, World
-from teamformer.scenarios.tree_reader import LONGEST_TEXT, Reader
+from teamformer.scenarios.trees.reader import LONGEST_TEXT, Reader
 from teamformer.scenarios.yaml.reader import Where
 from teamformer.scenarios.yaml.words import shorten
 

@@ -13,8 +13,8 @@ from teamformer.model import Arrivals, Robot, Scenario, Task, World
 from teamformer.plane import Plane
 from teamformer.roads import GROUND, Roads
 from teamformer.scenarios.maps.road_tables import write_times
-from teamformer.scenarios.tree_reader import INFINITE
-from teamformer.scenarios.trees import VERSION
+from teamformer.scenarios.trees.mission import VERSION
+from teamformer.scenarios.trees.reader import INFINITE
 
 
 def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:

@@ -1,22 +1,26 @@
-"""The `world` of a scenario file: a grid, rows of cells, a map in another file, or a plane."""
+"""The `world` of a scenario file: a grid, rows of cells, a map in another file, a plane, or roads.
+
+And where something is in it: `read_at`.
+"""
 
 from __future__ import annotations
 
+import difflib
 from pathlib import Path
 from typing import Any, Literal
 
 from teamformer.errors import TeamformerError
 from teamformer.frame import Frame
-from teamformer.grid import BLOCKED, FREE, LARGEST_MAP, Grid
+from teamformer.grid import BLOCKED, FREE, LARGEST_MAP, Grid, Place
 from teamformer.model import World
 from teamformer.plane import Plane
 from teamformer.roads import GROUND, Roads, Rows
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.maps.formats import read_map, read_origin
 from teamformer.scenarios.maps.road_tables import LARGEST_FILE, parse_times
-from teamformer.scenarios.tree_reader import Reader, name_of
+from teamformer.scenarios.trees.reader import Reader, name_of
 from teamformer.scenarios.yaml.reader import Where
-from teamformer.scenarios.yaml.words import describe
+from teamformer.scenarios.yaml.words import describe, shorten
 
 FORMS = {
     "grid": {"grid", "y_axis", "frame"},
@@ -181,3 +185,21 @@ def _is_possible(reader: Reader, key: str, cells: int) -> bool:
         most = f"{LARGEST_MAP:,} are possible, so use larger cells"
         reader.refuse((*WHERE, key), f"the map has {cells:,} cells; {most}")
     return cells <= LARGEST_MAP
+
+
+def read_at(reader: Reader, where: Where, value: Any, world: World) -> Place:
+    """Return where something is: `[x, y]`, on roads the name of a place. None was told before."""
+    if not isinstance(world, Roads):
+        return reader.place(where, [0, 0] if value is None else value, isinstance(world, Plane))
+    if value is None or not world.places:  # roads that are wrong were told
+        return 0, 0
+    if isinstance(value, list | dict):
+        reader.refuse(where, f"{name_of(where)} is {describe(value)}; on roads name a place")
+        return 0, 0
+    name = reader.text(where, value)
+    if name in world.places:
+        return world.at(name)
+    near = difflib.get_close_matches(name, world.places, 1)
+    remedy = f"did you mean '{near[0]}'?" if near else "name a place that has a row there"
+    reader.refuse(where, f"{name_of(where)} is '{shorten(name)}', which is on no road; {remedy}")
+    return 0, 0

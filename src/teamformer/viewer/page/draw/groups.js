@@ -82,6 +82,7 @@ const ACTIVITY_COLOURS = {
   done: "good",
   idle: "lost",
   told: "lost",
+  leaves: "lost",
 };
 
 function countActivities(teams) {

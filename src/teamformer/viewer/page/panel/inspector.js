@@ -21,6 +21,7 @@ const ACTIVITIES = {
   serves: "at work",
   done: "just done",
   told: "about to be told their next task",
+  leaves: "lost with the next step",
   idle: "without assignment",
 };
 

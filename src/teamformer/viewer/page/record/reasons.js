@@ -2,7 +2,7 @@
 
 // The reason for what a team does after a step, as a sentence without its end.
 function reasonFor(history, team, step) {
-  if (team.justDone !== NOBODY) return "";
+  if (team.justDone !== NOBODY || team.activity === "leaves") return "";
   if (team.activity === "told") return step === 0 ? "" : planText(history, step);
   if (team.assigned === NOBODY && !team.service) return reasonForRest(history, team, step);
   if (team.carries) return "it brings all that the load takes, and stays with it until it is unloaded";

@@ -48,14 +48,19 @@ function describeGoal(history, step, team, service, done) {
 }
 
 // Some teams have no assignment only until the next step: the mission begins, or news has taken all
-// assignments back. Where the record goes on, it says which of them are idle all the same.
+// assignments back. Where the record goes on, it says which of them are idle all the same, and which
+// are lost before they are told anything.
 function tellWhoAwaitsAPlan(history, step, teams) {
   const idle = teams.filter(({ activity }) => activity === "idle");
   if (!idle.length || !isPlannedAnew(history, step)) return;
   const isOver = step >= history.last;
   if (isOver && history.end.status !== "running") return;
   const isAbout = isOver ? () => true : whoIsAboutATask(history, step + 1);
-  for (const team of idle) if (team.robots.some(isAbout)) team.activity = "told";
+  const isGone = (robot) => isLost(history, robot, step + 1);
+  for (const team of idle) {
+    if (team.robots.some(isAbout)) team.activity = "told";
+    else if (team.robots.every(isGone)) team.activity = "leaves";
+  }
 }
 
 // Returns what says of a robot whether it has a task in a step.
@@ -77,7 +82,7 @@ function isPlannedAnew({ replay, events }, step) {
   return events.some((event) => event.step === step && kinds.includes(event.kind));
 }
 
-// What a team is about, in one word: serves, done, waits, walks or idle; and told, see `tellWhoAwaitsAPlan`.
+// What a team is about, in one word: serves, done, waits, walks or idle; and told and leaves, see `tellWhoAwaitsAPlan`.
 function activityOf(world, team) {
   if (team.service) return "serves";
   if (team.justDone !== NOBODY) return "done";

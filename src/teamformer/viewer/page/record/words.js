@@ -63,6 +63,8 @@ function describeDoing(scenario, team, step) {
       return `has just done ${name}`;
     case "told":
       return step === 0 ? "is ready to begin" : "is told its next task with the next step";
+    case "leaves":
+      return "is lost with the next step";
     case "idle":
       return "has no assignment";
     case "waits":

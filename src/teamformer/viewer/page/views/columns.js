@@ -97,7 +97,7 @@ function doingOf({ scene, scenario }, robot) {
   const team = teamOfRobot(scene, robot);
   if (!team) return "lost";
   const task = team.goal === NOBODY ? "" : taskName(scenario, team.goal);
-  const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", idle: "idle", waits: `waits at ${task}` };
+  const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", leaves: "is lost next", idle: "idle", waits: `waits at ${task}` };
   return words[team.activity] ?? `walks to ${task}`;
 }
 

@@ -1,0 +1,119 @@
+"""Missions that once failed, one file each: what is asked of every one of them now."""
+
+from __future__ import annotations
+
+import cProfile
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import teamformer as tf
+from test_cli import teamformer
+
+FILES = Path(__file__).parent
+
+
+def path_of(name: str) -> str:
+    return str(FILES / f"{name}.yaml")
+
+
+def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
+    """Return the JSON objects that a command prints; it has to succeed."""
+    assert teamformer(*words, "--json") == 0
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_every_file_is_a_mission_and_has_its_test() -> None:
+    names = {path.stem for path in FILES.glob("*.yaml")}
+    tested = Path(__file__).read_text()
+    assert len(names) == 12
+    assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
+
+
+def test_what_is_drawn_from_a_range_may_be_late_but_is_no_error(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Of [0, 5] a fifth of all draws takes 5 steps: one step of walking, and 6 is after 4."""
+    words = ("compare", path_of("range-in-window"), "--methods", "plan", "--seeds", "60")
+    rows = printed(capsys, *words)
+    assert [row["completed"] for row in rows] == [True] * 60
+    assert {row["makespan"] for row in rows} == {1, 2, 3, 4, 5, 6}
+    for row in rows:
+        assert row["late"] == ({"t1": row["makespan"] - 4} if row["makespan"] > 4 else {})
+
+
+def test_central_and_compare_take_after_with_delays(capsys: pytest.CaptureFixture[str]) -> None:
+    rows = printed(capsys, "compare", path_of("central-after-delays"), "--time-limit", "0.2")
+    assert {row["method"] for row in rows} >= {"plan", "crews", "central", "heuristic"}
+    assert [row["status"] for row in rows] == ["completed"] * len(rows)
+
+
+def test_tasks_of_no_duration_that_follow_one_another_are_planned(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Robot 2 does u1 after 3 and with the other u0, and walks 11 from there to `last`."""
+    (found,) = printed(capsys, "plan", path_of("plan-keyerror"), "--time-limit", "1")
+    assert (found["makespan"], found["proven"]) == (19, True)
+    words = ("run", path_of("run-keyerror"), "--method", "central", "--time-limit", "1")
+    (row,) = printed(capsys, *words)
+    assert row["status"] == "completed"
+
+
+def test_a_small_weight_of_the_cost_counts(capsys: pytest.CaptureFixture[str]) -> None:
+    """Nobody can be late, so that only the three cells of travel are left to save."""
+    (found,) = printed(capsys, "plan", path_of("cost-weight-ignored"), "--time-limit", "1")
+    tasks = {it["robot"]: [stop["task"] for stop in it["stops"]] for it in found["routes"]}
+    assert tasks == {"r1": ["t1", "t3"], "r2": ["t2"]}
+    assert found["cost"] == pytest.approx(3 / 3001, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [("central-infeasible", 1), ("central-slower-uncertain", 0), ("central-slower-sure", 0)],
+)
+def test_central_is_not_worse_than_plan(name: str, seed: int) -> None:
+    mission = tf.load(path_of(name))
+    central, plan = (tf.run(mission, method, seed, 0.3) for method in ("central", "plan"))
+    ranks = [(not it.completed, it.record.end.steps) for it in (central, plan)]
+    assert ranks[0] <= ranks[1]
+
+
+def test_robots_in_one_place_need_not_form_a_team(capsys: pytest.CaptureFixture[str]) -> None:
+    """t1 takes no time, so that both are in one place from the start, and walk 3 together."""
+    (found,) = printed(capsys, "plan", path_of("forming-same-place"), "--time-limit", "1")
+    assert found["makespan"] == 3
+
+
+def test_the_truths_of_several_seeds_have_a_bound_each(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("compare", path_of("compare-seeds-bound"), "--seeds", "4", "--time-limit", "0.1")
+    rows = printed(capsys, *words)
+    bounds = {row["seed"]: row["lower_bound"] for row in rows}
+    assert len(set(bounds.values())) > 1
+    for row in rows:
+        assert row["lower_bound"] <= row["best_known"] <= row["makespan"]
+
+
+def test_the_default_makes_no_illegal_decision() -> None:
+    trial = tf.run(tf.load(path_of("illegal")), seed=3)
+    assert trial.completed
+    assert trial.record.end.illegal_decisions == 0
+    assert trial.check().is_legal
+
+
+@pytest.mark.parametrize(
+    "words", [("export", "{record}", "--mcap", "{out}"), ("check", "{record}")]
+)
+def test_twice_the_steps_take_twice_the_calls(words: tuple[str, ...], tmp_path: Path) -> None:
+    """Calls are counted, not seconds; with what is quadratic they would be fourfold."""
+    made = []
+    for steps in (300, 600, 1200):
+        mission = replace(tf.load(path_of("mcap-quadratic")), step_limit=steps)
+        folder = tf.run(mission).save(tmp_path / str(steps))
+        named = {"record": str(folder / "replay.json"), "out": str(folder / "it.mcap")}
+        profile = cProfile.Profile()
+        assert profile.runcall(teamformer, *(word.format(**named) for word in words)) == 0
+        made.append(sum(it.callcount for it in profile.getstats()))
+    assert made[2] - made[1] < 3 * (made[1] - made[0])

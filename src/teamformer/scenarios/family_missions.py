@@ -232,8 +232,8 @@ def about_half_of(mission: Scenario) -> int:
     """Return a step in the first half of a mission, without a plan of it.
 
     It is the steps in which the robots that are wanted most would walk to their tasks and do them,
-    if they never waited and all were as fast. In worlds 0 to 11 of each family these are 21% to 49%
-    of the steps that the shared plan takes.
+    if they never waited and all were as fast. In worlds 0 to 11 of each family these are 21% to 55%
+    of the steps that the shared plan takes, and robots are lost after at most 44% of them.
     """
     assert isinstance(mission.world, Grid)
     rows, cells = mission.world.rows, mission.world.width * mission.world.height

@@ -12,7 +12,7 @@ import pytest
 
 from random_coalitions import is_able, least_coalitions, plain_times, random_problem
 from teamformer.planning.arcs.annealing import ArcSearch
-from teamformer.planning.arcs.arc_problem import pose_arcs
+from teamformer.planning.arcs.arc_problem import different_needs, pose_arcs
 from teamformer.planning.arcs.graph import BACK_SUM, COST, LATE, MAKESPAN, read_off
 from teamformer.planning.continuous.first_plan import draw_plan
 from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem, pose_problem
@@ -159,8 +159,8 @@ def test_covers_are_all_coalitions_with_nobody_to_spare(seed: int) -> None:
     arcs = pose_arcs(problem, 3)
     type_of = arcs.kinds.type[problem.kind]
     number = [np.flatnonzero(type_of == which) for which in range(len(arcs.counts))]
-    _, need_of = np.unique(problem.needs, axis=0, return_inverse=True)
-    for task, need in enumerate(need_of.ravel()):
+    _, need_of = different_needs(problem)
+    for task, need in enumerate(need_of):
         listed = set()
         for cover in arcs.covers[need, : arcs.listed[need]]:
             parts = [(which, count) for which, count in cover.tolist() if which != NOBODY]

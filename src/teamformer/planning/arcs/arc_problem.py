@@ -5,10 +5,16 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from teamformer.planning.arcs.covers import list_covers
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
+from teamformer.planning.continuous.problem import (
+    NEVER,
+    NOBODY,
+    CoalitionProblem,
+    Ticks,
+    Whole,
+    different_rows,
+)
 from teamformer.planning.prices import SHARES, Prices
 
 Records = np.recarray[Any, np.dtype[np.void]]
@@ -83,12 +89,13 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
     asked = problem.needs.max(axis=0, initial=0) > 0
     _, first = np.unique(problem.kind, return_index=True)
     brings = problem.counts[first][:, asked]  # (kinds, caps)
-    counts, kind_type = np.unique(brings, axis=0, return_inverse=True)
+    first_kind, kind_type = different_rows(brings)
     kinds = np.zeros(len(first), KIND).view(np.recarray)
-    kinds.pace, kinds.type = problem.pace[first], kind_type.ravel()
+    kinds.pace, kinds.type = problem.pace[first], kind_type
     kinds.lost = NEVER if steps is None else steps.lost[first]
     needs, _ = different_needs(problem)
-    number = np.bincount(kind_type.ravel()[problem.kind], minlength=len(counts)).astype(np.int32)
+    counts = brings[first_kind]
+    number = np.bincount(kind_type[problem.kind], minlength=len(counts)).astype(np.int32)
     useful, covers, listed = list_covers(counts, number, needs)
     return ArcProblem(
         ways=problem.ways,
@@ -135,11 +142,12 @@ def _mixed(problem: CoalitionProblem) -> Whole:
     return columns[columns != NOBODY]
 
 
-def different_needs(problem: CoalitionProblem) -> tuple[Whole, npt.NDArray[np.intp]]:
+def different_needs(problem: CoalitionProblem) -> tuple[Whole, Whole]:
     """Return the different needs, and which of them each task has."""
     asked = problem.needs.max(axis=0, initial=0) > 0
-    needs, number = np.unique(problem.needs[:, asked], axis=0, return_inverse=True)
-    return np.ascontiguousarray(needs, np.int32), number.ravel()
+    needs = problem.needs[:, asked]
+    first, number = different_rows(needs)
+    return np.ascontiguousarray(needs[first]), number
 
 
 def most_seats(problem: CoalitionProblem, steps: StepRules | None = None) -> int:

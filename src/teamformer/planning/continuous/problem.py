@@ -19,7 +19,15 @@ from teamformer.rules.constants import NOBODY
 Ticks = npt.NDArray[np.int64]
 Whole = npt.NDArray[np.int32]
 
-__all__ = ["NEVER", "NOBODY", "CoalitionProblem", "Ticks", "Whole", "pose_problem"]
+__all__ = [
+    "NEVER",
+    "NOBODY",
+    "CoalitionProblem",
+    "Ticks",
+    "Whole",
+    "different_rows",
+    "pose_problem",
+]
 
 NEVER = 2**60
 """A due time that no task has; ticks of real times stay far below."""
@@ -72,16 +80,15 @@ def pose_problem(
     pace, tasks = np.asarray(pace, np.int32), len(needs)
     apart = np.zeros(len(counts)) if apart is None else apart
     traits = np.column_stack([counts, pace, home, apart])  # (robots, traits)
-    _, first, kind = np.unique(traits, axis=0, return_index=True, return_inverse=True)
-    kind = np.argsort(np.argsort(first))[kind.ravel()]  # kinds in the order of their first robots
+    first, kind = different_rows(traits)
     return CoalitionProblem(
         ways=np.ascontiguousarray(ways),
-        home=np.ascontiguousarray(home[np.sort(first)]),
+        home=np.ascontiguousarray(home[first]),
         site=np.arange(ways.shape[1], dtype=np.int32)
         if site is None
         else np.asarray(site, np.int32),
         pace=pace,
-        kind=kind.astype(np.int32),
+        kind=kind,
         like=_listed([np.flatnonzero(kind == which) for which in range(len(first))]),
         origin=np.asarray(origin, np.int32),
         counts=counts,
@@ -94,6 +101,16 @@ def pose_problem(
         after=_listed([[j for i, j in precedence if i == task] for task in range(tasks)]),
         forming=np.array([forming]),
     )
+
+
+def different_rows(rows: npt.NDArray[np.generic]) -> tuple[npt.NDArray[np.intp], Whole]:
+    """Return where each different row is seen first, and which of these every row is.
+
+    They are numbered in the order in which they are seen, whatever the order of the columns: that
+    of a mission's capabilities means nothing.
+    """
+    _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return np.sort(first), np.argsort(np.argsort(first))[number.ravel()].astype(np.int32)
 
 
 def _listed(rows: Sequence[Sequence[int] | npt.NDArray[np.int64]]) -> Whole:

@@ -66,7 +66,7 @@ def empty_workspace(problem: Relaxed, seed: int) -> Workspace:
     robots, (tasks, caps) = len(problem.pace), problem.needs.shape
     by_distance = np.argsort(problem.cells[:, :tasks], axis=1, kind="stable")  # (tasks, tasks)
     return Workspace(
-        scarce=np.argsort((problem.able != NOBODY).sum(axis=1), kind="stable").astype(np.int32),
+        scarce=_scarce_first(problem),
         least=least_brought(problem.counts),
         near=np.ascontiguousarray(by_distance[:, : min(NEIGHBOURS, tasks)]).astype(np.int32),
         asked=np.zeros(caps + 1, ASK).view(np.recarray),
@@ -77,6 +77,16 @@ def empty_workspace(problem: Relaxed, seed: int) -> Workspace:
         is_versatile=np.array([problem.counts.sum(axis=1).max() > 1]),
         random=np.array([first_state(seed)]),
     )
+
+
+def _scarce_first(problem: Relaxed) -> Array:
+    """Return the capabilities, those that few robots have first.
+
+    Of equally scarce ones it is decided by who has them and what needs them, not by their order in
+    the mission, which means nothing.
+    """
+    scarcity = (problem.able != NOBODY).sum(axis=1)  # (caps,)
+    return np.lexsort((*problem.needs, *problem.counts, scarcity)).astype(np.int32)
 
 
 @allocating_kernel

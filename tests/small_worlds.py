@@ -122,6 +122,16 @@ def late_task(**rules: Any) -> Scenario:
     return make([robot("a", 3)], [task("a", 8), task("a", 0, appears=2)], **rules)
 
 
+def late_pair(weights: tuple[float, float] = (1.0, 1.0), **changes: Any) -> Scenario:
+    """Return a robot at 5 of a corridor, and tasks at 0 and 10 that are due in step 1."""
+    tasks = tuple(
+        Task(name, (x, 0), {"a": 1}, between=(0, 1), weight=weight)
+        for name, x, weight in zip(("left", "right"), (0, 10), weights, strict=True)
+    )
+    robots = (Robot("r", (5, 0), {"a": 1}),)
+    return replace(Scenario("pair", Grid(11, 1), ("a",), robots, tasks), **changes)
+
+
 def reachable(grid: Grid, place: Place) -> frozenset[Place]:
     """Return every cell that can be walked to from a place, itself included."""
     reached, frontier = {place}, {place}

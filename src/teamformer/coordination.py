@@ -20,6 +20,7 @@ NEWS = (
     "needs known",
     "service overdue",
     "task found",
+    "task cancelled",
     "task done",
 )
 """The kinds of news after which a coordinator may be asked for a plan."""

@@ -134,11 +134,12 @@ class Task:
     """A task: where it is and which capabilities one team must bring there together.
 
     `duration` is how many steps the team must stay. `appears` is how many steps have been made
-    when everybody learns of the task; 0 means that it is known from the start. The tasks named in
-    `after` must have ended before this one begins. `between` is the earliest time at which it may
-    begin, and the time after which its end is late. In continuous time durations may be fractions,
-    and `starts` links tasks: `starts[other]` is the least and the most time that this task starts
-    after `other` starts; other robots do it.
+    when everybody learns of the task; 0 means that it is known from the start. In step `cancelled`
+    the task is called off if it is not done by then; nobody knows this before. The tasks named in
+    `after` must be over, done or called off, before this one begins. `between` is the earliest time
+    at which it may begin, and the time after which its end is late. In continuous time durations
+    may be fractions, and `starts` links tasks: `starts[other]` is the least and the most time that
+    this task starts after `other` starts; other robots do it.
 
     A task with `to` has a load. The team takes it up at `at`, which takes `duration` steps, carries
     it to `to`, and stays `unload` steps; then the task is done.
@@ -155,6 +156,7 @@ class Task:
     needs: Counts
     duration: float = 0
     appears: int = 0
+    cancelled: int | None = None
     after: tuple[str, ...] = ()
     between: tuple[float, float] | None = None
     starts: Mapping[str, tuple[float, float]] = field(default_factory=dict)

@@ -182,8 +182,8 @@ def test_tables_hold_what_was_recorded(tmp_path: Path) -> None:
         ["'=b", "lift", "1.0", "ground", "3", "0", "6", "", *"111200001"],
     ]
     assert rows_of(tmp_path / "tasks.csv")[1:] == [
-        ["beam", "2 x lift", "2", "0", "2", "0", "5", "a, =b"],
-        ["box", "lift", "4", "0", "0", "6", "", ""],
+        ["beam", "2 x lift", "2", "0", "2", "0", "", "5", "a, =b"],
+        ["box", "lift", "4", "0", "0", "6", "", "", ""],
     ]
     assert [(row[0], row[2], row[5]) for row in rows_of(tmp_path / "events.csv")[1:]] == [
         ("3", "joins", "a, =b are one team"),

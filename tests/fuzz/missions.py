@@ -82,6 +82,8 @@ def missions(
             task["duration"] = pick(draw, (1, 0, 2, 4))
         if now_and_then(draw):
             task["appears"] = pick(draw, (3, 0, 1, 9, 20))
+        if not is_plain and now_and_then(draw):
+            task["cancelled"] = pick(draw, (5, 1, 3, 12, 30))
         if not is_sure:
             _write_surprises_of_task(draw, world, fleet, task)
     if not is_plain:

@@ -31,6 +31,7 @@ from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.grid import Grid
 from teamformer.live.incidents import LostRobot
+from teamformer.model import Scenario
 from teamformer.scenarios.files import scenario_from_tree, write_scenario
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.scenarios.named_settings import world_of
@@ -292,7 +293,7 @@ def test_outputs_of_live_sessions_agree(
         watching.wait_until("window.teamformer !== undefined", 30)
         uri = f"ws://{server.address}/socket"
         with connect(uri, origin=f"http://{server.address}") as line:  # type: ignore[arg-type]
-            for message in _script(rng, [robot.name for robot in scenario.robots], grid):
+            for message in _script(rng, scenario):
                 if message["do"] in ("step", "play") and not server.session.mission.is_running:
                     continue
                 line.send(json.dumps(message))
@@ -341,19 +342,29 @@ def _compare_page_of_the_moment(watching: Opened, mission: Any) -> None:
     pursued = {mission.scenario.tasks[it["task"]].name for it in goals if it["task"] is not None}
     about = {row["Task"] for row in tables["tasks"] if row["State"] in ("on the way", "waiting")}
     assert about <= pursued
+    done = mission.ends()
+    cancelled = {
+        task.name
+        for number, task in enumerate(mission.scenario.tasks)
+        if task.cancelled is not None and task.cancelled <= steps and number not in done
+    }
+    assert {row["Task"] for row in tables["tasks"] if row["State"] == "called off"} == cancelled
     watching.shown_step()
     watching.wait_for_a_frame()
     told = watching.page.inner_text("#figures").split("\n")
     assert ("Lost" in told) == bool(lost)
 
 
-def _script(rng: np.random.Generator, robots: list[str], grid: Grid) -> Iterator[dict[str, Any]]:
+def _script(rng: np.random.Generator, scenario: Scenario) -> Iterator[dict[str, Any]]:
     """Return what a page asks for, and in the end to play on.
 
-    Steps, tasks, a robot lost and back; to undo some of it, at once or steps later, and to restart.
+    Steps, tasks, a robot lost and back, a task called off; to undo some of it, at once or steps
+    later, and to restart.
     """
-    lost = str(rng.choice(robots))
-    for what in ("task", "restart", "task", "lost", "undo", "lost", "task", "undo", "back", "task"):
+    lost = str(rng.choice([robot.name for robot in scenario.robots]))
+    grid = scenario.world
+    deeds = ("task", "restart", "task", "lost", "undo", "lost", "task", "undo", "back", "cancelled")
+    for what in (*deeds, "task"):
         for _ in range(int(rng.integers(0 if what == "undo" else 1, 4))):
             yield {"do": "step"}
         if what in ("undo", "restart"):
@@ -362,6 +373,8 @@ def _script(rng: np.random.Generator, robots: list[str], grid: Grid) -> Iterator
         if what == "task":
             at = [int(rng.integers(grid.width)), int(rng.integers(grid.height))]
             yield {"do": "happen", "task": {"at": at, "needs": {f"c{rng.integers(1, 4)}": 1}}}
+        elif what == "cancelled":
+            yield {"do": "happen", what: scenario.tasks[-1].name}
         else:
             yield {"do": "happen", what: lost}
     yield {"do": "play"}

@@ -20,7 +20,7 @@ class Line(NamedTuple):
     """Something that happened: who, by names in the order of their numbers, and to which task."""
 
     step: int
-    kind: str  # done, appears, lost or back
+    kind: str  # done, appears, cancelled, lost or back
     robots: str
     task: str
 
@@ -62,9 +62,14 @@ def told_by_record(tree: Tree) -> list[Line]:
             lines.append(Line(number, "done", who, tasks[task]["name"]))
             ends[tasks[task]["name"]] = number
     for task in tasks:
+        cancelled = task.get("cancelled", math.inf)
+        if cancelled <= len(tree["steps"]) and task["name"] not in ends:
+            lines.append(Line(cancelled, "cancelled", "", task["name"]))
+            ends[task["name"]] = cancelled
+    for task in tasks:
         opens = max(task.get("appears", 0), math.ceil(task.get("between", [0])[0]))
         opens = max([opens, *(ends.get(name, math.inf) for name in task.get("after", ()))])
-        if 0 < opens <= len(tree["steps"]):
+        if 0 < opens <= len(tree["steps"]) and opens < task.get("cancelled", math.inf):
             lines.append(Line(int(opens), "appears", "", task["name"]))
     return sorted(lines)
 
@@ -72,7 +77,7 @@ def told_by_record(tree: Tree) -> list[Line]:
 def told_by_events(folder: Path) -> list[Line]:
     """Read `events.csv`."""
     rows = _rows(folder / "events.csv")
-    kinds = ("done", "appears", "lost", "back")
+    kinds = ("done", "appears", "cancelled", "lost", "back")
     told = [Line(int(row[0]), row[2], row[3], row[4]) for row in rows if row[2] in kinds]
     return sorted(told)
 
@@ -80,9 +85,11 @@ def told_by_events(folder: Path) -> list[Line]:
 def told_by_tables(folder: Path, steps: int) -> list[Line]:
     """Read `tasks.csv` and `robots.csv`."""
     lines = []
-    for name, *_, appears, done, who in _rows(folder / "tasks.csv"):
+    for name, *_, appears, cancelled, done, who in _rows(folder / "tasks.csv"):
         if done:
             lines.append(Line(int(done), "done", who, name))
+        if cancelled:
+            lines.append(Line(int(cancelled), "cancelled", "", name))
         if appears and 0 < int(appears) <= steps:
             lines.append(Line(int(appears), "appears", "", name))
     for name, _, _, _, _, _, lost, back, *_ in _rows(folder / "robots.csv"):
@@ -161,6 +168,8 @@ def sentence(line: Line) -> str:
             return f"{line.task} done by {line.robots}"
         case "appears":
             return f"{line.task} appears"
+        case "cancelled":
+            return f"{line.task} called off"
         case kind:
             return f"{line.robots} {kind}"
 
@@ -225,12 +234,15 @@ def told_by_terminal(text: str) -> tuple[list[str], str, str]:
 def table_of(lines: Iterable[Line], needs: Mapping[str, str]) -> list[str]:
     """Return the lines that the terminal's table is to have."""
     lines, undone = list(lines), dict(needs)
+    gone = {line.task: line.step for line in lines if line.kind == "cancelled"}
     rows = []
     for line in lines:
         if line.kind == "done":
             needed = undone.pop(line.task)
             rows.append(f"{line.step} {line.task} {needed} {line.robots}")
-    rows += [f"- {name} {needed}" for name, needed in undone.items()]
+    for name, needed in undone.items():
+        why = f"called off in step {gone[name]}" if name in gone else ""
+        rows.append(f"- {name} {needed} {why}")
     return sorted(" ".join(row.split()) for row in rows)
 
 
@@ -276,11 +288,12 @@ def captions_agree(path: Path, tree: Tree, lines: Sequence[Line]) -> bool:
     for number, frame in list(enumerate(frames))[::-stride]:
         counts = Counter(line.kind for line in lines if line.step <= number)
         it = (number, counts["done"], counts["lost"] - counts["back"])
+        gone = counts["cancelled"]
         strip = frame.crop((0, frame.height - 22, frame.width, frame.height))
         others = [tuple(map(add, it, by)) for by in BESIDE]
 
-        def distance(said: tuple[int, ...], strip: Any = strip) -> float:
-            drawn = _strip(strip.size, tree, tasks, *said)
+        def distance(said: tuple[int, ...], strip: Any = strip, gone: int = gone) -> float:
+            drawn = _strip(strip.size, tree, tasks, gone, *said)
             return float(ImageStat.Stat(ImageChops.difference(strip, drawn)).sum[0])
 
         if distance(it) >= min(map(distance, others)):
@@ -294,7 +307,9 @@ BESIDE = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1))
 """By how much captions differ in steps, tasks done and robots lost from the one beside them."""
 
 
-def _strip(size: tuple[int, int], tree: Tree, tasks: int, step: int, done: int, lost: int) -> Any:
+def _strip(
+    size: tuple[int, int], tree: Tree, tasks: int, gone: int, step: int, done: int, lost: int
+) -> Any:
     """Return a picture of a caption."""
     from PIL import Image, ImageDraw, ImageFont
 
@@ -306,7 +321,8 @@ def _strip(size: tuple[int, int], tree: Tree, tasks: int, step: int, done: int, 
     name = (tree["scenario"].get("name") or "unnamed scenario")[:40]
     picture = Image.new("L", size, 255)
     pen = ImageDraw.Draw(picture)
-    text = f"{when}, {done} of {tasks} tasks done{robots}: {name}"
+    called_off = f", {gone} called off" if gone else ""
+    text = f"{when}, {done} of {tasks} tasks done{called_off}{robots}: {name}"
     pen.text((10, 0), text, 35, ImageFont.load_default(11))
     return picture
 

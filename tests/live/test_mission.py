@@ -8,22 +8,24 @@ from pathlib import Path
 
 import pytest
 
-from small_worlds import make, robot, task
+from small_worlds import late_pair, make, robot, task
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.export.reasons import explain
 from teamformer.grid import Grid
 from teamformer.live.forecasts import Forecast, forecast, possible_truth
 from teamformer.live.incidents import (
+    CancelledTask,
     Incident,
     LostRobot,
     NewTask,
+    NewWeight,
     PlanTakenOver,
     RobotBack,
     search_plan,
 )
 from teamformer.live.mission_with_past import Mission
-from teamformer.model import Absence, Breakdown, Delays
+from teamformer.model import Absence, Breakdown, Delays, Task
 from teamformer.policies.central.policy import Central
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
@@ -420,3 +422,92 @@ def test_a_load_on_its_way_is_set_down_by_an_incident_and_the_forecast_is_what_c
     assert disturbed.ends == (run.steps,)
     assert run.steps > 104
     assert judge(run.record()).is_legal
+
+
+@pytest.mark.parametrize("method", ["join-fitting", "plan"])
+def test_a_task_that_is_called_off_is_in_the_record_that_run_makes_too(method: str) -> None:
+    run = mission(method=method)
+    for _ in range(3):
+        run.step()
+    undone = next(k for k in range(len(run.scenario.tasks)) if k not in run.ends())
+    called_off = CancelledTask(run.scenario.tasks[undone].name)
+    foreseen = forecast(run.past_with(called_off))
+    run.happen(called_off)
+    run_to_its_end(run)
+    record = run.record()
+    assert judge(record).findings == ()
+    assert foreseen.ends == (record.end.makespan,)
+    assert record.end.tasks_done == len(run.scenario.tasks) - 1
+    assert run.scenario.tasks[undone].cancelled == 4
+    again = run_trial(run.scenario, load_method(method))
+    assert again.replay.steps == record.steps
+    assert again.replay.end == record.end
+    if method == "plan":
+        assert "task cancelled" in dict(record.plans)[4].reasons
+
+
+def test_calling_off_what_can_never_be_done_lets_the_mission_end() -> None:
+    """Of three tasks one needs `b`, who is lost in step 2: nothing can be done until it is off."""
+    scenario = make([robot("a", 0), robot("b", 1)], [task("b", 9), task("a", 5)])
+    run = Mission(scenario, lambda: load_method("plan"), seed=0)
+    run.step()
+    run.happen(LostRobot(scenario.robots[1].name))
+    run.step()
+    assert run.tally().status == "infeasible"
+    run.happen(CancelledTask(scenario.tasks[0].name))
+    assert run.is_running
+    run_to_its_end(run)
+    assert (run.tally().status, run.tally().steps, run.tally().tasks_done) == ("completed", 5, 1)
+    assert judge(run.record()).findings == ()
+
+
+def test_a_weight_that_is_raised_makes_another_plan() -> None:
+    """From 5 the heavy one first; two steps to it, the other becomes heavier: 7 to it, 10 back."""
+    scenario = late_pair((3.0, 1.0), cost={"tardiness": 1})
+    run = Mission(scenario, lambda: load_method("plan"), seed=0)
+    for _ in range(2):
+        run.step()
+    run.happen(NewWeight("right", 99.0))
+    run.step()
+    run.happen(NewTask((6, 0), {"a": 1}, "between"))  # played again with the plan that was made
+    run_to_its_end(run)
+    record = run.record()
+    assert judge(record).findings == ()
+    assert {run.scenario.tasks[k].name: step for k, step in run.ends().items()} == {
+        "between": 5,
+        "right": 9,
+        "left": 19,
+    }
+    assert dict(record.plans)[2].reasons == ("taken over",)
+
+
+@pytest.mark.parametrize(
+    ("incident", "why"),
+    [
+        (CancelledTask("near"), "task 'near' was done in step 3"),
+        (CancelledTask("gone"), "task 'gone' was called off already"),
+        (CancelledTask("nowhere"), "there is no task 'nowhere'"),
+        (NewWeight("near", 2.0), "task 'near' was done in step 3"),
+        (NewWeight("far", 2.0), "weights count for nothing"),
+    ],
+)
+def test_what_cannot_happen_to_a_task_is_refused(incident: Incident, why: str) -> None:
+    tasks = (
+        Task("near", (2, 0), {"a": 1}),
+        Task("far", (9, 0), {"a": 1}),
+        Task("gone", (8, 0), {"a": 1}, cancelled=3),
+    )
+    scenario = replace(late_pair(), tasks=tasks)
+    run = Mission(scenario, lambda: load_method("plan"), seed=0)
+    for _ in range(3):
+        run.step()
+    with pytest.raises(TeamformerError, match=why):
+        run.happen(incident)
+    assert run.incidents == []
+
+
+def test_a_weight_counts_only_where_there_is_a_plan() -> None:
+    scenario = late_pair(cost={"tardiness": 1})
+    run = Mission(scenario, lambda: load_method("join-all"), seed=0)
+    with pytest.raises(TeamformerError, match="by this method robots go by no plan"):
+        run.happen(NewWeight("left", 2.0))

@@ -264,7 +264,7 @@ def test_an_uncertain_mission_is_forecast_as_a_band(tmp_path: Path) -> None:
         ('{"do": "explode"}', "the message has no 'do'"),
         ('{"do": "speed", "speed": "fast"}', "speed must be a number from 0.1 to 1000"),
         ('{"do": "speed", "speed": NaN}', "speed must be a number from 0.1 to 1000"),
-        ('{"do": "happen"}', "an incident needs 'lost' or 'back'"),
+        ('{"do": "happen"}', "an incident needs 'lost', 'back', 'cancelled'"),
         ('{"do": "happen", "lost": "r9"}', "there is no robot 'r9'"),
         ('{"do": "happen", "task": {"at": [5, 1], "needs": ["lift"]}}', "inside an obstacle"),
         ('{"do": "happen", "task": {"at": [1, 1], "needs": ["fly"]}}', "not under capabilities"),

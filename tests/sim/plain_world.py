@@ -87,6 +87,7 @@ class PlainWorld:
         self.due: dict[int, int] = {}  # of services, how many steps they are expected to take
         self.overdue = self.lost = 0
         self.done: dict[int, int] = {}
+        self.cancelled: dict[int, int] = {}
         self.known: set[int] = set()
         self.open = self.release()
         world = scenario.world
@@ -219,13 +220,14 @@ class PlainWorld:
         return apart_squared(one, other) <= self.here**2
 
     def release(self) -> list[int]:
-        """Make known what may begin now: its time has come, and all before it is done."""
-        done = {self.s.tasks[task].name for task in self.done}
+        """Make known what may begin now: its time has come, and all before it is over."""
+        over = {self.s.tasks[task].name for task in (*self.done, *self.cancelled)}
         news = [
             k
             for k, task in enumerate(self.s.tasks)
             if k not in self.known
-            and set(task.after) <= done
+            and k not in self.cancelled
+            and set(task.after) <= over
             and self.steps >= max(task.appears, task.between[0] if task.between else 0)
         ]
         self.known.update(news)
@@ -243,6 +245,7 @@ class PlainWorld:
         for slot in sorted(self.teams):
             self.allocate(slot, order)
         self.move(walkers)
+        any_cancelled = self.call_off()
         any_lost = self.lose()
         any_back = self.come_back()
         if any_lost or any_back:
@@ -253,7 +256,7 @@ class PlainWorld:
         self.steps += 1
         news = self.release()
         self.open += news
-        if news or any_lost or any_back or any_found or any_shown:
+        if news or any_lost or any_back or any_cancelled or any_found or any_shown:
             for team in self.teams.values():
                 if team.task not in team.serving:
                     team.task, team.is_detour = None, False
@@ -480,6 +483,22 @@ class PlainWorld:
         if self.flies(team):
             return walk(Grid(world.width, world.height), goal)
         return walk(world, goal) if world.is_free(goal) else {}
+
+    def call_off(self) -> bool:
+        gone = [
+            k
+            for k, task in enumerate(self.s.tasks)
+            if task.cancelled == self.steps + 1 and k not in self.done
+        ]
+        for task in gone:
+            self.cancelled[task] = self.steps + 1
+            self.open = [k for k in self.open if k != task]
+            self.carried.discard(task)
+            for team in self.teams.values():
+                team.serving.pop(task, None)
+                if team.task == task:
+                    team.task, team.is_detour = None, False
+        return bool(gone)
 
     def lose(self) -> bool:
         lost = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from toy_replays import Tree
 
 from browsers import Opened
 from live_server import Served, serving, serving_session, small_mission
+from small_worlds import late_pair
 from teamformer.errors import TeamformerError
 from teamformer.live.mission_with_past import Mission
 from teamformer.live.session import Session
@@ -32,8 +34,8 @@ def served(tmp_path: Path) -> Iterator[Served]:
         yield server
 
 
-@pytest.fixture
-def opened(browser: Any, served: Served) -> Iterator[Opened]:
+@contextmanager
+def opening(browser: Any, served: Served) -> Iterator[Opened]:
     context = browser.new_context(viewport={"width": 1280, "height": 800})
     found = Opened(context.new_page())
     found.page.on("pageerror", lambda error: found.errors.append(str(error)))
@@ -42,6 +44,12 @@ def opened(browser: Any, served: Served) -> Iterator[Opened]:
     yield found
     context.close()
     assert found.errors == []
+
+
+@pytest.fixture
+def opened(browser: Any, served: Served) -> Iterator[Opened]:
+    with opening(browser, served) as found:
+        yield found
 
 
 def wait_for(opened: Opened, selector: str, text: str) -> None:
@@ -359,6 +367,52 @@ def test_an_incident_is_undone_in_the_page(opened: Opened, served: Served) -> No
     opened.wait_until("window.teamformer.last === 0")
     wait_for(opened, "#notice", "The mission is back at its start; nothing has happened to it.")
     wait_for(opened, "#start-text", "Start the mission")
+
+
+def test_a_task_is_called_off_in_the_page(opened: Opened, served: Served) -> None:
+    page = opened.page
+    step_to(opened, 2)
+    name = served.session.mission.scenario.tasks[-1].name
+    page.click("#tab-tasks")
+    page.click(f".row >> text={name}")
+    assert page.locator("text=Set weight").count() == 0  # the mission has no cost
+    page.click("text=What would that gain?")
+    wait_for(opened, "#answer", f"With task {name} called off: all done at step")
+    page.click(f"text=Call {name} off …")
+    page.click("text=Keep it")
+    page.click(f"text=Call {name} off …")
+    page.click(f"text=Yes, call {name} off")
+    wait_for(opened, "#incidents", f"3: task {name} called off")
+    wait_for(opened, "#details", "Called off with the next step")
+    step_to(opened, 3, begun=2)
+    wait_for(opened, "#details", "Called off in step 3")
+    page.keyboard.press(" ")
+    wait_for(opened, "#status", "Completed")
+    wait_for(opened, "#figures", "2 of 3, 1 called off")
+    assert page.locator("text=/^Call /").count() == 0
+    assert judge(served.session.mission.record()).findings == ()
+
+
+def test_a_weight_is_raised_in_the_page(browser: Any, tmp_path: Path) -> None:
+    """The robot turns to the right, where the task has become the heavy one."""
+    scenario, out = late_pair((3.0, 1.0), cost={"tardiness": 1}), tmp_path / "out"
+    with serving(scenario, out, method="plan") as server, opening(browser, server) as opened:
+        page = opened.page
+        step_to(opened, 2)
+        page.click("#tab-tasks")
+        page.click(".row >> text=right")
+        assert page.input_value("#details input") == "1"
+        page.fill("#details input", "0")
+        page.click("text=Set weight")
+        wait_for(opened, "#notice", "Not done: weight must be a number from 0.001 to 1e+06")
+        page.fill("#details input", "99")
+        page.click("text=Set weight")
+        wait_for(opened, "#incidents", "2: task right has the weight 99")
+        assert page.input_value("#details input") == "99"
+        page.keyboard.press("Escape")
+        page.keyboard.press(" ")
+        wait_for(opened, "#status", "Completed")
+        assert server.session.mission.ends() == {1: 9, 0: 19}
 
 
 def lose_r1(opened: Opened) -> None:

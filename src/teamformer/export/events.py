@@ -10,7 +10,7 @@ from teamformer.capabilities import describe
 from teamformer.grid import Place
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import opening_steps
+from teamformer.sim.replay.task_times import cancelled_steps, opening_steps
 from teamformer.sim.replay.teams import Teams
 
 
@@ -19,8 +19,8 @@ class Event:
     """Something that happened in a step: who did it, and to which task if to one."""
 
     step: int
-    kind: str  # appears, splits, joins, lost, back, found, needs, takes up, sets down, done, or
-    # how the trial ended
+    kind: str  # appears, splits, joins, cancelled, lost, back, found, needs, takes up, sets down,
+    # done, or how the trial ended
     robots: tuple[int, ...] = ()
     task: int | None = None
     place: Place | None = None  # of what is set down
@@ -36,6 +36,8 @@ class Event:
         if self.kind == "found" and self.task is not None:
             x, y = scenario.tasks[self.task].at
             return f"{task} found at [{x:g}, {y:g}]"
+        if self.kind == "cancelled":
+            return f"{task} called off"
         if self.kind == "done":
             return f"{task} done by {names}"
         if self.kind == "takes up":
@@ -58,12 +60,17 @@ def events(replay: Replay) -> Iterator[Event]:
     appears: defaultdict[int, list[int]] = defaultdict(list)
     for task, opened in enumerate(opening_steps(replay)):
         appears[opened].append(task)
+    cancelled: defaultdict[int, list[int]] = defaultdict(list)
+    for task, called_off in cancelled_steps(replay).items():
+        cancelled[called_off].append(task)
     for number, step in enumerate(replay.steps, start=1):
         for stay, leave in step.splits:
             teams.split(stay, leave)
             yield Event(number, "splits", tuple(sorted((*stay, *leave))))
         for one, other in step.joins:
             yield Event(number, "joins", teams.join(one, other))
+        for task in cancelled.get(number, ()):
+            yield Event(number, "cancelled", task=task)
         for robot in step.lost:
             teams.lose(robot)
             yield Event(number, "lost", (robot,))

@@ -51,7 +51,7 @@ from teamformer.grid import Place
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import done_steps, opening_steps
+from teamformer.sim.replay.task_times import opening_steps, over_steps
 
 FRAME = "map"
 UPRIGHT = Quaternion(x=0.0, y=0.0, z=0.0, w=1.0)
@@ -61,7 +61,7 @@ BLOCKED = 255
 
 
 Span = tuple[int, int]
-"""Steps made when a task became known, and the step in which it was done."""
+"""Steps made when a task became known, and the step in which it was done or called off."""
 
 
 class Told(NamedTuple):
@@ -86,9 +86,9 @@ def telling(replay: Replay) -> Iterator[Told]:
 
 
 def _ends(replay: Replay) -> list[int]:
-    """Return the step in which each task was done, or one after the last."""
-    done = done_steps(replay)
-    return [done.get(task, len(replay.steps) + 1) for task in range(len(replay.scenario.tasks))]
+    """Return the step in which each task was over, or one after the last."""
+    over = over_steps(replay)
+    return [over.get(task, len(replay.steps) + 1) for task in range(len(replay.scenario.tasks))]
 
 
 class Channels:
@@ -175,11 +175,11 @@ def _tasks(
     for number, (task, (opens, ends)) in enumerate(zip(scenario.tasks, spans, strict=True)):
         if opens > moment.step:
             continue
-        is_done = ends <= moment.step
+        is_over = ends <= moment.step
         box = CubePrimitive(
             pose=_pose(moment.task_at[number]),
             size=Vector3(x=0.8 * size, y=0.8 * size, z=0.05 * size),
-            color=_colour(number, 0.25 if is_done else 0.9),
+            color=_colour(number, 0.25 if is_over else 0.9),
         )
         texts = [_text(task.name, moment.task_at[number], size)]
         facts = {"needs": describe(task.needs)}

@@ -16,7 +16,7 @@ from teamformer.grid import Grid, Place
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.phases import AT_WORK, IDLE, LOST
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import done_steps, opening_steps
+from teamformer.sim.replay.task_times import cancelled_steps, done_steps, opening_steps
 
 WIDEST, HIGHEST = 960, 640
 """Pixels of the map at most."""
@@ -85,6 +85,7 @@ class _Sheet:
             math.ceil(world.height * self._cell) + 2 * MARGIN + CAPTION,
         )
         self._opens, self._done = opening_steps(replay), done_steps(replay)
+        self._over = self._done | cancelled_steps(replay)
         self._font = ImageFont.load_default(11)
         self._ground = self._draw_ground()
 
@@ -127,17 +128,17 @@ class _Sheet:
         for number, task in enumerate(self._scenario.tasks):
             if self._opens[number] > moment.step:
                 continue
-            is_done = self._done.get(number, moment.step + 1) <= moment.step
+            is_over = self._over.get(number, moment.step + 1) <= moment.step
             middle, colour = (
                 self._pixel(moment.task_at[number]),
-                GREY if is_done else _colour(number),
+                GREY if is_over else _colour(number),
             )
             box = self._box(middle, self._unit * 0.46)
-            fill = FAINT if is_done or number in served else None
+            fill = FAINT if is_over or number in served else None
             pen.rectangle(box, fill, colour, max(1, round(self._unit / 12)))
             if self._unit >= NAMED_FROM:
                 at = (middle[0], middle[1] + self._unit * 0.5)
-                pen.text(at, task.name[:12], GREY if is_done else INK, self._font, anchor="mt")
+                pen.text(at, task.name[:12], GREY if is_over else INK, self._font, anchor="mt")
 
     def _draw_robots(self, pen: ImageDraw.ImageDraw, moment: Moment) -> None:
         """Draw robots as discs in the colour of the task they head for; lost ones as crosses."""
@@ -173,11 +174,13 @@ class _Sheet:
     def _caption(self, moment: Moment) -> str:
         done = sum(step <= moment.step for step in self._done.values())
         length = self._scenario.seconds_a_step
+        called_off = sum(step <= moment.step for step in self._over.values()) - done
         when = f"step {moment.step}" if self._is_grid else f"{moment.step * length:g} s"
         lost = sum(slot == NOBODY for slot in moment.team)
         more = f", {lost} robot{'s' if lost > 1 else ''} lost" if lost else ""
+        gone = f", {called_off} called off" if called_off else ""
         name = self._scenario.name[:40]
-        return f"{when}, {done} of {len(self._scenario.tasks)} tasks done{more}: {name}"
+        return f"{when}, {done} of {len(self._scenario.tasks)} tasks done{gone}{more}: {name}"
 
 
 def _colour(task: int) -> str:

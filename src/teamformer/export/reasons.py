@@ -25,7 +25,7 @@ from teamformer.sim.replay.phases import (
     WAITING,
 )
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import opening_steps
+from teamformer.sim.replay.task_times import opening_steps, over_steps
 
 
 @dataclass(frozen=True)
@@ -62,17 +62,18 @@ class _Narrator:
     def __init__(self, replay: Replay, robot: int) -> None:
         self._replay, self._scenario, self._robot = replay, replay.scenario, robot
         self._opens = opening_steps(replay)
-        self._done: set[int] = set()
+        self._over_in = over_steps(replay)
+        self._over: set[int] = set()
         self._plans = PlansInForce(replay)
         self._news: defaultdict[int, list[str]] = defaultdict(list)
         for event in events(replay):
-            if event.kind in ("appears", "lost", "back", "needs"):
+            if event.kind in ("appears", "cancelled", "lost", "back", "needs"):
                 self._news[event.step].append(event.text(replay.mission))
 
     def go_on(self, number: int) -> None:
         """Go on to a step, from the one before."""
         self._plans.go_on(number)
-        self._done.update(task for task, _ in self._replay.steps[number - 1].done)
+        self._over.update(task for task, step in self._over_in.items() if step == number)
 
     def what(self, moment: Moment) -> str:
         """Return what the robot does, and with whom."""
@@ -108,7 +109,7 @@ class _Narrator:
         is_open = [
             task
             for number, task in enumerate(self._scenario.tasks)
-            if self._opens[number] < moment.step and number not in self._done
+            if self._opens[number] < moment.step and number not in self._over
         ]
         if not is_open:
             return "no task is open"
@@ -121,8 +122,8 @@ class _Narrator:
         return f"others are to do {', '.join(useful)}"
 
     def _has_part_left(self) -> bool:
-        """Say whether the shared plan has the robot do a task that is not done."""
-        left = self._plans.tasks_shared_out() - self._done
+        """Say whether the shared plan has the robot do a task that is not over."""
+        left = self._plans.tasks_shared_out() - self._over
         return any(self._robot in self._plans.coalition(task) for task in left)
 
     def _why_task(self, moment: Moment, task: int) -> str:

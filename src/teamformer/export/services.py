@@ -9,7 +9,7 @@ from teamformer.grid import Place
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.phases import is_same_place, work_on
 from teamformer.sim.replay.record import Replay, Step
-from teamformer.sim.replay.task_times import done_steps, opening_steps
+from teamformer.sim.replay.task_times import cancelled_steps, done_steps, opening_steps
 from teamformer.sim.replay.teams import Teams
 
 
@@ -20,7 +20,8 @@ class Services:
         self._mission, self._teams = replay.mission, teams
         self._serving: dict[int, set[int]] = {}  # task -> robots that began it
         self._opens, self._done = opening_steps(replay), done_steps(replay)
-        self._is_done = [False] * len(self._mission.tasks)
+        self._cancelled = cancelled_steps(replay)
+        self._is_over = [False] * len(self._mission.tasks)
         self._lies = [task.at for task in self._mission.tasks]  # loads where they were taken up
         self._up: dict[int, Place] = {}  # load that is carried -> where it is brought to
 
@@ -50,8 +51,11 @@ class Services:
         """Go on to the end of a step."""
         for task, _ in step.done:
             self._end(task)
-            self._is_done[task] = True
+            self._is_over[task] = True
             self._lies[task] = self._mission.tasks[task].to or self._lies[task]
+        for task in (task for task, called_off in self._cancelled.items() if called_off == number):
+            self._end(task)
+            self._is_over[task] = True
         for task, x, y in step.left:
             self._end(task)
             self._lies[task] = (x, y)
@@ -64,7 +68,7 @@ class Services:
             self._begin(task)
         for task, _ in step.taken:
             to = self._mission.tasks[task].to
-            if not self._is_done[task] and to is not None:
+            if not self._is_over[task] and to is not None:
                 self._up[task] = to
 
     def _end(self, task: int) -> None:
@@ -85,7 +89,7 @@ class Services:
             task
             for task, wanted in enumerate(self._mission.tasks)
             if (wanted.duration > 0 or self._is_load(task))
-            and not self._is_done[task]
+            and not self._is_over[task]
             and self._opens[task] < number
             and task not in self._serving
         }

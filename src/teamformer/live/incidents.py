@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from teamformer.capabilities import Counts, describe
-from teamformer.coordination import Plan
+from teamformer.coordination import Coordinator, Plan
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import Place
 from teamformer.live.forecasts import Forecast, Past, forecast
-from teamformer.model import Absence, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.steps.longer_search import search_longer
+from teamformer.sim.env import TeamFormation
 
 SEARCHES = 4
 """Plans that are searched for, each from other random numbers, and played: the best play counts."""
@@ -26,9 +27,9 @@ class NewTask:
     name: str
     duration: int = 0
 
-    def apply(self, scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
-        """Return the scenario in which this has happened when `steps` steps were made."""
-        task = Task(self.name, self.at, dict(self.needs), self.duration, steps)
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which this has happened."""
+        task = Task(self.name, self.at, dict(self.needs), self.duration, now.tally().steps)
         return _checked(scenario, tasks=(*scenario.tasks, task))
 
     def text(self) -> str:
@@ -47,10 +48,10 @@ class LostRobot:
 
     robot: str
 
-    def apply(self, scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
-        """Return the scenario in which the robot is lost in the step after `steps`."""
-        number = _number_of(scenario, self.robot)
-        been = [away for away in truth.robots[number].absences if away.lost <= steps]
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which the robot is lost in the next step."""
+        number, steps = _number_of(scenario.robots, self.robot, "robot"), now.tally().steps
+        been = [away for away in now.truths[0].robots[number].absences if away.lost <= steps]
         last = been[-1] if been else None
         if last is not None and (last.back is None or last.back > steps + 1):
             raise TeamformerError(f"robot '{self.robot}' was lost in step {last.lost} already")
@@ -73,10 +74,10 @@ class RobotBack:
 
     robot: str
 
-    def apply(self, scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
-        """Return the scenario in which the robot is back in the step after `steps`."""
-        number = _number_of(scenario, self.robot)
-        absences = truth.robots[number].absences
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which the robot is back in the next step."""
+        number, steps = _number_of(scenario.robots, self.robot, "robot"), now.tally().steps
+        absences = now.truths[0].robots[number].absences
         been = [away for away in absences if away.lost <= steps]
         if not been:
             raise TeamformerError(f"robot '{self.robot}' is not lost")
@@ -95,7 +96,71 @@ class RobotBack:
         return steps + 1
 
 
-Incident = NewTask | LostRobot | RobotBack
+@dataclass(frozen=True)
+class CancelledTask:
+    """A task that nobody is to do any more, from the next step on."""
+
+    task: str
+
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which the task is called off in the next step."""
+        number, steps = _number_of(scenario.tasks, self.task, "task"), now.tally().steps
+        task, done_in = scenario.tasks[number], now.ends().get(number)
+        if done_in is not None:
+            raise TeamformerError(f"task '{self.task}' was done in step {done_in}")
+        if task.cancelled is not None and task.cancelled <= steps + 1:
+            raise TeamformerError(f"task '{self.task}' was called off already")
+        tasks = list(scenario.tasks)
+        tasks[number] = replace(task, cancelled=steps + 1)
+        return _checked(scenario, tasks=tuple(tasks))
+
+    def text(self) -> str:
+        """Return the incident as words."""
+        return f"task {self.task} called off"
+
+    def told_in(self, steps: int) -> int:
+        """Return the step that the record tells it in if it happens after `steps` steps."""
+        return steps + 1
+
+
+@dataclass(frozen=True)
+class NewWeight:
+    """Another weight of a task; `plan` is what follows, which `planned` makes."""
+
+    task: str
+    weight: float
+    plan: Plan | None = None
+
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which the task has always had this weight."""
+        number = _number_of(scenario.tasks, self.task, "task")
+        if number in now.ends():
+            raise TeamformerError(f"task '{self.task}' was done in step {now.ends()[number]}")
+        if scenario.cost is None:
+            raise TeamformerError("this mission has no cost, so that weights count for nothing")
+        if not now.is_coordinated[0]:
+            raise TeamformerError(
+                "by this method robots go by no plan, which a weight could change"
+            )
+        return _with_weight(scenario, number, self.weight)
+
+    def planned(self, now: TeamFormation, coordinator: Coordinator) -> NewWeight:
+        """Return the same with the plan that a coordinator makes of it."""
+        known = replace(now.known(), news=("task appeared",))
+        number = _number_of(known.mission.tasks, self.task, "task")
+        mission = _with_weight(known.mission, number, self.weight)
+        return replace(self, plan=coordinator.update(replace(known, mission=mission), now.plan()))
+
+    def text(self) -> str:
+        """Return the incident as words."""
+        return f"task {self.task} has the weight {self.weight:g}"
+
+    def told_in(self, steps: int) -> int:
+        """Return the step that the record tells it in if it happens after `steps` steps."""
+        return steps
+
+
+Incident = NewTask | CancelledTask | LostRobot | RobotBack | NewWeight
 
 
 @dataclass(frozen=True)
@@ -106,7 +171,7 @@ class PlanTakenOver:
     forecast: Forecast
     without: Forecast  # how the mission was to end before
 
-    def apply(self, scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
         """Return the scenario as it is: it holds no plans."""
         return scenario
 
@@ -120,6 +185,11 @@ class PlanTakenOver:
 
 
 Happening = Incident | PlanTakenOver
+
+
+def plan_of(happening: Happening) -> Plan | None:
+    """Return the plan by which the robots go from now on, if it brings one."""
+    return happening.plan if isinstance(happening, NewWeight | PlanTakenOver) else None
 
 
 def search_plan(
@@ -146,11 +216,17 @@ def search_plan(
     return replace(best, without=forecast(past))
 
 
-def _number_of(scenario: Scenario, name: str) -> int:
-    number = next((r for r, robot in enumerate(scenario.robots) if robot.name == name), None)
+def _number_of(those: Sequence[Robot | Task], name: str, what: str) -> int:
+    number = next((number for number, it in enumerate(those) if it.name == name), None)
     if number is None:
-        raise TeamformerError(f"there is no robot '{name}'")
+        raise TeamformerError(f"there is no {what} '{name}'")
     return number
+
+
+def _with_weight(scenario: Scenario, number: int, weight: float) -> Scenario:
+    tasks = list(scenario.tasks)
+    tasks[number] = replace(tasks[number], weight=weight)
+    return _checked(scenario, tasks=tuple(tasks))
 
 
 def _with_absences(scenario: Scenario, number: int, absences: tuple[Absence, ...]) -> Scenario:

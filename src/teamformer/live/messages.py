@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import json
 from base64 import b64decode
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.live.incidents import Incident, LostRobot, NewTask, RobotBack, free_name
+from teamformer.live.incidents import (
+    CancelledTask,
+    Incident,
+    LostRobot,
+    NewTask,
+    NewWeight,
+    RobotBack,
+    free_name,
+)
+from teamformer.mission.costs import LARGEST_WEIGHT, SMALLEST_WEIGHT
 from teamformer.model import Scenario
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 
@@ -21,6 +30,13 @@ COMMANDS = (
 )
 SLOWEST, FASTEST = 0.1, 1000.0  # steps a second
 LONGEST_SEARCH = 120.0  # seconds
+
+WITH_A_NAME: Mapping[str, Callable[[str], Incident]] = {
+    "lost": LostRobot,
+    "back": RobotBack,
+    "cancelled": CancelledTask,
+}
+"""The incidents whose message holds the name of a robot or a task."""
 
 Message = Mapping[str, Any]
 
@@ -75,15 +91,20 @@ class TaskRefusedError(TeamformerError):
 
 
 def read_incident(message: Message, scenario: Scenario) -> Incident:
-    """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}` or `{"task": TREE}`.
+    """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}`, `{"cancelled": NAME}`
+    `{"weighs": NAME, "weight": NUMBER}` or `{"task": TREE}`.
 
     A task is written as in a file; without a name it gets one that is free.
     """
-    for key, incident in (("lost", LostRobot), ("back", RobotBack)):
+    for key, incident in WITH_A_NAME.items():
         if isinstance(message.get(key), str):
             return incident(message[key])
+    if isinstance(message.get("weighs"), str):
+        weight = _read_number(message, "weight", SMALLEST_WEIGHT, LARGEST_WEIGHT)
+        return NewWeight(message["weighs"], weight)
     if not isinstance(message.get("task"), dict):
-        raise TeamformerError("an incident needs 'lost' or 'back': a name, or 'task': a mapping")
+        names = ", ".join(f"'{key}'" for key in (*WITH_A_NAME, "weighs"))
+        raise TeamformerError(f"an incident needs {names}: a name, or 'task': a mapping")
     task_tree = {"name": free_name(scenario)} | message["task"]
     tree = scenario_to_tree(scenario)
     try:

@@ -1,24 +1,26 @@
 """A mission step by step, whose past stays as it was when incidents happen.
 
-An incident changes the scenario: a task that appears now, a robot lost or back in the next step.
+An incident changes the scenario: a task that appears now, a task called off or a robot lost or back
+in the next step.
 The changed scenario is then played again up to now with the decisions and plans that were made, so
 that nothing is planned but what follows from now on, and the record is at every moment what `run`
 makes of the mission's scenario. Of what was recorded, only
-the assignments after the latest step may change: whoever learns of a task thinks anew. A plan that
-is taken over changes no scenario: the record holds it, and `run` makes plans of its own.
+the assignments after the latest step may change: whoever learns of a task thinks anew. Two
+incidents bring a plan instead, which the record holds, while `run` makes plans of its own: a plan
+that is taken over, and another weight of a task.
 
 Before each incident the mission is kept as it stands, so that the latest incident can be undone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from teamformer.coordination import Coordinator
+from teamformer.coordination import Coordinator, Plan
 from teamformer.errors import TeamformerError
 from teamformer.live.forecasts import Past, replayed
-from teamformer.live.incidents import Happening, Incident, PlanTakenOver
+from teamformer.live.incidents import Happening, Incident, NewWeight, plan_of
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.protocol import Planner
@@ -81,6 +83,10 @@ class Mission:
         """Return how the mission stands."""
         return self._env.tally()
 
+    def ends(self) -> dict[int, int]:
+        """Return the step in which each task was done that was, by number."""
+        return self._env.ends()
+
     @property
     def has_shown_more(self) -> bool:
         """Say whether the latest step has told something of an uncertain mission."""
@@ -100,7 +106,7 @@ class Mission:
 
     def happen(self, incident: Happening) -> None:
         """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""
-        env, recorder, scenario = self._changed(incident)
+        incident, env, recorder, scenario = self._changed(incident)
         before = _Standing(self._env, self._recorder, self.scenario, self._bound)
         self.incidents.append((self.steps, incident))
         self._before.append(before)
@@ -130,7 +136,7 @@ class Mission:
                 f"'{self.method_name}' plans with all that the mission says, so that nothing can "
                 "happen to it; run it by another method"
             )
-        return happening.apply(self.scenario, self._env.truths[0], self.steps)
+        return happening.apply(self.scenario, self._env)
 
     def work_out_bound(self) -> int | None:
         """Return the steps that no plan can beat, as `run` tells them; the record has them then."""
@@ -148,13 +154,13 @@ class Mission:
 
     def past(self) -> Past:
         """Return the present and how it came about, to play it ahead while the mission goes on."""
-        plans = [(steps, it.plan) for steps, it in self.incidents if isinstance(it, PlanTakenOver)]
+        plans = _plans_of(self.incidents)
         return Past(self.scenario, self._env.fork(), self._begin, tuple(self._decisions), plans)
 
     def past_with(self, incident: Incident) -> Past:
         """Return the same as it would be if an incident happened now."""
-        env, _, scenario = self._changed(incident)
-        plans = self.past().plans
+        happening, env, _, scenario = self._changed(incident)
+        plans = _plans_of([*self.incidents, (self.steps, happening)])
         return Past(scenario, env, self._begin, tuple(self._decisions), plans)
 
     def _begin(self) -> Method:
@@ -170,13 +176,15 @@ class Mission:
         truth = draw_truth(scenario, self.seed)
         return TeamFormation([scenario], truths=[truth], coordinator=coordinator)
 
-    def _changed(self, happening: Happening) -> tuple[TeamFormation, Recorder, Scenario]:
-        """Return the mission as it would stand if something happened now."""
+    def _changed(self, happening: Happening) -> tuple[Happening, TeamFormation, Recorder, Scenario]:
+        """Return what happens, with its plan, and the mission as it would stand if it did now."""
         scenario = self.scenario_with(happening)
+        if isinstance(happening, NewWeight):
+            assert self._method.coordinator is not None, "refused where robots go by no plan"
+            happening = happening.planned(self._env, self._method.coordinator)
         env = self._stage(scenario, replayed(self._env, self._method.coordinator))
         recorder = Recorder(env)
-        happened = [*self.incidents, (self.steps, happening)]
-        plans = [(steps, it.plan) for steps, it in happened if isinstance(it, PlanTakenOver)]
+        plans = _plans_of([*self.incidents, (self.steps, happening)])
         for made, decision in enumerate([*self._decisions, None]):
             for plan in (plan for steps, plan in plans if steps == made):
                 env.take_over_plan(plan)
@@ -187,7 +195,13 @@ class Mission:
                 recorder.step()
         if not _is_same_past(recorder.finish(self.method_name, self.seed, None), self.record()):
             raise TeamformerError("this would change what has been; it has not happened")
-        return env, recorder, scenario
+        return happening, env, recorder, scenario
+
+
+def _plans_of(incidents: Sequence[tuple[int, Happening]]) -> list[tuple[int, Plan]]:
+    """Return the plans that incidents brought, with the steps made then."""
+    plans = ((steps, plan_of(happening)) for steps, happening in incidents)
+    return [(steps, plan) for steps, plan in plans if plan is not None]
 
 
 def _is_same_past(one: Replay, other: Replay) -> bool:

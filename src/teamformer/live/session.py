@@ -21,6 +21,7 @@ from teamformer.live.incidents import (
     Incident,
     LostRobot,
     PlanTakenOver,
+    plan_of,
     search_plan,
 )
 from teamformer.live.messages import (
@@ -219,11 +220,11 @@ class Session:
     @property
     def note(self) -> str:
         """Return what there is to know of what is saved; empty if nothing."""
-        if not any(isinstance(it, PlanTakenOver) for _, it in self.mission.incidents):
+        if all(plan_of(incident) is None for _, incident in self.mission.incidents):
             return ""
         return (
-            "a scenario holds no plans: the one taken over is in the record, and `run` makes plans "
-            "of its own, so that its mission may end at another step"
+            "a scenario holds no plans: those that an operator had made are in the record, and "
+            "`run` makes plans of its own, so that its mission may end at another step"
         )
 
     async def _do(self, watcher: Watcher, message: Message) -> None:

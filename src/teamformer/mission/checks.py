@@ -281,6 +281,10 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
             steps = getattr(task, key)
             said = f"{what} has {key}"
             yield from _problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")
+        if task.cancelled is not None:
+            said = f"{what} is cancelled in step"
+            at = (*where, "cancelled")
+            yield from _problems_of_steps(task.cancelled, 1, at, said, "use 1 or more")
         if places_are_good:
             yield from find_load_problems(scenario, number)
         known = {name: n for name, n in task.needs.items() if name in scenario.capabilities}

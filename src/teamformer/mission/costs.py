@@ -55,20 +55,24 @@ def parts_of_ends(tasks: Sequence[Task], ends: Mapping[int, float]) -> dict[str,
     }
 
 
-def cost_in_steps(mission: Scenario, ends: Mapping[int, float]) -> float | None:
+def cost_in_steps(
+    mission: Scenario, ends: Mapping[int, float], makespan: int | None
+) -> float | None:
     """Return what a mission in steps costs that is over, None if it is not or has no cost.
 
-    `ends` are the steps in which tasks were done, by number.
+    `ends` are the steps in which tasks were done, by number; those called off cost nothing. The
+    `makespan` is None as long as it is not over.
     """
-    if mission.cost is None or len(ends) < len(mission.tasks):
+    if mission.cost is None or makespan is None:
         return None
-    return weighed(mission, mission.cost, ends)
+    return weighed(mission, mission.cost, ends, makespan)
 
 
-def weighed(mission: Scenario, weights: Mapping[str, float], ends: Mapping[int, float]) -> float:
-    """Return the mean, by weights, of when tasks end and how late, in steps."""
-    parts = {"makespan": max(ends.values()), **parts_of_ends(mission.tasks, ends)}
-    return cost_of(weights, parts)
+def weighed(
+    mission: Scenario, weights: Mapping[str, float], ends: Mapping[int, float], makespan: float
+) -> float:
+    """Return the mean, by weights, of when all is over, when tasks end and how late, in steps."""
+    return cost_of(weights, {"makespan": makespan, **parts_of_ends(mission.tasks, ends)})
 
 
 def find_cost_problems(scenario: Scenario) -> Iterator[Problem]:

@@ -40,7 +40,7 @@ def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
     yield from _problems_of_end(scenario)
     yield from _problems_of_roads(scenario)
     if scenario.time == "continuous":
-        yield from _problems_of_losses(scenario)
+        yield from _problems_of_what_happens(scenario)
     yield from _problems_of_times(scenario)
     yield from _problems_of_precedence(scenario)
     yield from find_cost_problems(scenario)
@@ -65,6 +65,15 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("cost", ONLY_IN_CONTINUOUS_TIME), message)
     for problem in find_links(scenario):
         yield Problem(problem.where, f"{problem.message}; {remedy}")
+
+
+def rules_not_known_beforehand(scenario: Scenario) -> Iterator[Problem]:
+    """Return what a plan cannot count with that is made before the mission begins."""
+    for number, task in enumerate(scenario.tasks):
+        if task.cancelled is not None:
+            message = f"task '{task.name}' is cancelled, which nobody can know who plans beforehand"
+            remedy = "drop cancelled, or run the mission by another method, such as plan"
+            yield Problem(("tasks", number, "cancelled"), f"{message}; {remedy}")
 
 
 def rules_of_live_missions(scenario: Scenario) -> Iterator[Problem]:
@@ -101,7 +110,7 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
             remedy = "`teamformer plan` know; drop moves, or use one of these"
             yield Problem(("robots", number, "moves"), f"{message} {remedy}")
     for number, task in enumerate(scenario.tasks):
-        for key in ("after", "between"):
+        for key in ("after", "between", "cancelled"):
             if getattr(task, key):
                 message = f"task '{task.name}' has {key}, which only `teamformer run` and"
                 remedy = "`teamformer plan` keep; drop it, or use one of these"
@@ -176,11 +185,16 @@ def _problems_of_roads(scenario: Scenario) -> Iterator[Problem]:
             yield Problem(where, f"{message}; name a file under roads, or change moves")
 
 
-def _problems_of_losses(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_what_happens(scenario: Scenario) -> Iterator[Problem]:
+    """Return what happens to a mission in continuous time, whose plans are made beforehand."""
     for number, robot in enumerate(scenario.robots):
         if robot.absences:
             message = f"robot '{robot.name}' is lost, which only missions in steps know; drop lost"
             yield Problem(("robots", number, "lost"), message)
+    for number, task in enumerate(scenario.tasks):
+        if task.cancelled is not None:
+            message = f"task '{task.name}' is cancelled, which only missions in steps know"
+            yield Problem(("tasks", number, "cancelled"), f"{message}; drop cancelled")
 
 
 def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:

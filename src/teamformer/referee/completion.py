@@ -52,7 +52,7 @@ class _Places:
 
 
 class Tasks:
-    """Which tasks are known and done, and who serves them.
+    """Which tasks are known, done and called off, and who serves them.
 
     `any_broken_off` and `any_overdue` say whether a service of the latest step was; it is overdue
     where it took longer than was `believed`.
@@ -61,6 +61,7 @@ class Tasks:
     def __init__(self, scenario: Scenario, believed: Scenario | None = None) -> None:
         self.scenario = scenario
         self.done: dict[int, int] = {}  # task -> step
+        self.cancelled: dict[int, int] = {}  # task -> step in which it was called off, undone
         self.any_broken_off = self.any_overdue = False
         self._believed = (believed or scenario).tasks
         self._expected: dict[int, int] = {}  # task -> steps that its service is to take
@@ -71,35 +72,67 @@ class Tasks:
     def opens_after(self, task: int) -> int | None:
         """Return how many steps are made when a task becomes known; None if it never does.
 
-        That is when it appears, its window begins and all that it comes after is done.
+        That is when it appears, its window begins and all that it comes after is over.
         """
         wanted = self.scenario.tasks[task]
-        before = [self.done.get(self._number[name]) for name in wanted.after]
+        before = [self.over_in(self._number[name]) for name in wanted.after]
         if None in before:
             return None
         begin = 0 if wanted.between is None else math.ceil(wanted.between[0])
-        return max([wanted.appears, begin, *(step for step in before if step is not None)])
+        opens = max([wanted.appears, begin, *(step for step in before if step is not None)])
+        return None if wanted.cancelled is not None and wanted.cancelled <= opens else opens
+
+    def over_in(self, task: int) -> int | None:
+        """Return the step in which a task was done or called off; None if it was not yet."""
+        return self.done.get(task, self.cancelled.get(task))
+
+    @property
+    def are_over(self) -> bool:
+        """Say whether every task is done or called off."""
+        return len(self.done) + len(self.cancelled) == len(self.scenario.tasks)
+
+    @property
+    def last(self) -> int:
+        """Return the latest step in which a task was done or called off."""
+        return max([0, *self.done.values(), *self.cancelled.values()])
 
     def is_open(self, task: int, steps_made: int) -> bool:
-        """Say whether a task is known once so many steps are made, and undone."""
+        """Say whether a task is known once so many steps are made, and not over."""
         opens = self.opens_after(task)
-        return task not in self.done and opens is not None and opens <= steps_made
+        return self.over_in(task) is None and opens is not None and opens <= steps_made
 
     def open_after(self, steps_made: int) -> set[int]:
-        """Return the tasks that were known and undone once so many steps were made."""
+        """Return the tasks that were known and not over once so many steps were made."""
         return {
             task
             for task in range(len(self.scenario.tasks))
             if (opens := self.opens_after(task)) is not None
-            and opens <= steps_made < self.done.get(task, steps_made + 1)
+            and opens <= steps_made
+            and ((over := self.over_in(task)) is None or steps_made < over)
         }
+
+    def call_off(self, fleet: Fleet, step: int) -> bool:
+        """Call off the undone tasks that are cancelled in a step; say whether any is."""
+        gone = {
+            number
+            for number, task in enumerate(self.scenario.tasks)
+            if task.cancelled == step and number not in self.done
+        }
+        self.cancelled |= dict.fromkeys(gone, step)
+        for team in fleet.teams.values():
+            for task in gone & team.services.keys():
+                del team.services[task]
+            team.carries = None if team.carries in gone else team.carries
+            team.task = None if team.task in gone else team.task
+        self.loads.forget(gone)
+        return bool(gone)
 
     def cost(self) -> float | None:
         """Return the mean by weight of what the mission's cost names; None if it has none."""
         weights, tasks = self.scenario.cost, self.scenario.tasks
-        if weights is None or len(self.done) < len(tasks):
+        if weights is None or not self.are_over:
             return None
-        told = {"makespan": float(max(self.done.values())), "max_tardiness": 0.0}
+        told = {"makespan": float(self.last), "max_tardiness": 0.0}
         told |= {"tardiness": 0.0, "completion": 0.0}
         for number, step in self.done.items():
             task = tasks[number]
@@ -177,7 +210,7 @@ class Tasks:
         return heads_for in team.services
 
     def _can_begin(self, fleet: Fleet, team: RecordedTeam, task: int, step: int) -> bool:
-        if task in self.done or not self.is_open(task, step - 1) or self.loads.is_let_go(task):
+        if not self.is_open(task, step - 1) or self.loads.is_let_go(task):
             return False
         is_served = any(task in other.services for other in fleet.teams.values())
         return not is_served and fleet.covers(team, task)
@@ -260,6 +293,8 @@ class Tasks:
 
     def _why_not(self, fleet: Fleet, task: int, slot: int, step: int) -> str:
         wanted = self.scenario.tasks[task]
+        if task in self.cancelled:
+            return f"it was called off in step {self.cancelled[task]}"
         if not self.is_open(task, step - 1):
             opens = self.opens_after(task)
             if opens is None:

@@ -86,6 +86,7 @@ class _Referee:
         before = {slot: team.task for slot, team in fleet.teams.items()}
         check_rows(step, notes)
         moves = self._form_and_move(step, number, due, still)
+        any_cancelled = tasks.call_off(fleet, number)
         lose_robots(fleet, step, due, notes)
         follow_lost(fleet, step, notes)
         any_back = return_robots(fleet, step, number, notes)
@@ -98,7 +99,7 @@ class _Referee:
         _complete(fleet, tasks, step, number, notes)
         self.ways.goals.update(tasks.loads.new_goals())
         _assign(fleet, tasks, step, number, notes)
-        is_news = bool(due) or any_back or is_elsewhere or any_shown
+        is_news = bool(due) or any_back or any_cancelled or is_elsewhere or any_shown
         check_assignments(fleet, tasks, number, is_news, notes)
         check_pursuits(fleet, tasks, step, before, number, notes)
         pursuits = possible_pursuits(fleet, step, before)
@@ -111,6 +112,7 @@ class _Referee:
             "needs known": any_shown,
             "service overdue": tasks.any_overdue,
             "task found": number in self.search.news_after,
+            "task cancelled": any_cancelled,
             "task done": bool(step.done),
         }
         reasons = tuple(reason for reason, has_happened in happened.items() if has_happened)

@@ -34,8 +34,8 @@ def judge_orders(replay: Replay, tasks: Tasks, notes: Notes) -> None:
 def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, notes: Notes) -> None:
     """Check what the record says of itself against what happened in it."""
     end, scenario = replay.end, replay.scenario
-    is_completed = len(tasks.done) == len(scenario.tasks)
-    makespan = max(tasks.done.values(), default=0) if is_completed else None
+    is_completed = tasks.are_over
+    makespan = tasks.last if is_completed else None
     facts = {
         "makespan": (end.makespan, makespan),
         "steps": (end.steps, len(replay.steps)),
@@ -66,7 +66,10 @@ def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, notes: Notes) -> No
 
 
 def blocked_tasks(fleet: Fleet, tasks: Tasks, steps_made: int) -> list[str]:
-    """Name the undone tasks that the robots left and due back around them can never cover."""
+    """Name the undone tasks that the robots left and due back around them can never cover.
+
+    A task that is to be called off is none of them.
+    """
     scenario = fleet.scenario
     left = [robot for team in fleet.teams.values() for robot in team.robots]
     left += [robot for robot in fleet.lost if scenario.robots[robot].is_due(steps_made)]
@@ -75,6 +78,7 @@ def blocked_tasks(fleet: Fleet, tasks: Tasks, steps_made: int) -> list[str]:
         task.name
         for number, task in enumerate(scenario.tasks)
         if number not in tasks.done
+        and task.cancelled is None
         and not covers(
             total(r.can for r in robots if gets_there(scenario.world, r, task.at)), task.needs
         )
@@ -83,7 +87,7 @@ def blocked_tasks(fleet: Fleet, tasks: Tasks, steps_made: int) -> list[str]:
 
 def why_over(fleet: Fleet, tasks: Tasks, steps_made: int, has_lost: bool) -> str:
     """Say why no more step can be made; empty if one can."""
-    if len(tasks.done) == len(fleet.scenario.tasks):
+    if tasks.are_over:
         return "everything was done before"
     if steps_made >= fleet.scenario.step_limit:
         return "the step limit was reached before"

@@ -36,6 +36,10 @@ class Loads:
         """Say whether a load was let go of in this step, so that nobody takes it up yet."""
         return task in self._left
 
+    def forget(self, tasks: Set[int]) -> None:
+        """Forget loads that are called off: nobody brings them any more."""
+        self._up -= tasks
+
     def begin_step(self, fleet: Fleet) -> None:
         """Forget the step before; loads lie where all who carried them were lost in this step."""
         self._taken, self._left = [], {}

@@ -28,7 +28,7 @@ NEEDED, ABSENT, SCOUTING = 0, 1, 2
 """How needs that nobody knows are treated: as in `mission.rules.FORESIGHTS`."""
 
 START, APPEARED, LOST, BROKEN_OFF, BACK = 1, 2, 4, 8, 16
-SHOWN, OVERDUE, FOUND, DONE = 32, 64, 128, 256
+SHOWN, OVERDUE, FOUND, CANCELLED, DONE = 32, 64, 128, 256, 512
 """News, in bits, in the order of `coordination.NEWS`."""
 
 ANYWHERE = -1
@@ -65,9 +65,10 @@ RULES = np.dtype(
 COUNT = np.dtype(
     [
         ("steps", np.int32),
-        ("open", np.int32),  # released tasks that are not done
+        ("open", np.int32),  # released tasks that are neither done nor called off
         ("arrived", np.int32),  # of these, tasks that the order does not know yet
         ("done", np.int32),
+        ("cancelled", np.int32),
         ("orders", np.int32),  # how often the order was made
         ("news", np.int32),  # what has happened that no coordinator was told yet, in bits
         ("joins", np.int32),
@@ -126,7 +127,8 @@ TASK = np.dtype(
         ("longest", np.int32),  # steps that it takes at most
         ("takes", np.int32),  # steps that it really takes
         ("appears", np.int32),  # steps made when it becomes known, if it awaits no other
-        ("awaits", np.int32),  # how many tasks that it comes after are undone
+        ("cancelled", np.int32),  # the step in which it is called off if it is not done, or NEVER
+        ("awaits", np.int32),  # how many tasks that it comes after are not over
         ("region", np.int32),
         ("next_here", np.int32),  # the next task in the same cell
         ("rank", np.int32),  # place in the order while open
@@ -154,7 +156,7 @@ TASK = np.dtype(
         ("left_at", np.int32),  # the step in which it was last set down elsewhere, or NOBODY
         ("done_at", np.int32),  # step, or NOBODY
         ("done_by", np.int32),  # slot
-        ("is_open", np.bool_),  # released and not done
+        ("is_open", np.bool_),  # released, and neither done nor called off
     ],
     align=True,
 )

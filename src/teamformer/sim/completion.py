@@ -1,4 +1,4 @@
-"""Completion: which tasks are done, and what that changes for everybody."""
+"""Completion: which tasks are done or called off, and what that changes for everybody."""
 
 from __future__ import annotations
 
@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 from teamformer.jit import kernel
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.allocation.assignment import can_do_alone
-from teamformer.sim.arrays import APPEARED, BROKEN_OFF, COMPLETED, DONE, INFEASIBLE, STEP_LIMIT
+from teamformer.sim.arrays import (
+    APPEARED,
+    BROKEN_OFF,
+    CANCELLED,
+    COMPLETED,
+    DONE,
+    INFEASIBLE,
+    STEP_LIMIT,
+)
 from teamformer.sim.carrying import expect_arrival, is_delivered, note_place
 from teamformer.sim.motion import is_way
 from teamformer.sim.spatial_index import find_tasks_here, stands_at
@@ -36,7 +44,30 @@ def complete_tasks(world: World, step: int) -> None:
                 _begin(world, team, task, step)
     if world.count.done > done_before:
         _close_gaps_in_order(world)
-        _drop_assignments_to_done(world)
+        _drop_assignments_to_over(world)
+
+
+@kernel
+def cancel_tasks(world: World, step: int) -> bool:
+    """Call off the tasks that are cancelled in this step (phase 6); say whether any is.
+
+    Who serves one is free; a load is let go of.
+    """
+    cancelled_before = world.count.cancelled
+    for task in range(world.rules.tasks):
+        if world.tasks[task].cancelled != step or world.tasks[task].done_at != NOBODY:
+            continue
+        if world.tasks[task].server != NOBODY:
+            _end_service(world, world.tasks[task].server, task)
+        world.tasks[task].is_carried = False
+        world.count.cancelled += 1
+        _close(world, task, step)
+    if world.count.cancelled == cancelled_before:
+        return False
+    world.count.news |= CANCELLED
+    _close_gaps_in_order(world)
+    _drop_assignments_to_over(world)
+    return True
 
 
 @kernel
@@ -142,13 +173,20 @@ def _begin(world: World, team: int, task: int, step: int) -> None:
 
 @kernel
 def _finish(world: World, team: int, task: int, step: int) -> None:
-    world.tasks[task].is_open = False
     world.tasks[task].done_at = step
     world.tasks[task].done_by = team
     world.count.done += 1
     world.count.news |= DONE
-    for cap in range(world.has.shape[1]):
-        world.demand[cap] -= world.needs[task, cap] > 0
+    _close(world, task, step)
+
+
+@kernel
+def _close(world: World, task: int, step: int) -> None:
+    """Let a task be over, for everybody and for the tasks that come after it."""
+    if world.tasks[task].is_open:
+        world.tasks[task].is_open = False
+        for cap in range(world.has.shape[1]):
+            world.demand[cap] -= world.needs[task, cap] > 0
     for other in range(world.precedes.shape[0]):
         if world.precedes[task, other]:
             _await_one_less(world, other, step)
@@ -156,7 +194,7 @@ def _finish(world: World, team: int, task: int, step: int) -> None:
 
 @kernel
 def _await_one_less(world: World, task: int, step: int) -> None:
-    """Have a task appear as soon as it may, if the one done was the last that it came after."""
+    """Have a task appear as soon as it may, if that was the last one that it came after."""
     world.tasks[task].awaits -= 1
     if world.tasks[task].awaits == 0:
         world.tasks[task].appears = max(world.tasks[task].appears, step)
@@ -175,7 +213,7 @@ def _close_gaps_in_order(world: World) -> None:
 
 
 @kernel
-def _drop_assignments_to_done(world: World) -> None:
+def _drop_assignments_to_over(world: World) -> None:
     for team in range(world.rules.robots):
         task = world.teams[team].task
         if task != NOBODY and not world.tasks[task].is_open:
@@ -198,7 +236,8 @@ def release_tasks(world: World, steps_made: int) -> bool:
     """Make known the tasks that appear now, at the end of the order; say whether any do."""
     arrived = 0
     for task in range(world.rules.tasks):
-        if world.tasks[task].appears == steps_made and world.tasks[task].awaits == 0:
+        is_due = world.tasks[task].appears == steps_made and world.tasks[task].awaits == 0
+        if is_due and world.tasks[task].cancelled > steps_made:
             world.tasks[task].is_open = True
             world.order[world.count.open] = task
             world.count.open += 1
@@ -233,15 +272,17 @@ def is_possible(world: World, task: int, needs: Array, counts_due: bool) -> bool
 def judge_status(world: World, is_news: bool) -> None:
     """Say how the trial stands after a step: done, impossible, out of steps, or running.
 
-    What was possible stays so unless there is news: robots may have been lost.
+    What was possible stays so unless there is news: robots may have been lost. A task that is to be
+    called off stops nobody.
     """
-    if world.count.done == world.rules.tasks:
+    if world.count.done + world.count.cancelled == world.rules.tasks:
         world.count.status = COMPLETED
         return
     if is_news:
         for task in range(world.rules.tasks):
             needs = world.true_needs[task] if world.rules.hides_needs else world.needs[task]
-            if world.tasks[task].done_at == NOBODY and not is_possible(world, task, needs, True):
+            is_wanted = world.tasks[task].done_at == NOBODY and world.tasks[task].cancelled == NEVER
+            if is_wanted and not is_possible(world, task, needs, True):
                 world.count.status = INFEASIBLE
                 return
     if world.count.steps >= world.rules.step_limit:

@@ -233,6 +233,11 @@ class TeamFormation:
         coordinator = self._guide.coordinators[w] if self._guide else None
         return () if coordinator is None else heeded_by(coordinator)
 
+    def ends(self, w: int = 0) -> dict[int, int]:
+        """Return the step in which each task of a world was done that was, by number."""
+        done_at = self.worlds.tasks["done_at"][w]
+        return {task: int(done_at[task]) for task in np.flatnonzero(done_at != NOBODY).tolist()}
+
     def exchanges(self, w: int = 0) -> Array:
         """Return the robot whose part of the plan each has taken in the latest step, (robots,)."""
         if self._guide is None:
@@ -288,8 +293,7 @@ class TeamFormation:
         )
 
     def _cost(self, w: int) -> float | None:
-        mission, done_at = self.truths[w], self.worlds.tasks["done_at"][w]
-        return cost_in_steps(mission, dict(enumerate(done_at[: len(mission.tasks)].tolist())))
+        return cost_in_steps(self.truths[w], self.ends(w), int(self.worlds.count["steps"][w]))
 
     def _fill_views(self, begin: int, end: int) -> None:
         fill_views(self.worlds, self._room, self._first_row, self._first_member, begin, end)

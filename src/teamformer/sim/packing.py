@@ -118,7 +118,7 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
     worlds.robots["lost"] = worlds.robots["back"] = NEVER
     worlds.teams["task"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
-    worlds.tasks["appears"] = NEVER
+    worlds.tasks["appears"] = worlds.tasks["cancelled"] = NEVER
     for field in ("next_here", "server", "done_at", "done_by"):
         worlds.tasks[field] = NOBODY
     for field in ("shown_at", "moved_at", "found_at", "taken_at", "left_at"):
@@ -230,6 +230,8 @@ def _pack_tasks(
         record["duration"], record["longest"] = task.duration, task.longest
         record["takes"], record["hides_needs"] = truth.tasks[k].duration, bool(task.may_need)
         record["appears"], record["awaits"] = opening_step(task), len(task.after)
+        if task.cancelled is not None:
+            record["cancelled"] = min(task.cancelled, LATEST)
         for name in task.after:
             worlds.precedes[w, number_of[name], k] = True
         if task.to is not None:

@@ -10,6 +10,7 @@ from teamformer.sim.allocation.assignment import allocate_tasks
 from teamformer.sim.arrays import RUNNING, world_at
 from teamformer.sim.carrying import place_loads
 from teamformer.sim.completion import (
+    cancel_tasks,
     complete_tasks,
     drop_assignments,
     judge_status,
@@ -48,7 +49,7 @@ def step_worlds(
             world = world_at(worlds, w)
             form_teams(world, wanted, named, first_row[w])
             move_teams(world)
-            is_news = change_fleet(world)
+            is_news = let_things_happen(world)
             if world.rules.hides_places:
                 is_news |= find_tasks(world)
             finish_step(world, is_news, weights, rewards[w])
@@ -75,7 +76,7 @@ def finish_worlds(
         if worlds.count[w].status == RUNNING:
             world = world_at(worlds, w)
             place_teams(world, places[w])
-            is_news = change_fleet(world)
+            is_news = let_things_happen(world)
             if world.rules.hides_places:
                 is_news |= find_tasks(world)
             finish_step(world, is_news, weights, rewards[w])
@@ -99,14 +100,15 @@ def form_teams(world: World, wanted: Array, named: Array, first_row: int) -> Non
 
 
 @kernel
-def change_fleet(world: World) -> bool:
-    """Let robots be lost and come back (phase 6); say whether any is."""
+def let_things_happen(world: World) -> bool:
+    """Let robots be lost and come back, and tasks be called off (phase 6); say whether any is."""
     step = world.count.steps + 1
+    any_cancelled = cancel_tasks(world, step)
     any_lost = lose_robots(world, step)
     any_back = return_robots(world, step)
     if any_lost or any_back:
         expect_needs(world)
-    return any_lost or any_back
+    return any_lost or any_back or any_cancelled
 
 
 @kernel
@@ -115,7 +117,7 @@ def finish_step(
 ) -> None:
     """What becomes known of needs, phase 7, rewards, and the tasks that appear.
 
-    `is_news` says that robots were lost or are back, or that a task was found elsewhere.
+    `is_news` says that robots were lost or are back, that a task was called off or found elsewhere.
     """
     step = world.count.steps + 1
     any_shown = show_needs(world, step)

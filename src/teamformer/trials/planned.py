@@ -12,7 +12,7 @@ from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.errors import Problem, ScenarioError, TeamformerError, UndoableError
 from teamformer.mission.costs import judged_by
 from teamformer.mission.links import is_linked
-from teamformer.mission.rules import rules_not_played
+from teamformer.mission.rules import rules_not_known_beforehand, rules_not_played
 from teamformer.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.routes import MissionPlan
@@ -94,6 +94,7 @@ def rules_not_planned(mission: Scenario) -> Iterator[Problem]:
     """Yield what keeps a mission from being planned: in steps, rules that these do not know."""
     if mission.time != "continuous":
         yield from rules_not_played(mission)
+        yield from rules_not_known_beforehand(mission)
 
 
 def plan_row(mission: Scenario, made: PlannedMission) -> dict[str, Any]:

@@ -96,7 +96,9 @@ class Recorder:
             )
         )
         appears = (tasks["appears"] == steps) & (tasks["awaits"] == 0)
-        if appears.any() or self._orders_made < self._env.worlds.count["orders"][0]:
+        if (
+            appears & (tasks["cancelled"] > steps)
+        ).any() or self._orders_made < self._env.worlds.count["orders"][0]:
             self._write_order(steps)
         self._before = after  # last: only now does the step count as written down
 
@@ -205,6 +207,7 @@ class Recorder:
             task.name
             for k, task in enumerate(scenario.tasks)
             if self._env.worlds.tasks["done_at"][0, k] == NOBODY
+            and task.cancelled is None
             and not covers(have[scenario.world.region(task.at)], task.needs)
         )
 

@@ -33,7 +33,7 @@ from teamformer.policies.central.plays import CentralPlan
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.env import Tally
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import cost_of_record, lateness
+from teamformer.sim.replay.task_times import cancelled_steps, cost_of_record, lateness
 from teamformer.sim.replay.teams import completions
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.memory import refuse_too_large
@@ -193,9 +193,11 @@ def _show(trial: Trial) -> None:
     if trial.plan is not None:
         out.print(_improvements(trial.plan))
         out.print(plan_line(trial.plan))
+    called_off = len(cancelled_steps(replay))
+    gone = f", {called_off} called off" if called_off else ""
     out.print(
-        f"{end.tasks_done} of {len(scenario.tasks)} tasks, {end.joins} joins, {end.splits} splits, "
-        f"{end.illegal_decisions} illegal decisions"
+        f"{end.tasks_done} of {len(scenario.tasks)} tasks{gone}, {end.joins} joins, "
+        f"{end.splits} splits, {end.illegal_decisions} illegal decisions"
     )
     compiled = trial.compiling_seconds
     compiling = f", compiling {compiled:.2f} s" if compiled else ""
@@ -209,7 +211,8 @@ def _verdict(replay: Replay) -> str:
     end = replay.end
     if end.makespan is not None:
         bound, seconds = replay.lower_bound, seconds_of(replay.scenario, end.makespan)
-        done = f"all done after {end.makespan} steps"
+        what = "all done or called off" if cancelled_steps(replay) else "all done"
+        done = f"{what} after {end.makespan} steps"
         if seconds is not None:
             done = f"{done}, {seconds:g} s"
         if not bound:
@@ -235,9 +238,11 @@ def _task_table(replay: Replay) -> Table:
         needs = describe(scenario.tasks[task].needs)
         names = _names(scenario, robots)
         table.add_row(str(step), Text(scenario.tasks[task].name), Text(needs), Text(names))
+    cancelled = cancelled_steps(replay)
     for task in sorted(undone):
         needs = describe(scenario.tasks[task].needs)
-        table.add_row("-", Text(scenario.tasks[task].name), Text(needs), "")
+        why = f"called off in step {cancelled[task]}" if task in cancelled else ""
+        table.add_row("-", Text(scenario.tasks[task].name), Text(needs), why)
     return table
 
 

@@ -72,13 +72,17 @@ def play(
 
 
 def deadline(mission: Mission, faults: Faults) -> float:
-    """Return when a mission must have ended that can end, in seconds; it is generous."""
+    """Return when a mission must have ended that can end, in seconds; it is generous.
+
+    The slack grows as the messages that arrive become fewer: of ten, one arrives where nine are
+    lost, and waiting for one takes ten times as long.
+    """
     world = mission.scenario.world
     slowest = min(mission.paces)
     across = (world.width + world.height) / slowest
     tasks = [*mission.tasks, *(order.task for order in faults.orders)]
     walks = sum(across + task.duration + mission.forming * 4 for task in tasks)
-    return faults.over + max(task.appears for task in tasks) + SLACK + 2 * walks
+    return faults.over + max(task.appears for task in tasks) + SLACK / (1 - faults.loss) + 2 * walks
 
 
 def faults_of(stage: Stage, seed: int, schedule: int) -> Faults:

@@ -47,7 +47,13 @@ LEFT_OUT = (0.0, 0.5, 0.8)
 
 
 def lower_bound(scenario: Scenario) -> int:
-    """Return a number of steps in which no policy can complete a scenario faster."""
+    """Return a number of steps in which no policy can complete a scenario faster.
+
+    Tasks that are called off do not count: they need not be done.
+    """
+    if all(task.cancelled is not None for task in scenario.tasks):
+        return 0
+    scenario = _without_cancelled(scenario)
     if not may_set_down(scenario):
         problem = relax(scenario, in_table=False)
         return bound_makespan(problem, earliest_formed(scenario, problem))
@@ -56,6 +62,18 @@ def lower_bound(scenario: Scenario) -> int:
     problem = relax(scenario, in_table=False)
     is_whole = np.array([task.to is None for task in scenario.tasks])
     return bound_makespan(problem, earliest_formed(scenario, problem), is_whole)
+
+
+def _without_cancelled(scenario: Scenario) -> Scenario:
+    gone = {task.name for task in scenario.tasks if task.cancelled is not None}
+    if not gone:
+        return scenario
+    tasks = (
+        replace(task, after=tuple(name for name in task.after if name not in gone))
+        for task in scenario.tasks
+        if task.name not in gone
+    )
+    return replace(scenario, tasks=tuple(tasks))
 
 
 def bound_makespan(

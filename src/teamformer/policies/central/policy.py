@@ -7,6 +7,8 @@ from functools import cache
 
 import numpy as np
 
+from teamformer.errors import ScenarioError
+from teamformer.mission.rules import rules_not_known_beforehand
 from teamformer.model import Scenario
 from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.continuous.rules import warm_up as warm_up_coalitions
@@ -43,9 +45,11 @@ class Central:
         self.plans: list[CentralPlan] = []
 
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
-        """Plan every scenario."""
+        """Plan every scenario; ScenarioError names what no plan made beforehand can count with."""
         if everything is None:
             raise ValueError("the central planner has to be given the scenarios")
+        if problems := [it for mission in everything for it in rules_not_known_beforehand(mission)]:
+            raise ScenarioError(problems)
         seed = int(rng.integers(2**31))
         _warm_up()
         if any(task.after for scenario in everything for task in scenario.tasks):

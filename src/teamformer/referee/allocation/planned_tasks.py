@@ -119,7 +119,7 @@ def check_assignments(
         return
     is_news = is_news or steps_made in tasks.openings()
     for _, team in sorted(fleet.teams.items()):
-        due = None if team.due in tasks.done else team.due
+        due = None if team.due is not None and tasks.over_in(team.due) else team.due
         if is_news and due not in team.services:
             due = None
         if not team.is_named and not team.was_serving and team.task != due:

@@ -47,7 +47,7 @@ def check_pursuits(
     for slot, goal in step.pursued:
         if slot not in fleet.teams:
             notes.note(f"the record has a team pursue task {names[goal]} that is not there")
-        elif not tasks.is_open(goal, number - 1) and tasks.done.get(goal) != number:
+        elif not tasks.is_open(goal, number - 1) and tasks.over_in(goal) != number:
             name = fleet.name(fleet.teams[slot])
             notes.note(f"{name} pursues task {names[goal]}, which is not open")
     if len(said) < len(step.pursued):

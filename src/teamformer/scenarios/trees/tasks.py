@@ -17,6 +17,7 @@ TASK_KEYS = {
     "needs": True,
     "duration": False,
     "appears": False,
+    "cancelled": False,
     "after": False,
     "between": False,
     "starts": False,
@@ -47,6 +48,7 @@ def read_tasks(reader: Reader, value: Any, world: World, time: str | None) -> tu
                 within=reader.number((*where, "within"), keys.get("within", 0.0)),
                 weight=reader.number((*where, "weight"), keys.get("weight", 1.0)),
                 appears=reader.whole((*where, "appears"), keys.get("appears", 0)),
+                cancelled=_read_cancelled(reader, (*where, "cancelled"), keys),
                 after=tuple(reader.names((*where, "after"), keys.get("after", []))),
                 between=_read_window(reader, (*where, "between"), keys),
                 starts=_read_links(reader, (*where, "starts"), keys.get("starts", {})),
@@ -68,6 +70,11 @@ def _read_duration(
 
 def _read_time(reader: Reader, where: Where, value: Any, time: str | None) -> float:
     return reader.number(where, value) if time == "continuous" else reader.whole(where, value)
+
+
+def _read_cancelled(reader: Reader, where: Where, keys: Mapping[str, Any]) -> int | None:
+    """Return the step in which a task is called off; None if it never is."""
+    return reader.whole(where, keys["cancelled"]) if "cancelled" in keys else None
 
 
 def _read_lasts(reader: Reader, where: Where, value: Any) -> tuple[int, int] | None:

@@ -140,6 +140,8 @@ def task_to_tree(task: Task, world: World) -> dict[str, Any]:
         tree["duration"] = task.duration
     if task.appears:
         tree["appears"] = task.appears
+    if task.cancelled is not None:
+        tree["cancelled"] = task.cancelled
     if task.after:
         tree["after"] = list(task.after)
     if task.between is not None:

@@ -1,4 +1,4 @@
-"""When the tasks of a record became known, and which were done too late."""
+"""When the tasks of a record became known and were over, and which were done too late."""
 
 from __future__ import annotations
 
@@ -15,19 +15,40 @@ def done_steps(replay: Replay) -> dict[int, int]:
     }
 
 
+def cancelled_steps(replay: Replay) -> dict[int, int]:
+    """Return the step in which each task was called off that was, by number."""
+    made = len(replay.steps)
+    due = {
+        number: task.cancelled
+        for number, task in enumerate(replay.scenario.tasks)
+        if task.cancelled is not None and task.cancelled <= made
+    }
+    done = done_steps(replay) if due else {}
+    return {number: step for number, step in due.items() if number not in done}
+
+
+def over_steps(replay: Replay) -> dict[int, int]:
+    """Return the step in which each task was done or called off, by number."""
+    return done_steps(replay) | cancelled_steps(replay)
+
+
 def opening_steps(replay: Replay) -> list[int]:
     """Return how many steps were made when each task became known; NEVER if it did not."""
-    tasks, done = replay.scenario.tasks, done_steps(replay)
+    tasks, over = replay.scenario.tasks, over_steps(replay)
     number_of = {task.name: number for number, task in enumerate(tasks)}
-    return [
-        max([opening_step(task), *(done.get(number_of[name], NEVER) for name in task.after)])
+    opens = [
+        max([opening_step(task), *(over.get(number_of[name], NEVER) for name in task.after)])
         for task in tasks
+    ]
+    return [
+        NEVER if task.cancelled is not None and task.cancelled <= steps else steps
+        for task, steps in zip(tasks, opens, strict=True)
     ]
 
 
 def cost_of_record(replay: Replay) -> float | None:
-    """Return what a mission cost; None if it has no cost, or not everything was done."""
-    return cost_in_steps(replay.mission, done_steps(replay))
+    """Return what a mission cost; None if it has no cost, or is not over."""
+    return cost_in_steps(replay.mission, done_steps(replay), replay.end.makespan)
 
 
 def lateness(replay: Replay) -> dict[str, float]:

@@ -76,7 +76,7 @@ function toldOf({ scenario, doneAt, doers, events }) {
     }
   });
   for (const { step, kind, robot, task } of events) {
-    if (kind === "appears") lines.push([step, kind, "", taskName(scenario, task)]);
+    if (kind === "appears" || kind === "cancelled") lines.push([step, kind, "", taskName(scenario, task)]);
     if (kind === "lost" || kind === "back") lines.push([step, kind, namesOf([robot]), ""]);
   }
   return lines;

@@ -116,12 +116,12 @@ function densityStrength(count, most) {
   return 0.25 + (0.75 * Math.log(1 + count)) / Math.log(1 + most);
 }
 
-// A task as a small square: full while it is open, pale once it is done; dimmed, paler still.
+// A task as a small square: full while it is open, pale once it is over; dimmed, paler still.
 function drawTaskDot(view, task, { x, y, half }, standing) {
   const { ctx, theme, options } = view;
-  const isDone = standing === "done";
-  ctx.globalAlpha = (isDone ? 0.3 : view.detail === "density" ? 0.5 : 0.85) * (options.dim ? DIMMED : 1);
-  ctx.fillStyle = isDone ? theme.lost : standing === "served" ? theme.good : theme.task;
+  const isPast = standing === "done" || standing === "cancelled";
+  ctx.globalAlpha = (isPast ? 0.3 : view.detail === "density" ? 0.5 : 0.85) * (options.dim ? DIMMED : 1);
+  ctx.fillStyle = isPast ? theme.lost : standing === "served" ? theme.good : theme.task;
   ctx.fillRect(x - half, y - half, 2 * half, 2 * half);
   ctx.globalAlpha = 1;
 }

@@ -35,7 +35,7 @@ function drawTaskName(view, taken, task) {
   const { at, mates, isUp } = sites[task];
   const box = taskBox(view, mates.at(-1));
   const [x, y, half] = [isUp ? box.x : view.camera.x(at[0]), box.y, box.half];
-  const colour = standing === "done" ? theme.faint : theme.muted;
+  const colour = isOver(history, task, scene.step) ? theme.faint : theme.muted;
   drawName(view, taken, namesOfPlace(scenario, task, mates), { x, y: y + half + 10 }, colour);
 }
 

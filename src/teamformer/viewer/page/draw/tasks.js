@@ -30,6 +30,7 @@ function isDot({ detail, options }) {
 
 function drawTask(view, task, box, standing) {
   if (standing === "done") drawDoneTask(view, task, box);
+  else if (standing === "cancelled") drawCancelledTask(view, box);
   else drawOpenTask(view, task, box, standing);
 }
 
@@ -39,7 +40,7 @@ function isUnchanging({ history, sites, scene, places, placesAfter }, task, stan
   const cell = cellKey(...sites[task].at);
   if (places.cells.has(cell) || placesAfter.cells.has(cell)) return false;
   return (
-    standing === "open" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS)
+    standing === "open" || standing === "cancelled" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS)
   );
 }
 
@@ -96,7 +97,7 @@ function drawDestinations(view) {
   const { ctx, camera, history, scenario, scene } = view;
   scenario.tasks.forEach(({ to }, task) => {
     const standing = standingOf(history, task, scene.step);
-    if (!to || standing === "hidden" || standing === "done") return;
+    if (!to || ["hidden", "done", "cancelled"].includes(standing)) return;
     const goal = { x: camera.x(to[0]), y: camera.y(to[1]), half: 0.3 * camera.cell };
     const from = taskBox(view, task);
     ctx.strokeStyle = taskColour(task, view.isDark);
@@ -129,7 +130,7 @@ function isCovered({ places, sites }, task) {
 function drawRegions(view) {
   const { ctx, history, scenario, scene, camera } = view;
   scenario.tasks.forEach(({ around, within }, task) => {
-    const isHidden = standingOf(history, task, scene.step) === "hidden";
+    const isHidden = ["hidden", "cancelled"].includes(standingOf(history, task, scene.step));
     if (isHidden || history.foundAt[task] <= scene.step) return;
     ctx.beginPath();
     ctx.arc(camera.x(around[0]), camera.y(around[1]), (within + 0.5) * camera.cell, 0, 2 * Math.PI);
@@ -326,6 +327,20 @@ function drawDoneTask(view, task, box) {
   ctx.fill();
   ctx.globalAlpha = Math.min(1, strength + 0.25);
   if (!isCovered(view, task)) drawTick(view, box, colour);
+  ctx.globalAlpha = 1;
+}
+
+// A task that was called off: an empty square, struck through.
+function drawCancelledTask({ ctx, theme }, { x, y, half }) {
+  ctx.globalAlpha = 0.7;
+  tracedSquare(ctx, x, y, half);
+  ctx.strokeStyle = theme.lost;
+  ctx.lineWidth = half > 10 ? 2 : 1;
+  ctx.stroke();
+  ctx.beginPath();
+  ctx.moveTo(x - half * 0.7, y + half * 0.7);
+  ctx.lineTo(x + half * 0.7, y - half * 0.7);
+  ctx.stroke();
   ctx.globalAlpha = 1;
 }
 

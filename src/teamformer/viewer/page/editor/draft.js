@@ -156,7 +156,7 @@ function readWrittenCounts(counts) {
 }
 
 // Tasks that appear later, be it after others, are drawn too.
-function shownTask({ appears, after, between, ...task }, name) {
+function shownTask({ appears, cancelled, after, between, ...task }, name) {
   return { ...task, name };
 }
 

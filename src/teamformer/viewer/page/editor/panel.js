@@ -2,7 +2,7 @@
 
 const TOOLS = { move: "Select", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
 const STEP_FIELDS = { robots: { lost: "Lost in steps", back: "Back in steps" }, tasks: {} };
-const MORE_FIELDS = { robots: { speed: "Speed", delays: "Stands still (0 to 1)" }, tasks: { duration: "Duration, steps", within: "Within (cells or m)", appears: "Appears after step" } };
+const MORE_FIELDS = { robots: { speed: "Speed", delays: "Stands still (0 to 1)" }, tasks: { duration: "Duration, steps", within: "Within (cells or m)", appears: "Appears after step", cancelled: "Called off in step" } };
 
 class EditorPanel {
   constructor(app, box) {

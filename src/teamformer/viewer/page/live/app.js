@@ -208,24 +208,48 @@ class LiveApp extends App {
       element(
         "div",
         { class: "acts" },
-        ...(isGone ? [act(words, () => this.ask({ do: "happen", ...incident }), `back ${robot}`)] : this.askBeforeLoss(robot, words, incident)),
+        ...(isGone ? [act(words, () => this.ask({ do: "happen", ...incident }), `back ${robot}`)] : this.askTwice(`lose ${robot}`, words, "Keep it", incident)),
         act(weighing, () => this.panel.weigh(incident), `weigh ${robot}`),
       ),
     ];
   }
 
-  // A loss cannot be undone in this step, so it takes a second click, elsewhere than the first.
-  askBeforeLoss(robot, words, incident) {
+  // An open task can be called off and, in a mission with a cost, get another weight.
+  actionsForTask(task) {
+    const { last, scenario } = this.history;
+    const { name, cancelled } = scenario.tasks[task];
+    if (this.state.isFleet || isOver(this.history, task, last) || cancelled <= last + 1) return [];
+    const incident = { cancelled: name };
+    return [
+      element(
+        "div",
+        { class: "acts" },
+        ...this.askTwice(`call off ${task}`, `Call ${name} off`, "Keep it", incident),
+        act("What would that gain?", () => this.panel.weigh(incident), `weigh task ${task}`),
+      ),
+      ...(scenario.cost ? [this.weightForm(task)] : []),
+    ];
+  }
+
+  weightForm(task) {
+    const { name, weight } = this.history.scenario.tasks[task];
+    const input = element("input", { type: "number", min: 0.001, step: "any", value: weight, "data-key": `weight ${task}` });
+    const set = () => this.ask({ do: "happen", weighs: name, weight: Number(input.value) });
+    return element("div", { class: "acts" }, element("label", {}, "Weight", input), act("Set weight", set, `set weight ${task}`));
+  }
+
+  // What takes something away takes a second click, elsewhere than the first.
+  askTwice(key, words, keep, incident) {
     const doubt = (one) => () => {
       this.doubted = one;
       this.show(true);
     };
-    if (this.doubted !== robot) return [act(`${words} …`, doubt(robot), `lose ${robot}`)];
-    const lose = () => {
+    if (this.doubted !== key) return [act(`${words} …`, doubt(key), key)];
+    const go = () => {
       this.doubted = null;
       this.ask({ do: "happen", ...incident });
     };
-    return [act("Keep it", doubt(null), `lose ${robot}`), act(`Yes, ${words[0].toLowerCase()}${words.slice(1)}`, lose, `yes ${robot}`)];
+    return [act(keep, doubt(null), key), act(`Yes, ${words[0].toLowerCase()}${words.slice(1)}`, go, `yes ${key}`)];
   }
 
   select(selection) {

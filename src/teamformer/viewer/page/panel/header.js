@@ -64,7 +64,7 @@ function showFigures(app) {
   const { world } = history.scenario;
   const shortSpan = (steps) => (world.isPlane ? describeSpan(world, steps) : String(steps));
   byId("figures").replaceChildren(
-    figure("Tasks done", String(done), ` of ${history.doneAt.length}`),
+    figure("Tasks done", String(done), ` of ${history.doneAt.length}${cancelledText(history, player.step)}`),
     figure("Makespan", makespan === null ? noMakespan(history) : shortSpan(makespan), ratioText(history)),
     ...costFigure(history),
     figure("Lower bound", bound === null ? "unknown" : shortSpan(bound), ""),
@@ -73,6 +73,12 @@ function showFigures(app) {
   const status = app.statusText() || statusAt(history, player.step);
   byId("status").textContent = capitalised(status);
   byId("status").className = `status ${status.replaceAll(" ", "-")}`;
+}
+
+// How many tasks were called off, after how many are done of all.
+function cancelledText(history, step) {
+  const cancelled = countCancelled(history, step);
+  return cancelled ? `, ${cancelled} called off` : "";
 }
 
 // What the mission cost, by its own weights.
@@ -86,13 +92,14 @@ function costFigure(history) {
 function costOf({ scenario, doneAt, end }) {
   const { cost, tasks } = scenario;
   if (!cost || end.makespan === null) return null;
-  const late = tasks.map(({ due }, task) => Math.max(0, doneAt[task] - due));
+  const done = [...tasks.keys()].filter((task) => doneAt[task] < Infinity);
+  const late = done.map((task) => Math.max(0, doneAt[task] - tasks[task].due));
   const sum = (values) => values.reduce((total, value) => total + value, 0);
   const parts = {
     makespan: end.makespan,
-    tardiness: sum(late.map((by, task) => by * tasks[task].weight)),
+    tardiness: sum(done.map((task, at) => late[at] * tasks[task].weight)),
     max_tardiness: Math.max(0, ...late),
-    completion: sum(tasks.map(({ weight }, task) => weight * doneAt[task])),
+    completion: sum(done.map((task) => tasks[task].weight * doneAt[task])),
   };
   const weighed = Object.entries(cost).map(([part, weight]) => weight * parts[part]);
   return sum(weighed) / sum(Object.values(cost));
@@ -116,7 +123,7 @@ function lostFigure(history, step) {
 // Where a record stands, in a line.
 function describeProgress(history, step) {
   const { scenario, end, doneAt } = history;
-  const done = `${countDone(history, step)} of ${doneAt.length} tasks`;
+  const done = `${countDone(history, step)} of ${doneAt.length} tasks${cancelledText(history, step)}`;
   if (step < history.last) return done;
   const makespan = end.makespan === null ? "" : ` ${describeAt(scenario.world, end.makespan)}`;
   return `${done}, ${end.status}${makespan}`;

@@ -113,6 +113,7 @@ function taskDetails(app, task) {
     element("p", { class: "muted" }, `${placeText(history, task, player.step)}${steps}${orderText(app, task)}`),
     ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
     ...(isShown ? [] : titled("May need", element("p", {}, describeChances(history.scenario, mayNeed)))),
+    ...(app.actionsForTask?.(task) ?? []),
     isOpen ? waitingFor(app, task, missingOfBest(app, task), null) : null,
     isOpen || standing === "served" ? assignedTeams(app, task) : null,
     ...titled("History", storyList(app, taskStory(history, task))),

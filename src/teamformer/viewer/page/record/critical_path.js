@@ -34,7 +34,9 @@ class PathTracing {
 
   stretches(makespan) {
     const { doneAt } = this.history;
-    this.goBefore(doneAt.indexOf(makespan), makespan);
+    const last = doneAt.indexOf(makespan);
+    if (last < 0) return []; // it ended with a task that was called off
+    this.goBefore(last, makespan);
     while (this.now > 0) {
       const { robot, step } = this.lastBusy();
       if (step < this.now) this.goBeforeWait(robot, step);

@@ -20,6 +20,7 @@ function frames(recorded) {
     events: [],
     services: scenario.tasks.map(() => []), // [{slot, from, to}], steps; `to` is open till it ends
     doneAt: scenario.tasks.map(() => Infinity),
+    overAt: scenario.tasks.map(({ cancelled }) => cancelled), // the step in which it is done or called off
     doneBy: scenario.tasks.map(() => NOBODY),
     doers: scenario.tasks.map(() => []), // the robots of the team that did it
     shownAt: scenario.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
@@ -174,7 +175,9 @@ function stepTaker(history) {
       history.events.push({ step, kind: "taken", task, slot, size: sizeOf(state, slot) });
     }
     recordCompletions(history, state, change, step);
-    if (change.done) openNextTasks(history, arrivals, step);
+    const cancelled = cancelledIn(history, step);
+    for (const task of cancelled) history.events.push({ step, kind: "cancelled", task });
+    if (change.done || cancelled.length) openNextTasks(history, arrivals, step);
     for (const task of arrivals.get(step) ?? []) {
       history.events.push({ step, kind: "appears", task });
     }
@@ -184,8 +187,8 @@ function stepTaker(history) {
 
 function arrivalsByStep(scenario) {
   const arrivals = new Map();
-  scenario.tasks.forEach(({ appears }, task) => {
-    if (appears > 0) addArrival(arrivals, appears, task);
+  scenario.tasks.forEach(({ appears, cancelled }, task) => {
+    if (appears > 0 && appears < cancelled) addArrival(arrivals, appears, task);
   });
   return arrivals;
 }
@@ -194,12 +197,12 @@ function addArrival(arrivals, step, task) {
   arrivals.set(step, [...(arrivals.get(step) ?? []), task]);
 }
 
-// Tasks become known when the last task that they are after is done.
-function openNextTasks({ scenario, doneAt }, arrivals, step) {
+// Tasks become known when the last task that they are after is over.
+function openNextTasks({ scenario, overAt }, arrivals, step) {
   scenario.tasks.forEach((task, number) => {
-    if (task.appears < Infinity || task.after.some((other) => doneAt[other] > step)) return;
+    if (task.appears < Infinity || task.after.some((other) => overAt[other] > step)) return;
     task.appears = Math.max(task.opens, step);
-    addArrival(arrivals, task.appears, number);
+    if (task.appears < task.cancelled) addArrival(arrivals, task.appears, number);
   });
 }
 
@@ -336,11 +339,17 @@ function recordHeadings({ events, headings }, state, change, step) {
 
 function recordCompletions(history, state, change, step) {
   for (const [task, slot] of change.done ?? []) {
-    history.doneAt[task] = step;
+    history.doneAt[task] = history.overAt[task] = step;
     history.doneBy[task] = slot;
     history.doers[task] = robotsOfTeam(state, slot);
     history.events.push({ step, kind: "done", task, slot, size: history.doers[task].length });
   }
+}
+
+// The tasks that are called off in a step.
+function cancelledIn({ scenario, doneAt }, step) {
+  const all = scenario.tasks.map((_, task) => task);
+  return all.filter((task) => scenario.tasks[task].cancelled === step && doneAt[task] === Infinity);
 }
 
 // What teams pursued in a step whose assignments neither before nor after it say so: news took them back.

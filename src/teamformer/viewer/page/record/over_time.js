@@ -15,11 +15,12 @@ function curvesOf(history) {
   return history.curves;
 }
 
-// Tasks that are known and not done, after each step.
-function openAfterSteps({ scenario, doneAt, last }) {
-  const known = countsUpTo(scenario.tasks.map(({ appears }) => appears), last);
-  const done = countsUpTo(doneAt, last);
-  return known.map((count, step) => count - done[step]);
+// Tasks that are known and not over, after each step.
+function openAfterSteps({ scenario, overAt, last }) {
+  const everOpen = scenario.tasks.flatMap(({ appears }, task) => (appears < overAt[task] ? [task] : []));
+  const known = countsUpTo(everOpen.map((task) => scenario.tasks[task].appears), last);
+  const over = countsUpTo(everOpen.map((task) => overAt[task]), last);
+  return known.map((count, step) => count - over[step]);
 }
 
 // Tasks that are done, after each step.

@@ -56,13 +56,13 @@ function reasonInPlan({ scenario }, { coalitions, scouts }, team, task) {
 
 // Who has no assignment: whether anything is left that its robots could help with.
 function reasonForRest(history, team, step) {
-  const { scenario, doneAt } = history;
+  const { scenario } = history;
   const all = scenario.tasks.map((_, task) => task);
-  const open = all.filter((task) => scenario.tasks[task].appears <= step && doneAt[task] > step);
+  const open = all.filter((task) => scenario.tasks[task].appears <= step && !isOver(history, task, step));
   if (!open.length) return "no task is open";
   const plan = sharedPlanAt(history, step);
   const isWanted = ([task, robots]) =>
-    doneAt[task] > step && robots.some((robot) => team.robots.includes(robot));
+    !isOver(history, task, step) && robots.some((robot) => team.robots.includes(robot));
   if (plan) {
     const [next] = [...plan.coalitions].filter(isWanted);
     return next ? `the plan has it do ${taskName(scenario, next[0])} next` : "the plan has nothing left for it";
@@ -94,7 +94,7 @@ function latestPlan({ replay }, step) {
 
 // What happened in the step after which a plan was made.
 function causesIn(history, made) {
-  const kinds = ["appears", "lost", "back", "found", "shown"];
+  const kinds = ["appears", "cancelled", "lost", "back", "found", "shown"];
   const events = history.events.filter(({ step, kind }) => step === made && kinds.includes(kind));
   return events.map((event) => describeEvent(history, event)).join(", ");
 }

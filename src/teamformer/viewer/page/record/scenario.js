@@ -29,12 +29,12 @@ function readScenario(tree, truth, isHopeful) {
   return scenario;
 }
 
-// `appears` is when a task becomes known, in steps made; Infinity until all that it is after is done.
+// `appears` is when a task becomes known, in steps made; Infinity until all that it is after is over.
 // `needs` and `duration` are what they really are, `sure`, `believed` and `lasts` what is known
 // before; `mayNeed` has pairs of a capability and the probability that one more is needed. It is at
 // `at`, known to be `within` a distance of `around`, and `first` believed to be in the nearest place.
 function readTask(
-  { name, at, within, needs, may_need, duration, appears, after, between, to, unload, weight },
+  { name, at, within, needs, may_need, duration, appears, cancelled, after, between, to, unload, weight },
   numbers,
   truth,
   isHopeful,
@@ -57,6 +57,7 @@ function readTask(
     duration: truth?.duration ?? took,
     opens,
     appears: after?.length ? Infinity : opens,
+    cancelled: cancelled ?? Infinity, // the step in which it is called off if it is not done by then
     after: after ?? [],
     to: to ?? null, // where a load is brought, and how long it takes there
     unload: unload ?? 0,

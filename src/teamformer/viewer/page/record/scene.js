@@ -78,7 +78,7 @@ function isPlannedAnew({ replay, events }, step) {
   if (step === 0) return true;
   const kept = [replay.orders, replay.plans];
   if (kept.some((rows) => rows?.some(([made]) => made === step))) return true;
-  const kinds = ["appears", "lost", "back", "found", "shown"];
+  const kinds = ["appears", "cancelled", "lost", "back", "found", "shown"];
   return events.some((event) => event.step === step && kinds.includes(event.kind));
 }
 
@@ -121,10 +121,10 @@ function teamOfRobot(scene, robot) {
   return scene.teams.get(scene.state.team[robot]) ?? null;
 }
 
-// How a task stands after a step: hidden, open, served, done or (at the end) blocked.
+// How a task stands after a step: hidden, open, served, done, cancelled or (at the end) blocked.
 function standingOf(history, task, step) {
+  if (isOver(history, task, step)) return history.doneAt[task] <= step ? "done" : "cancelled";
   if (history.scenario.tasks[task].appears > step) return "hidden";
-  if (history.doneAt[task] <= step) return "done";
   if (serviceOf(history, task, step)) return "served";
   if (
     step === history.last &&
@@ -147,15 +147,24 @@ function serviceOf(history, task, step) {
   return { ...service, slot, robots };
 }
 
+// Whether a task is done or called off.
+function isOver({ overAt }, task, step) {
+  return overAt[task] <= step;
+}
+
 function countDone(history, step) {
   return history.doneAt.filter((at) => at <= step).length;
+}
+
+function countCancelled(history, step) {
+  return history.overAt.filter((at) => at <= step).length - countDone(history, step);
 }
 
 // The open tasks in the order that everybody shares, as last computed.
 function orderAt(history, step) {
   let tasks = [];
   for (const [made, order] of history.replay.orders ?? []) if (made <= step) tasks = order;
-  return tasks.filter((task) => standingOf(history, task, step) !== "done");
+  return tasks.filter((task) => !isOver(history, task, step));
 }
 
 function namesCap(counts, cap) {
@@ -169,12 +178,12 @@ function robotsWith(history, cap, step) {
   return all.filter((robot) => !isLost(history, robot, step) && namesCap(robots[robot].can, cap));
 }
 
-// The tasks that are known, not done and need a capability.
+// The tasks that are known, not over and need a capability.
 function tasksNeeding(history, cap, step) {
-  const { scenario, doneAt } = history;
+  const { scenario } = history;
   const all = scenario.tasks.map((_, task) => task);
   return all.filter((task) => {
     const { appears } = scenario.tasks[task];
-    return appears <= step && doneAt[task] > step && namesCap(needsAt(history, task, step), cap);
+    return appears <= step && !isOver(history, task, step) && namesCap(needsAt(history, task, step), cap);
   });
 }

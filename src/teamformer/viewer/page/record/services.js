@@ -27,7 +27,8 @@ function serviceKeeper(history) {
 }
 
 function isClosed(history, task, step) {
-  return history.doneAt[task] < Infinity || history.scenario.tasks[task].appears >= step;
+  const { appears, cancelled } = history.scenario.tasks[task];
+  return history.doneAt[task] < Infinity || cancelled <= step || appears >= step;
 }
 
 function isDoneIn(change, task) {
@@ -37,7 +38,9 @@ function isDoneIn(change, task) {
 function endServices(history, running, state, change, step) {
   for (const [task, service] of running) {
     const slot = service.robots.map((robot) => state.team[robot]).find((team) => team !== NOBODY);
-    const isOver = slot === undefined || isDoneIn(change, task) || isSetDownIn(change, task);
+    const isCancelled = history.scenario.tasks[task].cancelled === step && !isDoneIn(change, task);
+    if (isCancelled && slot !== undefined) leaveLoad(history, state, slot, task, step);
+    const isOver = slot === undefined || isCancelled || isDoneIn(change, task) || isSetDownIn(change, task);
     if (!isOver && goesOn(history, state, slot, task)) {
       service.slot = slot;
     } else {
@@ -45,6 +48,13 @@ function endServices(history, running, state, change, step) {
       running.delete(task);
     }
   }
+}
+
+// A load that is called off on its way stays where its team is.
+function leaveLoad({ carriedBy, moves, lies }, state, slot, task, step) {
+  if (!carriedBy.delete(task)) return;
+  lies[task] = [state.x[slot], state.y[slot]];
+  moves.push({ step, task, at: lies[task] });
 }
 
 function isSetDownIn(change, task) {

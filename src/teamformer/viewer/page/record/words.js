@@ -150,14 +150,18 @@ function describeLateness({ scenario, doneAt }, task) {
 function describeStanding(history, task, scene) {
   const { scenario } = history;
   const { step } = scene;
-  const { after, appears } = scenario.tasks[task];
-  switch (standingOf(history, task, step)) {
+  const { after, appears, cancelled } = scenario.tasks[task];
+  const standing = standingOf(history, task, step);
+  if (cancelled === step + 1 && standing !== "done") return "called off with the next step";
+  switch (standing) {
     case "hidden":
       return after.length
         ? `comes after ${after.map((other) => scenario.tasks[other].name).join(", ")}`
         : `appears after ${describeMoment(scenario.world, appears)}`;
     case "done":
       return `done ${describeWhen(scenario.world, history.doneAt[task])}${describeLateness(history, task)}`;
+    case "cancelled":
+      return `called off ${describeWhen(scenario.world, cancelled)}`;
     case "served": {
       if (sitesAt(history, step)[task].isUp) return "being carried";
       if (scenario.tasks[task].to) return "being taken up";
@@ -194,6 +198,8 @@ function eventText(history, event) {
       return `${robotName(scenario, event.robot)} is back`;
     case "appears":
       return `${task} appears`;
+    case "cancelled":
+      return `${task} is called off`;
     case "shown":
       return `${task} needs ${describeCounts(scenario, scenario.tasks[event.task].needs)}, as it turns out`;
     case "found":

@@ -3,7 +3,7 @@
 // A cell is {text, sort, isAhead}: numbers sort before words, what is absent last; what is ahead or
 // expected is drawn paler. `isShown` says whether a mission has such a column at all.
 
-const STATES = ["can never be done", "open", "waiting", "on the way", "under way", "to come", "done"];
+const STATES = ["can never be done", "open", "waiting", "on the way", "under way", "to come", "called off", "done"];
 
 const TASK_COLUMNS = [
   { name: "Task", of: ({ scenario }, task) => word(taskName(scenario, task)) },
@@ -47,7 +47,7 @@ const NOTHING = { text: "-", sort: null };
 // One of STATES, for a task after a step.
 function stateOfTask({ history, scene }, task) {
   const standing = standingOf(history, task, scene.step);
-  const words = { hidden: "to come", served: "under way", done: "done", blocked: "can never be done" };
+  const words = { hidden: "to come", served: "under way", done: "done", cancelled: "called off", blocked: "can never be done" };
   if (standing !== "open") return words[standing];
   const teams = scene.assignedTo.get(task) ?? [];
   if (!teams.length) return "open";
@@ -62,6 +62,7 @@ function stateCell(state) {
 function whoCell(moment, task) {
   const { history, scene, plan, scenario, step } = moment;
   const isDone = history.doneAt[task] <= step;
+  if (!isDone && isOver(history, task, step)) return NOTHING;
   const there = (scene.assignedTo.get(task) ?? []).flatMap(({ robots }) => robots);
   const served = serviceOf(history, task, step)?.robots ?? [];
   const now = isDone ? history.doers[task] : [...new Set([...served, ...there])];
@@ -87,6 +88,7 @@ function endCell(moment, task) {
 // By how much it is late, or will be; of one whose end nobody knows, by how much it is late already.
 function lateCell(moment, task) {
   const end = endOfTask(moment, task);
+  if (!end && isOver(moment.history, task, moment.step)) return NOTHING;
   const late = (end?.at ?? moment.step) - moment.scenario.tasks[task].due;
   if (!(late > 0)) return NOTHING;
   return { text: describeSpan(moment.scenario.world, late), sort: late, isAhead: !end || end.isAhead, isBad: true };
@@ -107,7 +109,7 @@ function nextTasks({ history, plan, scene, step, deeds }) {
   const next = new Map();
   const isCurrent = (robot, task) => teamOfRobot(scene, robot)?.goal === task;
   for (const [task, robots] of plan?.coalitions ?? []) {
-    if (history.doneAt[task] <= step) continue;
+    if (isOver(history, task, step)) continue;
     for (const robot of robots) if (!next.has(robot) && !isCurrent(robot, task)) next.set(robot, task);
   }
   if (plan) return next;

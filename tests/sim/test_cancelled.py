@@ -1,0 +1,204 @@
+"""Tasks that are called off: nobody heads for them, what was begun ends, what comes after opens."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from coordinations import RandomPlans
+from plain_world import PlainWorld
+from random_worlds import (
+    random_decision,
+    random_world,
+    with_loads,
+    with_precedence_and_windows,
+    with_surprises,
+)
+from small_worlds import make, robot, task
+from teamformer.coordinators.shared_plan import SharedPlan
+from teamformer.critical_path.of_record import path_of_record
+from teamformer.errors import ScenarioError
+from teamformer.export.events import events
+from teamformer.grid import Grid
+from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.policies.central.policy import Central
+from teamformer.policies.scripted.joining import JoinAll
+from teamformer.referee import judge
+from teamformer.sim.env import TeamFormation
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.task_times import cancelled_steps, done_steps, opening_steps
+from teamformer.trials.methods import Player
+from teamformer.trials.trial import run_trial
+from teamformer.truth import draw_truth
+from test_step import step_both
+
+
+def with_cancelled(scenario: Scenario, rng: np.random.Generator) -> Scenario:
+    """Return the scenario with more than half of its tasks called off."""
+    tasks = (
+        replace(task, cancelled=int(rng.integers(1, 10))) if rng.random() < 0.6 else task
+        for task in scenario.tasks
+    )
+    return replace(scenario, tasks=tuple(tasks))
+
+
+def played(scenario: Scenario, player: Player | None = None) -> Replay:
+    replay = run_trial(scenario, player or SharedPlan()).replay
+    assert judge(replay).findings == ()
+    return replay
+
+
+@pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
+@pytest.mark.parametrize("kind", ["sure", "unsure", "loads", "after"])
+def test_step_with_cancelled_tasks_is_what_the_plain_twin_does(is_plane: bool, kind: str) -> None:
+    rng = np.random.default_rng(31 + is_plane)
+    cancelled = freed = 0
+    for number in range(60):
+        scenario = random_world(rng, is_plane=is_plane)
+        if kind == "unsure":
+            scenario = with_surprises(scenario, rng)
+        if kind == "loads":
+            scenario = with_loads(scenario, rng)
+        if kind == "after":
+            scenario = with_precedence_and_windows(scenario, rng)
+        scenario = with_cancelled(scenario, rng)
+        truth = draw_truth(scenario, number)
+        coordinator = [None, RandomPlans(number), SharedPlan()][number % 3]
+        env = TeamFormation([scenario], truths=[truth], coordinator=coordinator)
+        twin = PlainWorld(scenario, truth, coordinator is not None)
+        while env.is_running[0] and env.tally().steps < 40:
+            view = env.view()
+            serving = sum(len(team.serving) for team in twin.teams.values())
+            is_planned = coordinator is not None and rng.random() < 0.8
+            decision = env.planned_decision(view) if is_planned else random_decision(view, rng)
+            gone = len(twin.cancelled)
+            step_both(env, twin, view, decision)
+            tasks = env.worlds.tasks[0]
+            assert set(np.flatnonzero(tasks["is_open"]).tolist()) == set(twin.open)
+            assert set(np.flatnonzero(tasks["is_carried"]).tolist()) == twin.carried
+            freed += serving > 0 and len(twin.cancelled) > gone
+        assert env.worlds.count["cancelled"][0] == len(twin.cancelled)
+        assert (
+            env.is_running[0]
+            or len(twin.done) + len(twin.cancelled) == len(truth.tasks)
+            or (env.tally().status == "infeasible")
+        )
+        cancelled += len(twin.cancelled)
+    assert cancelled > 40
+    assert freed > 2
+
+
+@pytest.mark.parametrize("player", [SharedPlan(), JoinAll()], ids=["plan", "join-all"])
+def test_records_of_missions_with_cancelled_tasks_are_legal(player: Player) -> None:
+    rng = np.random.default_rng(8)
+    cancelled = 0
+    for number in range(40):
+        scenario = random_world(rng, is_plane=number % 2 == 0)
+        scenario = with_precedence_and_windows(scenario, rng) if number % 3 else scenario
+        scenario = with_loads(scenario, rng) if number % 4 == 0 else scenario
+        replay = played(with_cancelled(scenario, rng), player)
+        assert replay.end.status in ("completed", "infeasible", "step limit")
+        cancelled += len(cancelled_steps(replay))
+    assert cancelled > 30
+
+
+def corridor(*tasks: Task, **changes: object) -> Scenario:
+    """Return a robot at 0 of a corridor of ten cells."""
+    robots = (Robot("r", (0, 0), {"a": 1}),)
+    return replace(Scenario("corridor", Grid(10, 1), ("a",), robots, tasks), **changes)
+
+
+def test_who_heads_for_it_turns_to_what_is_left() -> None:
+    """By step 3 the robot is at 3 on its way to 9; it then turns back to 1, two steps away."""
+    far = Task("far", (9, 0), {"a": 1}, cancelled=3)
+    near = Task("near", (1, 0), {"a": 1}, appears=3)
+    replay = played(corridor(far, near))
+    assert done_steps(replay) == {1: 5}
+    assert cancelled_steps(replay) == {0: 3}
+    assert (replay.end.status, replay.end.makespan, replay.end.tasks_done) == ("completed", 5, 1)
+    assert [plan.reasons for _, plan in replay.plans] == [
+        ("start",),
+        ("task appeared", "task cancelled"),
+    ]
+    told = [event.text(replay.scenario) for event in events(replay)]
+    assert told == ["far called off", "near appears", "near done by r", "completed"]
+
+
+def test_a_service_that_is_called_off_frees_who_serves() -> None:
+    """It serves from step 3 on, for 9 steps; called off in step 5, it walks the 4 cells to 6."""
+    long = Task("long", (2, 0), {"a": 1}, duration=9, cancelled=5)
+    replay = played(corridor(long, Task("next", (6, 0), {"a": 1}, appears=4)))
+    assert done_steps(replay) == {1: 9}
+
+
+def test_what_is_done_in_time_is_not_called_off() -> None:
+    replay = played(corridor(Task("near", (2, 0), {"a": 1}, cancelled=3)))
+    assert done_steps(replay) == {0: 2}
+    assert cancelled_steps(replay) == {}
+
+
+def test_what_would_be_done_in_the_same_step_is_called_off() -> None:
+    """Tasks are called off before it is seen what is done."""
+    replay = played(corridor(Task("near", (2, 0), {"a": 1}, cancelled=2)))
+    assert cancelled_steps(replay) == {0: 2}
+    assert (replay.end.makespan, replay.end.tasks_done) == (2, 0)
+    assert path_of_record(replay) == ()
+
+
+def test_what_comes_after_it_waits_no_longer() -> None:
+    """`second` opens when `first` is called off in step 4; the robot is at 4 then, and goes on."""
+    first = Task("first", (9, 0), {"a": 1}, cancelled=4)
+    second = Task("second", (6, 0), {"a": 1}, after=("first",))
+    replay = played(corridor(first, second))
+    assert opening_steps(replay) == [0, 4]
+    assert done_steps(replay) == {1: 6}
+
+
+def test_what_is_called_off_before_it_appears_never_does() -> None:
+    late = Task("late", (1, 0), {"a": 1}, appears=5, cancelled=5)
+    replay = played(corridor(late, Task("far", (9, 0), {"a": 1})))
+    assert done_steps(replay) == {1: 9}
+    assert [steps for steps, _ in replay.plans] == [0, 5]
+
+
+def test_a_task_that_nobody_can_do_any_more_ends_no_mission_that_calls_it_off() -> None:
+    """`b` is lost in step 2, and what needs it is called off in step 4."""
+    scenario = make([robot("a", 0), robot("b", 1)], [task("b", 9), task("a", 3)])
+    lost = replace(scenario.robots[1], absences=(Absence(2),))
+    scenario = replace(scenario, robots=(scenario.robots[0], lost))
+    assert played(scenario).end.status == "infeasible"
+    tasks = (replace(scenario.tasks[0], cancelled=4), scenario.tasks[1])
+    replay = played(replace(scenario, tasks=tasks))
+    assert (replay.end.status, replay.end.makespan) == ("completed", 4)
+
+
+def test_a_load_that_is_called_off_on_its_way_is_nobodys() -> None:
+    """Taken up in step 2, at 5 in step 5; then free, 4 cells from 1."""
+    load = Task("load", (2, 0), {"a": 1}, to=(9, 0), cancelled=5)
+    back = Task("back", (1, 0), {"a": 1}, appears=5)
+    replay = played(corridor(load, back))
+    assert done_steps(replay) == {1: 9}
+    assert [step.left for step in replay.steps if step.left] == []
+
+
+def test_the_bound_does_not_count_what_is_called_off() -> None:
+    far, near = Task("far", (9, 0), {"a": 1}), Task("near", (2, 0), {"a": 1}, after=("far",))
+    assert lower_bound(corridor(far, near)) == 9
+    assert lower_bound(corridor(replace(far, cancelled=20), near)) == 2
+    assert lower_bound(corridor(replace(far, cancelled=20))) == 0
+
+
+def test_the_cost_is_of_what_was_done() -> None:
+    """The mission ends in step 5; `near` ends in it, and weighs 3: (5 + 15) / 2."""
+    far = Task("far", (9, 0), {"a": 1}, cancelled=3)
+    near = Task("near", (1, 0), {"a": 1}, appears=3, weight=3)
+    trial = run_trial(corridor(far, near, cost={"makespan": 1, "completion": 1}), SharedPlan())
+    assert judge(trial.replay).cost == 10
+
+
+def test_who_plans_beforehand_says_that_it_cannot_know() -> None:
+    with pytest.raises(ScenarioError, match="task 'far' is cancelled, which nobody can know"):
+        run_trial(corridor(Task("far", (9, 0), {"a": 1}, cancelled=3)), Central(time_limit=0.1))

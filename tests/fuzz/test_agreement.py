@@ -43,7 +43,6 @@ from told import (
     TOLD_BY_PAGE,
     Bar,
     Line,
-    as_page_draws,
     bars_of,
     captions_agree,
     embedded,
@@ -125,7 +124,7 @@ def _compare_page(page: Any, tree: Any, lines: list[Line], folder: Path) -> None
     done = [line for line in lines if line.kind == "done"]
     assert sorted(Line(*line) for line in told["lines"]) == lines
     assert told["end"] == [tree["end"]["status"], tree["end"]["makespan"], len(done)]
-    bars = as_page_draws(bars_of(folder))
+    bars = bars_of(folder)
     assert sorted(Bar(*map(_in_table, bar)) for bar in told["bars"]) == sorted(bars)
     assert told["marks"] == told["stories"]  # what is marked on a robot's row, and its history
     assert Counter(text.split(" done by ")[0] for text in told["said"]) == Counter(
@@ -180,9 +179,10 @@ def _compare_terminal(tree: Any, lines: list[Line], text: str) -> None:
     if table:  # of more than forty tasks there is none
         assert sorted(table) == table_of(lines, needs_told_by_record(tree))
     assert lost == losses_of(tree)
-    end = tree["end"]
+    end, is_called_off = tree["end"], any(line.kind == "cancelled" for line in lines)
+    done = "all done or called off" if is_called_off else "all done"
     assert {
-        "completed": f"all done after {end['makespan']} steps",
+        "completed": f"{done} after {end['makespan']} steps",
         "infeasible": f"given up at step {end['steps']}",
         "step limit": f"not done within the limit of {end['steps']} steps",
     }[end["status"]] in verdict

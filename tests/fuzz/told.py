@@ -104,20 +104,6 @@ def bars_of(folder: Path) -> list[Bar]:
     return [Bar(*row[:3], int(row[3]), int(row[4])) for row in rows]
 
 
-def as_page_draws(bars: Iterable[Bar]) -> list[Bar]:
-    """Return bars as the page has them: loading, carrying and unloading are one, as serving is."""
-    drawn: list[Bar] = []
-    for bar in bars:
-        if bar.phase in ("loading", "carrying", "unloading"):
-            bar = bar._replace(phase="serving")
-        last = drawn[-1] if drawn else None
-        if last and last[:3] == bar[:3] and last.ended == bar.begun:
-            drawn[-1] = last._replace(ended=bar.ended)
-        else:
-            drawn.append(bar)
-    return drawn
-
-
 def end_of(folder: Path) -> str:
     """Return how the trial ended, by the last row of `events.csv`."""
     return _rows(folder / "events.csv")[-1][2]

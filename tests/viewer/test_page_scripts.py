@@ -15,6 +15,7 @@ import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_states
 
 from teamformer.export.moments import moments
+from teamformer.sim.replay import phases
 from teamformer.sim.replay.reading import read_replay
 
 PURE = (
@@ -233,7 +234,9 @@ def test_every_step_of_a_robot_has_its_phase(scripts: Any) -> None:
     assert named == [[*both, ("idle", 4, 5), ("lost", 5, 6)], [*both, ("idle", 4, 6)]]
 
 
-PHASES = ["walks", "waits", "forms", "serves", "idle", "lost"]
+PHASES = [
+    *("walks", "waits", "forms", "serves", "loads", "carries", "unloads", "idle", "lost"),
+]
 
 
 @pytest.mark.parametrize(
@@ -250,7 +253,7 @@ def test_phases_are_those_of_the_exported_tables(
     path.write_text(text, encoding="utf-8")
     ask = """(tree) => { const history = frames(tree);
       return tree.steps.map((_, before) => [...phasesIn(history, before + 1)]); }"""
-    shown = [[PHASE_NAMES[phase] for phase in row] for row in scripts.evaluate(ask, tree)]
+    shown = [[phases.PHASES[phase] for phase in row] for row in scripts.evaluate(ask, tree)]
     assert shown == [list(moment.phase) for moment in moments(read_replay(path))][1:]
 
 
@@ -282,9 +285,6 @@ def test_a_bar_ends_where_the_task_changes_and_tasks_of_no_duration_leave_a_mark
     ]  # fmt: skip
     last = {"task": 1, "step": 4}
     assert deeds == [[{"task": 0, "step": 2}, last], [last]]
-
-
-PHASE_NAMES = ["walking", "waiting", "forming", "serving", "idle", "lost"]
 
 
 FINDING = """(tree) => {

@@ -2,7 +2,7 @@
 
 const THEME = [
   ...["paper", "surface", "ground", "grid", "wall", "edge", "line", "ink", "muted", "faint"],
-  ...["accent", "soft", "good", "bad", "lost", "wait", "form", "task"],
+  ...["accent", "soft", "good", "bad", "lost", "wait", "form", "load", "carry", "task"],
 ];
 
 class TrialMap {

@@ -57,7 +57,8 @@ class PathTracing {
   // A service that was broken off came to nothing: whoever was there waited.
   doing(robot, step) {
     const doing = PHASE_NAMES[PHASES[phasesIn(this.history, step)[robot]]];
-    return doing === "serving" && this.taskServed(robot, step) === NOBODY ? "waiting" : doing;
+    if (!AT_WORK.includes(doing)) return doing;
+    return this.taskServed(robot, step) === NOBODY ? "waiting" : "serving";
   }
 
   pursued(robot, step) {

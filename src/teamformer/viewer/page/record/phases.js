@@ -1,15 +1,20 @@
 // What each robot did in each step: the rows of the Gantt view, and the shares of its time.
 
-const PHASES = ["walks", "waits", "forms", "serves", "idle", "lost"];
+// A load is not served: it is loaded where it lies, carried, and unloaded where it goes.
+const PHASES = ["walks", "waits", "forms", "serves", "loads", "carries", "unloads", "idle", "lost"];
+const AT_WORK = ["serving", "loading", "carrying", "unloading"];
 const PHASE_NAMES = {
   walks: "walking",
   waits: "waiting",
   forms: "forming",
   serves: "serving",
+  loads: "loading",
+  carries: "carrying",
+  unloads: "unloading",
   idle: "idle",
   lost: "lost",
 };
-const [WALKS, WAITS, FORMS, SERVES, IDLE, LOST] = PHASES.keys();
+const [WALKS, WAITS, FORMS, SERVES, LOADS, CARRIES, UNLOADS, IDLE, LOST] = PHASES.keys();
 
 // By robot, what it did in one step: `phasesIn(history, 1)` is about the first.
 function phasesIn(history, step) {
@@ -32,12 +37,12 @@ function workIn(history, step) {
 function workOut(history, step) {
   const [before, after] = [history.at(step - 1), history.at(step)];
   const forming = robotsForming(before, history.replay.steps[step - 1]);
-  const serving = slotsServing(history, after, step);
+  const work = workOfTeams(history, after, step);
   const pursuits = pursuitsFrom(history, before, after, step);
   const phases = Uint8Array.from(after.team, (slot, robot) => {
     if (slot === NOBODY || before.team[robot] === NOBODY) return LOST;
     if (forming.has(robot)) return FORMS;
-    if (serving.has(slot)) return SERVES;
+    if (work.has(slot)) return work.get(slot);
     const [was, is] = [placeOf(before, robot), placeOf(after, robot)];
     if (was.x !== is.x || was.y !== is.y) return WALKS;
     if (pursuits[robot] === NOBODY) return IDLE;
@@ -70,16 +75,25 @@ function robotsForming(before, { splits = [], joins = [] }) {
   return forming;
 }
 
-// A service that began at the end of a step takes the steps after it, up to the one that ends it;
-// whoever has joined those that began it serves with them.
-function slotsServing(history, after, step) {
-  const slots = new Set();
-  for (const services of history.services) {
+// What teams do for tasks in a step, by slot. A service that began at the end of a step takes the
+// steps after it, up to the one that ends it; whoever has joined those that began it serves with them.
+function workOfTeams(history, after, step) {
+  const work = new Map();
+  history.services.forEach((services, task) => {
     for (const { robots, from, to } of services) {
-      if (from < step && step <= to) for (const robot of robots) slots.add(after.team[robot]);
+      if (step <= from || to < step) continue;
+      for (const robot of robots) work.set(after.team[robot], workOn(history, task, step));
     }
-  }
-  return slots;
+  });
+  return work;
+}
+
+// What a team does for a task that it serves in a step.
+function workOn(history, task, step) {
+  const { to, unload } = history.scenario.tasks[task];
+  if (!to) return SERVES;
+  if (!sitesAt(history, step - 1)[task].isUp) return LOADS;
+  return step > history.doneAt[task] - unload ? UNLOADS : CARRIES;
 }
 
 function percent(part) {

@@ -10,12 +10,15 @@ const PHASE_COLOURS = {
   waits: "wait",
   forms: "form",
   serves: "good",
+  loads: "load",
+  carries: "carry",
+  unloads: "load",
   idle: "line",
   lost: "bad",
 };
 
 // How strong a phase is drawn in the colour of its task.
-const STRENGTHS = { walks: 0.5, waits: 0.25, forms: 0.75, serves: 1, idle: 1, lost: 0.25 };
+const STRENGTHS = { walks: 0.5, waits: 0.25, forms: 0.75, serves: 1, loads: 0.85, carries: 1, unloads: 0.85, idle: 1, lost: 0.25 };
 
 // What bars may be coloured by.
 const BARS = { phase: "What they do", task: "Tasks" };

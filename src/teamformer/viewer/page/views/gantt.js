@@ -227,12 +227,15 @@ class Gantt {
       (_, phase) => this.shares.reduce((sum, row) => sum + row[phase], 0) / this.shares.length,
     );
     const isByTask = options.bars === "task";
-    const items = PHASES.map((name, phase) => {
+    const hasLoads = this.app.history.scenario.tasks.some(({ to }) => to);
+    const isThere = (name) => hasLoads || !["loads", "carries", "unloads"].includes(name);
+    const items = PHASES.flatMap((name, phase) => {
+      if (!isThere(name)) return [];
       const isOwn = name === "idle" || name === "lost";
       const colour = isByTask && !isOwn ? map.theme.ink : map.theme[PHASE_COLOURS[name]];
       const dot = element("span", { class: "dot", colour });
       if (isByTask) dot.style.opacity = STRENGTHS[name];
-      return element("li", {}, dot, `${PHASE_NAMES[name]} ${percent(means[phase])}`);
+      return [element("li", {}, dot, `${PHASE_NAMES[name]} ${percent(means[phase])}`)];
     });
     const diamond = element("span", { class: "diamond" });
     items.push(element("li", {}, diamond, "a task done"));

@@ -135,6 +135,7 @@ def test_an_incident_is_told_before_there_is_a_plan_for_it(
         while not (state := page.hear("state"))["planning"]:
             pass
         assert state["planning"] == "step 1: robot r2 lost"
+        assert state["leaving"] == ["r2"]
         is_heard.set()
         assert page.hear("state")["planning"] == ""
         incident = page.hear("incident")

@@ -406,6 +406,11 @@ def test_a_weight_is_raised_in_the_page(browser: Any, tmp_path: Path) -> None:
         page.click("text=Set weight")
         wait_for(opened, "#notice", "Not done: weight must be a number from 0.001 to 1e+06")
         page.fill("#details input", "99")
+        other = browser.new_page()
+        other.goto(f"http://{server.address}/")
+        wait_for(opened, "#mission h2", "2 pages")
+        assert page.input_value("#details input") == "99"  # news does not take away what is typed
+        other.close()
         page.click("text=Set weight")
         wait_for(opened, "#incidents", "2: task right has the weight 99")
         assert page.input_value("#details input") == "99"

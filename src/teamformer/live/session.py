@@ -84,6 +84,7 @@ class Session:
         self._is_outdated = False  # since more was shown
         self._bound: asyncio.Task[None] | None = None
         self._planning = ""  # after what a plan is being made, for as long as it is
+        self._happening: Happening | None = None  # what that is, where it is an incident
         self._search: asyncio.Task[None] | None = None
         self._offer: tuple[Moment, PlanTakenOver] | None = None
 
@@ -166,10 +167,12 @@ class Session:
                 raise TeamformerError("the mission has gone on since then; plan anew")
             self.mission.scenario_with(incident)
             text = f"step {incident.told_in(self.mission.steps)}: {incident.text()}"
+            self._happening = incident
             self._tell_planning(text)
             try:
                 await asyncio.to_thread(self.mission.happen, incident)
             finally:
+                self._happening = None
                 self._planning_is_over()
             self._changes += 1
             record = self._record()
@@ -388,10 +391,14 @@ class Session:
         }
 
     def _leaving(self) -> list[str]:
-        """Return the robots that are lost since the latest step, and count for nothing any more."""
+        """Return the robots that are lost since the latest step, and count for nothing any more.
+
+        That is so already while the others plan for it.
+        """
         now = self.mission.steps
         latest = [incident for step, incident in self.mission.incidents if step == now]
-        return [it.robot for it in latest if isinstance(it, LostRobot)]
+        latest += [] if self._happening is None else [self._happening]
+        return list(dict.fromkeys(it.robot for it in latest if isinstance(it, LostRobot)))
 
     def _tell_all(self, kind: str, news: Tree) -> None:
         text = json.dumps({"kind": kind} | news, separators=(",", ":"))

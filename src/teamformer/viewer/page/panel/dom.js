@@ -21,14 +21,25 @@ function link(text, on, key) {
   return element("button", { type: "button", class: "link", on, "data-key": key ?? text }, text);
 }
 
-// Fill a box anew; what had the focus keeps it if it is still there.
+// Fill a box anew; what had the focus keeps it, and fields what is typed in them, if they are still there.
 function refill(box, nodes) {
   const key = box.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;
+  const typed = typedIn(box);
   box.replaceChildren(...nodes.filter(Boolean));
+  for (const input of box.querySelectorAll("input[data-key]")) {
+    input.value = typed.get(input.dataset.key) ?? input.value;
+  }
   if (key === undefined) return;
   const again = [...box.querySelectorAll("[data-key]")].find((node) => node.dataset.key === key);
   if (again?.tabIndex === -1) moveStop(again);
   again?.focus({ preventScroll: true });
+}
+
+// What stands in fields and has not been sent, by their keys.
+function typedIn(box) {
+  const inputs = [...box.querySelectorAll("input[data-key]")];
+  const changed = inputs.filter(({ value, defaultValue }) => value !== defaultValue);
+  return new Map(changed.map(({ dataset, value }) => [dataset.key, value]));
 }
 
 // Make the buttons of a list one stop of the Tab key; up and down go from one to the next.

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.coordination import Known, Plan
-from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.situation import Situation, situation_of
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
 
 SOONER = 3

@@ -12,7 +12,7 @@ import numpy as np
 
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.crews.routes import way
-from teamformer.planning.relaxation.relaxed_plan import Array
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import ROUNDING
 from teamformer.rules.pairing import pair_off
 

@@ -14,13 +14,13 @@ import numpy as np
 from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.planning.relaxation.problem import Relaxed, least_brought
 from teamformer.planning.relaxation.relaxed_plan import (
-    Array,
     arrival_at,
     leg_from,
     leg_to,
     recall_visit,
     serve,
 )
+from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw, draw_below, first_state
 from teamformer.rules.constants import FAR, NOBODY
 

@@ -9,13 +9,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from teamformer.jit import entry, kernel
 from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
-
-Array = npt.NDArray[Any]
 
 ROBOT = np.dtype(
     [

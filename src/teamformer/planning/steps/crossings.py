@@ -15,7 +15,7 @@ import numpy as np
 from teamformer.grid import Grid, Place
 from teamformer.jit import entry, kernel
 from teamformer.model import World
-from teamformer.planning.relaxation.relaxed_plan import Array
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.distances import UNREACHABLE, distance_fields
 from teamformer.rules.steps import next_cell

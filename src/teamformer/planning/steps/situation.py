@@ -17,9 +17,9 @@ from teamformer.planning.relaxation.problem import (
     future_of,
     relax_ways,
 )
-from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.crossings import Crossings, find_crossings, without_loads
 from teamformer.planning.steps.team_plan import TeamPlan
+from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
 from teamformer.rules.distances import straight_ways, travel_matrix
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from teamformer.planning.relaxation.problem import has_prices
-from teamformer.planning.relaxation.relaxed_plan import Array
 from teamformer.planning.steps.passing import settle
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.team_plan import TeamPlan
 from teamformer.planning.steps.timing import empty_groups
+from teamformer.rules.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem, Ticks
-
-FAR = 2**60
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks
 
 
 class Relaxation(NamedTuple):
@@ -94,7 +92,7 @@ def _work(problem: CoalitionProblem, relaxation: Relaxation, cap: int) -> int:
         return 0
     places = np.concatenate([tasks, np.unique(problem.origin[able])])
     into = relaxation.ways[np.unique(problem.pace[able])][:, places][:, :, tasks].min(axis=0)
-    into[np.arange(len(tasks)), np.arange(len(tasks))] = FAR
+    into[np.arange(len(tasks)), np.arange(len(tasks))] = NEVER
     cheapest = problem.duration[tasks] + into.min(axis=0)
     needed = int((problem.needs[tasks, cap] * cheapest).sum())
     counts = problem.counts[able, cap].astype(np.int64)

@@ -13,9 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.jit import entry, kernel
-from teamformer.planning.continuous.problem import Ticks
+from teamformer.planning.continuous.problem import NEVER, Ticks
 
-FAR = 2**60
 MANY = 127
 """Tours of a set that no number of robots can do."""
 
@@ -57,7 +56,7 @@ def narrow_starts(
             tables.tours[some] = _fewest_tours(tables.tours, some)
     if tables.tours[sets - 1] > robots:
         return False
-    least, most = np.full(tasks, FAR), np.full(tasks, -FAR)
+    least, most = np.full(tasks, NEVER), np.full(tasks, -NEVER)
     for some in range(1, sets):
         if tables.tours[some] == 1 and tables.tours[sets - 1 - some] < robots:
             for task in range(tasks):
@@ -88,8 +87,8 @@ def _tour_through(
         if rest != 0:
             begin, finish = _go_on(between, duration, tables, rest, task)
             begin, finish = max(begin, first[task]), min(finish, last[task])
-        tables.early[some, task] = begin if begin <= last[task] else FAR
-        tables.late[some, task] = finish if finish >= first[task] else -FAR
+        tables.early[some, task] = begin if begin <= last[task] else NEVER
+        tables.late[some, task] = finish if finish >= first[task] else -NEVER
         if begin <= last[task]:
             tables.tours[some] = 1
 
@@ -99,15 +98,15 @@ def _go_on(
     between: Ticks, duration: Ticks, tables: SetTables, rest: int, task: int
 ) -> tuple[int, int]:
     """Return when a task can start after a tour through the rest, and must start before one."""
-    begin, finish = FAR, -FAR
+    begin, finish = NEVER, -NEVER
     if tables.tours[rest] != 1:
         return begin, finish
     for other in range(len(duration)):
         if rest >> other & 1:
-            if tables.early[rest, other] < FAR:
+            if tables.early[rest, other] < NEVER:
                 there = tables.early[rest, other] + duration[other] + between[other, task]
                 begin = min(begin, there)
-            if tables.late[rest, other] > -FAR:
+            if tables.late[rest, other] > -NEVER:
                 leave = tables.late[rest, other] - between[task, other] - duration[task]
                 finish = max(finish, leave)
     return begin, finish

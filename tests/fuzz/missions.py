@@ -60,13 +60,17 @@ class Fleet:
 
 @st.composite
 def missions(
-    draw: st.DrawFn, is_sure: bool = False, is_plain: bool = False, is_tiny: bool = False
+    draw: st.DrawFn,
+    is_sure: bool = False,
+    is_plain: bool = False,
+    is_tiny: bool = False,
+    has_cancelled: bool = True,
 ) -> Tree:
     """Return a mission in steps.
 
     `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between`, loads and
     robots that fly over walls, so that fleets of processes can do it. One that `is_tiny` has two
-    robots and tasks at most.
+    robots and tasks at most. Without `has_cancelled` nothing is called off: `central` plans it.
     """
     most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
     is_sure = is_sure or is_plain or pick(draw, (True, False, False))
@@ -82,7 +86,7 @@ def missions(
             task["duration"] = pick(draw, (1, 0, 2, 4))
         if now_and_then(draw):
             task["appears"] = pick(draw, (3, 0, 1, 9, 20))
-        if not is_plain and now_and_then(draw):
+        if has_cancelled and not (is_plain or is_tiny) and now_and_then(draw):
             task["cancelled"] = pick(draw, (5, 1, 3, 12, 30))
         if not is_sure:
             _write_surprises_of_task(draw, world, fleet, task)

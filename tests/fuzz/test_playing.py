@@ -40,7 +40,7 @@ def test_nothing_is_faster_than_its_bound(mission: Any, method: str, seed: int) 
 def test_the_critical_path_adds_up(mission: Any, method: str, seed: int) -> None:
     replay = play(scenario_from_tree(mission), method, seed).replay
     path = path_of_record(replay)
-    if replay.end.makespan is None:
+    if replay.end.makespan is None or not replay.steps[-1].done:  # the last task was called off
         assert path == ()
         return
     ends = [stretch.end for stretch in path]

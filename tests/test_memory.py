@@ -51,7 +51,7 @@ def test_a_mission_too_large_is_told_with_what_would_fit(tmp_path: Path) -> None
     assert "MB of memory by method plan" in error
     fits = int(hint.split()[2])  # hint: about N robots and N tasks would fit
     assert 1000 < fits < 4000
-    assert hint.endswith(f"{fits} tasks would fit, or use --method crews")
+    assert hint.endswith(f"{fits} tasks would fit, or `teamformer run MISSION --method crews`")
     assert ended.stdout == ""
 
 

@@ -62,7 +62,10 @@ def _run_verb() -> int:
         return 0
     except MemoryError:
         print("error: the memory ran out", file=sys.stderr)
-        print("hint: --method crews takes less, as do fewer robots or tasks", file=sys.stderr)
+        print(
+            "hint: fewer robots or tasks take less; so does `teamformer run MISSION --method crews`",
+            file=sys.stderr,
+        )
         return 1
     except OSError as error:  # a disk that fills up while we write, say
         where = f"{error.filename}: " if error.filename else ""

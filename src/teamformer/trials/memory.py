@@ -44,7 +44,7 @@ def refuse_too_large(mission: Scenario, method: Method) -> None:
     share = share_that_fits(needed, _bytes_of_fields(mission), left)
     hint = f"about {int(robots * share)} robots and {int(tasks * share)} tasks would fit"
     if has_plan and bytes_needed(mission, has_plan=False) <= left:
-        hint += f", or use --method {STAND_IN}"
+        hint += f", or `teamformer run MISSION --method {STAND_IN}`"
     raise TeamformerError(
         f"{mission.name}: {robots} robots and {tasks} tasks need about {_shown(needed)} of memory "
         f"by method {method.name}, and {_shown(left)} are left",

@@ -76,6 +76,26 @@ def test_words_become_steps_of_a_record() -> None:
     assert TeamAt(0, 1, 0, None) in second.teams  # what is done is headed for no more
 
 
+def test_who_did_a_task_is_told_once_those_are_heard_who_have_what_it_needs() -> None:
+    """Task 1 needs a and b. The word of 2 comes a step after that of 0, with which all is done."""
+    watch = Watch(MISSION)
+    watch.hear(message(Beat(Word(0, 1, 7, 0.0, 0, 1, phase=SERVE), news=(1,))))
+    assert watch.step().done == ()
+    watch.hear(message(Beat(Word(2, 1, 7, 0.0, 0, 1, phase=SERVE)), sender=2))
+    step = watch.step()
+    assert (step.done, step.joins) == (((1, 0),), ((2, 0),))
+
+
+def test_who_is_never_heard_is_not_waited_for_long() -> None:
+    watch = Watch(MISSION)
+    watch.hear(message(Beat(Word(0, 1, 7, 0.0, 0, 1, phase=SERVE), news=(1,))))
+    assert [watch.step().done for _ in range(3)] == [(), (), ((1, 0),)]
+    watch.hear(message(Beat(word(0, 2, 7, 0), news=(0,))))
+    assert not watch.is_over
+    assert watch.step().done == ((0, 1),)  # by the nearest, as nobody said that it did it
+    assert watch.is_over
+
+
 def test_facts_tell_what_was_done_before_and_what_operators_added() -> None:
     watch = Watch(MISSION)
     assert not watch.has_facts

@@ -83,7 +83,7 @@ def test_a_good_file_is_planned(mission: Any, method: str, folder: Path) -> None
     assert typed("plan", file, *words) in (DONE, 2 if is_linked else DONE)
 
 
-@fuzzed(3, "plan FILE --time-limit 0.05", mission=missions())
+@fuzzed(3, "plan FILE --time-limit 0.05", mission=missions(has_cancelled=False))
 def test_a_good_file_in_steps_is_planned(mission: Any, folder: Path) -> None:
     file = folder / "mission.yaml"
     file.write_text(text_of(mission), encoding="utf-8")

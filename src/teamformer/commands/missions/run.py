@@ -181,7 +181,8 @@ def _show(trial: Trial) -> None:
     out.print(Text(f"{scenario.name}: {replay.method}, seed {replay.seed}", style="bold"))
     if len(scenario.tasks) <= LONGEST_TABLE:
         out.print(_task_table(replay))
-    out.print(_verdict(replay), style="green" if end.status == "completed" else "red")
+    style = "green" if end.status == "completed" else "red"
+    out.print(_verdict(replay), markup=False, style=style)
     if (cost := cost_of_record(replay)) is not None:
         out.print(f"at a cost of {cost:g}", markup=False)
     for task, steps in lateness(replay).items():

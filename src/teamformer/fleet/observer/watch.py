@@ -21,7 +21,10 @@ from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import FLEET, Ending, Replay, Step, TeamAt
 
 STAYS = 3
-"""Steps for which a robot's word that it is at work holds on, if it says something else since."""
+"""Steps for which a robot's word that it is at work holds on, if it says something else since.
+
+By then it is also told who did a task, be not all heard who are needed for it.
+"""
 
 
 class _Service(NamedTuple):
@@ -57,8 +60,8 @@ class Watch:
 
     @property
     def is_over(self) -> bool:
-        """Say whether all tasks that it knows are done."""
-        return len(self._done) == len(self.tasks)
+        """Say whether all tasks that it knows are done, and told."""
+        return len(self._done) == len(self.tasks) and not self._news
 
     def hear(self, message: Message) -> list[TaskFact]:
         """Take in a message; return the operators' tasks in it that were not known."""
@@ -94,7 +97,8 @@ class Watch:
         Losses come first in a step: who has done something in it is lost in the next. What was done
         is told once there is anybody who may have done it.
         """
-        deeds = [self._deed(key) for key in self._news]
+        ripe = [key for key in self._news if self._is_ripe(key)]
+        deeds = [self._deed(key) for key in ripe]
         busy = {robot for deed in deeds for robot in deed.robots} - self._lost
         gone = {robot for robot, word in self.words.items() if word.is_lost} - busy
         if len(gone) == self.mission.robots:
@@ -117,7 +121,7 @@ class Watch:
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
         self._shown = shown
         done = tuple((deed.task, self._who(deed, teams)) for deed in deeds)
-        self._news = [] if teams else self._news
+        self._news = [key for key in self._news if not teams or key not in ripe]
         made = Step(joins, splits, tuple(lost), tuple(back), rows, done)
         self.steps.append(made)
         return made
@@ -172,6 +176,17 @@ class Watch:
         word = self.words.get(robot)
         number = None if word is None else self._number.get(word.goal)
         return None if number is None or word is None or word.goal in self._done else number
+
+    def _is_ripe(self, key: int) -> bool:
+        """Say whether those who were heard to do a task can have done it, or were waited for.
+
+        The words of some may come after those of another that it is done; not for ever, and nobody
+        waits while those who did it leave.
+        """
+        robots, seen = self._deed(key).robots, len(self.steps) + 2 - self._done[key]
+        if any(self.words[robot].is_lost for robot in robots) or seen >= STAYS:
+            return True
+        return not robots or self.mission.covers(robots, self.tasks[key].needs)
 
     def _deed(self, key: int) -> Deed:
         """Return who did a task: who said last that they are at work on it, as one team.

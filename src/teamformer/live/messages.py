@@ -91,7 +91,7 @@ class TaskRefusedError(TeamformerError):
 
 
 def read_incident(message: Message, scenario: Scenario) -> Incident:
-    """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}`, `{"cancelled": NAME}`
+    """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}`, `{"cancelled": NAME}`,
     `{"weighs": NAME, "weight": NUMBER}` or `{"task": TREE}`.
 
     A task is written as in a file; without a name it gets one that is free.

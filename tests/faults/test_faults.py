@@ -29,7 +29,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
 def test_every_file_has_its_test() -> None:
     names = {path.stem for path in FILES.glob("*.yaml")}
     tested = Path(__file__).read_text()
-    assert len(names) == 14
+    assert len(names) == 17
     assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
 
 
@@ -129,3 +129,28 @@ def test_a_name_that_looks_like_a_tag_is_told_as_it_is(capsys: pytest.CaptureFix
     """Its robot is lost in step 1, before it can do it."""
     assert teamformer("run", path_of("name-as-markup")) == 1
     assert "given up at step 1: [/] can never be done" in capsys.readouterr().out
+
+
+def test_nothing_takes_less_than_no_time(capsys: pytest.CaptureFixture[str]) -> None:
+    """A way of 0.01 to a load that is unloaded where it lies, for 1, after a task that takes 1."""
+    assert teamformer("plan", path_of("load-that-stays"), "--method", "plan") == 0
+    shown = capsys.readouterr().out
+    assert "why so late: 2.01 are 0.01 walking, 1 serving, 1 unloading\n" in shown
+
+
+def test_an_error_shows_no_letter_that_cannot_be_printed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert teamformer("plan", path_of("road-table-tab")) == 2
+    told = capsys.readouterr().err
+    assert "line 3: this row is of 'p?1', but column 2 is of 'p1'" in told
+    assert all(letter.isprintable() or letter == "\n" for letter in told)
+
+
+def test_who_stands_where_a_task_is_believed_waits_there_though_it_is_never_found(
+    tmp_path: Path,
+) -> None:
+    folder = tf.run(tf.load(path_of("called-off-unfound"))).save(tmp_path)
+    assert teamformer("export", str(folder / "replay.json"), str(folder)) == 0
+    rows = (folder / "gantt.csv").read_text().split()
+    assert rows[1:] == ["r1,waiting,t1,0,1", "r2,idle,,0,1"]

@@ -20,6 +20,7 @@ from teamformer.sim.replay.phases import (
     LOADING,
     SERVING,
     UNLOADING,
+    believed_places,
     is_same_place,
     phase_of,
 )
@@ -91,7 +92,7 @@ class Courses:
         self.done_in: dict[int, list[int]] = {}  # tasks by the step in which they were done
         self.set_down_in: dict[int, list[tuple[int, Robots]]] = {}  # step -> loads and carriers
         self._up: dict[int, tuple[int, Robots]] = {}  # load -> step, carriers
-        self._goal = [Changing(task.at) for task in self.mission.tasks]  # where teams head for
+        self._goal = [Changing(at) for at in believed_places(replay)]  # where teams head for
         teams = Teams(replay)
         self._of = [
             _Course(
@@ -124,6 +125,8 @@ class Courses:
         for slot, task in step.pursued:
             for robot in teams.robots.get(slot, ()):
                 self._of[robot].told[number] = task
+        for task, x, y in step.moved:
+            self._goal[task].set(number, (x, y))
         for task, x, y in step.left:
             robots = self._carried(task, number)
             self._goal[task].set(number, (x, y))

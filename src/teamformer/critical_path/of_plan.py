@@ -85,8 +85,10 @@ class _Tracing:
         if wanted.to is None:
             yield self._back_to(stop.start, SERVING, robot, stop.task)
             return
-        yield self._back_to(stop.end - wanted.unload, UNLOADING, robot, stop.task)
-        yield self._back_to(stop.start + wanted.duration, CARRYING, robot, stop.task)
+        taken_up = stop.start + wanted.duration
+        arrived = max(taken_up, stop.end - wanted.unload)  # earlier only by what was rounded
+        yield self._back_to(arrived, UNLOADING, robot, stop.task)
+        yield self._back_to(taken_up, CARRYING, robot, stop.task)
         yield self._back_to(stop.start, LOADING, robot, stop.task)
 
     def _started(self, task: int, robot: int) -> Generator[Stretch, None, _Visit | None]:

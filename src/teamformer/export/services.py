@@ -7,7 +7,7 @@ import math
 from teamformer.capabilities import covers, total
 from teamformer.grid import Place
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.replay.phases import is_same_place, work_on
+from teamformer.sim.replay.phases import believed_places, is_same_place, work_on
 from teamformer.sim.replay.record import Replay, Step
 from teamformer.sim.replay.task_times import cancelled_steps, done_steps, opening_steps
 from teamformer.sim.replay.teams import Teams
@@ -23,6 +23,7 @@ class Services:
         self._cancelled = cancelled_steps(replay)
         self._is_over = [False] * len(self._mission.tasks)
         self._lies = [task.at for task in self._mission.tasks]  # loads where they were taken up
+        self._believed = believed_places(replay)  # where teams head for
         self._up: dict[int, Place] = {}  # load that is carried -> where it is brought to
 
     def work(self, number: int) -> dict[int, str]:
@@ -36,7 +37,7 @@ class Services:
 
     def goal_of(self, task: int) -> Place:
         """Return where a team heads for that is to do a task."""
-        return self._up.get(task, self._lies[task])
+        return self._up.get(task, self._believed[task])
 
     def task_places(self) -> tuple[Place, ...]:
         """Return where every task is; a load that is carried is with its team."""
@@ -53,12 +54,15 @@ class Services:
             self._end(task)
             self._is_over[task] = True
             self._lies[task] = self._mission.tasks[task].to or self._lies[task]
+            self._believed[task] = self._lies[task]
+        for task, x, y in step.moved:
+            self._believed[task] = (x, y)
         for task in (task for task, called_off in self._cancelled.items() if called_off == number):
             self._end(task)
             self._is_over[task] = True
         for task, x, y in step.left:
             self._end(task)
-            self._lies[task] = (x, y)
+            self._lies[task] = self._believed[task] = (x, y)
         for task in list(self._serving):
             slot = self._slot_of(task)
             if slot == NOBODY or not self._can_serve(slot, task):

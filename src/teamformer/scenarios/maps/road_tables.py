@@ -18,6 +18,7 @@ from io import StringIO
 from teamformer.errors import TeamformerError
 from teamformer.roads import LONGEST_WAY, Roads, Rows
 from teamformer.scenarios.trees.reader import LONGEST_TEXT
+from teamformer.scenarios.yaml.words import shorten
 
 LARGEST_FILE = 20_000_000  # bytes
 
@@ -82,13 +83,13 @@ def _read_row(
     number, (name, *cells) = row
     where = line(number)
     if at >= len(places):
-        what = f"the table is not square: the row of '{name}' is one too many"
+        what = f"the table is not square: the row of '{shorten(name)}' is one too many"
         raise TeamformerError(f"{where} {what}", "drop it, or add a column")
     if name != places[at]:
-        what = f"this row is of '{name}', but column {at + 1} is of '{places[at]}'"
+        what = f"this row is of '{shorten(name)}', but column {at + 1} is of '{places[at]}'"
         raise TeamformerError(f"{where} {what}", "name rows and columns alike, in one order")
     if len(cells) != len(places):
-        what = f"the table is not square: the row of '{name}' has {len(cells)} times"
+        what = f"the table is not square: the row of '{shorten(name)}' has {len(cells)} times"
         raise TeamformerError(f"{where} {what}", f"write one for each of the {len(places)} places")
     return tuple(
         _read_time(cell, f"{where} the time from '{name}' to '{to}'")

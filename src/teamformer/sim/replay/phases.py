@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 from teamformer.grid import Place
+from teamformer.mission.places import believed_place
 from teamformer.model import Scenario, Task
 from teamformer.plane import Plane
 from teamformer.rules.constants import NOBODY
+from teamformer.sim.replay.record import Replay
 
 PHASES = (
     *("walking", "waiting", "forming", "serving"),
@@ -51,6 +53,13 @@ def work_on(task: Task, is_up: bool, step: int, done_in: float) -> str:
     if not is_up:
         return LOADING
     return UNLOADING if step > done_in - task.unload else CARRYING
+
+
+def believed_places(replay: Replay) -> list[Place]:
+    """Return where each task is believed to be before anybody has looked."""
+    scenario, mission = replay.scenario, replay.mission
+    believed = [believed_place(scenario.world, task) for task in scenario.tasks]
+    return [*believed, *(task.at for task in mission.tasks[len(believed) :])]
 
 
 def is_same_place(scenario: Scenario, one: Place, other: Place) -> bool:

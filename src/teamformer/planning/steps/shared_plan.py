@@ -49,8 +49,9 @@ ARC_ROUNDS, ROUNDS_TIMES_TASKS = 900_000, 210_000_000
 ROUNDS_A_START, ROUNDS_A_PAIR = 30_000, 300
 """Rounds from each start at most, and for each pair of tasks."""
 
-STARTS = 6
-"""How many coalitions are searched from."""
+STARTS, STARTS_WITH_LOADS = 6, 24
+"""How many coalitions are searched from; more at the start of a mission with loads, where one
+search ends far from another."""
 
 BRIEF = 4
 """A brief search is so much shorter, and begins with one plan of each kind."""
@@ -81,7 +82,8 @@ def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     if is_large:
         arcs, coalitions = min(ARC_ROUNDS, ROUNDS_TIMES_TASKS // tasks), 0
     else:
-        arcs, coalitions = min(ROUNDS_A_START, ROUNDS_A_PAIR * tasks * tasks), STARTS
+        arcs = min(ROUNDS_A_START, ROUNDS_A_PAIR * tasks * tasks)
+        coalitions = STARTS_WITH_LOADS if problem.carry.any() and not is_again else STARTS
     if is_again:
         return Rounds(crews // 5, 1 + coalition // 5, arcs // (5 if is_large else 3), coalitions)
     return Rounds(crews, coalition, arcs, coalitions)

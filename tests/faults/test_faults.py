@@ -29,7 +29,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
 def test_every_file_has_its_test() -> None:
     names = {path.stem for path in FILES.glob("*.yaml")}
     tested = Path(__file__).read_text()
-    assert len(names) == 17
+    assert len(names) == 18
     assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
 
 
@@ -154,3 +154,10 @@ def test_who_stands_where_a_task_is_believed_waits_there_though_it_is_never_foun
     assert teamformer("export", str(folder / "replay.json"), str(folder)) == 0
     rows = (folder / "gantt.csv").read_text().split()
     assert rows[1:] == ["r1,waiting,t1,0,1", "r2,idle,,0,1"]
+
+
+def test_a_robot_of_the_longest_name_may_be_asked_for(tmp_path: Path) -> None:
+    folder = tf.run(tf.load(path_of("with-a-long-name"))).save(tmp_path)
+    assert teamformer("check", str(folder / "replay.json")) == 0
+    (name,) = set(tf.load(path_of("with-a-long-name")).capabilities) - {"n0"}
+    assert name == f"robot 2, {'a' * 150}"

@@ -76,7 +76,7 @@ def apply_pins(
             needs = {named[cap]: count for cap, count in needs.items()}
             may_need = {named[cap]: chance for cap, chance in may_need.items()}
         for robot in pin.having:
-            name = _unused(f"robot {mission.robots[robot].name}", mission.capabilities)
+            name = _name_of_one(robot, mission)
             added[name], needs[name] = {robot: 1}, 1
         tasks[number] = replace(task, needs=needs, may_need=may_need)
     return Pinned(
@@ -98,6 +98,14 @@ def _name_of(cap: str, only: Sequence[int], mission: Pinned, task: int) -> str:
     name = f"{cap} of {', '.join(mission.robots[robot].name for robot in only)}"
     if len(name) > LONGEST_TEXT:
         name = f"{cap[: LONGEST_TEXT - 50]} of those for task {task + 1}"
+    return _unused(name, mission.capabilities)
+
+
+def _name_of_one(robot: int, mission: Pinned) -> str:
+    """Return what a capability is called that one robot alone brings: itself."""
+    name = f"robot {mission.robots[robot].name}"
+    if len(name) > LONGEST_TEXT:
+        name = f"robot {robot + 1}, {mission.robots[robot].name[: LONGEST_TEXT - 50]}"
     return _unused(name, mission.capabilities)
 
 

@@ -170,7 +170,8 @@ def name_of(where: Where) -> str:
         return "the file"
     *around, last = where
     if not isinstance(last, int):
-        return f"{last} of {name_of(tuple(around))}" if around else last
+        key = shorten(str(last))
+        return f"{key} of {name_of(tuple(around))}" if around else key
     if around in (["robots"], ["tasks"], ["teams"]):
         return f"{str(around[0])[:-1]} {last + 1}"
     return f"entry {last + 1} of {name_of(tuple(around))}"

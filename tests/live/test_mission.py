@@ -447,7 +447,7 @@ def test_a_task_that_is_called_off_is_in_the_record_that_run_makes_too(method: s
 
 
 def test_calling_off_what_can_never_be_done_lets_the_mission_end() -> None:
-    """Of three tasks one needs `b`, who is lost in step 2: nothing can be done until it is off."""
+    """One of two tasks needs `b`, who is lost in step 2, so that the mission is given up."""
     scenario = make([robot("a", 0), robot("b", 1)], [task("b", 9), task("a", 5)])
     run = Mission(scenario, lambda: load_method("plan"), seed=0)
     run.step()

@@ -55,17 +55,8 @@ def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str
 
 
 def _tasks(replay: Replay) -> Iterable[Row]:
-    yield (
-        "task",
-        "needs",
-        "x",
-        "y",
-        "duration",
-        "appears",
-        "cancelled_in_step",
-        "done_in_step",
-        "done_by",
-    )
+    steps = ("appears", "cancelled_in_step", "done_in_step")
+    yield ("task", "needs", "x", "y", "duration", *steps, "done_by")
     done = {event.task: event for event in events(replay) if event.kind == "done"}
     opens, cancelled = opening_steps(replay), cancelled_steps(replay)
     for number, task in enumerate(replay.mission.tasks):

@@ -57,9 +57,10 @@ class Services:
             self._believed[task] = self._lies[task]
         for task, x, y in step.moved:
             self._believed[task] = (x, y)
-        for task in (task for task, called_off in self._cancelled.items() if called_off == number):
-            self._end(task)
-            self._is_over[task] = True
+        for task, called_off in self._cancelled.items():
+            if called_off == number:
+                self._end(task)
+                self._is_over[task] = True
         for task, x, y in step.left:
             self._end(task)
             self._lies[task] = self._believed[task] = (x, y)

@@ -18,8 +18,24 @@ SEARCHES = 4
 """Plans that are searched for, each from other random numbers, and played: the best play counts."""
 
 
+class _AtOnce:
+    """What the record tells in the step that was made last."""
+
+    def told_in(self, steps: int) -> int:
+        """Return the step that the record tells it in if it happens after `steps` steps."""
+        return steps
+
+
+class _WithTheNextStep:
+    """What the record tells in the step that is made next."""
+
+    def told_in(self, steps: int) -> int:
+        """Return the step that the record tells it in if it happens after `steps` steps."""
+        return steps + 1
+
+
 @dataclass(frozen=True)
-class NewTask:
+class NewTask(_AtOnce):
     """A task that everybody learns of now."""
 
     at: Place
@@ -37,13 +53,9 @@ class NewTask:
         place = f"[{self.at[0]}, {self.at[1]}]"
         return f"task {self.name} at {place} that needs {describe(self.needs)}"
 
-    def told_in(self, steps: int) -> int:
-        """Return the step that the record tells it in if it happens after `steps` steps."""
-        return steps
-
 
 @dataclass(frozen=True)
-class LostRobot:
+class LostRobot(_WithTheNextStep):
     """A robot that counts for nothing from the next step on."""
 
     robot: str
@@ -63,13 +75,9 @@ class LostRobot:
         """Return the incident as words."""
         return f"robot {self.robot} lost"
 
-    def told_in(self, steps: int) -> int:
-        """Return the step that the record tells it in if it happens after `steps` steps."""
-        return steps + 1
-
 
 @dataclass(frozen=True)
-class RobotBack:
+class RobotBack(_WithTheNextStep):
     """A lost robot that is there again from the next step on, where it was lost."""
 
     robot: str
@@ -91,40 +99,28 @@ class RobotBack:
         """Return the incident as words."""
         return f"robot {self.robot} back"
 
-    def told_in(self, steps: int) -> int:
-        """Return the step that the record tells it in if it happens after `steps` steps."""
-        return steps + 1
-
 
 @dataclass(frozen=True)
-class CancelledTask:
+class CancelledTask(_WithTheNextStep):
     """A task that nobody is to do any more, from the next step on."""
 
     task: str
 
     def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
         """Return the scenario in which the task is called off in the next step."""
-        number, steps = _number_of(scenario.tasks, self.task, "task"), now.tally().steps
-        task, done_in = scenario.tasks[number], now.ends().get(number)
-        if done_in is not None:
-            raise TeamformerError(f"task '{self.task}' was done in step {done_in}")
+        number, steps = _number_of_undone(scenario, self.task, now), now.tally().steps
+        task = scenario.tasks[number]
         if task.cancelled is not None and task.cancelled <= steps + 1:
             raise TeamformerError(f"task '{self.task}' was called off already")
-        tasks = list(scenario.tasks)
-        tasks[number] = replace(task, cancelled=steps + 1)
-        return _checked(scenario, tasks=tuple(tasks))
+        return _with_task(scenario, number, replace(task, cancelled=steps + 1))
 
     def text(self) -> str:
         """Return the incident as words."""
         return f"task {self.task} called off"
 
-    def told_in(self, steps: int) -> int:
-        """Return the step that the record tells it in if it happens after `steps` steps."""
-        return steps + 1
-
 
 @dataclass(frozen=True)
-class NewWeight:
+class NewWeight(_AtOnce):
     """Another weight of a task; `plan` is what follows, which `planned` makes."""
 
     task: str
@@ -133,38 +129,35 @@ class NewWeight:
 
     def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
         """Return the scenario in which the task has always had this weight."""
-        number = _number_of(scenario.tasks, self.task, "task")
-        if number in now.ends():
-            raise TeamformerError(f"task '{self.task}' was done in step {now.ends()[number]}")
+        number = _number_of_undone(scenario, self.task, now)
         if scenario.cost is None:
             raise TeamformerError("this mission has no cost, so that weights count for nothing")
         if not now.is_coordinated[0]:
             raise TeamformerError(
                 "by this method robots go by no plan, which a weight could change"
             )
-        return _with_weight(scenario, number, self.weight)
+        return self._weighed(scenario, number)
 
     def planned(self, now: TeamFormation, coordinator: Coordinator) -> NewWeight:
         """Return the same with the plan that a coordinator makes of it."""
         known = replace(now.known(), news=("task appeared",))
         number = _number_of(known.mission.tasks, self.task, "task")
-        mission = _with_weight(known.mission, number, self.weight)
+        mission = self._weighed(known.mission, number)
         return replace(self, plan=coordinator.update(replace(known, mission=mission), now.plan()))
 
     def text(self) -> str:
         """Return the incident as words."""
         return f"task {self.task} has the weight {self.weight:g}"
 
-    def told_in(self, steps: int) -> int:
-        """Return the step that the record tells it in if it happens after `steps` steps."""
-        return steps
+    def _weighed(self, scenario: Scenario, number: int) -> Scenario:
+        return _with_task(scenario, number, replace(scenario.tasks[number], weight=self.weight))
 
 
 Incident = NewTask | CancelledTask | LostRobot | RobotBack | NewWeight
 
 
 @dataclass(frozen=True)
-class PlanTakenOver:
+class PlanTakenOver(_AtOnce):
     """A plan that was searched for longer, and by which the robots go from now on."""
 
     plan: Plan
@@ -178,10 +171,6 @@ class PlanTakenOver:
     def text(self) -> str:
         """Return what happened as words."""
         return f"plan of central taken over: {self.forecast.text()}; before: {self.without.text()}"
-
-    def told_in(self, steps: int) -> int:
-        """Return the step that the record tells it in if it happens after `steps` steps."""
-        return steps
 
 
 Happening = Incident | PlanTakenOver
@@ -223,9 +212,18 @@ def _number_of(those: Sequence[Robot | Task], name: str, what: str) -> int:
     return number
 
 
-def _with_weight(scenario: Scenario, number: int, weight: float) -> Scenario:
+def _number_of_undone(scenario: Scenario, name: str, now: TeamFormation) -> int:
+    number = _number_of(scenario.tasks, name, "task")
+    done_in = now.ends().get(number)
+    if done_in is not None:
+        raise TeamformerError(f"task '{name}' was done in step {done_in}")
+    return number
+
+
+def _with_task(scenario: Scenario, number: int, task: Task) -> Scenario:
+    """Return the scenario with another task in the place of one."""
     tasks = list(scenario.tasks)
-    tasks[number] = replace(tasks[number], weight=weight)
+    tasks[number] = task
     return _checked(scenario, tasks=tuple(tasks))
 
 

@@ -5,9 +5,10 @@ in the next step.
 The changed scenario is then played again up to now with the decisions and plans that were made, so
 that nothing is planned but what follows from now on, and the record is at every moment what `run`
 makes of the mission's scenario. Of what was recorded, only
-the assignments after the latest step may change: whoever learns of a task thinks anew. Two
-incidents bring a plan instead, which the record holds, while `run` makes plans of its own: a plan
-that is taken over, and another weight of a task.
+the assignments after the latest step may change: whoever learns of a task thinks anew.
+
+Two incidents bring a plan: one that is taken over, and another weight of a task. The record holds
+such a plan. `run` makes plans of its own.
 
 Before each incident the mission is kept as it stands, so that the latest incident can be undone.
 """

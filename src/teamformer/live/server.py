@@ -24,7 +24,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from teamformer.errors import TeamformerError
 from teamformer.live.downloads import DOWNLOADS, make_download
 from teamformer.live.messages import LARGEST
-from teamformer.live.session import Watcher
+from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
 
 POLICY_VIOLATION = 1008  # a close code of WebSockets

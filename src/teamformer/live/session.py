@@ -40,31 +40,16 @@ from teamformer.live.page_trees import (
     news_of_step,
     record_so_far,
 )
+from teamformer.live.watchers import Watcher
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import write_replay
-
-MOST_WAITING = 500  # messages that a page may be behind before it is let go
 
 AT_ONCE = 0.3
 """Seconds within which a step is made without a word; what takes longer is told to be planned."""
 
 Moment = tuple[int, int]
 """Steps made, and how often the mission has been changed."""
-
-
-class Watcher:
-    """A page: what it has not been sent yet; closed when it is too far behind."""
-
-    def __init__(self) -> None:
-        self.outbox: asyncio.Queue[str | None] = asyncio.Queue()
-
-    def tell(self, text: str) -> None:
-        """Queue a message."""
-        if self.outbox.qsize() < MOST_WAITING:
-            self.outbox.put_nowait(text)
-        elif self.outbox.qsize() == MOST_WAITING:
-            self.outbox.put_nowait(None)
 
 
 class Session:

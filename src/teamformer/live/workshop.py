@@ -24,7 +24,8 @@ from teamformer.live.drafts import (
 )
 from teamformer.live.messages import Message, read_files, read_message
 from teamformer.live.mission_with_past import Mission
-from teamformer.live.session import AT_ONCE, Session, Watcher
+from teamformer.live.session import AT_ONCE, Session
+from teamformer.live.watchers import Watcher
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
 

@@ -97,12 +97,12 @@ class Tasks:
         return max([0, *self.done.values(), *self.cancelled.values()])
 
     def is_open(self, task: int, steps_made: int) -> bool:
-        """Say whether a task is known once so many steps are made, and not over."""
+        """Say whether a task is known and not over after so many steps."""
         opens = self.opens_after(task)
         return self.over_in(task) is None and opens is not None and opens <= steps_made
 
     def open_after(self, steps_made: int) -> set[int]:
-        """Return the tasks that were known and not over once so many steps were made."""
+        """Return the tasks that were known and not over after so many steps."""
         return {
             task
             for task in range(len(self.scenario.tasks))

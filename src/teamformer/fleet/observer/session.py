@@ -24,7 +24,7 @@ from teamformer.fleet.transports.transport import Transport
 from teamformer.live.incidents import NewTask
 from teamformer.live.messages import Message, read_incident, read_message
 from teamformer.live.page_trees import Tree, record_so_far
-from teamformer.live.session import Watcher
+from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import step_to_tree, write_replay
 

@@ -3,6 +3,7 @@
 const KEYFRAME_EVERY = 50;
 const STATES_KEPT = 40;
 const NOBODY = -1;
+const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"]; // events after which it is planned anew
 
 // Read a replay once; then `at(step)` gives the state after that many steps. Memory stays bounded:
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.

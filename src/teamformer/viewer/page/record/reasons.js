@@ -94,8 +94,7 @@ function latestPlan({ replay }, step) {
 
 // What happened in the step after which a plan was made.
 function causesIn(history, made) {
-  const kinds = ["appears", "cancelled", "lost", "back", "found", "shown"];
-  const events = history.events.filter(({ step, kind }) => step === made && kinds.includes(kind));
+  const events = history.events.filter(({ step, kind }) => step === made && NEWS.includes(kind));
   return events.map((event) => describeEvent(history, event)).join(", ");
 }
 

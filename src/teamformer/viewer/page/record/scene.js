@@ -78,8 +78,7 @@ function isPlannedAnew({ replay, events }, step) {
   if (step === 0) return true;
   const kept = [replay.orders, replay.plans];
   if (kept.some((rows) => rows?.some(([made]) => made === step))) return true;
-  const kinds = ["appears", "cancelled", "lost", "back", "found", "shown"];
-  return events.some((event) => event.step === step && kinds.includes(event.kind));
+  return events.some((event) => event.step === step && NEWS.includes(event.kind));
 }
 
 // What a team is about, in one word: serves, done, waits, walks or idle; and told and leaves, see `tellWhoAwaitsAPlan`.

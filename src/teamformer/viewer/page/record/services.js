@@ -40,8 +40,8 @@ function endServices(history, running, state, change, step) {
     const slot = service.robots.map((robot) => state.team[robot]).find((team) => team !== NOBODY);
     const isCancelled = history.scenario.tasks[task].cancelled === step && !isDoneIn(change, task);
     if (isCancelled && slot !== undefined) leaveLoad(history, state, slot, task, step);
-    const isOver = slot === undefined || isCancelled || isDoneIn(change, task) || isSetDownIn(change, task);
-    if (!isOver && goesOn(history, state, slot, task)) {
+    const hasEnded = slot === undefined || isCancelled || isDoneIn(change, task) || isSetDownIn(change, task);
+    if (!hasEnded && goesOn(history, state, slot, task)) {
       service.slot = slot;
     } else {
       service.to = step;

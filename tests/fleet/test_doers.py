@@ -13,11 +13,12 @@ from teamformer.export.events import events
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import Notice, Post
 from teamformer.fleet.observer.watch import Watch
-from teamformer.fleet.rehearsal.faults import Faults
+from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.record import record_of, team_changes
 from teamformer.fleet.rehearsal.rehearse import faults_of, play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
+from teamformer.model import Absence
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.trials.trial import run_trial
@@ -72,6 +73,22 @@ def test_under_faults_it_is_who_did_it(schedule: int) -> None:
     record = record_of(rehearsal, outcome, trace.events, 7)
     assert credited(record) == really_did(rehearsal)
     assert len(credited(record)) == outcome.tasks_done >= 10
+
+
+def test_who_is_lost_after_several_tasks_in_a_step_did_them_all() -> None:
+    """In step 1 robot 3 does the last task with 0, then the others alone; then it is lost.
+
+    Fuzzing found it: what it did alone was shown in step 2, when it was there no longer.
+    """
+    robots = [robot("b", 0), robot("a", 0), robot("a", 0), robot("ab", 0)]
+    tasks = [task("a", 0), task("a", 0), task("bb", 0)]
+    mission, trace = Mission(make(robots, tasks, forming_steps=0)), Trace()
+    crashes = Crash(1, 0.0, 1.0), Crash(2, 0.0, 1.0), Crash(3, 1.0, keeps_facts=False)
+    rehearsal = Rehearsal(mission, PLANNER, plan_of(mission), Faults(crashes=crashes), trace)
+    record = record_of(rehearsal, rehearsal.run(300.0), trace.events, 0)
+    assert credited(record) == really_did(rehearsal) == {"t0": (3,), "t1": (3,), "t2": (0, 3)}
+    assert [len(step.done) for step in record.steps] == [1, 2]
+    assert record.scenario.robots[3].absences == (Absence(3),)
 
 
 def test_who_leaves_a_team_that_loses_its_lowest_robot_parts_from_it_before() -> None:

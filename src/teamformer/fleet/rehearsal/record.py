@@ -9,6 +9,7 @@ that appear.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +18,7 @@ from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent, Walked
 from teamformer.grid import Grid, Place
-from teamformer.model import Absence, Scenario, Task
+from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.plane import DECIMALS
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import FLEET, HEARD, Ending, Replay, Step, TeamAt
@@ -35,21 +36,26 @@ class Deed:
     robots: tuple[int, ...]
 
 
+SLACK = 1e-9
+"""By how many seconds something may come after the end of a step and still be of that step."""
+
 STATUSES = {"ended": "completed", "infeasible": "infeasible", "blocked": "step limit"}
 
 
 def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int) -> Replay:
     """Return the record of a rehearsal that has been played."""
-    scenario, number = _scenario_of(rehearsal)
-    deeds = {
-        done.key: Deed(number[done.key], scenario.tasks[number[done.key]].at, done.robots)
-        for done in rehearsal.world.done.values()
-    }
-    teller = _Teller(scenario, rehearsal.mission.step, number, deeds)
-    steps = math.ceil(outcome.end / rehearsal.mission.step)
-    ends = ((robot, at.lost_for_good) for robot, at in enumerate(scenario.robots))
+    mission = rehearsal.mission
+    events = sorted(events, key=lambda event: event.at)
+    tasks, number = _tasks_of(rehearsal)
+    done = rehearsal.world.done.values()
+    by_key = {it.key: Deed(number[it.key], tasks[number[it.key]].at, it.robots) for it in done}
+    deeds = _deeds_by_step(events, by_key, mission.step)
+    deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
+    robots = _robots_of(rehearsal, deeds)
+    scenario = replace(mission.scenario, tasks=tasks, robots=robots, teams=())
+    ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: step for robot, step in ends if step is not None}
-    rows = teller.tell(sorted(events, key=lambda event: event.at), steps, lost)
+    rows = _Teller(scenario, mission.step, number).tell(events, deeds, lost)
     is_complete, steps = outcome.status == "ended", len(rows)
     return Replay(
         scenario=scenario,
@@ -71,17 +77,20 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     )
 
 
-def _scenario_of(rehearsal: Rehearsal) -> tuple[Scenario, dict[int, int]]:
-    """Return the scenario with what happened to it, and the number of each task in it."""
-    mission, faults = rehearsal.mission, rehearsal.faults
-    whole, caps = mission.scenario, mission.scenario.capabilities
-    orders = [order for order in faults.orders if order.task.key in rehearsal.world.tasks]
+def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
+    """Return the tasks with those that operators added, and the number of each by its key."""
+    mission, whole = rehearsal.mission, rehearsal.mission.scenario
+    orders = [it for it in rehearsal.faults.orders if it.task.key in rehearsal.world.tasks]
     is_grid = isinstance(whole.world, Grid)
     added = [
         Task(
             order.task.name,
             (int(order.task.x), int(order.task.y)) if is_grid else (order.task.x, order.task.y),
-            {cap: need for cap, need in zip(caps, order.task.needs, strict=True) if need},
+            {
+                cap: need
+                for cap, need in zip(whole.capabilities, order.task.needs, strict=True)
+                if need
+            },
             round(order.task.duration / mission.step),
             math.ceil(order.at / mission.step),
         )
@@ -89,17 +98,22 @@ def _scenario_of(rehearsal: Rehearsal) -> tuple[Scenario, dict[int, int]]:
     ]
     number = {task.key: task.key for task in mission.tasks}
     number |= {order.task.key: len(mission.tasks) + k for k, order in enumerate(orders)}
-    busy_until: dict[int, int] = {}
-    for done in rehearsal.world.done.values():
-        for robot in done.robots:
-            step = math.ceil(done.at / mission.step - 1e-9)
-            busy_until[robot] = max(step, busy_until.get(robot, 0))
-    robots = tuple(
+    return (*whole.tasks, *added), number
+
+
+def _robots_of(rehearsal: Rehearsal, deeds: Sequence[Sequence[Deed]]) -> tuple[Robot, ...]:
+    """Return the robots, with when each breaks down for good; `deeds` are those of each step."""
+    busy_until = {
+        robot: step
+        for step, done in enumerate(deeds, start=1)
+        for deed in done
+        for robot in deed.robots
+    }
+    mission, faults = rehearsal.mission, rehearsal.faults
+    return tuple(
         replace(robot, absences=_lost_at(faults, k, mission.step, busy_until.get(k, 0)))
-        for k, robot in enumerate(whole.robots)
+        for k, robot in enumerate(mission.scenario.robots)
     )
-    scenario = replace(whole, tasks=(*whole.tasks, *added), robots=robots, teams=())
-    return scenario, number
 
 
 def _lost_at(faults: Faults, robot: int, step: float, busy_until: int) -> tuple[Absence, ...]:
@@ -116,41 +130,36 @@ def _lost_at(faults: Faults, robot: int, step: float, busy_until: int) -> tuple[
 class _Teller:
     """Goes through a trace step by step."""
 
-    def __init__(
-        self, scenario: Scenario, step: float, number: dict[int, int], deeds: Mapping[int, Deed]
-    ) -> None:
+    def __init__(self, scenario: Scenario, step: float, number: dict[int, int]) -> None:
         robots = range(len(scenario.robots))
-        self._step, self._number, self._deeds = step, number, deeds
+        self._step, self._number = step, number
         self._is_grid = isinstance(scenario.world, Grid)
         self._walks = [Walked(0.0, r, (scenario.robots[r].at,), 0.0, 1.0) for r in robots]
         self._says = {robot: (robot, NOBODY) for robot in robots}
         self._teams: Teams = {robot: (robot,) for robot in robots}
         self._shown: dict[int, TeamAt] = {}
 
-    def tell(self, events: Sequence[Event], steps: int, lost: dict[int, int]) -> list[Step]:
-        """Return what changed in each step."""
-        rows, position, step = [], 0, 0
-        waiting: list[Deed] = []
-        while step < steps or waiting:
-            step += 1
+    def tell(
+        self, events: Sequence[Event], deeds: Sequence[Sequence[Deed]], lost: Mapping[int, int]
+    ) -> list[Step]:
+        """Return what changed in each step; `deeds` has what each shows as done."""
+        rows, position = [], 0
+        for step, done in enumerate(deeds, start=1):
             heard = set()
-            while position < len(events) and events[position].at <= step * self._step + 1e-9:
+            while position < len(events) and events[position].at <= step * self._step + SLACK:
                 event = events[position]
                 position += 1
                 if isinstance(event, Walked):
                     self._walks[event.robot] = event
                 elif isinstance(event, Said):
                     self._says[event.robot] = (event.team, event.goal)
-                elif isinstance(event, Finished):
-                    waiting.append(self._deeds[event.task])
                 elif isinstance(event, Sent) and event.kind in HEARD:
                     heard.add((event.sender, event.receiver, event.kind))
-            done, waiting = _at_once(waiting)
             row = self._row(step, [r for r, at in lost.items() if at == step], done)
             rows.append(replace(row, heard=tuple(sorted(heard))))
         return rows
 
-    def _row(self, step: int, lost: list[int], done: list[Deed]) -> Step:
+    def _row(self, step: int, lost: list[int], done: Sequence[Deed]) -> Step:
         now = step * self._step
         for robot in lost:
             del self._says[robot]
@@ -180,6 +189,24 @@ class _Teller:
         if self._is_grid:
             return (to_x, to_y) if part >= 1 else (x, y)
         return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
+
+
+def _deeds_by_step(
+    events: Sequence[Event], deeds: Mapping[int, Deed], step: float
+) -> list[list[Deed]]:
+    """Return what each step shows as done, from the first step to the last that shows anything.
+
+    `events` are in order of time, `deeds` by the key of their task.
+    """
+    finished = deque(event for event in events if isinstance(event, Finished))
+    rows = list[list[Deed]]()
+    waiting = list[Deed]()
+    while finished or waiting:
+        while finished and finished[0].at <= (len(rows) + 1) * step + SLACK:
+            waiting.append(deeds[finished.popleft().task])
+        done, waiting = _at_once(waiting)
+        rows.append(done)
+    return rows
 
 
 def _at_once(deeds: Sequence[Deed]) -> tuple[list[Deed], list[Deed]]:

@@ -67,10 +67,10 @@ def told_by_record(tree: Tree) -> list[Line]:
             lines.append(Line(cancelled, "cancelled", "", task["name"]))
             ends[task["name"]] = cancelled
     for task in tasks:
-        opens = max(task.get("appears", 0), math.ceil(task.get("between", [0])[0]))
-        opens = max([opens, *(ends.get(name, math.inf) for name in task.get("after", ()))])
-        if 0 < opens <= len(tree["steps"]) and opens < task.get("cancelled", math.inf):
-            lines.append(Line(int(opens), "appears", "", task["name"]))
+        before = (ends.get(name, math.inf) for name in task.get("after", ()))
+        known = max([task.get("appears", 0), *before])
+        if 0 < known <= len(tree["steps"]) and known < task.get("cancelled", math.inf):
+            lines.append(Line(int(known), "appears", "", task["name"]))
     return sorted(lines)
 
 

@@ -38,6 +38,7 @@ def shared_of(scenario: Scenario, is_one_team: bool = False) -> Shared:
     needs = table([dict(task.needs) for task in tasks], scenario.capabilities)
     return Shared(
         now=np.int64(0),
+        opens=np.zeros(len(tasks), dtype=np.int64),
         table=travel_matrix(world, places, [task.at for task in tasks]).T.copy(),
         spots=np.zeros((0, 2), np.int32),
         goals=np.zeros((0, 2), np.int32),

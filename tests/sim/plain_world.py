@@ -89,7 +89,8 @@ class PlainWorld:
         self.done: dict[int, int] = {}
         self.cancelled: dict[int, int] = {}
         self.known: set[int] = set()
-        self.open = self.release()
+        self.open: list[int] = []
+        self.release()
         world = scenario.world
         self.here = world.arrival_radius if isinstance(world, Plane) else 0.0
         self.teams = {
@@ -219,8 +220,8 @@ class PlainWorld:
     def is_same(self, one: Place, other: Place) -> bool:
         return apart_squared(one, other) <= self.here**2
 
-    def release(self) -> list[int]:
-        """Make known what may begin now: its time has come, and all before it is over."""
+    def release(self) -> None:
+        """Make known what appears now: its time has come, and all before it is over."""
         over = {self.s.tasks[task].name for task in (*self.done, *self.cancelled)}
         news = [
             k
@@ -228,10 +229,19 @@ class PlainWorld:
             if k not in self.known
             and k not in self.cancelled
             and set(task.after) <= over
-            and self.steps >= max(task.appears, task.between[0] if task.between else 0)
+            and self.steps >= task.appears
         ]
         self.known.update(news)
-        return news
+        self.open += news
+
+    def has_opened(self, task: int) -> bool:
+        """Say whether the window of a task has begun."""
+        between = self.s.tasks[task].between
+        return between is None or self.steps >= between[0]
+
+    def shared_out(self) -> set[int]:
+        """Return the tasks that plans have, all known ones, or the order: those that may begin."""
+        return {task for task in self.open if self.is_coordinated or self.has_opened(task)}
 
     # One step. `wanted` has counts in thousandths for each slot; `order` is the shared order.
 
@@ -253,9 +263,10 @@ class PlainWorld:
         any_found = self.find()
         any_shown = self.show()
         self.complete()
+        shared_out = self.shared_out()
         self.steps += 1
-        news = self.release()
-        self.open += news
+        self.release()
+        news = self.shared_out() - shared_out
         if news or any_lost or any_back or any_cancelled or any_found or any_shown:
             for team in self.teams.values():
                 if team.task not in team.serving:
@@ -589,7 +600,7 @@ class PlainWorld:
     def is_ready(self, team: PlainTeam, task: int) -> bool:
         """Say whether a team stands at a task that it can do and nobody does."""
         is_served = any(task in t.serving for t in self.teams.values()) or task in self.let_go
-        is_free = task in self.open and not is_served
+        is_free = task in self.open and self.has_opened(task) and not is_served
         return is_free and self.is_at(team, task) and self.covers(self.has(team), task)
 
     def begin(self, team: PlainTeam, task: int, step: int) -> None:

@@ -20,7 +20,7 @@ from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.referee import judge
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import lateness, opening_steps
+from teamformer.sim.replay.task_times import known_steps, lateness, opening_steps
 from teamformer.trials.methods import Player
 from teamformer.trials.trial import run_trial
 from test_step import coalitions_of, compare, shared_order, wanted_by_slot
@@ -47,12 +47,54 @@ def test_what_comes_after_another_waits_for_it() -> None:
     replay = played(CORRIDOR)
     done = {k: n for n, step in enumerate(replay.steps, 1) for k, _ in step.done}
     assert done == {1: 9, 0: 15, 2: 19}
+    assert known_steps(replay) == [9, 0, 0]
     assert opening_steps(replay) == [9, 0, 18]
     assert lateness(replay) == {"timed": 1}
-    assert [(e.step, e.task) for e in events(replay) if e.kind == "appears"] == [(9, 0), (18, 2)]
+    assert [(e.step, e.task) for e in events(replay) if e.kind == "appears"] == [(9, 0)]
     verdict = judge(replay)
     assert verdict.is_legal
     assert verdict.late == {"timed": 1}
+
+
+@pytest.mark.parametrize(
+    ("player", "begin", "done"),
+    [
+        (SharedPlan(), 5, 8),  # it is under way when the window opens
+        (SharedPlan(), 8, 9),  # it is there, and is done in the next step
+        (SharedPlan(), 12, 13),  # it waits there
+        (Crews(), 12, 13),
+        (Central(0.5), 12, 13),
+        (Heuristic(), 12, 20),  # the paper's order has it once it may begin
+    ],
+    ids=["on its way", "just there", "waits", "crews", "central", "heuristic"],
+)
+def test_plans_have_robots_there_when_a_window_opens(player: Player, begin: int, done: int) -> None:
+    """8 steps to the task; the window ends in time for none of them to be late."""
+    timed = Task("timed", (8, 0), {"a": 1}, between=(begin, 20))
+    replay = played(replace(CORRIDOR, tasks=(timed,)), player)
+    assert replay.end.makespan == done
+    assert judge(replay).findings == ()
+
+
+def test_who_waits_for_a_window_forms_before_it_opens() -> None:
+    """Both are there after 2 steps, are one in step 3, and wait for 7 more."""
+    robots = Robot("r", (0, 0), {"a": 1}), Robot("s", (4, 0), {"a": 1})
+    timed = Task("timed", (2, 0), {"a": 2}, between=(10, 11))
+    replay = played(replace(CORRIDOR, robots=robots, tasks=(timed,)))
+    assert [n for n, step in enumerate(replay.steps, 1) if step.joins] == [3]
+    assert replay.end.makespan == 11
+    assert lateness(replay) == {}
+    assert judge(replay).findings == ()
+
+
+def test_a_window_that_has_not_begun_is_no_place_to_work() -> None:
+    """A record that has the task done two steps too early is found."""
+    timed = Task("timed", (2, 0), {"a": 1}, between=(10, 12))
+    replay = played(replace(CORRIDOR, tasks=(timed,)))
+    early = replace(timed, between=(8, 12))
+    forged = replace(played(replace(CORRIDOR, tasks=(early,))), scenario=replay.scenario)
+    told = [finding.message for finding in judge(forged).findings]
+    assert "step 9: task timed cannot be done: it may begin after 10 steps" in told
 
 
 def test_central_plans_what_cannot_but_be_late() -> None:
@@ -87,7 +129,7 @@ def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
         while env.is_running[0] and env.tally().steps < 60:
             twin.order = shared_order(env)
             twin.coalitions = coalitions_of(env, twin.order)
-            assert sorted(twin.order) == sorted(twin.open)
+            assert set(twin.order) == twin.shared_out()
             view = env.view()
             decision = random_decision(view, rng)
             twin.step(wanted_by_slot(env, view, decision), twin.order)

@@ -13,7 +13,7 @@ from teamformer.export.moments import Moment, moments
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.replay.phases import PHASES
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import cancelled_steps, opening_steps
+from teamformer.sim.replay.task_times import cancelled_steps, known_steps
 
 Row = Sequence[object]
 
@@ -58,12 +58,12 @@ def _tasks(replay: Replay) -> Iterable[Row]:
     steps = ("appears", "cancelled_in_step", "done_in_step")
     yield ("task", "needs", "x", "y", "duration", *steps, "done_by")
     done = {event.task: event for event in events(replay) if event.kind == "done"}
-    opens, cancelled = opening_steps(replay), cancelled_steps(replay)
+    appeared, cancelled = known_steps(replay), cancelled_steps(replay)
     for number, task in enumerate(replay.mission.tasks):
         event = done.get(number)
         who = "" if event is None else ", ".join(_name(replay, robot) for robot in event.robots)
         when = "" if event is None else event.step
-        needs, known = describe(task.needs), "" if opens[number] == NEVER else opens[number]
+        needs, known = describe(task.needs), "" if appeared[number] == NEVER else appeared[number]
         called_off = cancelled.get(number, "")
         yield (task.name, needs, *task.at, task.duration, known, called_off, when, who)
 

@@ -10,7 +10,7 @@ from teamformer.capabilities import describe
 from teamformer.grid import Place
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import cancelled_steps, opening_steps
+from teamformer.sim.replay.task_times import cancelled_steps, known_steps
 from teamformer.sim.replay.teams import Teams
 
 
@@ -58,8 +58,8 @@ def events(replay: Replay) -> Iterator[Event]:
     """Yield the events of a record."""
     teams = Teams(replay)
     appears: defaultdict[int, list[int]] = defaultdict(list)
-    for task, opened in enumerate(opening_steps(replay)):
-        appears[opened].append(task)
+    for task, steps in enumerate(known_steps(replay)):
+        appears[steps].append(task)
     cancelled: defaultdict[int, list[int]] = defaultdict(list)
     for task, called_off in cancelled_steps(replay).items():
         cancelled[called_off].append(task)

@@ -51,7 +51,7 @@ from teamformer.grid import Place
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import opening_steps, over_steps
+from teamformer.sim.replay.task_times import known_steps, over_steps
 
 FRAME = "map"
 UPRIGHT = Quaternion(x=0.0, y=0.0, z=0.0, w=1.0)
@@ -79,7 +79,7 @@ def telling(replay: Replay) -> Iterator[Told]:
     log: defaultdict[int, list[Event]] = defaultdict(list)
     for event in events(replay):
         log[event.step].append(event)
-    spans = list(zip(opening_steps(replay), _ends(replay), strict=True))
+    spans = list(zip(known_steps(replay), _ends(replay), strict=True))
     for moment in moments(replay):
         time = round(moment.step * length * NANOSECONDS)
         yield Told(moment, time, spans, log.get(moment.step, ()))

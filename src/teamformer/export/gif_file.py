@@ -16,7 +16,7 @@ from teamformer.grid import Grid, Place
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.phases import AT_WORK, IDLE, LOST
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import cancelled_steps, done_steps, opening_steps
+from teamformer.sim.replay.task_times import cancelled_steps, done_steps, known_steps
 
 WIDEST, HIGHEST = 960, 640
 """Pixels of the map at most."""
@@ -84,7 +84,7 @@ class _Sheet:
             max(LEAST, math.ceil(world.width * self._cell) + 2 * MARGIN),
             math.ceil(world.height * self._cell) + 2 * MARGIN + CAPTION,
         )
-        self._opens, self._done = opening_steps(replay), done_steps(replay)
+        self._known, self._done = known_steps(replay), done_steps(replay)
         self._over = self._done | cancelled_steps(replay)
         self._font = ImageFont.load_default(11)
         self._ground = self._draw_ground()
@@ -126,7 +126,7 @@ class _Sheet:
 
     def _draw_tasks(self, pen: ImageDraw.ImageDraw, moment: Moment, served: set[int]) -> None:
         for number, task in enumerate(self._scenario.tasks):
-            if self._opens[number] > moment.step:
+            if self._known[number] > moment.step:
                 continue
             is_over = self._over.get(number, moment.step + 1) <= moment.step
             middle, colour = (

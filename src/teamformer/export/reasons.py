@@ -12,7 +12,7 @@ from teamformer.export.events import events
 from teamformer.export.moments import Moment, moments
 from teamformer.export.plans_in_force import PlansInForce
 from teamformer.model import Scenario
-from teamformer.rules.constants import NOBODY
+from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.replay.phases import (
     AT_WORK,
     CARRYING,
@@ -25,7 +25,7 @@ from teamformer.sim.replay.phases import (
     WAITING,
 )
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import opening_steps, over_steps
+from teamformer.sim.replay.task_times import known_steps, opening_steps, over_steps
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class _Narrator:
 
     def __init__(self, replay: Replay, robot: int) -> None:
         self._replay, self._scenario, self._robot = replay, replay.scenario, robot
-        self._opens = opening_steps(replay)
+        self._known, self._opens = known_steps(replay), opening_steps(replay)
         self._over_in = over_steps(replay)
         self._over: set[int] = set()
         self._plans = PlansInForce(replay)
@@ -96,6 +96,8 @@ class _Narrator:
         """Return why the robot does it; nothing where that goes without saying."""
         phase, task = moment.phase[self._robot], moment.pursued[self._robot]
         if phase == WAITING:
+            if moment.step <= self._opens[task] < NEVER:
+                return f"the task may not begin before step {self._opens[task] + 1}"
             return _why_waiting(self._replay.mission, moment, self._robot, task)
         if phase == IDLE:
             return self._why_idle(moment)
@@ -109,7 +111,7 @@ class _Narrator:
         is_open = [
             task
             for number, task in enumerate(self._scenario.tasks)
-            if self._opens[number] < moment.step and number not in self._over
+            if self._known[number] < moment.step and number not in self._over
         ]
         if not is_open:
             return "no task is open"

@@ -136,14 +136,16 @@ def find_surprises(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], 
 
 
 def opening_step(task: Task) -> int:
-    """Return how many steps have been made when a task may begin, those before it being done.
-
-    Until then nobody heads for it.
-    """
-    return max(task.appears, math.ceil(task.between[0]) if task.between else 0)
+    """Return how many steps have been made when a task may begin, those before it being done."""
+    return max(task.appears, window_opens(task))
 
 
-def is_known_from_start(task: Task) -> bool:
+def window_opens(task: Task) -> int:
+    """Return how many steps have been made when the window of a task begins."""
+    return math.ceil(task.between[0]) if task.between else 0
+
+
+def may_begin_at_once(task: Task) -> bool:
     """Say whether a task may begin in the first step."""
     return not task.after and opening_step(task) == 0
 

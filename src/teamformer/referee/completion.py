@@ -58,8 +58,14 @@ class Tasks:
     where it took longer than was `believed`.
     """
 
-    def __init__(self, scenario: Scenario, believed: Scenario | None = None) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        believed: Scenario | None = None,
+        is_coordinated: bool = False,
+    ) -> None:
         self.scenario = scenario
+        self._is_coordinated = is_coordinated
         self.done: dict[int, int] = {}  # task -> step
         self.cancelled: dict[int, int] = {}  # task -> step in which it was called off, undone
         self.any_broken_off = self.any_overdue = False
@@ -70,17 +76,38 @@ class Tasks:
         self.loads = Loads(scenario)
 
     def opens_after(self, task: int) -> int | None:
+        """Return how many steps are made when a task may begin; None if it never may.
+
+        That is when it is known and its window begins.
+        """
+        known, window = self.known_after(task), self.scenario.tasks[task].between
+        if known is None or window is None:
+            return known
+        return self._unless_called_off(task, max(known, math.ceil(window[0])))
+
+    def known_after(self, task: int) -> int | None:
         """Return how many steps are made when a task becomes known; None if it never does.
 
-        That is when it appears, its window begins and all that it comes after is over.
+        That is when it appears and all that it comes after is over.
         """
         wanted = self.scenario.tasks[task]
         before = [self.over_in(self._number[name]) for name in wanted.after]
         if None in before:
             return None
-        begin = 0 if wanted.between is None else math.ceil(wanted.between[0])
-        opens = max([wanted.appears, begin, *(step for step in before if step is not None)])
-        return None if wanted.cancelled is not None and wanted.cancelled <= opens else opens
+        known = max([wanted.appears, *(step for step in before if step is not None)])
+        return self._unless_called_off(task, known)
+
+    def _unless_called_off(self, task: int, steps: int) -> int | None:
+        """Return so many steps, or None if the task is called off by then."""
+        cancelled = self.scenario.tasks[task].cancelled
+        return None if cancelled is not None and cancelled <= steps else steps
+
+    def shared_out_after(self, task: int) -> int | None:
+        """Return how many steps are made when a task is shared out; None if it never is.
+
+        Plans have the tasks that are known, the paper's order those that may begin.
+        """
+        return self.known_after(task) if self._is_coordinated else self.opens_after(task)
 
     def over_in(self, task: int) -> int | None:
         """Return the step in which a task was done or called off; None if it was not yet."""
@@ -98,16 +125,21 @@ class Tasks:
 
     def is_open(self, task: int, steps_made: int) -> bool:
         """Say whether a task is known and not over after so many steps."""
-        opens = self.opens_after(task)
-        return self.over_in(task) is None and opens is not None and opens <= steps_made
+        known = self.known_after(task)
+        return self.over_in(task) is None and known is not None and known <= steps_made
 
-    def open_after(self, steps_made: int) -> set[int]:
-        """Return the tasks that were known and not over after so many steps."""
+    def may_begin(self, task: int, step: int) -> bool:
+        """Say whether a task may begin in a step."""
+        opens = self.opens_after(task)
+        return self.over_in(task) is None and opens is not None and opens < step
+
+    def to_share_out(self, steps_made: int) -> set[int]:
+        """Return the tasks that were to be shared out and not over after so many steps."""
         return {
             task
             for task in range(len(self.scenario.tasks))
-            if (opens := self.opens_after(task)) is not None
-            and opens <= steps_made
+            if (since := self.shared_out_after(task)) is not None
+            and since <= steps_made
             and ((over := self.over_in(task)) is None or steps_made < over)
         }
 
@@ -151,9 +183,9 @@ class Tasks:
                 late[wanted.name] = step - wanted.between[1]
         return late
 
-    def openings(self) -> set[int]:
-        """Return after how many steps tasks have become known."""
-        steps = (self.opens_after(task) for task in range(len(self.scenario.tasks)))
+    def arrivals(self) -> set[int]:
+        """Return after how many steps there are new tasks to share out."""
+        steps = (self.shared_out_after(task) for task in range(len(self.scenario.tasks)))
         return {step for step in steps if step is not None}
 
     def complete(
@@ -210,7 +242,7 @@ class Tasks:
         return heads_for in team.services
 
     def _can_begin(self, fleet: Fleet, team: RecordedTeam, task: int, step: int) -> bool:
-        if not self.is_open(task, step - 1) or self.loads.is_let_go(task):
+        if not self.may_begin(task, step) or self.loads.is_let_go(task):
             return False
         is_served = any(task in other.services for other in fleet.teams.values())
         return not is_served and fleet.covers(team, task)
@@ -295,11 +327,12 @@ class Tasks:
         wanted = self.scenario.tasks[task]
         if task in self.cancelled:
             return f"it was called off in step {self.cancelled[task]}"
-        if not self.is_open(task, step - 1):
+        if not self.may_begin(task, step):
             opens = self.opens_after(task)
             if opens is None:
                 return f"it comes after {', '.join(wanted.after)}"
-            return f"it appears after {opens} steps"
+            what = "appears" if opens == self.known_after(task) else "may begin"
+            return f"it {what} after {opens} steps"
         team = fleet.teams.get(slot)
         if team is None:
             return f"there is no team of robot {self.scenario.robots[slot].name} as its lowest"

@@ -26,8 +26,8 @@ def start_fleet(replay: Replay, notes: Notes) -> Fleet:
 def judge_orders(replay: Replay, tasks: Tasks, notes: Notes) -> None:
     """Check that each shared order holds exactly the tasks that are known and undone then."""
     for steps, order in replay.orders:
-        known = tasks.open_after(steps)
-        if set(order) != known or len(order) != len(known):
+        wanted = tasks.to_share_out(steps)
+        if set(order) != wanted or len(order) != len(wanted):
             notes.note(f"the order made after {steps} steps is not one of the open tasks")
 
 

@@ -65,7 +65,7 @@ RULES = np.dtype(
 COUNT = np.dtype(
     [
         ("steps", np.int32),
-        ("open", np.int32),  # released tasks that are neither done nor called off
+        ("open", np.int32),  # tasks in the order: to be shared out, neither done nor called off
         ("arrived", np.int32),  # of these, tasks that the order does not know yet
         ("done", np.int32),
         ("cancelled", np.int32),
@@ -127,6 +127,7 @@ TASK = np.dtype(
         ("longest", np.int32),  # steps that it takes at most
         ("takes", np.int32),  # steps that it really takes
         ("appears", np.int32),  # steps made when it becomes known, if it awaits no other
+        ("opens", np.int32),  # steps made when its window begins: it may begin in the next
         ("cancelled", np.int32),  # the step in which it is called off if it is not done, or NEVER
         ("awaits", np.int32),  # how many tasks that it comes after are not over
         ("region", np.int32),
@@ -156,7 +157,7 @@ TASK = np.dtype(
         ("left_at", np.int32),  # the step in which it was last set down elsewhere, or NOBODY
         ("done_at", np.int32),  # step, or NOBODY
         ("done_by", np.int32),  # slot
-        ("is_open", np.bool_),  # released, and neither done nor called off
+        ("is_open", np.bool_),  # known, and neither done nor called off
     ],
     align=True,
 )
@@ -194,7 +195,7 @@ class Worlds(NamedTuple):
     may_need: Array  # the same: with what probability one more is needed
     precedes: Array  # (worlds, tasks, tasks) which are done before which, or (worlds, 0, 0)
     demand: Array  # (worlds, caps) open tasks that need each capability
-    order: Array  # (worlds, tasks) open tasks in order, the first count.open of them
+    order: Array  # (worlds, tasks) tasks to be shared out, the first count.open of them
     blocked: Array  # (worlds, height, width), or (worlds, 0, 0) if no world has walls
     fields: Array  # (worlds, tasks, height, width) distances to tasks, or (worlds, 0, 0, 0);
     # with loads twice as many rows: then come the distances to where each is brought

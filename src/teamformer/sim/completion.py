@@ -39,7 +39,7 @@ def complete_tasks(world: World, step: int) -> None:
             continue
         for i in range(find_tasks_here(world, team)):
             task = world.here[i]
-            is_free = _is_free(world, task) and not world.tasks[task].is_load
+            is_free = _is_free(world, task, step) and not world.tasks[task].is_load
             if is_free and can_do_alone(world, team, task):
                 _begin(world, team, task, step)
     if world.count.done > done_before:
@@ -81,7 +81,7 @@ def _is_loaded(world: World, team: int, step: int) -> bool:
         return False
     if world.teams[team].serves > 0:
         return bool(world.tasks[task].server == team)
-    is_free = _is_free(world, task) and not world.tasks[task].is_carried
+    is_free = _is_free(world, task, step) and not world.tasks[task].is_carried
     if is_free and stands_at(world, team, task) and can_do_alone(world, team, task):
         _begin(world, team, task, step)
         return True
@@ -89,8 +89,10 @@ def _is_loaded(world: World, team: int, step: int) -> bool:
 
 
 @kernel
-def _is_free(world: World, task: int) -> bool:
-    return world.tasks[task].is_open and world.tasks[task].server == NOBODY
+def _is_free(world: World, task: int, step: int) -> bool:
+    """Say whether a task may begin in a step."""
+    is_served = world.tasks[task].server != NOBODY
+    return world.tasks[task].is_open and world.tasks[task].opens < step and not is_served
 
 
 @kernel
@@ -233,17 +235,23 @@ def drop_assignments(world: World) -> None:
 
 @kernel
 def release_tasks(world: World, steps_made: int) -> bool:
-    """Make known the tasks that appear now, at the end of the order; say whether any do."""
+    """Make known the tasks that appear now; say whether the order has new ones, at its end.
+
+    Coordinators share out what is known, the paper's allocator what may begin.
+    """
     arrived = 0
     for task in range(world.rules.tasks):
-        is_due = world.tasks[task].appears == steps_made and world.tasks[task].awaits == 0
+        appears, opens = world.tasks[task].appears, world.tasks[task].opens
+        is_due = appears == steps_made and world.tasks[task].awaits == 0
         if is_due and world.tasks[task].cancelled > steps_made:
             world.tasks[task].is_open = True
+            for cap in range(world.has.shape[1]):
+                world.demand[cap] += world.needs[task, cap] > 0
+        is_shared_out_at = appears if world.rules.is_coordinated else max(appears, opens)
+        if world.tasks[task].is_open and is_shared_out_at == steps_made:
             world.order[world.count.open] = task
             world.count.open += 1
             arrived += 1
-            for cap in range(world.has.shape[1]):
-                world.demand[cap] += world.needs[task, cap] > 0
     world.count.arrived = arrived
     if arrived > 0:
         world.count.news |= APPEARED

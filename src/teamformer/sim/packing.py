@@ -13,9 +13,8 @@ from teamformer.mission.places import believed_place, possible_places
 from teamformer.mission.rules import (
     FORESIGHTS,
     NEW_TASKS,
-    is_known_from_start,
-    opening_step,
     rules_not_played,
+    window_opens,
 )
 from teamformer.model import Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
@@ -229,7 +228,8 @@ def _pack_tasks(
         record["x"], record["y"] = place
         record["duration"], record["longest"] = task.duration, task.longest
         record["takes"], record["hides_needs"] = truth.tasks[k].duration, bool(task.may_need)
-        record["appears"], record["awaits"] = opening_step(task), len(task.after)
+        record["appears"], record["awaits"] = task.appears, len(task.after)
+        record["opens"] = window_opens(task)
         if task.cancelled is not None:
             record["cancelled"] = min(task.cancelled, LATEST)
         for name in task.after:
@@ -238,7 +238,7 @@ def _pack_tasks(
             record["is_load"], record["unload"] = True, task.unload
             record["to_x"], record["to_y"] = task.to
         record["region"] = scenario.world.region(place)
-        record["is_open"] = is_known_from_start(task)
+        record["is_open"] = not task.after and task.appears == 0
         column, row = (int(along * cells_per_length) for along in place)
         cell = worlds.cells[w, min(row, height - 1) * width + min(column, width - 1)]
         record["next_here"], cell["first_task"] = cell["first_task"], k
@@ -256,10 +256,12 @@ def _pack_tasks(
                 worlds.worst_needs[w, k, cap_of[name]] = count
             for name, probability in task.may_need.items():
                 worlds.may_need[w, k, cap_of[name]] = probability
-    known = np.flatnonzero(worlds.tasks["is_open"][w])
-    worlds.order[w, : len(known)] = known
-    worlds.demand[w] = (worlds.needs[w, known] > 0).sum(axis=0)
-    worlds.count["open"][w] = worlds.count["arrived"][w] = len(known)
+    is_known = worlds.tasks["is_open"][w]
+    worlds.demand[w] = (worlds.needs[w, is_known] > 0).sum(axis=0)
+    is_shared_out = is_known & (worlds.rules["is_coordinated"][w] | (worlds.tasks["opens"][w] == 0))
+    order = np.flatnonzero(is_shared_out)
+    worlds.order[w, : len(order)] = order
+    worlds.count["open"][w] = worlds.count["arrived"][w] = len(order)
 
 
 def _pack_places(worlds: Worlds, w: int, k: int, task: Task, world: World, at: Place) -> None:

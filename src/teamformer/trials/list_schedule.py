@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission.rules import is_known_from_start
+from teamformer.mission.rules import may_begin_at_once
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.relaxation.schedule import schedule_tasks
@@ -14,7 +14,7 @@ def list_schedule(scenario: Scenario) -> int | None:
 
     None where tasks appear later: the order is not all known then.
     """
-    if not all(map(is_known_from_start, scenario.tasks)):
+    if not all(map(may_begin_at_once, scenario.tasks)):
         return None
     order = TeamFormation([scenario]).worlds.order[0, : len(scenario.tasks)]
     schedule = schedule_tasks(relax(scenario), order.tolist())

@@ -68,11 +68,11 @@ def walk_list(
         position += 1
     if position < length:
         place, end = room.place[0], room.ready[0]
-        slowness, soonest = room.slowness[0], shared.now + 1
+        slowness = room.slowness[0]
         while position < length:
             task = tasks[position]
             end += np.int64(np.ceil(way(shared, place, task) * slowness - ROUNDING))
-            end = max(end, soonest) + shared.duration[task]
+            end = max(end, shared.opens[task] + 1) + shared.duration[task]
             room.ends[position] = end
             place = task
             position += 1
@@ -111,7 +111,8 @@ def _meet_at(shared: Shared, room: Room, count: int, task: int) -> tuple[Any, An
         if helpers > 1 and steps == 0:
             steps += 1
         _insert(room.arrival, index, max(room.ready[party] + steps, shared.now + 1))
-    end = pair_off(room.arrival, helpers) + shared.duration[task]
+    start = max(pair_off(room.arrival, helpers), shared.opens[task] + 1)
+    end = start + shared.duration[task]
     one = room.helper[0]
     room.place[one], room.ready[one] = task, end
     for index in range(helpers - 1, 0, -1):

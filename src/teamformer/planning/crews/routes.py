@@ -22,7 +22,8 @@ class Shared(NamedTuple):
     after all tasks.
     """
 
-    now: np.int64  # steps made
+    now: np.int64  # steps made, or those until the first task may begin
+    opens: Array  # (tasks,) steps made when each may begin
     table: Array  # (tasks, places) ways from places to tasks; (0, 0) where these are straight:
     spots: Array  # (places, 2) then where the places are
     goals: Array  # (tasks, 2) and the tasks

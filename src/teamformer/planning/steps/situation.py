@@ -8,6 +8,7 @@ import numpy as np
 
 from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid, Place
+from teamformer.mission.rules import opening_step
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import (
     Future,
@@ -64,7 +65,7 @@ def situation_of(known: Known, in_table: bool = True) -> Situation:
         walked,
         speed,
         Future(
-            appears=np.full(len(tasks), known.step, np.int32),
+            appears=np.array([max(known.step, opening_step(task)) for task in wanted], np.int32),
             lost=np.full(len(robots), FAR, np.int32),
         ),
         ready=np.array([known.free_at[robot] for robot in robots], np.int32),

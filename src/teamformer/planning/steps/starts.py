@@ -54,7 +54,8 @@ def _shared(problem: Relaxed, company: Array) -> Shared:
         task_region, robot_region = np.zeros(tasks, np.int64), np.zeros(len(company), np.int64)
     slowness = 1 / problem.speed
     return Shared(
-        np.int64(problem.appears.max()),
+        np.int64(problem.appears.min()),
+        problem.appears.astype(np.int64),
         walked_cells(problem),
         problem.spots,
         problem.goals,

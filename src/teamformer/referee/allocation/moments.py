@@ -48,7 +48,7 @@ def judge_moments(
 
 def _judge_orders(replay: Replay, tasks: Tasks, last: int, notes: Notes) -> None:
     """Check that there is an order at the start, when tasks appear, and with plans."""
-    opened = {0, *tasks.openings()}
+    opened = {0, *tasks.arrivals()}
     made = {steps for steps, _ in replay.orders}
     for steps in sorted(opened - made):
         if steps <= last:
@@ -73,7 +73,7 @@ def _plan_reasons(
     replay: Replay, tasks: Tasks, news: Sequence[News], told: Sequence[int]
 ) -> dict[int, tuple[str, ...]]:
     """Return why a plan is made after each of the steps after which one is."""
-    opened = tasks.openings()
+    opened = tasks.arrivals()
     due = {}
     for steps in told:
         first = (START,) if steps == 0 else (APPEARED,) if steps in opened else ()

@@ -117,7 +117,7 @@ def check_assignments(
     """
     if not fleet.is_coordinated:
         return
-    is_news = is_news or steps_made in tasks.openings()
+    is_news = is_news or steps_made in tasks.arrivals()
     for _, team in sorted(fleet.teams.items()):
         due = None if team.due is not None and tasks.over_in(team.due) else team.due
         if is_news and due not in team.services:

@@ -46,7 +46,7 @@ def _solve_anew(world: World) -> None:
         if world.tasks[task].done_at > latest:
             latest = world.tasks[task].done_at
             x, y = world.tasks[task].x, world.tasks[task].y
-    tasks = np.array([k for k in range(world.rules.tasks) if world.tasks[k].is_open])
+    tasks = np.sort(world.order[: world.count.open])
     from_start = np.empty(len(tasks), dtype=np.int64)
     between = np.zeros((len(tasks), len(tasks)), dtype=np.int64)
     for i in range(len(tasks)):

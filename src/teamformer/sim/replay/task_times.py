@@ -1,9 +1,9 @@
-"""When the tasks of a record became known and were over, and which were done too late."""
+"""When the tasks of a record became known, opened and were over, and which were too late."""
 
 from __future__ import annotations
 
 from teamformer.mission.costs import cost_in_steps
-from teamformer.mission.rules import latest_end, opening_step
+from teamformer.mission.rules import latest_end, window_opens
 from teamformer.rules.constants import NEVER
 from teamformer.sim.replay.record import Replay
 
@@ -32,17 +32,26 @@ def over_steps(replay: Replay) -> dict[int, int]:
     return done_steps(replay) | cancelled_steps(replay)
 
 
-def opening_steps(replay: Replay) -> list[int]:
+def known_steps(replay: Replay) -> list[int]:
     """Return how many steps were made when each task became known; NEVER if it did not."""
     tasks, over = replay.scenario.tasks, over_steps(replay)
     number_of = {task.name: number for number, task in enumerate(tasks)}
-    opens = [
-        max([opening_step(task), *(over.get(number_of[name], NEVER) for name in task.after)])
+    known = [
+        max([task.appears, *(over.get(number_of[name], NEVER) for name in task.after)])
         for task in tasks
     ]
     return [
         NEVER if task.cancelled is not None and task.cancelled <= steps else steps
-        for task, steps in zip(tasks, opens, strict=True)
+        for task, steps in zip(tasks, known, strict=True)
+    ]
+
+
+def opening_steps(replay: Replay) -> list[int]:
+    """Return how many steps were made when each task could begin; NEVER if it did not get known."""
+    known = known_steps(replay)
+    return [
+        max(steps, window_opens(task))
+        for task, steps in zip(replay.scenario.tasks, known, strict=True)
     ]
 
 

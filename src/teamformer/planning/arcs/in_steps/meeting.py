@@ -97,7 +97,8 @@ def _walked(problem: ArcProblem, graph: Graph, node: int, way: int, leaves: int)
             other = problem.passes[place]
             there = leaves + delay + problem.ways[pace, node, other] // TICKS
             start = (nodes[other].end - nodes[other].duration) // TICKS
-            if there < start and _can_do(problem, graph, node, to, nodes[other].need):
+            is_open = nodes[other].release // TICKS <= there + 1
+            if is_open and there < start and _can_do(problem, graph, node, to, nodes[other].need):
                 delay += nodes[other].duration // TICKS
     return delay + problem.ways[pace, node, to] // TICKS
 

@@ -199,10 +199,10 @@ function addArrival(arrivals, step, task) {
 }
 
 // Tasks become known when the last task that they are after is over.
-function openNextTasks({ scenario, overAt }, arrivals, step) {
+function openNextTasks({ scenario, replay, overAt }, arrivals, step) {
   scenario.tasks.forEach((task, number) => {
     if (task.appears < Infinity || task.after.some((other) => overAt[other] > step)) return;
-    task.appears = Math.max(task.opens, step);
+    task.appears = Math.max(replay.scenario.tasks[number].appears ?? 0, step);
     if (task.appears < task.cancelled) addArrival(arrivals, task.appears, number);
   });
 }

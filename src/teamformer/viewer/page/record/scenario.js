@@ -39,7 +39,6 @@ function readTask(
   truth,
   isHopeful,
 ) {
-  const opens = Math.max(appears ?? 0, Math.ceil(between?.[0] ?? 0));
   const mayNeed = Object.entries(may_need ?? {}).map(([cap, chance]) => [numbers.get(cap), chance]);
   const sure = readCounts(needs, numbers);
   const hoped = mayNeed.filter(([, chance]) => isHopeful && chance > 0).map(([cap]) => [cap, 1]);
@@ -55,8 +54,8 @@ function readTask(
     mayNeed,
     lasts,
     duration: truth?.duration ?? took,
-    opens,
-    appears: after?.length ? Infinity : opens,
+    opens: Math.ceil(between?.[0] ?? 0), // steps made when its window begins
+    appears: after?.length ? Infinity : appears ?? 0,
     cancelled: cancelled ?? Infinity, // the step in which it is called off if it is not done by then
     after: after ?? [],
     to: to ?? null, // where a load is brought, and how long it takes there

@@ -27,8 +27,8 @@ function serviceKeeper(history) {
 }
 
 function isClosed(history, task, step) {
-  const { appears, cancelled } = history.scenario.tasks[task];
-  return history.doneAt[task] < Infinity || cancelled <= step || appears >= step;
+  const { appears, opens, cancelled } = history.scenario.tasks[task];
+  return history.doneAt[task] < Infinity || cancelled <= step || Math.max(appears, opens) >= step;
 }
 
 function isDoneIn(change, task) {

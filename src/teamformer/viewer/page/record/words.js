@@ -150,7 +150,7 @@ function describeLateness({ scenario, doneAt }, task) {
 function describeStanding(history, task, scene) {
   const { scenario } = history;
   const { step } = scene;
-  const { after, appears, cancelled } = scenario.tasks[task];
+  const { after, appears, opens, cancelled } = scenario.tasks[task];
   const standing = standingOf(history, task, step);
   if (cancelled === step + 1 && standing !== "done") return "called off with the next step";
   switch (standing) {
@@ -172,7 +172,8 @@ function describeStanding(history, task, scene) {
       return "can never be done";
     default: {
       const assigned = scene.assignedTo.get(task)?.length ?? 0;
-      return assigned ? `open, ${plural(assigned, "team")} assigned` : "open, nobody assigned";
+      const when = opens > step ? `may begin after ${describeMoment(scenario.world, opens)}` : "open";
+      return `${when}, ${assigned ? plural(assigned, "team") : "nobody"} assigned`;
     }
   }
 }

@@ -118,13 +118,17 @@ def plan(
         str, typer.Option(help="central; in continuous time also plan or reactive")
     ] = "central",
     time_limit: TimeLimit = 10.0,
+    start: Annotated[
+        Path | None,
+        typer.Option("--from", help="a plan to begin with, written by `plan --json`; for central"),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="folder for a Gantt chart, plan.html")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Plan a mission without playing it: who goes where, and when."""
     from teamformer.commands.missions.plan import plan as command
 
-    raise typer.Exit(command(mission, method, time_limit, out, as_json))
+    raise typer.Exit(command(mission, method, time_limit, start, out, as_json))
 
 
 @app.command()

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
+from teamformer.coordination import Plan
 from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
@@ -17,6 +18,7 @@ from teamformer.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
+from teamformer.policies.central.policy import Central
 from teamformer.sim.replay.task_times import cost_of_record, lateness
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.methods import DEFAULT as SHARED
@@ -24,6 +26,8 @@ from teamformer.trials.methods import load_method
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
 from teamformer.truth import expected_mission
+
+CENTRAL = "central"
 
 DIGITS = 6
 """Places after the point that are told of a time."""
@@ -36,23 +40,28 @@ class PlannedMission(MissionPlan):
     critical_path: tuple[Stretch, ...] = ()
 
 
-def plan_mission(mission: Scenario, method: str, seconds: float) -> PlannedMission | None:
+def plan_mission(
+    mission: Scenario, method: str, seconds: float, start: Plan | None = None
+) -> PlannedMission | None:
     """Return the plan that a method makes in so many seconds; None if it finds none.
 
-    A mission in steps is planned by `central`, for what is to be expected, and the routes are read
-    off its play. Raises what `refuse_unplannable` raises, and `UndoableError` for a mission that
-    no plan can do in full.
+    `central` may begin with a plan of all tasks, `start`. A mission in steps is planned by
+    `central`, for what is to be expected, and the routes are read off its play. Raises what
+    `refuse_unplannable` raises, and `UndoableError` for a mission that no plan can do in full.
     """
     refuse_unplannable(mission, method)
+    if start is not None and method != CENTRAL:
+        raise TeamformerError(f"method '{method}' begins with no plan", f"use {CENTRAL}")
     if mission.time == "continuous":
         refuse_too_large(mission, load_method(SHARED))
         warm_up(is_linked(mission))
-        made = plan_continuous(pose_mission(mission), method, seconds)
+        made = plan_continuous(pose_mission(mission), method, seconds, start)
         if made is None:
             return None
         told = {field.name: getattr(made, field.name) for field in fields(MissionPlan)}
         return PlannedMission(**told, critical_path=path_of_plan(mission, made))
-    trial = run_trial(expected_mission(mission), load_method(method, seconds))
+    player = load_method(method, seconds) if start is None else Central(seconds, start=start)
+    trial = run_trial(expected_mission(mission), player)
     end, bound = trial.replay.end, trial.replay.lower_bound or 0
     if end.blocked_tasks:
         raise UndoableError(
@@ -84,9 +93,9 @@ def refuse_unplannable(mission: Scenario, method: str) -> None:
         raise TeamformerError(f"method '{method}' makes no plans", f"use {', '.join(PLANNERS)}")
     if problems := list(rules_not_planned(mission)):
         raise ScenarioError(problems)
-    if mission.time != "continuous" and method != "central":
+    if mission.time != "continuous" and method != CENTRAL:
         raise TeamformerError(
-            f"method '{method}' plans missions in continuous time", "in steps use central"
+            f"method '{method}' plans missions in continuous time", f"in steps use {CENTRAL}"
         )
 
 

@@ -24,19 +24,31 @@ from teamformer.trials.planned import (
     refuse_unplannable,
     rules_not_planned,
 )
+from teamformer.trials.start_plan import read_start_plan
 from teamformer.viewer.gantt import write_gantt
 
 LONGEST_TABLE = 40  # robots
 
 
-def plan(path: Path, method: str, time_limit: float, folder: Path | None, as_json: bool) -> int:
-    """Plan a mission and show the plan, in a folder as a page too; return the exit status."""
+def plan(
+    path: Path,
+    method: str,
+    time_limit: float,
+    start: Path | None,
+    folder: Path | None,
+    as_json: bool,
+) -> int:
+    """Plan a mission and show the plan, in a folder as a page too; return the exit status.
+
+    `start` is a file with a plan to begin with.
+    """
     scenario = read_scenario(path, rules_not_planned)
     refuse_unplannable(scenario, method)
+    begin = None if start is None else read_start_plan(start, scenario)
     if folder is not None:
         prepare_folder(folder)
     _announce(scenario, method)
-    made = plan_mission(scenario, method, time_limit)
+    made = plan_mission(scenario, method, time_limit, begin)
     if made is None:
         say(f"no plan was found for {scenario.name}; a longer --time-limit may find one")
         return 1

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
 from teamformer.mission.links import is_linked
@@ -30,7 +31,7 @@ from teamformer.planning.continuous.links import (
 )
 from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, pose_problem
 from teamformer.planning.continuous.routes import MissionPlan
-from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
+from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan, empty_plan
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.times import Clock
 from teamformer.planning.relaxation.problem import count_table, ends_of, least_carried
@@ -80,6 +81,21 @@ class ContinuousMission:
             is_proven=solution.is_proven and is_as_timed,
             curve=tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve),
         )
+
+    def as_arrays(self, plan: Plan) -> CoalitionPlan:
+        """Return a plan of all tasks as searches have it: nobody is in it who can be spared."""
+        problem = self.problem.base if isinstance(self.problem, LinkedProblem) else self.problem
+        made = empty_plan(problem)
+        made.order[:] = plan.order
+        for task, coalition in zip(plan.order, plan.coalitions, strict=True):
+            needed = list(coalition)
+            for robot in reversed(coalition):
+                rest = [other for other in needed if other != robot]
+                if (problem.counts[rest].sum(axis=0) >= problem.needs[task]).all():
+                    needed = rest
+            made.size[task] = len(needed)
+            made.coalition[task, : len(needed)] = needed
+        return made
 
     def _weighed(self, curve: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         """Return the curve of a linked problem in units; without a cost it is none of times."""

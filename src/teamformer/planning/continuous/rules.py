@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import cache
 from itertools import islice
 
+from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.jit import needs_compiling
 from teamformer.planning.arcs.annealing import ArcSearch, anneal_arcs
@@ -18,34 +19,41 @@ from teamformer.planning.continuous.links import LinkedProblem, link_problem
 from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.routes import MissionPlan
+from teamformer.planning.continuous.schedule import CoalitionPlan
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
 
-Planner = Callable[[CoalitionProblem, float], Solution | None]
-LinkedPlanner = Callable[[LinkedProblem, float], LinkedSolution | None]
+Planner = Callable[[CoalitionProblem, float, CoalitionPlan | None], Solution | None]
+LinkedPlanner = Callable[[LinkedProblem, float, CoalitionPlan | None], LinkedSolution | None]
 
 PLANNERS: dict[str, Planner] = {
-    "central": lambda problem, seconds: solve(problem, seconds),
-    "plan": lambda problem, seconds: plan_together(problem),
-    "reactive": lambda problem, seconds: react(problem),
+    "central": lambda problem, seconds, start: solve(problem, seconds, start=start),
+    "plan": lambda problem, seconds, start: plan_together(problem),
+    "reactive": lambda problem, seconds, start: react(problem),
 }
-"""`central` uses all the time; `plan` is what every robot computes; `reactive` plans nothing."""
+"""`central` uses all the time, and may begin with a plan; `plan` is what every robot computes;
+`reactive` plans nothing."""
 
 LINKED_PLANNERS: dict[str, LinkedPlanner] = {
-    "central": lambda problem, seconds: solve_linked(problem, seconds),
-    "plan": lambda problem, seconds: plan_linked(problem),
+    "central": lambda problem, seconds, start: solve_linked(problem, seconds, start=start),
+    "plan": lambda problem, seconds, start: plan_linked(problem),
 }
 """The same where starts are linked or plans have a cost of their own."""
 
 __all__ = ["PLANNERS", "is_compiled", "plan_continuous", "warm_up"]
 
 
-def plan_continuous(mission: ContinuousMission, method: str, seconds: float) -> MissionPlan | None:
-    """Return the plan that a method makes; None if there is no coalition for some task."""
-    problem = mission.problem
+def plan_continuous(
+    mission: ContinuousMission, method: str, seconds: float, start: Plan | None = None
+) -> MissionPlan | None:
+    """Return the plan that a method makes; None if there is no coalition for some task.
+
+    `central` begins with `start`, a plan of all tasks, if that is better than its own first one.
+    """
+    problem, first = mission.problem, None if start is None else mission.as_arrays(start)
     if not isinstance(problem, LinkedProblem):
-        solution: Solution | LinkedSolution | None = PLANNERS[method](problem, seconds)
+        solution: Solution | LinkedSolution | None = PLANNERS[method](problem, seconds, first)
     elif method in LINKED_PLANNERS:
-        solution = LINKED_PLANNERS[method](problem, seconds)
+        solution = LINKED_PLANNERS[method](problem, seconds, first)
         if solution is None:
             raise TeamformerError(
                 f"{mission.scenario.name}: no coalitions were found for tasks that are linked",

@@ -76,18 +76,24 @@ def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
 
 
 def solve(
-    problem: CoalitionProblem, time_limit: float, seed: int = 0, workers: int = 2
+    problem: CoalitionProblem,
+    time_limit: float,
+    seed: int = 0,
+    workers: int = 2,
+    start: CoalitionPlan | None = None,
 ) -> Solution | None:
     """Return the best plan found in so many seconds; None if some task can never be done.
 
-    It begins with the shared plan and ends early if a plan is proven. The main thread only waits,
-    so that Ctrl-C reaches it.
+    It begins with the shared plan, or with `start` if that is better, and ends early if a plan is
+    proven. The main thread only waits, so that Ctrl-C reaches it.
     """
     begun = time.perf_counter()
     shared = plan_together(problem, seed)
     if shared is None:
         return None
     best = _Best(problem, begun, shared, begun + time_limit)
+    if start is not None:
+        best.offer(start)
     jobs = [partial(_prove_and_search, problem, seed + 1, best)]
     jobs += [partial(_search, problem, seed + n, best) for n in range(2, workers + 1)]
     with ThreadPoolExecutor(len(jobs)) as pool:

@@ -6,6 +6,7 @@ import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import chain
 
+from teamformer.coordination import Plan
 from teamformer.coordinators.crews import Crews
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.model import Scenario
@@ -63,12 +64,14 @@ def plan_centrally(
     seed: int = 0,
     workers: int = 2,
     believed: Scenario | None = None,
+    start: Plan | None = None,
 ) -> CentralPlan:
     """Return the best plan found in `time_limit` seconds; the first one if that is 0.
 
     The default and simple rules are played too, so that the plan is never slower than theirs: the
     shared plan, or crews where that would take too long, with what the scenario says and, in an
-    uncertain mission, as by robots that know only what is `believed`.
+    uncertain mission, as by robots that know only what is `believed`. So is a `start`, a plan of
+    all tasks, and the search may begin with it.
     """
     plays = Plays(scenario, time.perf_counter(), time_limit)
     shared = CoalitionLog(scenario)
@@ -76,6 +79,9 @@ def plan_centrally(
     plays.add(name, default, log=shared)  # the first play is never cut short
     if believed is not None and believed.has_surprises:
         plays.add_as_believed(name, default, believed)
+    given = None if start is None else _team_plan(start)
+    if given is not None:
+        plays.add("start", _player(scenario, given))
     if any(task.after for task in scenario.tasks):
         return plan_with_precedence(scenario, plays, seed, workers)
     situation = situation_in_hindsight(scenario)
@@ -88,9 +94,9 @@ def plan_centrally(
         bound, searched = solution.bound, list[tuple[float, int]]()
     else:
         best = BestPlan(plays.begun, first)
-        played = shared.plan()
-        if played is not None:
-            best.offer(time_team_plan(situation, played))
+        for played in (shared.plan(), given):
+            if played is not None:
+                best.offer(time_team_plan(situation, played))
         for name, followed in FOLLOWED:
             _follow(name, scenario, followed, situation, best, plays)
         solution, bound, searched = _search(scenario, situation, best.plan, plays, seed, workers)
@@ -208,6 +214,11 @@ def _relax_and_search(
         starts = chain([start], starts)
     improve(best, situation, deadline, starts, seed + 1)
     return solution
+
+
+def _team_plan(plan: Plan) -> TeamPlan:
+    coalition_of = dict(zip(plan.order, plan.coalitions, strict=True))
+    return plan_teams(plan.order, [coalition_of[task] for task in range(len(coalition_of))])
 
 
 def _player(scenario: Scenario, plan: TeamPlan) -> PlanPlayer:

@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 
+from teamformer.coordination import Plan
 from teamformer.errors import ScenarioError
 from teamformer.mission.rules import rules_not_known_beforehand
 from teamformer.model import Scenario
@@ -34,13 +35,17 @@ class Central:
     A search over who does what in which order counts what forming costs. Its best plan is
     played through the simulator beforehand, as are the relaxed schedule and simple rules; the
     fastest play becomes the script that `decide` reads out. A limit of 0 gives the first plan.
+    `start` is a plan of all tasks that it plays and begins its search with, too.
     """
 
     needs_everything = True
 
-    def __init__(self, time_limit: float = 10.0, workers: int = 2) -> None:
+    def __init__(
+        self, time_limit: float = 10.0, workers: int = 2, start: Plan | None = None
+    ) -> None:
         self.time_limit = time_limit
         self.workers = workers
+        self.start = start
         self.believed: Sequence[Scenario] = ()
         self.plans: list[CentralPlan] = []
 
@@ -56,7 +61,7 @@ class Central:
             warm_up_coalitions()
         believed = self.believed or everything
         self.plans = [
-            plan_centrally(scenario, self.time_limit, seed, self.workers, own)
+            plan_centrally(scenario, self.time_limit, seed, self.workers, own, self.start)
             for scenario, own in zip(everything, believed, strict=True)
         ]
         self._steps = np.zeros(len(self.plans), dtype=np.int64)

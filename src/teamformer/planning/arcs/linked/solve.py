@@ -47,17 +47,24 @@ def plan_linked(problem: LinkedProblem, seed: int = 0) -> LinkedSolution | None:
 
 
 def solve_linked(
-    problem: LinkedProblem, time_limit: float, seed: int = 0, workers: int = 2
+    problem: LinkedProblem,
+    time_limit: float,
+    seed: int = 0,
+    workers: int = 2,
+    start: CoalitionPlan | None = None,
 ) -> LinkedSolution | None:
     """Return the best plan found in so many seconds; None if no coalitions were found.
 
-    It begins with the shared plan, so that none is worse.
+    None is worse than the shared plan, or than `start`.
     """
     begun = time.perf_counter()
     shared = plan_linked(problem, seed)
     if shared is None:
         return None
     best = _Best(begun, shared, begun + time_limit)
+    given = LinkedSearch(problem, seed)
+    if start is not None and given.begin_at(start):
+        best.offer(given)
     with ThreadPoolExecutor(workers) as pool:
         running = [
             pool.submit(partial(_search, problem, seed + n + 1, best)) for n in range(workers)

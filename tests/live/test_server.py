@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 
 from live_server import Served, serving, serving_session, small_mission
+from teamformer.commands.addresses import Address, address_of
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.mcap_file import write_mcap
@@ -324,9 +325,7 @@ def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
 def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
     import socket
 
-    from teamformer.commands.addresses import Address
     from teamformer.commands.missions.live import Options, live
-    from teamformer.errors import TeamformerError
     from teamformer.scenarios.files import write_scenario
 
     path = tmp_path / "small.yaml"
@@ -339,6 +338,15 @@ def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
         with pytest.raises(TeamformerError, match=f"127.0.0.1:{port} cannot be used") as error:
             live(path, options)
     assert "--port" in (error.value.hint or "")
+
+
+def test_an_address_is_a_port_with_or_without_a_host() -> None:
+    assert address_of("80") == Address("127.0.0.1", 80)
+    assert address_of("0.0.0.0:8765") == Address("0.0.0.0", 8765)
+    assert address_of("[::1]:8765") == Address("::1", 8765)
+    for wrong in ("", "web", "0", "65536", "8765:"):
+        with pytest.raises(TeamformerError, match="is no port"):
+            address_of(wrong)
 
 
 def test_an_incident_is_undone_and_the_mission_restarted(served: Served) -> None:

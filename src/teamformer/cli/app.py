@@ -25,9 +25,11 @@ Method = Annotated[
     ),
 ]
 TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may plan")]
-Port = Annotated[int, typer.Option(min=1, max=65535)]
-Host = Annotated[
-    str, typer.Option(help="address to serve on; other than loopback, a token is needed")
+Port = Annotated[
+    str,
+    typer.Option(
+        metavar="[HOST:]PORT", help="where to serve the page; elsewhere than here with a token"
+    ),
 ]
 Foxglove = Annotated[
     int | None,

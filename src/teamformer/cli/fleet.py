@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from teamformer.cli.app import AsJson, Folder, Foxglove, Host, MissionPath, Port, Seed, app
+from teamformer.cli.app import AsJson, Folder, Foxglove, MissionPath, Port, Seed, app
 
 fleet = typer.Typer(
     no_args_is_help=True,
@@ -102,14 +102,13 @@ def watch(
     mission: MissionPath,
     connect: Connect,
     keys: Keys = None,
-    port: Port = 8765,
-    host: Host = "127.0.0.1",
+    port: Port = "8765",
     out: Folder = Path("out/live"),
     foxglove: Foxglove = None,
 ) -> None:
     """Watch a running fleet in the browser, and add tasks; needs the extra `live` too."""
-    from teamformer.commands.addresses import Address
+    from teamformer.commands.addresses import address_of
     from teamformer.commands.robots.mesh import FleetAt
     from teamformer.commands.robots.watch import watch as command
 
-    raise typer.Exit(command(mission, FleetAt(connect, keys), Address(host, port), out, foxglove))
+    raise typer.Exit(command(mission, FleetAt(connect, keys), address_of(port), out, foxglove))

@@ -11,7 +11,6 @@ from teamformer.cli.app import (
     AsJson,
     Folder,
     Foxglove,
-    Host,
     Method,
     MissionPath,
     Port,
@@ -152,16 +151,15 @@ def live(
     ] = None,
     method: Method = None,
     seed: Seed = 0,
-    port: Port = 8765,
-    host: Host = "127.0.0.1",
+    port: Port = "8765",
     out: Folder = Path("out/live"),
 ) -> None:
     """Draw a mission in the browser and run it: watch it, add tasks, lose robots.
 
     Needs the extra `live`.
     """
-    from teamformer.commands.addresses import Address
+    from teamformer.commands.addresses import address_of
     from teamformer.commands.missions.live import Options
     from teamformer.commands.missions.live import live as command
 
-    raise typer.Exit(command(mission, Options(method, seed, Address(host, port), out)))
+    raise typer.Exit(command(mission, Options(method, seed, address_of(port), out)))

@@ -16,6 +16,16 @@ class Address:
     port: int = 8765
 
 
+def address_of(text: str) -> Address:
+    """Return the address that a flag names: `8765`, or with another host `0.0.0.0:8765`."""
+    host, _, port = text.rpartition(":")
+    if not (port.isdecimal() and 1 <= int(port) <= 65535):
+        raise TeamformerError(
+            f"--port {text} is no port", "write a number from 1 to 65535, or HOST:NUMBER"
+        )
+    return Address(host.strip("[]") or Address.host, int(port))
+
+
 def check_address(at: Address, flag: str = "--port") -> None:
     """Raise `TeamformerError` if the port is not free, and suggest one that is for its flag."""
     host, port = at.host, at.port

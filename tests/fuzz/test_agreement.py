@@ -443,8 +443,13 @@ def test_outputs_of_fleets_agree(number: int, page: Any, tmp_path: Path) -> None
 
 
 async def _watch_to_the_end(session: Any, result: Any) -> None:
+    from teamformer.fleet.observer.watch import STAYS
+
     running = asyncio.create_task(session.run())
     while not result.done() and not session.watch.is_over:
         await asyncio.sleep(0.05)
-    await asyncio.sleep(2 * session.watch.mission.step)
+    for _ in range(2 * STAYS):  # by then it has told of what was done last, whoever did it
+        await asyncio.sleep(session.watch.mission.step)
+        if session.watch.is_over:
+            break
     running.cancel()

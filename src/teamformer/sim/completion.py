@@ -235,20 +235,16 @@ def drop_assignments(world: World) -> None:
 
 @kernel
 def release_tasks(world: World, steps_made: int) -> bool:
-    """Make known the tasks that appear now; say whether the order has new ones, at its end.
-
-    Coordinators share out what is known, the paper's allocator what may begin.
-    """
+    """Make known the tasks that appear now; say whether the order has new ones, at its end."""
     arrived = 0
     for task in range(world.rules.tasks):
-        appears, opens = world.tasks[task].appears, world.tasks[task].opens
-        is_due = appears == steps_made and world.tasks[task].awaits == 0
+        is_due = world.tasks[task].appears == steps_made and world.tasks[task].awaits == 0
         if is_due and world.tasks[task].cancelled > steps_made:
             world.tasks[task].is_open = True
             for cap in range(world.has.shape[1]):
                 world.demand[cap] += world.needs[task, cap] > 0
-        is_shared_out_at = appears if world.rules.is_coordinated else max(appears, opens)
-        if world.tasks[task].is_open and is_shared_out_at == steps_made:
+        if world.tasks[task].is_open and _ordered_at(world, task) == steps_made:
+            world.tasks[task].ordered_at = steps_made
             world.order[world.count.open] = task
             world.count.open += 1
             arrived += 1
@@ -256,6 +252,16 @@ def release_tasks(world: World, steps_made: int) -> bool:
     if arrived > 0:
         world.count.news |= APPEARED
     return arrived > 0
+
+
+@kernel
+def _ordered_at(world: World, task: int) -> int:
+    """Return how many steps are made when a task gets its place in the order.
+
+    Coordinators share out what is known, the paper's allocator what may begin.
+    """
+    appears = world.tasks[task].appears
+    return appears if world.rules.is_coordinated else max(appears, world.tasks[task].opens)
 
 
 @kernel

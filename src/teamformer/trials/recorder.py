@@ -95,11 +95,8 @@ class Recorder:
                 pursued=_pursued(before, after),
             )
         )
-        since = tasks["appears"]  # when it is shared out, by a plan or by the paper's order
-        if not self._is_coordinated:
-            since = np.maximum(since, tasks["opens"])
-        is_new = (since == steps) & (tasks["awaits"] == 0) & (tasks["cancelled"] > steps)
-        if is_new.any() or self._orders_made < self._env.worlds.count["orders"][0]:
+        orders_made = self._env.worlds.count["orders"][0]
+        if (tasks["ordered_at"] == steps).any() or self._orders_made < orders_made:
             self._write_order(steps)
         self._before = after  # last: only now does the step count as written down
 

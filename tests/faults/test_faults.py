@@ -29,7 +29,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
 def test_every_file_has_its_test() -> None:
     names = {path.stem for path in FILES.glob("*.yaml")}
     tested = Path(__file__).read_text()
-    assert len(names) == 18
+    assert len(names) == 19
     assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
 
 
@@ -123,6 +123,11 @@ def test_the_order_of_capabilities_means_nothing_where_they_are_equally_scarce()
     turned = replace(mission, capabilities=mission.capabilities[::-1])
     one, other = (tf.run(which).record for which in (mission, turned))
     assert (one.plans, one.steps) == (other.plans, other.steps)
+
+
+def test_the_order_of_needs_means_nothing() -> None:
+    mission = tf.load(path_of("order-of-keys"))
+    assert mission.capabilities == ("n0", "n1", "n0 of r1, r2", "n1 of r1, r2")
 
 
 def test_a_name_that_looks_like_a_tag_is_told_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:

@@ -34,8 +34,8 @@ GLANCE = 20
 OLD, KEPT = "old plan", "kept"
 """What is made from the old plan, and the old plan itself."""
 
-AGAIN = 3
-"""The best start is searched from again, so many times as long."""
+MORE = 3
+"""All starts together have the rounds of so many more."""
 
 MOST_AT_ONCE = 10_000_000
 """A mission with more tasks times tasks and robots is too large to be planned while one waits."""
@@ -60,8 +60,8 @@ BRIEF = 4
 class Rounds(NamedTuple):
     """How long to search: for lists of crews, for coalitions each time, over graphs of arcs.
 
-    `arcs` is for each start, or in a large mission in all; `coalitions` is how many starts are
-    coalitions.
+    `arcs` is for each start on average, or in a large mission in all; `coalitions` is how many
+    starts are coalitions.
     """
 
     crews: int
@@ -144,9 +144,23 @@ def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | Non
         plans += [(name, by_due(situation, plan)) for name, plan in plans]
     else:
         plans = _hopeful(plans, step)
-    plans = [(name, arcs.improve(plan, rounds.arcs)) for name, plan in plans]
-    name, best = min(plans, key=_cost_of)
-    return name, without_riders(situation, arcs.improve(best, rounds.arcs * AGAIN))
+    name, best = _by_halving(arcs, plans, rounds.arcs * (len(plans) + MORE))
+    return name, without_riders(situation, best)
+
+
+def _by_halving(arcs: TeamArcs, plans: list[Named], rounds: int) -> Named:
+    """Improve plans in so many rounds, and return the best one.
+
+    By successive halving (Karnin, Koren and Somekh 2013): all of them get an equal share of a part
+    of the rounds, then the better half of them does, until one is left and gets as much as all did.
+    """
+    parts = 1 + (len(plans) - 1).bit_length()
+    while True:
+        share = rounds // parts // len(plans)
+        plans = [(name, arcs.improve(plan, share)) for name, plan in plans]
+        if len(plans) == 1:
+            return plans[0]
+        plans = sorted(plans, key=_cost_of)[: (len(plans) + 1) // 2]
 
 
 def _starts(situation: Situation, rounds: Rounds) -> Iterator[Named]:

@@ -69,7 +69,11 @@ def apply_pins(
         _refuse_impossible(reader, world, mission.robots, task, pin, ("tasks", number))
         needs, may_need = dict(task.needs), dict(task.may_need)
         if pin.only:
-            named = {cap: _name_of(cap, pin.only, mission, number) for cap in (*needs, *may_need)}
+            named = {
+                cap: _name_of(cap, pin.only, mission, number)
+                for cap in mission.capabilities  # in their order, whatever that of the needs is
+                if cap in needs or cap in may_need
+            }
             for cap, name in named.items():
                 brings = {robot: mission.robots[robot].can.get(cap, 0) for robot in pin.only}
                 added[name] = {robot: count for robot, count in brings.items() if count}

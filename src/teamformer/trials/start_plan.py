@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import Any
 
@@ -69,8 +69,9 @@ def _plan_of(rows: list[Row], mission: Scenario) -> Plan:
             _refuse_unable(mission, number, coalition)
         else:
             coalition |= _able(mission, number)
-    depth = _depths(mission, task_of)
-    order = sorted(range(len(robots)), key=lambda task: (start[task], depth[task]))
+    follows = TopologicalSorter({task.name: task.after for task in mission.tasks})
+    turn = {name: turn for turn, name in enumerate(follows.static_order())}
+    order = sorted(task_of.values(), key=lambda it: (start[it], turn[mission.tasks[it].name]))
     return Plan(tuple(order), tuple(tuple(sorted(robots[task])) for task in order))
 
 
@@ -94,19 +95,3 @@ def _able(mission: Scenario, task: int) -> set[int]:
         if covers(total(robots[other].can for other in able - {robot}), wanted.needs):
             able.remove(robot)
     return able
-
-
-def _depths(mission: Scenario, task_of: dict[str, int]) -> list[int]:
-    """Return how many tasks in a row come before each: they may start at the same moment."""
-    depth = [0 for _ in task_of]
-    for _ in task_of:
-        deeper = list(_one_deeper(mission, task_of, depth))
-        if deeper == depth:
-            break
-        depth = deeper
-    return depth
-
-
-def _one_deeper(mission: Scenario, task_of: dict[str, int], depth: list[int]) -> Iterator[int]:
-    for task in mission.tasks:
-        yield max((depth[task_of[name]] + 1 for name in task.after), default=0)

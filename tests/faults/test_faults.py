@@ -29,7 +29,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
 def test_every_file_has_its_test() -> None:
     names = {path.stem for path in FILES.glob("*.yaml")}
     tested = Path(__file__).read_text()
-    assert len(names) == 19
+    assert len(names) == 20
     assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
 
 
@@ -128,6 +128,11 @@ def test_the_order_of_capabilities_means_nothing_where_they_are_equally_scarce()
 def test_the_order_of_needs_means_nothing() -> None:
     mission = tf.load(path_of("order-of-keys"))
     assert mission.capabilities == ("n0", "n1", "n0 of r1, r2", "n1 of r1, r2")
+
+
+def test_an_unknown_need_of_a_pinned_task_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert teamformer("run", path_of("unknown-need-with-a-pin")) == 2
+    assert ":9: task 't1' needs 'n1', which is not under cap" in capsys.readouterr().err
 
 
 def test_a_name_that_looks_like_a_tag_is_told_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:

@@ -193,7 +193,7 @@ def test_dcmrta_graphs_that_are_broken(
         (("setup", "tasks"), 20, "setup.tasks is 20, but the file holds 1"),
         (("tasks", "0", "duration"), -1, "tasks.0.duration is -1; here should be a number, 0 or"),
         (("tasks", "0", "duration"), None, "tasks.0.duration is None; here should be a number"),
-        (("tasks", "0", "skillset", "1"), 2, "needs skill-0, 2 x skill-1 but all robots together"),
+        (("tasks", "0", "skillset", "1"), 2, "needs 2 x skill-1 but all robots together"),
         (("tasks", "0", "skillset"), {"5": 1}, "task 't0' needs 'skill-5' but no robot has it"),
         (("tasks", "0", "pos"), [1, 2], "tasks.0.pos lacks 'x'"),
         (("robots", "1", "pose", "x"), float("nan"), "robots.1.pose.x is nan; here should be"),

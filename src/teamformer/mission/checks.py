@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 LARGEST_COUNT = 16_000_000
 """Of one capability, in units, all robots together: 32-bit floats of networks hold it exactly."""
 
+LONG = 60
+"""Letters that a message shows of a capability, where it has to name several."""
+
 LARGEST_NUMBER = 10**9
 """Of steps, and along an axis; beyond lie slips of the keyboard, and what 32 bits cannot hold."""
 
@@ -315,6 +318,7 @@ def _problems_of_what_appears(scenario: Scenario) -> Iterator[Problem]:
 
 def _impossible(what: str, have: Counts, need: Counts) -> str:
     short = missing(have, need)
+    wanted = {name: need[name] for name in short}
     nobody = [name for name in short if not have.get(name)]
     if nobody:
         names, them = _quoted(nobody), "it" if len(nobody) == 1 else "them"
@@ -323,8 +327,16 @@ def _impossible(what: str, have: Counts, need: Counts) -> str:
             "add such a robot or drop the requirement"
         )
     return (
-        f"{what} needs {describe(need)} but all robots together lack {describe(short)}; "
+        f"{what} needs {_brief(wanted)} but all robots together lack {_brief(short)}; "
         "add such a robot or lower the requirement"
+    )
+
+
+def _brief(counts: Counts) -> str:
+    """Write counts for people, with names cut short that would fill the line."""
+    return ", ".join(
+        describe({name if len(name) <= LONG else f"{name[:LONG]}...": count})
+        for name, count in counts.items()
     )
 
 

@@ -66,7 +66,7 @@ def apply_pins(
     added: dict[str, dict[int, float]] = {}  # what robots bring of each new capability
     tasks = list(mission.tasks)
     for number, (task, pin) in enumerate(zip(mission.tasks, pins, strict=True)):
-        _refuse_impossible(reader, world, mission.robots, task, pin, ("tasks", number))
+        _refuse_impossible(reader, world, mission, task, pin, ("tasks", number))
         needs, may_need = dict(task.needs), dict(task.may_need)
         if pin.only:
             named = {
@@ -77,8 +77,8 @@ def apply_pins(
             for cap, name in named.items():
                 brings = {robot: mission.robots[robot].can.get(cap, 0) for robot in pin.only}
                 added[name] = {robot: count for robot, count in brings.items() if count}
-            needs = {named[cap]: count for cap, count in needs.items()}
-            may_need = {named[cap]: chance for cap, chance in may_need.items()}
+            needs = {named.get(cap, cap): count for cap, count in needs.items()}
+            may_need = {named.get(cap, cap): chance for cap, chance in may_need.items()}
         for robot in pin.having:
             name = _name_of_one(robot, mission)
             added[name], needs[name] = {robot: 1}, 1
@@ -120,9 +120,10 @@ def _unused(name: str, taken: Sequence[str]) -> str:
 
 
 def _refuse_impossible(
-    reader: Reader, world: World, robots: Sequence[Robot], task: Task, pin: Pins, where: Where
+    reader: Reader, world: World, mission: Pinned, task: Task, pin: Pins, where: Where
 ) -> None:
     """Refuse pins of a task that nobody can meet, each where it stands."""
+    robots = mission.robots
     what, only = f"task '{task.name}'", pin.only or tuple(range(len(robots)))
     for robot in pin.having:
         if robot not in only:
@@ -139,8 +140,9 @@ def _refuse_impossible(
             reader.refuse((*where, "with"), f"{message}; {remedy}")
     coming = [robots[robot] for robot in pin.only if can_reach(world, robots[robot], places[0])]
     have = total(robot.can for robot in coming)
-    if pin.only and not covers(have, task.worst_needs):
-        short = describe(missing(have, task.worst_needs))
+    wanted = {cap: n for cap, n in task.worst_needs.items() if cap in mission.capabilities}
+    if pin.only and not covers(have, wanted):
+        short = describe(missing(have, wanted))
         message = f"{what} is only for robots that together lack {short}"
         stay = [robots[robot].name for robot in pin.only if robots[robot] not in coming]
         message += f", as no way leads '{stay[0]}' there" if stay else ""

@@ -23,6 +23,9 @@ from teamformer.fleet.transports.keys import read_keys
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 from teamformer.rules.constants import NOBODY
 
+LAST_WORDS = 2.0
+"""Seconds that a fleet goes on after its last task: two heartbeats."""
+
 PATIENCE = 10.0
 """Seconds that agents have to leave in order before they are ended."""
 
@@ -112,10 +115,17 @@ class LocalFleet:
                 self._agents[robot] = self._start(robot)
                 told.discard(robot)
             self._tell_who_has_ended(server, told)
+        self._let_all_hear(server)
         alive = sum(agent.poll() is None for agent in self._agents)
         names = {key: task.name for key, task in world.tasks.items()}
         completed = len(world.done) == len(world.tasks)
         return FleetResult(completed, tuple(world.done.values()), len(world.tasks), alive, names)
+
+    def _let_all_hear(self, server: WorldServer) -> None:
+        """Go on for a moment, so that robots and onlookers hear of the last task too."""
+        until = time.monotonic() + LAST_WORDS
+        while time.monotonic() < until:
+            server.step()
 
     def _wait_for_all(self, server: WorldServer, told: set[int]) -> None:
         """Wait until time begins, and say who is ready meanwhile."""

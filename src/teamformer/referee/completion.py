@@ -98,7 +98,7 @@ class Tasks:
         return self._unless_called_off(task, known)
 
     def _unless_called_off(self, task: int, steps: int) -> int | None:
-        """Return so many steps, or None if the task is called off by then."""
+        """Return `steps`, or None if the task is called off within that many steps."""
         cancelled = self.scenario.tasks[task].cancelled
         return None if cancelled is not None and cancelled <= steps else steps
 
@@ -134,7 +134,7 @@ class Tasks:
         return self.over_in(task) is None and opens is not None and opens < step
 
     def to_share_out(self, steps_made: int) -> set[int]:
-        """Return the tasks that were to be shared out and not over after so many steps."""
+        """Return the tasks that plans or the paper's order have after `steps_made` steps."""
         return {
             task
             for task in range(len(self.scenario.tasks))

@@ -149,10 +149,10 @@ def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | Non
 
 
 def _by_halving(arcs: TeamArcs, plans: list[Named], rounds: int) -> Named:
-    """Improve plans in so many rounds, and return the best one.
+    """Improve plans by successive halving (Karnin, Koren and Somekh 2013); return the best one.
 
-    By successive halving (Karnin, Koren and Somekh 2013): all of them get an equal share of a part
-    of the rounds, then the better half of them does, until one is left and gets as much as all did.
+    The rounds are cut into equal parts. All plans share the first part, the better half of them
+    shares the next part, and so on; the last plan that is left has the last part for itself.
     """
     parts = 1 + (len(plans) - 1).bit_length()
     while True:

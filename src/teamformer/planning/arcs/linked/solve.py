@@ -55,16 +55,17 @@ def solve_linked(
 ) -> LinkedSolution | None:
     """Return the best plan found in so many seconds; None if no coalitions were found.
 
-    None is worse than the shared plan, or than `start`.
+    The plan is never worse than the shared plan, or than `start` if there is one.
     """
     begun = time.perf_counter()
     shared = plan_linked(problem, seed)
     if shared is None:
         return None
     best = _Best(begun, shared, begun + time_limit)
-    given = LinkedSearch(problem, seed)
-    if start is not None and given.begin_at(start):
-        best.offer(given)
+    if start is not None:
+        given = LinkedSearch(problem, seed)
+        if given.begin_at(start):
+            best.offer(given)
     with ThreadPoolExecutor(workers) as pool:
         running = [
             pool.submit(partial(_search, problem, seed + n + 1, best)) for n in range(workers)

@@ -155,7 +155,7 @@ class Teamformer(nn.Module):
         """
         is_first = (spelled == 0).all(dim=-1, keepdim=True)  # (teams, steps, 1)
         steps = change @ self.capability + self.so_far(spelled @ self.capability)
-        steps = steps + is_first * self.first_step  # (teams, steps, d)
+        steps = steps + is_first.to(steps.dtype) * self.first_step  # (teams, steps, d)
         memories = []
         for number, layer in enumerate(self.decoder):
             kept = None if before is None else before[number]
@@ -223,7 +223,7 @@ class Teamformer(nn.Module):
 
     def log_probs(self, scores: Tensor, is_legal: Tensor, is_maintain: Tensor) -> Tensor:
         """Return the log-probabilities of the legal symbols; those of others are below -1e8."""
-        scores = scores + self.maintain_bias * is_maintain
+        scores = scores + self.maintain_bias * is_maintain.to(scores.dtype)
         return scores.masked_fill(~is_legal, REFUSED).log_softmax(dim=-1)
 
     def _begin(self, tokens: Tokens) -> _Spellers:

@@ -36,7 +36,11 @@ class _Encoder(nn.Module):
 
 
 class _Step(nn.Module):
-    """From new symbols to the scores of the next, and the memory of all symbols so far."""
+    """From new symbols to the scores of the next, and the memory of all symbols so far.
+
+    Here and in the network what is true or false is turned into numbers before a parameter is
+    multiplied by it: the exporter of torch 2.11 fails where that is left to it.
+    """
 
     def __init__(self, network: Teamformer) -> None:
         super().__init__()
@@ -46,7 +50,8 @@ class _Step(nn.Module):
         change, spelled, is_maintain, is_there, keys, memories, before = parts
         encoded = Encoded(is_there, keys, _unstack(memories))
         scores, after = self.network.decode(encoded, change, spelled, _unstack(before))
-        return scores[:, -1] + self.network.maintain_bias * is_maintain, _stack(after)
+        bias = self.network.maintain_bias * is_maintain.to(scores.dtype)
+        return scores[:, -1] + bias, _stack(after)
 
 
 def export_teamformer(network: nn.Module, capabilities: int | None, folder: Path) -> None:

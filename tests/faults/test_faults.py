@@ -29,7 +29,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
 def test_every_file_has_its_test() -> None:
     names = {path.stem for path in FILES.glob("*.yaml")}
     tested = Path(__file__).read_text()
-    assert len(names) == 20
+    assert len(names) == 21
     assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
 
 
@@ -146,6 +146,15 @@ def test_nothing_takes_less_than_no_time(capsys: pytest.CaptureFixture[str]) -> 
     assert teamformer("plan", path_of("load-that-stays"), "--method", "plan") == 0
     shown = capsys.readouterr().out
     assert "why so late: 2.01 are 0.01 walking, 1 serving, 1 unloading\n" in shown
+
+
+def test_a_slow_carrier_makes_no_linked_start_too_late(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """t2 is there at 1.25, and t3 starts 6 later: nothing on the way there takes longer."""
+    assert teamformer("plan", path_of("slow-carrier"), "--method", "plan") == 0
+    shown = capsys.readouterr().out
+    assert "why so late: 7.25 are 1.25 walking, 6 between linked starts\n" in shown
 
 
 def test_an_error_shows_no_letter_that_cannot_be_printed(

@@ -29,7 +29,7 @@ from teamformer.planning.continuous.links import (
     LinkedProblem,
     link_problem,
 )
-from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, pose_problem
+from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, Whole, pose_problem
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan, empty_plan
 from teamformer.planning.continuous.solve import Solution
@@ -65,7 +65,8 @@ class ContinuousMission:
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         Loads are carried as fast as can be there, so that a plan in which one goes slower is not
-        proven to be the best.
+        proven to be the best. Where starts are linked they are carried as slowly as can be: so
+        the true times are earlier, and no start comes too late for another.
         """
         timed = self.time(solution.plan)
         if isinstance(solution, LinkedSolution):
@@ -133,8 +134,9 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     scale = _scale(scenario, ways, home, carry)
     counts = count_table([robot.can for robot in robots], scenario)
     needs = count_table([task.needs for task in tasks], scenario)
+    carried = _most_carried if any(task.starts for task in tasks) else least_carried
     takes = [
-        task.duration + least_carried(counts, carry[pace, number], needs[number]) + task.unload
+        task.duration + carried(counts, carry[pace, number], needs[number]) + task.unload
         for number, task in enumerate(tasks)
     ]
     number_of = {task.name: number for number, task in enumerate(tasks)}
@@ -157,6 +159,15 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     )
     linked = _link(scenario, problem, scale) if is_linked(scenario) else problem
     return ContinuousMission(scenario, ways, home, origin, pace, carry, scale, linked)
+
+
+def _most_carried(counts: Whole, takes: Times, need: Whole) -> float:
+    """Return how long a load is carried at most: by the slowest robot that can help and get there.
+
+    `takes` (robots,) is how long each of them takes for the way, inf where there is none.
+    """
+    helps = ((counts > 0) & (need > 0)).any(axis=1) & np.isfinite(takes)
+    return float(takes[helps].max(initial=0.0)) if helps.any() else float(takes.max())
 
 
 def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> LinkedProblem:

@@ -29,7 +29,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
 def test_every_file_has_its_test() -> None:
     names = {path.stem for path in FILES.glob("*.yaml")}
     tested = Path(__file__).read_text()
-    assert len(names) == 21
+    assert len(names) == 22
     assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
 
 
@@ -180,3 +180,12 @@ def test_a_robot_of_the_longest_name_may_be_asked_for(tmp_path: Path) -> None:
     assert teamformer("check", str(folder / "replay.json")) == 0
     (name,) = set(tf.load(path_of("with-a-long-name")).capabilities) - {"n0"}
     assert name == f"robot 2, {'a' * 150}"
+
+
+def test_a_long_capability_that_stands_twice_is_named_once(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert teamformer("run", path_of("long-capability-twice")) == 2
+    told = capsys.readouterr().err
+    assert "stands twice in this list; to mean two write {aaa" in told
+    assert max(map(len, told.splitlines())) < 400

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from teamformer.capabilities import Counts, exact
 from teamformer.fleet.messages import TaskFact
+from teamformer.fleet.ways import Ways
 from teamformer.grid import Grid, Place
 from teamformer.model import Scenario
 from teamformer.plane import Plane
@@ -59,6 +60,8 @@ class Mission:
         keep(self, "tasks", tuple(self._facts()))
         keep(self, "radius", world.arrival_radius if isinstance(world, Plane) else 0.0)
         keep(self, "forming", self.scenario.forming_steps * self.step)
+        keep(self, "sight", max(self.radius, self.scenario.sensing_radius))
+        keep(self, "ways", Ways(world))
         keep(self, "paces", tuple(world.pace(robot.speed) / self.step for robot in robots))
 
     number: int = field(init=False)  # the same for who has the same mission, 62 bits
@@ -70,15 +73,18 @@ class Mission:
     radius: float = field(init=False)  # within which two places are the same
     forming: float = field(init=False)  # seconds that a split or join takes
     paces: tuple[float, ...] = field(init=False)  # of each robot, cells or metres a second
+    sight: float = field(init=False)  # within which a robot sees a load
+    ways: Ways = field(init=False, repr=False, compare=False)
 
     @property
     def robots(self) -> int:
         """Return how many robots there are."""
         return len(self.counts)
 
-    def step_time(self, robot: int) -> float:
-        """Return for how long a robot on its way stands in one place: in a cell, on a grid."""
-        return 1.0 / self.paces[robot] if isinstance(self.scenario.world, Grid) else 0.0
+    def step_time(self, *robots: int) -> float:
+        """Return for how long robots on their way stand in one place: in a cell, on a grid."""
+        pace = min(self.paces[robot] for robot in robots)
+        return 1.0 / pace if isinstance(self.scenario.world, Grid) else 0.0
 
     def base_of(self, robot: int) -> Place:
         """Return where a robot looks for others when it has nothing else to do.
@@ -138,7 +144,9 @@ class Mission:
             needs = row_of(task.needs, self.scenario.capabilities)
             x, y = task.at
             duration, appears = task.duration * self.step, task.appears * self.step
-            yield TaskFact(key, task.name, float(x), float(y), needs, duration, appears)
+            to = None if task.to is None else (float(task.to[0]), float(task.to[1]))
+            unload = task.unload * self.step
+            yield TaskFact(key, task.name, float(x), float(y), needs, duration, appears, to, unload)
 
 
 def row_of(counts: Counts, capabilities: tuple[str, ...]) -> Row:

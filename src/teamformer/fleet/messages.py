@@ -34,6 +34,7 @@ MOST_RELAYED = 16
 MOST_NEWS = 32
 MOST_TASKS = 10_000
 MOST_NAME = 200
+MOST_MOVES = 1_000_000
 LONGEST = 1e9  # seconds
 MOST = 100_000  # of a capability
 
@@ -86,6 +87,17 @@ class TaskFact(Struct, frozen=True, array_like=True):
     needs: Annotated[tuple[Amount, ...], Meta(max_length=1000)]
     duration: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds
     appears: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds of the mission
+    to: tuple[float, float] | None = None  # where its load is to be brought
+    unload: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds
+
+
+class LoadFact(Struct, frozen=True, array_like=True, order=True):
+    """Where the load of a task lies; of two such facts the one with the larger version holds."""
+
+    key: Whole
+    version: Annotated[int, Meta(ge=0, le=MOST_MOVES)]
+    x: float
+    y: float
 
 
 PlanVersion = tuple[Whole, Whole, Whole]
@@ -106,11 +118,12 @@ class Beat(Struct, frozen=True, array_like=True, tag=1):
 
 
 class FactsNote(Struct, frozen=True, array_like=True, tag=2):
-    """All tasks done and all tasks that operators added, for who knows others."""
+    """All tasks done, all that operators added, all loads that were moved, for who knows others."""
 
     done: Annotated[tuple[Key, ...], Meta(max_length=MOST_TASKS)]
     added: Annotated[tuple[TaskFact, ...], Meta(max_length=MOST_TASKS)] = ()
     digest: Whole = 0
+    loads: Annotated[tuple[LoadFact, ...], Meta(max_length=MOST_TASKS)] = ()
 
 
 class PlanNote(Struct, frozen=True, array_like=True, tag=3):
@@ -250,6 +263,8 @@ def _fault_of(message: Message, robots: int) -> str:
     elif type(body) is FactsNote:
         if not all(_is_task(task) for task in body.added):
             return "senseless task"
+        if not all(math.isfinite(load.x + load.y) for load in body.loads):
+            return "senseless load"
     elif type(body) is Offer and not _is_task(body.task):
         return "senseless task"
     return ""
@@ -266,4 +281,5 @@ def _is_sane(word: Word, robots: int) -> bool:
 
 
 def _is_task(task: TaskFact) -> bool:
-    return math.isfinite(task.x) and math.isfinite(task.y) and all(map(is_exact, task.needs))
+    places = (task.x, task.y, *(task.to or ()))
+    return all(map(math.isfinite, places)) and all(map(is_exact, task.needs))

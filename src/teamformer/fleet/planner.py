@@ -44,15 +44,16 @@ class CoordinatedPlanner:
 
     def __init__(self, coordinator: Coordinator | None = None) -> None:
         self._coordinator = coordinator
-        self._extended: tuple[int, Sequence[TaskFact], Scenario | None] | None = None
+        self._changed: tuple[int, Sequence[TaskFact], Scenario | None] | None = None
 
     def plan(self, mission: Mission, situation: Situation) -> Sequence[Stop]:
         """Return the coordinator's plan; tasks that are being served come first, as they are."""
         robots = sorted(situation.places)
         own = len(mission.tasks)
         added = [task for task in situation.tasks if task.key >= own]
+        news = [task for task in situation.tasks if task.key >= own or _is_moved(mission, task)]
         are_sane = all(_can_be_at(mission, robot, situation.places[robot]) for robot in robots)
-        scenario = self._with_added(mission, added) if are_sane else None
+        scenario = self._as_it_is(mission, news) if are_sane else None
         if scenario is None:
             return _one_after_another(mission, situation, robots)
         key_of = [*range(own), *(task.key for task in added)]  # of each task of the scenario
@@ -94,16 +95,22 @@ class CoordinatedPlanner:
             self._coordinator = SharedPlan(scouts=False, is_brief=True)
         return self._coordinator
 
-    def _with_added(self, mission: Mission, added: Sequence[TaskFact]) -> Scenario | None:
-        """Return the mission with operators' tasks at its end, None if it could not be run so.
+    def _as_it_is(self, mission: Mission, news: Sequence[TaskFact]) -> Scenario | None:
+        """Return the mission with loads where they lie and operators' tasks at its end.
 
-        The last such mission is kept.
+        None if it could not be run so. The last such mission is kept.
         """
-        if not added:
+        if not news:
             return mission.scenario
-        if self._extended is None or self._extended[:2] != (mission.number, added):
-            self._extended = (mission.number, added, _extend(mission, added))
-        return self._extended[2]
+        if self._changed is None or self._changed[:2] != (mission.number, news):
+            self._changed = (mission.number, news, _change(mission, news))
+        return self._changed[2]
+
+
+def _is_moved(mission: Mission, task: TaskFact) -> bool:
+    """Say whether a mission's task has a load that lies elsewhere than at the beginning."""
+    first = mission.tasks[task.key]
+    return (task.x, task.y) != (first.x, first.y)
 
 
 def _can_be_at(mission: Mission, robot: int, place: tuple[float, float]) -> bool:
@@ -126,20 +133,25 @@ def _old_plan(situation: Situation, number_of: Mapping[int, int]) -> Plan | None
     return Plan(order, coalitions)
 
 
-def _extend(mission: Mission, added: Sequence[TaskFact]) -> Scenario | None:
+def _change(mission: Mission, news: Sequence[TaskFact]) -> Scenario | None:
     whole = mission.scenario
     caps, is_grid = whole.capabilities, isinstance(whole.world, Grid)
-    more = [
+    tasks = list(whole.tasks)
+    for task in news:
+        if task.key < len(tasks):
+            tasks[task.key] = replace(tasks[task.key], at=_place((task.x, task.y), is_grid))
+    tasks += [
         Task(
             f"added {task.key}",
             _place((task.x, task.y), is_grid),
             {cap: need for cap, need in zip(caps, task.needs, strict=True) if need},
             round(task.duration / mission.step),
         )
-        for task in added
+        for task in news
+        if task.key >= len(whole.tasks)
     ]
     try:
-        return replace(whole, tasks=(*whole.tasks, *more))
+        return replace(whole, tasks=tuple(tasks))
     except ScenarioError:  # as of a service that takes longer than can be counted
         return None
 

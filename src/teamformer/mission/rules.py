@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from teamformer.errors import Problem
 from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.links import find_link_problems, find_links
-from teamformer.mission.loads import find_flown_loads, rules_without_loads
+from teamformer.mission.loads import find_flown_loads
 from teamformer.mission.reach import can_reach
 from teamformer.roads import AIR, GROUND, Roads
 
@@ -103,7 +103,6 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
     Robots that are processes of their own, or stand in an arena, refuse such missions.
     """
     yield from rules_of_sure_missions(scenario)
-    yield from rules_without_loads(scenario, "a fleet or the Robotarium")
     for number, robot in enumerate(scenario.robots):
         if robot.flies and scenario.world.rows:
             message = f"robot '{robot.name}' flies over obstacles, which only `teamformer run` and"

@@ -102,7 +102,7 @@ class Agent:
         if now < self.due and self._changes() == self._decided and report == self._report:
             return self.command, notices
         self._report = report
-        self._sense(report, now)
+        self._sense(report, now, notices)
         self.knowledge.let_appear(self.age(now))
         if now >= self._look_at - LOOK / 4:  # together with a heartbeat, if one is near
             self._look(now)
@@ -134,8 +134,9 @@ class Agent:
     def remember(self, now: float) -> Remembered:
         """Return what has to outlive a restart."""
         knowledge = self.knowledge
-        done = tuple(sorted(knowledge.done))
-        return Remembered(self.membership.life, done, knowledge.added, self.age(now))
+        done, loads = tuple(sorted(knowledge.done)), tuple(knowledge.loads.values())
+        life, age = self.membership.life, self.age(now)
+        return Remembered(life, done, knowledge.added, age, loads=loads)
 
     @property
     def memory_version(self) -> tuple[int, int]:
@@ -200,21 +201,45 @@ class Agent:
             self._namesakes += 1
             self.is_refused = self._namesakes >= NAMESAKES
 
-    def _sense(self, report: Report, now: float) -> None:
+    def _sense(self, report: Report, now: float, notices: list[Notice]) -> None:
         self._place = (report.x, report.y)
-        is_news = report.leg == self.command.leg and report.is_done
-        if is_news and self.knowledge.mark_done(self.command.task, now):
+        if report.leg != self.command.leg or self.command.task not in self.knowledge.tasks:
+            return
+        if report.is_done and self.knowledge.mark_done(self.command.task, now):
             self.voice.hurry()
+        elif self._has_found_out(self.command.task, report, now):
+            notices.append(Notice(EVERYBODY, self.knowledge.note()))
+
+    def _has_found_out(self, key: int, report: Report, now: float) -> bool:
+        """Note where a load lies, if that is news.
+
+        Where it is gone, and nobody says that it carries it, it was carried on and set down by who
+        cannot tell: it is looked for on its way, from place to place, and then from the beginning.
+        """
+        task, knowledge = self.knowledge.tasks[key], self.knowledge
+        if task.to is None or report.carries or key in knowledge.done:
+            return False
+        if report.load is not None:
+            return knowledge.see_load(key, report.load)
+        is_held = report.is_busy or self.service.is_in_hands(key, now)
+        if not report.is_gone or not self._is_at(key) or is_held:
+            return False
+        here, step = knowledge.place_of(key), self.mission.sight or 1.0
+        next_place = self.mission.ways.next_place(here, task.to, step)
+        return knowledge.see_load(key, (task.x, task.y) if here == task.to else next_place)
 
     def _look(self, now: float) -> None:
         """Look who is lost, and whether this robot gets on."""
         self._look_at = now + LOOK
         self.membership.call_lost(now, self.watched)
-        place = self.command.place
+        has = self._carries
+        place = self.knowledge.tasks[self.command.task].to if has else self.command.place
+        together = self.service.team_here(now) if has else (self.me,)
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
         if wants_to_move:
             self._wanted = place
-        self.membership.judge_myself(now, *self._place, wants_to_move)
+        waits = 2.0 * self.mission.step_time(*together)
+        self.membership.judge_myself(now, *self._place, wants_to_move, waits)
 
     def _plan(self, now: float, notices: list[Notice]) -> None:
         self._plan_at = self.keeper.plan_at(now, self.membership)
@@ -246,7 +271,9 @@ class Agent:
                 leading.part(now, self._place, goal, notices)
                 service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
-        is_there = is_for_it and self._is_at(service.goal)
+        is_there = is_for_it and (self._carries or self._is_at(service.goal))
+        if self._has_load(service.goal):  # nobody carries who does not get on
+            is_there = is_there and not (report.is_gone or self.membership.is_stuck)
         chosen = None if leading is None else leading.decide(now, self._place, notices)
         service.stand_by(now, is_there, report.is_busy, chosen)
 
@@ -260,30 +287,43 @@ class Agent:
     def _is_at(self, key: int) -> bool:
         if key == NOBODY:
             return False
-        task = self.knowledge.tasks[key]
-        return self.mission.is_same_place(task.x, task.y, *self._place)
+        return self.mission.is_same_place(*self.knowledge.place_of(key), *self._place)
+
+    @property
+    def _carries(self) -> bool:
+        """Say whether this robot carries the load of the task at hand."""
+        return self._report.carries and self._report.leg == self.command.leg
+
+    def _has_load(self, key: int) -> bool:
+        return key != NOBODY and self.knowledge.tasks[key].to is not None
 
     def _steer(self, now: float) -> None:
         """Turn the state of the service into a command; only a new place or task is a new leg."""
-        service, command = self.service, self.command
-        if service.goal != NOBODY:
-            task = self.knowledge.tasks[service.goal]
+        service, command, has_load = self.service, self.command, self._has_load(self.service.goal)
+        if self._carries and command.task == service.goal:
+            place = None  # it goes with the load
+        elif has_load and self.membership.is_stuck:
+            place = command.place if now < service.promised else self._wanted
+        elif service.goal != NOBODY:
             is_here = (
-                command.task == service.goal and command.place is None and self._is_at(task.key)
+                command.task == service.goal and command.place is None and self._is_at(service.goal)
             )
-            place = None if now < service.formed or is_here else (task.x, task.y)
+            is_to_stay = now < service.formed or is_here
+            place = None if is_to_stay else self.knowledge.place_of(service.goal)
         elif self.membership.is_stuck:
             place = self._wanted  # it goes on trying
         else:
             place = self.mission.base_of(self.me) if self._misses_somebody(now) else None
-        if place is None and service.goal == command.task != NOBODY:
+        if place is None and service.goal == command.task != NOBODY and not self._carries:
             place = command.place  # forming where it stands
         leg = command.leg
-        if service.goal != command.task or place != command.place:
+        if service.goal != command.task or (place != command.place and not self._carries):
             leg += 1
         duration = 0.0 if service.goal == NOBODY else self.knowledge.tasks[service.goal].duration
-        is_serving = service.phase == SERVE
-        new = Command(leg, place, service.goal, service.team, is_serving, duration)
+        is_serving, pace = service.phase == SERVE, 0.0
+        if is_serving and has_load:
+            pace = min(self.mission.paces[robot] for robot in service.team_here(now))
+        new = Command(leg, place, service.goal, service.team, is_serving, duration, pace)
         if new != command:
             self.command = new
 

@@ -10,9 +10,20 @@ from collections import deque
 from collections.abc import Iterable
 
 from msgspec import Struct
+from msgspec.msgpack import encode
+from msgspec.structs import replace
 
 from teamformer.fleet.fleet_mission import Mission
-from teamformer.fleet.messages import MOST_NEWS, MOST_TASKS, FactsNote, TaskFact, Word
+from teamformer.fleet.messages import (
+    MOST_MOVES,
+    MOST_NEWS,
+    MOST_TASKS,
+    FactsNote,
+    LoadFact,
+    TaskFact,
+    Word,
+)
+from teamformer.grid import Place
 from teamformer.rules.constants import NOBODY
 
 NEWS_LAST = 4.0
@@ -30,6 +41,7 @@ class Remembered(Struct, frozen=True, array_like=True):
     added: tuple[TaskFact, ...] = ()
     age: float = 0.0  # seconds of the mission
     seen_at: float = 0.0  # by the clock of the machine, seconds
+    loads: tuple[LoadFact, ...] = ()
 
 
 class Knowledge:
@@ -44,6 +56,7 @@ class Knowledge:
         ]
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
         self.done: set[int] = set()
+        self.loads: dict[int, LoadFact] = {}  # those that are not where their tasks are
         self.digest = 0
         self.changes = 0  # grows with every fact
         self.refused = 0  # facts that made no sense
@@ -55,6 +68,8 @@ class Knowledge:
             self.add_task(task)
         for key in remembered.done:
             self.mark_done(key, 0.0)
+        for load in remembered.loads:
+            self.take_load(load)
 
     def hear_word(self, word: Word) -> Word | None:
         """Take a word if it is newer than what is known; return the one that it replaces."""
@@ -103,6 +118,39 @@ class Knowledge:
         self.changes += 1
         return True
 
+    def place_of(self, key: int) -> Place:
+        """Return where a task is, or where its load is believed to lie."""
+        at = self.loads.get(key) or self.tasks[key]
+        return at.x, at.y
+
+    def see_load(self, key: int, place: Place) -> bool:
+        """Note that a load lies elsewhere than was believed; say whether that is so."""
+        if place == self.place_of(key):
+            return False
+        version = self.loads[key].version if key in self.loads else 0
+        x, y = float(place[0]), float(place[1])
+        return self.take_load(LoadFact(key, min(version + 1, MOST_MOVES), x, y))
+
+    def take_load(self, load: LoadFact) -> bool:
+        """Take in where a load lies, if it is newer than what is known; say whether it is."""
+        task, known = self.tasks.get(load.key), self.loads.get(load.key)
+        place = (load.x, load.y)
+        is_sound = task is not None and task.to is not None and self.mission.is_site(*place)
+        if not is_sound or self.mission.region(place) != self.mission.region(self._start_of(load)):
+            self.refused += 1
+            return False
+        if known is not None:
+            if load <= known:
+                return False
+            self.digest ^= _hash_of_load(known)
+        self.loads[load.key] = load
+        self.digest ^= _hash_of_load(load)
+        self.changes += 1
+        return True
+
+    def _start_of(self, load: LoadFact) -> Place:
+        return self.tasks[load.key].x, self.tasks[load.key].y
+
     def news(self, now: float) -> tuple[int, ...]:
         """Return the tasks that have been done lately."""
         while self._news and self._news[0][0] < now - NEWS_LAST:
@@ -116,11 +164,14 @@ class Knowledge:
             self.add_task(task)
         for key in note.done:
             self.mark_done(key, now)
+        for load in note.loads:
+            self.take_load(load)
         return self.changes > before
 
     def note(self) -> FactsNote:
         """Return all facts, for who knows others."""
-        return FactsNote(tuple(sorted(self.done))[:MOST_TASKS], self.added, self.digest)
+        done = tuple(sorted(self.done))[:MOST_TASKS]
+        return FactsNote(done, self.added, self.digest, tuple(self.loads.values()))
 
     @property
     def added(self) -> tuple[TaskFact, ...]:
@@ -129,8 +180,10 @@ class Knowledge:
         return tuple(self.tasks.values())[own:]
 
     def open_tasks(self) -> Iterable[TaskFact]:
-        """Return the known tasks that are not done, by key."""
-        return (self.tasks[key] for key in sorted(self.undone))
+        """Return the known tasks that are not done, by key, with loads where they lie now."""
+        for key in sorted(self.undone):
+            task, load = self.tasks[key], self.loads.get(key)
+            yield task if load is None else replace(task, x=load.x, y=load.y)
 
     def covers(self, robots: Iterable[int], key: int) -> bool:
         """Say whether robots together have what a task needs."""
@@ -147,5 +200,12 @@ class Knowledge:
 def _hash(key: int, is_done: bool) -> int:
     """Return 62 bits that sum up, by exclusive or, what is known; NOBODY has none."""
     assert key != NOBODY
-    text = key.to_bytes(8, "big") + bytes([is_done])
+    return _hash_of(key.to_bytes(8, "big") + bytes([is_done]))
+
+
+def _hash_of_load(load: LoadFact) -> int:
+    return _hash_of(encode(load))
+
+
+def _hash_of(text: bytes) -> int:
     return int.from_bytes(hashlib.blake2b(text, digest_size=8).digest(), "big") >> 2

@@ -107,8 +107,13 @@ class Membership:
         for robot in robots:
             self.seen[robot] = max(self.seen[robot], now)
 
-    def judge_myself(self, now: float, x: float, y: float, wants_to_move: bool) -> None:
-        """Say whether this robot is fit: it hears somebody, and gets on where it wants to."""
+    def judge_myself(
+        self, now: float, x: float, y: float, wants_to_move: bool, waits: float
+    ) -> None:
+        """Say whether this robot is fit: it hears somebody, and gets on where it wants to.
+
+        Who gets on may stand in one place for `waits` seconds.
+        """
         before = self.is_stuck, self.is_fit
         _, was_x, was_y = self._moved
         if (x, y) != (was_x, was_y):
@@ -116,8 +121,7 @@ class Membership:
             self.is_stuck = False
         elif not wants_to_move and not self.is_stuck:
             self._moved = (now, x, y)
-        slowness = 2.0 * self._knowledge.mission.step_time(self._knowledge.me)
-        if now - self._moved[0] > max(self.timers.stuck, slowness):
+        if now - self._moved[0] > max(self.timers.stuck, waits):
             self.is_stuck = True
         is_alone = self._knowledge.mission.robots == 1
         self._is_deaf = not is_alone and now - self.heard > self.timers.deaf * self.stretch

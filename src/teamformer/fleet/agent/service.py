@@ -68,6 +68,18 @@ class Service:
             if word.team == self.team and word.goal == self.goal and self._is_fellow(word, now):
                 yield word
 
+    def team_here(self, now: float) -> tuple[int, ...]:
+        """Return the robots of this one's team that are at its task, itself first."""
+        here = (word.robot for word in self._members(now) if word.phase >= HERE)
+        return self._knowledge.me, *here
+
+    def is_in_hands(self, key: int, now: float) -> bool:
+        """Say whether another robot says that it is at work on a task."""
+        return any(
+            word.goal == key and word.phase == SERVE and self._is_fellow(word, now)
+            for word in self._knowledge.words
+        )
+
     def _is_fellow(self, word: Word, now: float) -> bool:
         me = self._knowledge.me
         near = self._membership.is_near(word.robot, now)

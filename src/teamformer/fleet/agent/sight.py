@@ -53,7 +53,8 @@ def view_of(
     mission, scenario = knowledge.mission, knowledge.mission.scenario
     caps, world = len(scenario.capabilities), scenario.world
     number = {key: place for place, key in enumerate(knowledge.tasks)}
-    room = make_view(1, mission.robots, max(1, len(number)), caps)
+    has_loads = any(task.to is not None for task in mission.tasks)
+    room = make_view(1, mission.robots, max(1, len(number)), caps, has_loads=has_loads)
     view = View(*(part[:1] for part in room))._replace(
         first_member=np.array([0, len(own.robots)]),
         member=np.array(own.robots, np.int32),
@@ -61,9 +62,10 @@ def view_of(
     )
     view.slot[0], view.place[0], view.size[0] = own.lead, own.place, len(own.robots)
     view.counts[0] = view.member_counts.sum(axis=0)
-    goal = knowledge.tasks.get(own.goal)
-    view.task[0] = number.get(own.goal, NOBODY)
-    view.is_at_task[0] = goal is not None and mission.is_same_place(*own.place, goal.x, goal.y)
+    is_at_task = own.goal in number and mission.is_same_place(
+        *own.place, *knowledge.place_of(own.goal)
+    )
+    view.task[0], view.is_at_task[0] = number.get(own.goal, NOBODY), is_at_task
     view.is_serving[0] = own.is_serving
     view.unit[0] = world.unit if isinstance(world, Plane) else 1.0
     view.arrival_radius[0] = mission.radius
@@ -78,8 +80,10 @@ def view_of(
     for column, key in enumerate(shown[: min(NEXT_TASKS, view.task_number.shape[1])]):
         task = knowledge.tasks[key]
         view.task_number[0, column], view.task_rank[0, column] = number[key], order.index(key)
-        view.task_place[0, column] = task.x, task.y
+        view.task_place[0, column] = knowledge.place_of(key)
         view.task_needs[0, column] = mission.in_units(task.needs)
+        if has_loads:
+            view.task_to_place[0, column] = task.to or knowledge.place_of(key)
     return view
 
 

@@ -17,6 +17,7 @@ class Command(NamedTuple):
     team: int = NOBODY  # with whom it serves
     serve: bool = False
     duration: float = 0.0  # seconds that the service of the task takes
+    pace: float = 0.0  # of its team with a load, cells or metres a second; 0 for no load
 
 
 class Report(NamedTuple):
@@ -25,6 +26,10 @@ class Report(NamedTuple):
     `number` grows from report to report, so that one that comes late or twice is known as such.
     `is_done` says that the task of that command is done, as far as one sees who stands there, and
     `is_busy` that another team is at work on it.
+
+    A body that serves a task with a load takes it up, carries it to where it is to be brought, and
+    unloads it there; it sets it down where it is told to stop. Where it can see loads it also says
+    where that of the task lies, and whether none lies where it stands.
     """
 
     x: float
@@ -33,6 +38,9 @@ class Report(NamedTuple):
     is_done: bool = False
     is_busy: bool = False
     number: int = 0
+    carries: bool = False  # the load of the task
+    load: Place | None = None  # where it sees the load of the task lie
+    is_gone: bool = False  # it sees that the load of the task does not lie where it stands
 
 
 class Body(Protocol):

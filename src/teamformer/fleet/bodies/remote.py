@@ -44,7 +44,9 @@ class Line(Protocol):
 
 encode = Encoder().encode
 decode_order = Decoder(Order).decode
-decode_report = Decoder(tuple[float, float, int, bool, bool, int]).decode
+decode_report = Decoder(
+    tuple[float, float, int, bool, bool, int, bool, tuple[float, float] | None, bool]
+).decode
 
 
 class RemoteBody:

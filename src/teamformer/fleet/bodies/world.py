@@ -1,7 +1,8 @@
-"""The world that simulated bodies share: robots walk, stand at tasks and do them.
+"""The world that simulated bodies share: robots walk, stand at tasks, do them, and carry loads.
 
 Nothing happens between events, so places are worked out when they are asked for. Robots walk round
-walls on a grid and straight on in a plane, at their own speed, through one another.
+walls on a grid and straight on in a plane, at their own speed, through one another. Who carries a
+load goes at the pace of the slowest who do, and stands still if one of them is stuck.
 """
 
 from __future__ import annotations
@@ -10,15 +11,19 @@ import heapq
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
 from teamformer.grid import Grid, Place
 from teamformer.rules.constants import NOBODY
-from teamformer.rules.distances import Distances, distance_fields
 
 NEVER = float("inf")
+
+SERVICE, CARRIED, UNLOADING = range(3)
+"""The parts of a service: the service itself, which for a load is taking it up, and what follows
+where there is one."""
 
 
 @dataclass(slots=True)
@@ -59,6 +64,34 @@ class SimulatedRobot:
     command: Command = field(default_factory=Command)
     is_dead: bool = False
     is_stuck: bool = False
+    carries: int = NOBODY  # the task whose load it carries or unloads
+
+
+class Walked(NamedTuple):
+    """A robot set out through places, each `time` seconds after the one before."""
+
+    at: float
+    robot: int
+    points: tuple[Place, ...]
+    begin: float
+    time: float
+
+
+class Lifted(NamedTuple):
+    """A load was taken up by robots at a place, or, by nobody, set down there."""
+
+    at: float
+    task: int
+    robots: tuple[int, ...]
+    place: Place
+
+
+class Service(NamedTuple):
+    """A team is at work on a task; the part at hand ends at a time."""
+
+    team: int
+    end: float
+    part: int = SERVICE
 
 
 @dataclass(frozen=True)
@@ -83,10 +116,11 @@ class FleetWorld:
         self.robots = [
             SimulatedRobot(Leg([robot.at], 0.0, NEVER)) for robot in mission.scenario.robots
         ]
-        self.walks: list[tuple[float, int, tuple[Place, ...], float, float]] = []
-        self._services: dict[int, tuple[int, float]] = {}  # task: team at work, when it ends
+        self.moves: list[Walked | Lifted] = []
+        self._lies: dict[int, Place] = {}  # loads that were moved, by task
+        self._ways_of_loads: dict[int, Leg] = {}  # of those that are carried
+        self._services: dict[int, Service] = {}  # by task
         self._events: list[tuple[float, int, int, float]] = []  # when, robot or -1, task, stamp
-        self._fields: dict[Place, Distances] = _fields_of(mission)
 
     def add_task(self, task: TaskFact) -> None:
         """Let there be another task."""
@@ -106,8 +140,8 @@ class FleetWorld:
                 if self.robots[robot].leg.end == stamp:
                     touched.add(robot)
                     self._look_at_services(self.robots[robot].command.task, touched)
-            elif self._services.get(task, (0, NEVER))[1] == stamp:
-                self._finish(task, touched)
+            elif task in self._services and self._services[task].end == stamp:
+                self._go_on(task, touched)
         self.now = now
         return touched
 
@@ -118,7 +152,9 @@ class FleetWorld:
         if body.is_dead or command == body.command:
             return touched
         old, body.command = body.command, command
-        if command.leg != old.leg or command.place != old.place:
+        if body.carries != NOBODY and not self._is_at_work(robot, body.carries):
+            self._let_go(robot, touched)
+        if (command.leg, command.place) != (old.leg, old.place) and body.carries == NOBODY:
             self._walk(robot)
             touched.add(robot)
         for task in {old.task, command.task}:
@@ -131,15 +167,32 @@ class FleetWorld:
         x, y = self.place(robot)
         command = body.command
         task, number = self.tasks.get(command.task), 1 + round(1000 * self.now)  # milliseconds
-        if task is None or not self.mission.is_same_place(x, y, task.x, task.y):
+        if task is None:
             return Report(x, y, command.leg, number=number)
-        team, _ = self._services.get(task.key, (command.team, 0.0))
-        is_busy = team != command.team
-        return Report(x, y, command.leg, task.key in self.done, is_busy, number)
+        at, service = self.place_of(task.key), self._services.get(task.key)
+        is_here = self.mission.is_same_place(x, y, *at)
+        is_done = is_here and task.key in self.done
+        is_busy = is_here and service is not None and service.team != command.team
+        report = Report(x, y, command.leg, is_done, is_busy, number)
+        if task.to is None:
+            return report
+        if body.carries == task.key:
+            return report._replace(carries=True)
+        if task.key in self._ways_of_loads:  # others have it
+            return report._replace(is_gone=True)
+        is_seen = is_here or math.dist((x, y), at) <= self.mission.sight
+        return report._replace(load=at if is_seen else None, is_gone=not is_here)
 
     def place(self, robot: int) -> Place:
         """Return where a robot is now."""
         return self.robots[robot].leg.place(self.now, self._is_grid)
+
+    def place_of(self, key: int) -> Place:
+        """Return where a task is, or where its load is now."""
+        if key in self._ways_of_loads:
+            return self._ways_of_loads[key].place(self.now, self._is_grid)
+        task = self.tasks[key]
+        return self._lies.get(key, (task.x, task.y))
 
     def kill(self, robot: int) -> set[int]:
         """Let a robot break down where it is."""
@@ -157,25 +210,77 @@ class FleetWorld:
     def let_go(self, robot: int) -> None:
         """Let a robot move again, on to where it was told to go."""
         self.robots[robot].is_stuck = False
-        if not self.robots[robot].is_dead:
+        if self.robots[robot].carries != NOBODY:
+            self._carry(self.robots[robot].carries)
+        elif not self.robots[robot].is_dead:
             self._walk(robot)
 
     def at_work(self, key: int) -> Iterator[int]:
-        """Return the robots that stand at a task, alive and told to serve it."""
-        task = self.tasks[key]
+        """Return the robots that stand at a task or carry its load, alive and told to serve it."""
+        at = self.place_of(key)
+        is_up = key in self._ways_of_loads
         for robot, body in enumerate(self.robots):
-            is_at_it = body.command.serve and body.command.task == key and not body.is_dead
-            if is_at_it and self.mission.is_same_place(*self.place(robot), task.x, task.y):
+            if not self._is_at_work(robot, key):
+                continue
+            is_at_it = self.mission.is_same_place(*self.place(robot), *at)
+            if body.carries == key if is_up else is_at_it:
                 yield robot
+
+    def _is_at_work(self, robot: int, key: int) -> bool:
+        body = self.robots[robot]
+        return body.command.serve and body.command.task == key and not body.is_dead
 
     def _set_still(self, robot: int, is_dead: bool, is_stuck: bool = False) -> set[int]:
         body = self.robots[robot]
-        place = self.place(robot)
+        place, touched = self.place(robot), set[int]()
         body.is_dead, body.is_stuck = is_dead, body.is_stuck or is_stuck
         self._set_leg(robot, [place], NEVER)
-        touched: set[int] = set()
+        if body.carries != NOBODY and is_dead:
+            self._let_go(robot, touched)
+        elif body.carries != NOBODY:
+            self._carry(body.carries)
         self._look_at_services(body.command.task, touched)
         return touched
+
+    def _carry(self, key: int) -> None:
+        """Have those who carry a load go on with it from where it is."""
+        who, here, to = list(self.at_work(key)), self.place_of(key), self.tasks[key].to
+        assert to is not None
+        team, pace = self.robots[who[0]].command.team, min(self.mission.paces[r] for r in who)
+        if here == to or self._services[key].part == UNLOADING:
+            return
+        points = [here, *(self.mission.ways.cells(here, to) if self._is_grid else [to])]
+        time = 1.0 / pace if self._is_grid else math.dist(here, to) / pace
+        if any(self.robots[robot].is_stuck for robot in who):
+            points, time = [here], NEVER
+        self._ways_of_loads[key] = way = Leg(points, self.now, time)
+        for robot in who:
+            at = self.place(robot)
+            self._set_leg(robot, [at, *points[1:]], time)
+        self._begin(key, Service(team, NEVER if time == NEVER else way.end, CARRIED))
+
+    def _let_go(self, robot: int, touched: set[int]) -> None:
+        """Let a robot carry no more: the others go on if they can, or set the load down."""
+        key, body = self.robots[robot].carries, self.robots[robot]
+        body.carries = NOBODY
+        self._set_leg(robot, [self.place(robot)], NEVER)
+        who = [other for other, each in enumerate(self.robots) if each.carries == key]
+        touched.update((robot, *who))
+        if self.mission.covers(who, self.tasks[key].needs):
+            self._carry(key)
+            return
+        self._lies[key] = self.place_of(key)
+        del self._ways_of_loads[key], self._services[key]
+        for other in who:
+            self.robots[other].carries = NOBODY
+            self._set_leg(other, [self.place(other)], NEVER)
+        self.moves.append(Lifted(self.now, key, (), self._lies[key]))
+
+    def _begin(self, key: int, service: Service) -> None:
+        """Begin a part of a service."""
+        self._services[key] = service
+        if service.end < NEVER:
+            heapq.heappush(self._events, (service.end, NOBODY, key, service.end))
 
     def _walk(self, robot: int) -> None:
         """Begin the way to where the command says; half a cell is lost where it turns."""
@@ -187,7 +292,7 @@ class FleetWorld:
             points = [here] if goal is None or goal == here else [here, goal]
             self._set_leg(robot, points, math.dist(here, goal or here) / pace)
         else:
-            way = [] if goal is None else self._way(here, goal)
+            way = [] if goal is None else self.mission.ways.cells(here, goal)
             leg, at, begin = body.leg, body.leg.reached(self.now), self.now
             if way and at + 1 < len(leg.points) and way[0] == leg.points[at + 1]:
                 begin = leg.begin + at * leg.time  # on the way there already
@@ -198,37 +303,13 @@ class FleetWorld:
     ) -> None:
         leg = Leg(points, self.now if begin is None else begin, time if len(points) > 1 else NEVER)
         self.robots[robot].leg = leg
-        self.walks.append((self.now, robot, tuple(points), leg.begin, leg.time))
+        self.moves.append(Walked(self.now, robot, tuple(points), leg.begin, leg.time))
         if leg.time != NEVER:
             heapq.heappush(self._events, (leg.end, robot, NOBODY, leg.end))
 
-    def _way(self, here: Place, goal: Place) -> list[Place]:
-        """Return the cells of a shortest way, first along the axis with more to go."""
-        if goal not in self._fields:
-            world = self.mission.scenario.world
-            assert isinstance(world, Grid)
-            self._fields[goal] = distance_fields(world, [goal])[0]
-        away = self._fields[goal]
-        cells: list[Place] = []
-        height, width = away.shape
-        x, y = int(here[0]), int(here[1])
-        goal_x, goal_y = int(goal[0]), int(goal[1])
-        left = int(away[y, x])
-        while left > 0 and left < 2**29:
-            along_x, along_y = abs(goal_x - x) >= abs(goal_y - y), (goal_y > y) * 2 - 1
-            towards_x = (goal_x > x) * 2 - 1
-            sides = [(towards_x, 0), (0, along_y), (0, -along_y), (-towards_x, 0)]
-            for dx, dy in sides if along_x else [sides[1], sides[0], sides[3], sides[2]]:
-                to_x, to_y = x + dx, y + dy
-                if 0 <= to_x < width and 0 <= to_y < height and away[to_y, to_x] == left - 1:
-                    x, y, left = to_x, to_y, left - 1
-                    cells.append((x, y))
-                    break
-        return cells
-
     def _look_at_services(self, key: int, touched: set[int]) -> None:
         """Begin or break off the service of a task, by who is at work on it now."""
-        if key not in self.tasks or key in self.done:
+        if key not in self.tasks or key in self.done or key in self._ways_of_loads:
             return
         teams: dict[int, list[int]] = {}
         for robot in self.at_work(key):
@@ -236,28 +317,45 @@ class FleetWorld:
         needs = self.tasks[key].needs
         able = [team for team, who in sorted(teams.items()) if self.mission.covers(who, needs)]
         going = self._services.get(key)
-        if going is not None and going[0] not in able:
+        if going is not None and going.team not in able:
             del self._services[key]
             going = None
         if going is None and able:
-            end = self.now + self.tasks[key].duration
-            self._services[key] = (able[0], end)
-            heapq.heappush(self._events, (end, NOBODY, key, end))
+            self._begin(key, Service(able[0], self.now + self.tasks[key].duration))
+
+    def _go_on(self, key: int, touched: set[int]) -> None:
+        """Go on with what follows a part of a service."""
+        task, (team, _, part) = self.tasks[key], self._services[key]
+        if part == SERVICE and task.to is not None:
+            self._take_up(key, touched)
+        if task.to is None or part == UNLOADING:
+            self._finish(key, touched)
+        elif self.place_of(key) == task.to:
+            self._begin(key, Service(team, self.now + task.unload, UNLOADING))
+
+    def _take_up(self, key: int, touched: set[int]) -> None:
+        """Let those who have taken up a load set out with it; all who are there sense it."""
+        team, here = self._services[key].team, self.place_of(key)
+        who = tuple(r for r in self.at_work(key) if self.robots[r].command.team == team)
+        self._touch(here, touched)
+        self._ways_of_loads[key] = Leg([here], self.now, NEVER)
+        for robot in who:
+            self.robots[robot].carries = key
+        self.moves.append(Lifted(self.now, key, who, here))
+        self._carry(key)
 
     def _finish(self, key: int, touched: set[int]) -> None:
-        team, _ = self._services.pop(key)
+        team, place = self._services.pop(key).team, self.place_of(key)
         who = tuple(r for r in self.at_work(key) if self.robots[r].command.team == team)
         self.done[key] = Done(self.now, key, team, who)
-        task = self.tasks[key]
-        for robot, body in enumerate(self.robots):
-            place = body.leg.place(self.now, self._is_grid)
-            if self.mission.is_same_place(*place, task.x, task.y):
+        if self._ways_of_loads.pop(key, None) is not None:
+            self._lies[key] = place
+            for robot in who:
+                self.robots[robot].carries = NOBODY
+        self._touch(place, touched)
+
+    def _touch(self, place: Place, touched: set[int]) -> None:
+        """Let all sense something new who are at a place."""
+        for robot in range(len(self.robots)):
+            if self.mission.is_same_place(*self.place(robot), *place):
                 touched.add(robot)
-
-
-_FIELDS: dict[int, dict[Place, Distances]] = {}
-
-
-def _fields_of(mission: Mission) -> dict[Place, Distances]:
-    """Return the distance fields of a mission's map, shared by all its worlds."""
-    return _FIELDS.setdefault(mission.number, {})

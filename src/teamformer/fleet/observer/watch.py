@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 from teamformer.fleet.fleet_mission import Mission
-from teamformer.fleet.messages import SERVE, Beat, FactsNote, Message, TaskFact, Word
+from teamformer.fleet.messages import SERVE, Beat, FactsNote, LoadFact, Message, TaskFact, Word
 from teamformer.fleet.rehearsal.record import (
     Deed,
     Teams,
+    deed_of,
     team_changes,
     teams_shown,
     who_did,
@@ -18,7 +20,7 @@ from teamformer.grid import Grid, Place
 from teamformer.model import Task
 from teamformer.plane import DECIMALS
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.replay.record import FLEET, Ending, Replay, Step, TeamAt
+from teamformer.sim.replay.record import FLEET, Ending, Replay, Step, TaskAt, TeamAt
 
 STAYS = 3
 """Steps for which a robot's word that it is at work holds on, if it says something else since.
@@ -54,6 +56,9 @@ class Watch:
         self._done: dict[int, int] = {}  # task -> step in which that was heard of
         self._news: list[int] = []
         self._served: dict[int, _Service] = {}  # by robot: the last that it said it is at work on
+        self._loads: dict[int, LoadFact] = {}  # that were moved, by task
+        self._left: dict[int, TaskAt] = {}  # those that have been set down since the last step
+        self._carried: set[int] = set()
         self._lost: set[int] = set()
         self._teams: Teams = {robot: (robot,) for robot in range(mission.robots)}
         self._shown: dict[int, TeamAt] = {}
@@ -76,6 +81,8 @@ class Watch:
             new = [task for task in body.added if self.learn(task)]
             for key in body.done:
                 self._note_done(key)
+            for load in body.loads:
+                self._note_load(load)
             return new
         return []
 
@@ -123,6 +130,8 @@ class Watch:
         done = tuple((deed.task, self._who(deed, teams)) for deed in deeds)
         self._news = [key for key in self._news if not teams or key not in ripe]
         made = Step(joins, splits, tuple(lost), tuple(back), rows, done)
+        made = replace(made, taken=tuple(self._taken(teams)), left=tuple(self._left.values()))
+        self._left = {}
         self.steps.append(made)
         return made
 
@@ -155,6 +164,29 @@ class Watch:
             if word.phase == SERVE:
                 self._served[word.robot] = _Service(word.goal, word.team, len(self.steps))
 
+    def _note_load(self, load: LoadFact) -> None:
+        """Note that a load was set down."""
+        task, known = self.tasks.get(load.key), self._loads.get(load.key)
+        is_news = task is not None and task.to is not None and (known is None or load > known)
+        if is_news and self.scenario.world.is_free((load.x, load.y)):
+            self._loads[load.key] = load
+            self._carried.discard(load.key)
+            number = self._number[load.key]
+            self._left[number] = TaskAt(number, *self._as_place(load.x, load.y))
+
+    def _taken(self, teams: Teams) -> Iterator[tuple[int, int]]:
+        """Yield each load that has left its place with who says that it is at work on it."""
+        for slot, robots in sorted(teams.items()):
+            for word in (self.words[robot] for robot in robots if robot in self.words):
+                task = self.tasks.get(word.goal)
+                if task is None or task.to is None or task.key in self._done:
+                    continue
+                lay = self._loads.get(task.key, task)
+                is_away = not self.mission.is_same_place(word.x, word.y, lay.x, lay.y)
+                if is_away and word.phase == SERVE and task.key not in self._carried:
+                    self._carried.add(task.key)
+                    yield self._number[task.key], slot
+
     def _note_done(self, key: int) -> None:
         if key in self.tasks and key not in self._done:
             self._done[key] = len(self.steps) + 1
@@ -164,9 +196,12 @@ class Watch:
         word = self.words.get(robot)
         if word is None:
             return self.scenario.robots[robot].at
+        return self._as_place(word.x, word.y)
+
+    def _as_place(self, x: float, y: float) -> Place:
         if isinstance(self.scenario.world, Grid):
-            return round(word.x), round(word.y)
-        return round(word.x, DECIMALS), round(word.y, DECIMALS)
+            return round(x), round(y)
+        return round(x, DECIMALS), round(y, DECIMALS)
 
     def _team_of(self, robot: int) -> int:
         word = self.words.get(robot)
@@ -202,8 +237,7 @@ class Watch:
         last = max(at_work.values(), key=lambda service: service.step, default=None)
         team = NOBODY if last is None else last.team
         robots = tuple(sorted(robot for robot, each in at_work.items() if each.team == team))
-        number = self._number[key]
-        return Deed(number, self.scenario.tasks[number].at, robots)
+        return deed_of(self._number[key], self.scenario.tasks, robots)
 
     def _is_serving(self, robot: int, key: int) -> bool:
         word = self.words[robot]

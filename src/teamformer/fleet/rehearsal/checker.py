@@ -10,14 +10,19 @@ The promises:
 - who says that it stays, stays: until the time is over or the task is done;
 - no task is done twice, and none without a team that was at work on it for its whole duration and
   had what it needs all the while;
+- a load is taken up in the same way, and moves only with those who took it up, no faster than the
+  slowest of them; it is done where it is to be brought, after the time that unloading takes, if
+  those who carry it still have what it needs; else it is set down where they are;
 - no task is forgotten that was accepted, or that the mission began with, if it can be done.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import HERE, READY, TaskFact
 from teamformer.fleet.rehearsal.trace import (
@@ -26,7 +31,6 @@ from teamformer.fleet.rehearsal.trace import (
     Event,
     Finished,
     Said,
-    Walked,
     Worked,
 )
 from teamformer.grid import Grid, Place
@@ -59,6 +63,16 @@ class Robot:
 
 
 @dataclass
+class Load:
+    """What the trace says of the load of a task so far."""
+
+    at: Place
+    carriers: set[int] = field(default_factory=set)
+    taken_at: float = 0.0
+    left: list[tuple[float, Place]] = field(default_factory=list)  # where it lay, until when
+
+
+@dataclass
 class Checker:
     """Goes through a trace once; `violations` says what was promised and not kept."""
 
@@ -69,6 +83,7 @@ class Checker:
     _done: dict[int, float] = field(default_factory=dict)
     _accepted: dict[int, float] = field(default_factory=dict)
     _able_since: dict[tuple[int, int], float] = field(default_factory=dict)
+    _loads: dict[int, Load] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         starts = [robot.at for robot in self.mission.scenario.robots]
@@ -76,6 +91,9 @@ class Checker:
             Robot(Walked(0.0, number, (at,), 0.0, 1.0)) for number, at in enumerate(starts)
         ]
         self._is_grid = isinstance(self.mission.scenario.world, Grid)
+        for key, task in self.tasks.items():
+            if task.to is not None:
+                self._loads[key] = Load((task.x, task.y))
 
     def check(self, events: Sequence[Event], undone: Iterable[int]) -> list[str]:
         """Return all violations; `undone` are tasks that can be done and were not in the end."""
@@ -86,6 +104,8 @@ class Checker:
                 self._say(event)
             elif isinstance(event, Worked):
                 self._work(event)
+            elif isinstance(event, Lifted):
+                self._lift(event)
             elif isinstance(event, Finished):
                 self._finish(event)
             elif isinstance(event, Broke):
@@ -109,6 +129,9 @@ class Checker:
     def _walk(self, event: Walked) -> None:
         robot = self._robots[event.robot]
         leaves = len(event.points) > 1 and not robot.has_forgotten
+        if robot.stays_at in self._loads:  # it stays with the load, wherever that goes
+            is_by = self._is_by(event.robot, robot.stays_at, event.at)
+            leaves = leaves and is_by and event.robot not in self._loads[robot.stays_at].carriers
         slack = event.at + A_TICK + DRIFT * robot.hold
         if leaves and robot.stays_until > slack and robot.stays_at not in self._done:
             left = robot.stays_until - event.at
@@ -118,7 +141,47 @@ class Checker:
                 "before the time that it said it would stay"
             )
         robot.walk = event
+        for key, load in self._loads.items():
+            if event.robot in load.carriers and len(event.points) > 1:
+                self._go_with(event, key, load)
         self._count(event.at)
+
+    def _go_with(self, event: Walked, key: int, load: Load) -> None:
+        """Check that who carries a load goes no faster than the slowest who do."""
+        metres = 1.0 if self._is_grid else math.dist(*event.points[:2])
+        pace = min(self.mission.paces[robot] for robot in load.carriers)
+        if metres > pace * event.time * (1 + 1e-6) + 2 * self.mission.radius:
+            who, task = self._who(event.robot), self._name(key)
+            self._blame(f"{event.at:.2f} s: {who} carries '{task}' faster than all can who do")
+
+    def _lift(self, event: Lifted) -> None:
+        """Check that a load is taken up by who may, or set down where those are who carried it."""
+        load, task = self._loads[event.task], self._name(event.task)
+        if event.robots:
+            since = [at for (key, _), at in self._able_since.items() if key == event.task]
+            worked = event.at - min(since, default=event.at + 1e9)
+            is_there = all(self._is_by(robot, event.task, event.at) for robot in event.robots)
+            if load.carriers or event.task in self._done or not is_there:
+                self._blame(f"{event.at:.2f} s: '{task}' is taken up where it does not lie")
+            if worked + A_TICK < self.tasks[event.task].duration:
+                self._blame(f"{event.at:.2f} s: '{task}' is taken up without its service")
+            load.left.append((event.at, load.at))
+            load.carriers, load.taken_at = set(event.robots), event.at
+        else:
+            if not self._is_with(load, event.place, event.at):
+                self._blame(f"{event.at:.2f} s: '{task}' is set down where nobody carried it to")
+            load.carriers, load.at = set(), event.place
+        for each in [each for each in self._able_since if each[0] == event.task]:
+            del self._able_since[each]
+        self._count(event.at)
+
+    def _is_with(self, load: Load, place: Place, now: float) -> bool:
+        """Say whether those who carry a load, or carried it a moment ago, are at a place."""
+        reach = self.mission.radius + 1e-6
+        who = load.carriers or set()
+        return all(
+            math.dist(self._place(self._robots[robot].walk, now), place) <= reach for robot in who
+        )
 
     def _say(self, event: Said) -> None:
         robot = self._robots[event.robot]
@@ -135,6 +198,7 @@ class Checker:
     def _work(self, event: Worked) -> None:
         robot = self._robots[event.robot]
         robot.work, robot.work_since = (event.task, event.team), event.at
+        self._drop(event.robot, event.task)
         if event.task != NOBODY:
             self._begin(event, robot)
         self._count(event.at)
@@ -180,7 +244,7 @@ class Checker:
         teams: dict[tuple[int, int], list[int]] = {}
         for number, robot in enumerate(self._robots):
             task = robot.work[0]
-            if task != NOBODY and not robot.is_dead and self._stands_at(number, task, now):
+            if task != NOBODY and not robot.is_dead and self._is_by(number, task, now):
                 teams.setdefault(robot.work, []).append(number)
         return (key for key, robots in teams.items() if self._covers(robots, key[0]))
 
@@ -189,25 +253,65 @@ class Checker:
         if event.task in self._done:
             self._blame(f"{event.at:.2f} s: task '{task}' is done a second time")
         self._done[event.task] = event.at
+        if event.task in self._loads:
+            self._unload(event, self._loads[event.task])
+            return
         since = [at for (key, _), at in self._able_since.items() if key == event.task]
         worked = event.at - min(since, default=event.at + 1e9)
         if worked + A_TICK < self.tasks[event.task].duration:
             self._blame(f"{event.at:.2f} s: task '{task}' is done without its service")
 
+    def _unload(self, event: Finished, load: Load) -> None:
+        """Check that a load is where it is to be brought, and was for the time of unloading."""
+        task = self.tasks[event.task]
+        assert task.to is not None
+        if not self._covers(load.carriers, event.task) or not self._is_with(
+            load, task.to, event.at
+        ):
+            self._blame(f"{event.at:.2f} s: load '{task.name}' is done and was not brought")
+        walks = [self._robots[robot].walk for robot in load.carriers]
+        ends = [walk.begin + (len(walk.points) - 1) * walk.time for walk in walks]
+        if event.at - max(load.taken_at, *ends, 0.0) + A_TICK < task.unload:
+            self._blame(f"{event.at:.2f} s: load '{task.name}' is done before it is unloaded")
+        load.carriers, load.at = set(), task.to
+
     def _break(self, event: Broke) -> None:
         robot = self._robots[event.robot]
         if event.what == "crash":
             robot.is_dead = True
+            self._drop(event.robot)
         elif event.what == "restart":
             robot.is_dead = False
             robot.work, robot.word = (NOBODY, NOBODY), None
             robot.has_forgotten = True
         self._count(event.at)
 
+    def _drop(self, robot: int, but: int = NOBODY) -> None:
+        """Let a robot carry nothing more, but the load of a task; what it held is with the rest."""
+        for key, load in self._loads.items():
+            if key != but and robot in load.carriers and len(load.carriers) > 1:
+                load.carriers.discard(robot)
+
     def _stands_at(self, number: int, key: int, now: float) -> bool:
-        task = self.tasks[key]
+        """Say whether a robot is at a task; at a load also if that has left not long ago."""
+        left = self._loads[key].left if key in self._loads else []
         x, y = self._place(self._robots[number].walk, now)
-        return (x - task.x) ** 2 + (y - task.y) ** 2 <= (self.mission.radius + 1e-9) ** 2
+        reach = (self.mission.radius + 1e-9) ** 2
+        was_here = any(
+            (x - was_x) ** 2 + (y - was_y) ** 2 <= reach
+            for until, (was_x, was_y) in left
+            if now - until <= LATEST
+        )
+        return was_here or self._is_by(number, key, now)
+
+    def _is_by(self, number: int, key: int, now: float) -> bool:
+        """Say whether a robot is at a task, or carries its load."""
+        load = self._loads.get(key)
+        if load is not None and load.carriers:
+            return number in load.carriers
+        to_x, to_y = (self.tasks[key].x, self.tasks[key].y) if load is None else load.at
+        x, y = self._place(self._robots[number].walk, now)
+        return (x - to_x) ** 2 + (y - to_y) ** 2 <= (self.mission.radius + 1e-9) ** 2
 
     def _place(self, walk: Walked, now: float) -> Place:
         if len(walk.points) == 1:

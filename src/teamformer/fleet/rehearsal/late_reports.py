@@ -25,13 +25,20 @@ class LateReports:
 
     def is_news(self, report: Report) -> bool:
         """Say whether there was no report yet, or another was the last."""
-        return not self._kept or self._kept[-1][1][:-1] != report[:-1]
+        return not self._kept or self._kept[-1][1] != report._replace(number=self._newest.number)
 
     def is_due(self, now: float, report: Report) -> bool:
         """Say whether news is to be kept now: nothing but another place has to wait."""
-        if not self._kept or self._kept[-1][1][2:-1] != report[2:-1]:
+        if not self._kept:
+            return True
+        newest = self._newest
+        if newest != report._replace(x=newest.x, y=newest.y, number=newest.number):
             return True
         return now - self._kept[-1][0] > EVERY - 1e-9
+
+    @property
+    def _newest(self) -> Report:
+        return self._kept[-1][1]
 
     def keep(self, now: float, report: Report) -> None:
         """Keep a report until its time has come."""

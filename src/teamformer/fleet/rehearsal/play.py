@@ -31,7 +31,6 @@ from teamformer.fleet.rehearsal.trace import (
     Said,
     Sent,
     Trace,
-    Walked,
     Worked,
 )
 from teamformer.rules.constants import NOBODY
@@ -86,7 +85,7 @@ class Rehearsal:
         self._sensed = [self.world.report(robot) for robot in range(robots)]
         self._said: list[tuple[int, ...]] = [()] * robots
         self._worked = [(NOBODY, NOBODY)] * robots
-        self._walks = 0
+        self._moves = 0
         self._finished = 0
         self._is_to_look = True  # something has changed that a mission can end with
         self._operators = [Operator(order.task, robots) for order in faults.orders]
@@ -138,7 +137,7 @@ class Rehearsal:
             agent = self.agents[robot]
             if agent is not None and not self._paused[robot]:
                 self._tick_agent(robot, agent)
-        self._note_walks()
+        self._note_moves()
         next_event = self.world.next_event
         if next_event != self._next_event and next_event < NEVER:
             self._next_event = next_event
@@ -147,6 +146,7 @@ class Rehearsal:
     def _advance(self) -> set[int]:
         """Let the world go on to now."""
         awake = self.world.advance(self.now)
+        self._note_moves()
         if len(self.world.done) > self._finished:
             for done in list(self.world.done.values())[self._finished :]:
                 self.trace.events.append(Finished(done.at, done.key))
@@ -208,12 +208,12 @@ class Rehearsal:
             self._worked[robot] = work
             self.trace.events.append(Worked(self.now, robot, *work))
 
-    def _note_walks(self) -> None:
-        """Write down who has set out."""
-        walks = self.world.walks
-        if len(walks) > self._walks:
-            self.trace.events += [Walked(*walk) for walk in walks[self._walks :]]
-            self._walks = len(walks)
+    def _note_moves(self) -> None:
+        """Write down who has set out, and which loads were taken up or set down."""
+        moves = self.world.moves
+        if len(moves) > self._moves:
+            self.trace.events += moves[self._moves :]
+            self._moves = len(moves)
 
     def _send(self, robot: int, notice: Notice) -> None:
         body = notice.body

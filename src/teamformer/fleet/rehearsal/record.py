@@ -12,16 +12,18 @@ import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
+from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent, Walked
+from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent
 from teamformer.grid import Grid, Place
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.plane import DECIMALS
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.replay.record import FLEET, HEARD, Ending, Replay, Step, TeamAt
+from teamformer.sim.replay.record import FLEET, HEARD, Ending, Replay, Step, TaskAt, TeamAt
 
 Teams = dict[int, tuple[int, ...]]
 """The robots of each team, by its lowest."""
@@ -48,7 +50,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     events = sorted(events, key=lambda event: event.at)
     tasks, number = _tasks_of(rehearsal)
     done = rehearsal.world.done.values()
-    by_key = {it.key: Deed(number[it.key], tasks[number[it.key]].at, it.robots) for it in done}
+    by_key = {it.key: deed_of(number[it.key], tasks, it.robots) for it in done}
     deeds = _deeds_by_step(events, by_key, mission.step)
     deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
     robots = _robots_of(rehearsal, deeds)
@@ -75,6 +77,12 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
             blocked_tasks=outcome.blocked_tasks,
         ),
     )
+
+
+def deed_of(number: int, tasks: Sequence[Task], robots: tuple[int, ...]) -> Deed:
+    """Return that a task was done: a load, where it was brought."""
+    task = tasks[number]
+    return Deed(number, task.at if task.to is None else task.to, robots)
 
 
 def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
@@ -145,7 +153,7 @@ class _Teller:
         """Return what changed in each step; `deeds` has what each shows as done."""
         rows, position = [], 0
         for step, done in enumerate(deeds, start=1):
-            heard = set()
+            heard, lifts = set(), list[Lifted]()
             while position < len(events) and events[position].at <= step * self._step + SLACK:
                 event = events[position]
                 position += 1
@@ -155,9 +163,25 @@ class _Teller:
                     self._says[event.robot] = (event.team, event.goal)
                 elif isinstance(event, Sent) and event.kind in HEARD:
                     heard.add((event.sender, event.receiver, event.kind))
+                elif isinstance(event, Lifted):
+                    lifts.append(event)
             row = self._row(step, [r for r, at in lost.items() if at == step], done)
-            rows.append(replace(row, heard=tuple(sorted(heard))))
+            row = replace(row, heard=tuple(sorted(heard)), **self._loads(lifts))
+            rows.append(row)
         return rows
+
+    def _loads(self, lifts: Sequence[Lifted]) -> dict[str, Any]:
+        """Return which loads were taken up in a step, by which teams, and which were set down."""
+        taken, left = dict[int, int](), dict[int, TaskAt]()
+        for lift in lifts:
+            number = self._number[lift.task]
+            slots = [slot for slot, team in self._teams.items() if set(team) & set(lift.robots)]
+            if slots:
+                taken[number] = slots[0]
+            elif not lift.robots:
+                taken.pop(number, None)
+                left[number] = TaskAt(number, *lift.place)
+        return {"taken": tuple(taken.items()), "left": tuple(left.values())}
 
     def _row(self, step: int, lost: list[int], done: Sequence[Deed]) -> Step:
         now = step * self._step

@@ -21,6 +21,10 @@ SLACK = 300.0
 """Seconds beyond the time that the slowest robot takes alone for every task, one by one."""
 
 
+LOOKING = 3.0
+"""Seconds that a robot takes at each cell, or metre, to see that a load is not there."""
+
+
 @dataclass(frozen=True)
 class Stage:
     """A mission with all that its rehearsals share."""
@@ -82,6 +86,9 @@ def deadline(mission: Mission, faults: Faults) -> float:
     across = (world.width + world.height) / slowest
     tasks = [*mission.tasks, *(order.task for order in faults.orders)]
     walks = sum(across + task.duration + mission.forming * 4 for task in tasks)
+    carried = sum(task.to is not None for task in tasks)
+    walks += carried * (2 * across + LOOKING * (world.width + world.height))
+    walks += sum(task.unload for task in tasks)
     return faults.over + max(task.appears for task in tasks) + SLACK / (1 - faults.loss) + 2 * walks
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from teamformer.grid import Place
+from teamformer.fleet.bodies.world import Lifted, Walked
 
 
 class Said(NamedTuple):
@@ -25,16 +25,6 @@ class Worked(NamedTuple):
     robot: int
     task: int
     team: int
-
-
-class Walked(NamedTuple):
-    """A robot set out through places, each `time` seconds after the one before."""
-
-    at: float
-    robot: int
-    points: tuple[Place, ...]
-    begin: float
-    time: float
 
 
 class Finished(NamedTuple):
@@ -69,7 +59,7 @@ class Sent(NamedTuple):
     kind: str
 
 
-Event = Said | Worked | Walked | Finished | Broke | Accepted | Sent
+Event = Said | Worked | Walked | Finished | Lifted | Broke | Accepted | Sent
 
 
 class Trace:

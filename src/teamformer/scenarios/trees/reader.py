@@ -158,7 +158,7 @@ class Reader:
         counts: dict[str, float] = {}
         for number, name in enumerate(self.names(where, value)):
             if name in counts and name != "?":
-                advice = f"to mean two write {{{name}: 2}}"
+                advice = f"to mean two write {{{shorten(name)}: 2}}"
                 self.refuse((*where, number), f"'{name}' stands twice in this list; {advice}")
             counts[name] = 1
         return counts

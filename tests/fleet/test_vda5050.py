@@ -15,7 +15,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from paho.mqtt.enums import CallbackAPIVersion
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.planning import first_plan
-from teamformer.fleet.bodies.body import Command
+from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.vda5050 import Vda5050Body
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.planner import CoordinatedPlanner
@@ -120,12 +120,17 @@ def test_what_is_no_setting_is_refused(query: str, told: str) -> None:
 
 
 class Vehicle:
-    """Says what it was told as done at once, in the words of a version."""
+    """Says what it was told as done at once, in the words of a version.
 
-    def __init__(self, port: int, version: str) -> None:
+    One that `stays` does what it is told where it stands, and does not drive on.
+    """
+
+    def __init__(self, port: int, version: str, stays: bool = False) -> None:
         self.version, self.told = version, dict[str, dict[str, Any]]()
+        self.orders = list[dict[str, Any]]()
         self._topic = f"uagv/v{version[0]}/acme/v1"
         self._order, self._at, self._done = "", (1.0, 1.0), list[str]()
+        self._stays, self._is_driving, self._acted = stays, False, list[str]()
         self.client = mqtt.Client(CallbackAPIVersion.VERSION2)
         self.client.on_message = lambda _client, _data, message: self._hear(message)
         self.client.connect("127.0.0.1", port)
@@ -136,31 +141,39 @@ class Vehicle:
         what, content = message.topic.rpartition("/")[2], json.loads(message.payload)
         self.told[what] = content
         if what == "order":
-            goal = content["nodes"][-1]["nodePosition"]
+            self.orders.append(content)
+            nodes = content["nodes"][:1] if self._stays else content["nodes"]
+            self._acted += [action["actionId"] for node in nodes for action in node["actions"]]
+            goal = nodes[-1]["nodePosition"]
             self._order, self._at = content["orderId"], (goal["x"], goal["y"])
+            self._is_driving = len(nodes) < len(content["nodes"])
         else:
+            self._is_driving &= content["actions"][0]["actionType"] != "cancelOrder"
             self._done += [action["actionId"] for action in content["actions"]]
 
     def state(self) -> dict[str, Any]:
         """Return its state, as the schema of its version has it."""
         where = {"x": self._at[0], "y": self._at[1], "theta": 0.0, "mapId": "yard"}
         done = [{"actionId": name, "actionStatus": "FINISHED"} for name in self._done]
+        acted = [{"actionId": name, "actionStatus": "FINISHED"} for name in self._acted]
+        edge = {"edgeId": "way", "sequenceId": 1, "released": True}
         common = {
             **{"headerId": 1, "timestamp": "2026-11-25T04:00:00.000Z", "version": self.version},
             **{"manufacturer": "acme", "serialNumber": "v1", "orderId": self._order},
             **{"orderUpdateId": 0, "lastNodeId": "", "lastNodeSequenceId": 0, "nodeStates": []},
-            **{"edgeStates": [], "driving": False, "operatingMode": "AUTOMATIC", "errors": []},
+            **{"edgeStates": [edge] * self._is_driving, "driving": False},
+            **{"operatingMode": "AUTOMATIC", "errors": []},
         }
         if self.version[0] == "2":
             return common | {
                 "agvPosition": where | {"positionInitialized": True},
-                "actionStates": done,
+                "actionStates": done + acted,
                 "batteryState": {"batteryCharge": 80.0, "charging": False},
                 "safetyState": {"eStop": "NONE", "fieldViolation": False},
             }
         return common | {
             "mobileRobotPosition": where | {"localized": True},
-            "actionStates": [],
+            "actionStates": acted,
             "instantActionStates": done,
             "powerSupply": {"stateOfCharge": 80.0, "charging": False},
             "safetyState": {"activeEmergencyStop": "NONE", "fieldViolation": False},
@@ -210,6 +223,73 @@ def test_a_vehicle_of_a_later_version_drives_and_serves(version: str) -> None:
     [served] = vehicle.told["instantActions"]["actions"]
     assert served["actionType"] == "serve"
     assert {"key": "task", "value": "one"} in served["actionParameters"]
+
+
+def wait_for(body: Vda5050Body, vehicle: Vehicle, is_so: Callable[[Report], bool]) -> Report:
+    """Let a vehicle say its state until what its body reports is so."""
+    for _ in range(400):
+        vehicle.say()
+        time.sleep(0.05)
+        report = body.report()
+        if report is not None and is_so(report):
+            return report
+    raise AssertionError("never reported")
+
+
+def a_load() -> Mission:
+    """Return a vehicle with a load to bring from where it stands to [9, 3]."""
+    load = Task("crate", (1.0, 1.0), {"lift": 1}, 2, to=(9.0, 3.0), unload=3)
+    robot = Robot("v1", (1.0, 1.0), {"lift": 1}, 2.0)
+    return Mission(Scenario("yard", Plane(20.0, 20.0), ("lift",), (robot,), (load,)))
+
+
+@contextmanager
+def driving(version: str, stays: bool = False) -> Iterator[tuple[Vda5050Body, Vehicle]]:
+    """Yield the body of a vehicle with a load, and the vehicle, over a broker."""
+    [port] = free_ports(1)
+    with running("mosquitto", "-p", str(port)):
+        wait_for_port(port)
+        vehicle = Vehicle(port, version, stays)
+        url = f"mqtt://127.0.0.1:{port}/uagv/acme/v1?map=yard&version={version}"
+        body = Vda5050Body(url, a_load(), 0)
+        try:
+            yield body, vehicle
+        finally:
+            body.close()
+            vehicle.client.disconnect()
+            vehicle.client.loop_stop()
+
+
+@pytest.mark.skipif(shutil.which("mosquitto") is None, reason="needs mosquitto")
+@pytest.mark.parametrize("version", ["2.0.0", "2.1.0", "3.0.0"])
+def test_a_vehicle_picks_a_load_goes_as_fast_as_its_team_and_drops_it(version: str) -> None:
+    with driving(version) as (body, vehicle):
+        body.command(Command(1, None, 0, 0, True, 2.0, 0.5))
+        report = wait_for(body, vehicle, lambda report: report.is_done)
+    assert (report.x, report.y, report.carries) == (9.0, 3.0, False)
+    [order] = vehicle.orders
+    assert wrong_with(version, "order", order) == []
+    [pick], [drop] = (node["actions"] for node in order["nodes"])
+    assert (pick["actionType"], drop["actionType"]) == ("pick", "drop")
+    lasts = [action["actionParameters"][2] for action in (pick, drop)]
+    assert lasts == [{"key": "duration", "value": 2.0}, {"key": "duration", "value": 3.0}]
+    [edge] = order["edges"]
+    assert edge["maximumSpeed" if version[0] == "3" else "maxSpeed"] == 0.5
+
+
+@pytest.mark.skipif(shutil.which("mosquitto") is None, reason="needs mosquitto")
+@pytest.mark.parametrize("version", ["2.1.0", "3.0.0"])
+def test_a_vehicle_that_is_told_to_stop_drops_its_load_there(version: str) -> None:
+    with driving(version, stays=True) as (body, vehicle):
+        body.command(Command(1, None, 0, 0, True, 2.0, 2.0))
+        wait_for(body, vehicle, lambda report: report.carries)
+        body.command(Command(1, None, 0, 0, False, 2.0))
+        report = wait_for(body, vehicle, lambda report: report.load is not None)
+    assert (report.load, report.carries, report.is_done) == ((1.0, 1.0), False, False)
+    assert vehicle.told["instantActions"]["actions"][0]["actionType"] == "cancelOrder"
+    order = vehicle.orders[-1]
+    assert wrong_with(version, "order", order) == []
+    assert [a["actionType"] for node in order["nodes"] for a in node["actions"]] == ["drop"]
 
 
 def wait_for_port(port: int) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from teamformer.capabilities import describe
 from teamformer.errors import Problem, ScenarioError
+from teamformer.mission.loads import rules_without_loads
 from teamformer.mission.rules import rules_of_simulated_missions
 from teamformer.model import Scenario, Task
 from teamformer.plane import Plane
@@ -29,6 +30,7 @@ def check_mission(scenario: Scenario) -> None:
 def find_problems(scenario: Scenario) -> Iterator[Problem]:
     """Return what is wrong, with the distance needed."""
     yield from rules_of_simulated_missions(scenario)
+    yield from rules_without_loads(scenario, "the Robotarium")
     world = scenario.world
     if not isinstance(world, Plane) or (world.width, world.height) != (WIDTH, HEIGHT):
         size = f"plane: [{WIDTH:g}, {HEIGHT:g}], step: 0.99"

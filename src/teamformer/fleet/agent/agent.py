@@ -232,7 +232,7 @@ class Agent:
         """Look who is lost, and whether this robot gets on."""
         self._look_at = now + LOOK
         self.membership.call_lost(now, self.watched)
-        has = self._carries
+        has = self.carries
         place = self.knowledge.tasks[self.command.task].to if has else self.command.place
         together = self.service.team_here(now) if has else (self.me,)
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
@@ -271,9 +271,10 @@ class Agent:
                 leading.part(now, self._place, goal, notices)
                 service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
-        is_there = is_for_it and (self._carries or self._is_at(service.goal))
-        if self._has_load(service.goal):  # nobody carries who does not get on
-            is_there = is_there and not (report.is_gone or self.membership.is_stuck)
+        is_there = is_for_it and (self.carries or self._is_at(service.goal))
+        if is_there and self._has_load(service.goal):
+            is_on_its_way = self.command.place not in (None, self.knowledge.place_of(service.goal))
+            is_there = not (is_on_its_way or report.is_gone or self.membership.is_stuck)
         chosen = None if leading is None else leading.decide(now, self._place, notices)
         service.stand_by(now, is_there, report.is_busy, chosen)
 
@@ -290,7 +291,7 @@ class Agent:
         return self.mission.is_same_place(*self.knowledge.place_of(key), *self._place)
 
     @property
-    def _carries(self) -> bool:
+    def carries(self) -> bool:
         """Say whether this robot carries the load of the task at hand."""
         return self._report.carries and self._report.leg == self.command.leg
 
@@ -300,10 +301,12 @@ class Agent:
     def _steer(self, now: float) -> None:
         """Turn the state of the service into a command; only a new place or task is a new leg."""
         service, command, has_load = self.service, self.command, self._has_load(self.service.goal)
-        if self._carries and command.task == service.goal:
+        if self.carries and command.task == service.goal:
             place = None  # it goes with the load
+        elif has_load and now < service.promised:
+            place = command.place  # it stays with the load, or where it has let it go
         elif has_load and self.membership.is_stuck:
-            place = command.place if now < service.promised else self._wanted
+            place = self._wanted
         elif service.goal != NOBODY:
             is_here = (
                 command.task == service.goal and command.place is None and self._is_at(service.goal)
@@ -314,10 +317,10 @@ class Agent:
             place = self._wanted  # it goes on trying
         else:
             place = self.mission.base_of(self.me) if self._misses_somebody(now) else None
-        if place is None and service.goal == command.task != NOBODY and not self._carries:
+        if place is None and service.goal == command.task != NOBODY and not self.carries:
             place = command.place  # forming where it stands
         leg = command.leg
-        if service.goal != command.task or (place != command.place and not self._carries):
+        if service.goal != command.task or (place != command.place and not self.carries):
             leg += 1
         duration = 0.0 if service.goal == NOBODY else self.knowledge.tasks[service.goal].duration
         is_serving, pace = service.phase == SERVE, 0.0

@@ -3,6 +3,10 @@
 A leg is an order of two nodes, where the vehicle is and where it is to go; it is sent again until
 the vehicle's state shows it, and the order before is cancelled first. Serving is an instant action.
 A task counts as done when the vehicle has finished that action.
+
+A load is an order of its own: `pick` where the vehicle is, the way at the pace of its team, and
+`drop` where the load is to be brought. Its task counts as done when the vehicle has dropped it. If
+it is told to stop on its way, that order is cancelled and another one has it drop the load there.
 """
 
 from __future__ import annotations
@@ -10,7 +14,7 @@ from __future__ import annotations
 import json
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any, NamedTuple
 from urllib.parse import parse_qsl, urlparse
@@ -21,6 +25,7 @@ from paho.mqtt.enums import CallbackAPIVersion
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.messages import TaskFact
 from teamformer.grid import Place
 
 VERSIONS = ("2.0.0", "2.1.0", "3.0.0")
@@ -31,6 +36,10 @@ SERVE = "serve"
 
 AGAIN = 1.5
 """Seconds until what a vehicle does not show is sent once more."""
+
+PICK, DROP, SET_DOWN = "pick", "drop", "set-down"
+"""The standard's actions for loads, whose parameters are `task`, `team` and `duration` too, and how
+the names of orders end that have a load dropped on its way."""
 
 NEAR = 0.3
 """Metres from its goal at which a vehicle that has nothing more to drive is there."""
@@ -47,18 +56,29 @@ class Dialect(NamedTuple):
     action_lists: tuple[str, ...]  # names of the list of instant actions
     blocking: str  # how a service blocks other actions
     deviation: Any  # by a metre from the node that a vehicle stands at
+    speed: str  # at most, on an edge
 
 
 DIALECTS = {
     # The text of 2.0 calls the list `actions`, its first schema `instantActions`; vehicles check
     # for one or the other.
     "2": Dialect(
-        *("agvPosition", "positionInitialized", "actionStates"),
-        *(("actions", "instantActions"), "HARD", 1.0),
+        position="agvPosition",
+        is_localized="positionInitialized",
+        action_states="actionStates",
+        action_lists=("actions", "instantActions"),
+        blocking="HARD",
+        deviation=1.0,
+        speed="maxSpeed",
     ),
     "3": Dialect(
-        *("mobileRobotPosition", "localized", "instantActionStates"),
-        *(("actions",), "NONE", {"a": 1.0, "b": 1.0, "theta": 0.0}),
+        position="mobileRobotPosition",
+        is_localized="localized",
+        action_states="instantActionStates",
+        action_lists=("actions",),
+        blocking="NONE",
+        deviation={"a": 1.0, "b": 1.0, "theta": 0.0},
+        speed="maximumSpeed",
     ),
 }
 """By the first number of a version."""
@@ -96,6 +116,8 @@ class Vda5050Body:
         self._command = Command()
         self._run = f"{robot}-{time.time_ns() // 1_000_000:x}"  # so that no order is an earlier one
         self._action = ""  # the service at hand
+        self._held = ""  # the service whose load it has
+        self._lies: Place | None = None  # where it has set down the load of the task at hand
         self._sent: dict[str, float] = {}  # when each order or action was last sent
         self._client = mqtt.Client(CallbackAPIVersion.VERSION2, f"teamformer-{self._run}")
         self._client.on_connect = self._on_connect
@@ -112,6 +134,8 @@ class Vda5050Body:
     def command(self, command: Command) -> None:
         """Take up a command; it is pursued whenever there is news of the vehicle."""
         with self._lock:
+            if command.task != self._command.task:
+                self._lies = None
             if command.serve and not self._command.serve:
                 self._action = f"{self._run}-{command.leg}-{time.time_ns() // 1_000_000:x}"
             self._command = command
@@ -125,7 +149,9 @@ class Vda5050Body:
                 return None
             self._pursue()
             leg = self._command.leg if self._is_on_it() else -1
-            return Report(*self._place(at), leg, self._is_served(), False, self._taken)
+            report = Report(*self._place(at), leg, self._is_served(), False, self._taken)
+            has = bool(self._held) and self._is_bringing()
+            return report if self._load is None else report._replace(carries=has, load=self._lies)
 
     def close(self) -> None:
         """Cancel what the vehicle has to do, and leave the broker."""
@@ -168,12 +194,22 @@ class Vda5050Body:
         at, command = self._position(), self._command
         if at is None:
             return
-        if not self._is_on_it():
+        self._note_load(at)
+        if self._held and not self._is_bringing():
+            if self._is_driving() and self._state.get("orderId") == self._held:
+                self._once(f"cancel-{self._held}", self._cancel)
+            else:
+                self._once(f"{self._held}-{SET_DOWN}", lambda: self._set_down(at))
+        elif not self._is_on_it():
             if self._is_driving():
                 self._once(f"cancel-{command.leg}", self._cancel)
             elif command.place is not None:
                 goal = command.place
                 self._once(f"order-{command.leg}", lambda: self._drive(at, goal))
+        elif command.serve and self._load is not None:
+            if self._state.get("orderId") != self._action:
+                load = self._load
+                self._once(self._action, lambda: self._bring(at, load))
         elif command.serve and self._status_of(self._action) is None:
             self._once(self._action, self._serve)
 
@@ -189,9 +225,31 @@ class Vda5050Body:
 
     def _is_on_it(self) -> bool:
         """Say whether the vehicle has taken up the command of this leg."""
+        if self._is_bringing():
+            return True
+        if self._held:
+            return False
         if self._command.place is None:
             return not self._is_driving()
         return bool(self._state.get("orderId") == self._order_id())
+
+    def _is_bringing(self) -> bool:
+        """Say whether it does as it was told with a load, or has done so."""
+        is_told = self._command.serve and self._load is not None
+        return is_told and self._state.get("orderId") == self._action
+
+    def _note_load(self, at: Place) -> None:
+        """Note whether it has a load, and where it has set one down."""
+        if self._held:
+            is_brought = self._status_of(f"{self._held}-{DROP}") == "FINISHED"
+            if is_brought or self._status_of(f"{self._held}-{SET_DOWN}") == "FINISHED":
+                self._held, self._lies = "", None if is_brought else at
+        elif (
+            self._is_bringing()
+            and not self._is_served()
+            and self._status_of(f"{self._action}-{PICK}") == "FINISHED"
+        ):
+            self._held, self._lies = self._action, None
 
     def _order_id(self) -> str:
         return f"{self._run}-{self._command.leg}"
@@ -199,55 +257,106 @@ class Vda5050Body:
     def _place(self, at: tuple[float, float]) -> Place:
         """Return where it is; who has driven its order and is near the goal is there."""
         goal = self._command.place
+        if self._is_bringing() and self._load is not None:
+            goal = self._load.to if self._is_served() else None
         if goal is None or self._is_driving() or not self._is_on_it():
             return at
         is_near = (at[0] - goal[0]) ** 2 + (at[1] - goal[1]) ** 2 <= NEAR**2
         return goal if is_near else at
 
     def _is_served(self) -> bool:
-        return self._command.serve and self._status_of(self._action) == "FINISHED"
+        action = self._action if self._load is None else f"{self._action}-{DROP}"
+        return self._command.serve and self._status_of(action) == "FINISHED"
+
+    @property
+    def _load(self) -> TaskFact | None:
+        """Return the task at hand if it has a load."""
+        task = self._tasks.get(self._command.task)
+        return None if task is None or task.to is None else task
 
     def _status_of(self, action: str) -> str | None:
-        for state in self._state.get(self._dialect.action_states) or ():
-            if isinstance(state, dict) and state.get("actionId") == action:
-                return str(state.get("actionStatus"))
+        """Return what a vehicle says of an action, be it instant or one of an order."""
+        for name in {self._dialect.action_states, "actionStates"}:
+            for state in self._state.get(name) or ():
+                if isinstance(state, dict) and state.get("actionId") == action:
+                    return str(state.get("actionStatus"))
         return None
 
     def _drive(self, at: tuple[float, float], goal: Place) -> None:
+        self._order(self._order_id(), at, goal)
+
+    def _bring(self, at: tuple[float, float], load: TaskFact) -> None:
+        """Order the vehicle to pick a load, to go with it as fast as its team, and to drop it."""
+        assert load.to is not None
+        actions = [
+            [self._action_of(kind, f"{self._action}-{kind}", self._service(load, lasts), "HARD")]
+            for kind, lasts in ((PICK, load.duration), (DROP, load.unload))
+        ]
+        pace = {self._dialect.speed: self._command.pace} if self._command.pace else {}
+        self._order(self._action, at, load.to, actions, pace)
+
+    def _set_down(self, at: tuple[float, float]) -> None:
+        """Order the vehicle to drop the load that it has where it is."""
+        name = f"{self._held}-{SET_DOWN}"
+        parameters = {"task": self._held, "team": self._command.team, "duration": 0.0}
+        node = self._node(f"{name}-node", 0, at[0], at[1])
+        node["nodePosition"]["allowedDeviationXY"] = self._dialect.deviation
+        node["actions"] = [self._action_of(DROP, name, parameters, "HARD")]
+        self._publish("order", {"orderId": name, "orderUpdateId": 0, "nodes": [node], "edges": []})
+
+    def _order(
+        self,
+        name: str,
+        at: tuple[float, float],
+        goal: Place,
+        actions: Sequence[Sequence[Mapping[str, Any]]] = ((), ()),
+        limits: Mapping[str, float] | None = None,
+    ) -> None:
+        """Send an order of two nodes, with what is to be done at each and limits of the way."""
         last = str(self._state.get("lastNodeId") or "start")
         start = self._node(last, 0, at[0], at[1])
         start["nodePosition"]["allowedDeviationXY"] = self._dialect.deviation
-        end = self._node(f"{self._order_id()}-goal", 2, goal[0], goal[1])
+        end = self._node(f"{name}-goal", 2, goal[0], goal[1])
+        start["actions"], end["actions"] = (list(each) for each in actions)
         edge = {
-            "edgeId": f"{self._order_id()}-way",
+            "edgeId": f"{name}-way",
             "sequenceId": 1,
             "released": True,
             "startNodeId": start["nodeId"],
             "endNodeId": end["nodeId"],
             "actions": [],
+            **(limits or {}),
         }
-        order = {"orderId": self._order_id(), "orderUpdateId": 0}
+        order = {"orderId": name, "orderUpdateId": 0}
         self._publish("order", {**order, "nodes": [start, end], "edges": [edge]})
 
     def _serve(self) -> None:
         task = self._tasks.get(self._command.task)
-        parameters = {"task": str(self._command.task), "team": self._command.team, "duration": 0.0}
-        if task is not None:
-            parameters |= {"task": task.name, "duration": task.duration}
-        self._send_action(SERVE, self._action, parameters)
+        lasts = 0.0 if task is None else task.duration
+        self._send_action(SERVE, self._action, self._service(task, lasts))
+
+    def _service(self, task: TaskFact | None, lasts: float) -> dict[str, Any]:
+        """Return the parameters of an action that is for a task."""
+        name = str(self._command.task) if task is None else task.name
+        return {"task": name, "team": self._command.team, "duration": lasts}
 
     def _cancel(self) -> None:
         stamp = time.time_ns() // 1_000_000
         self._send_action("cancelOrder", f"{self._run}-cancel-{stamp:x}", {})
 
     def _send_action(self, kind: str, name: str, parameters: Mapping[str, Any]) -> None:
-        action = {
+        action = self._action_of(kind, name, parameters, self._dialect.blocking)
+        self._publish("instantActions", {name: [action] for name in self._dialect.action_lists})
+
+    def _action_of(
+        self, kind: str, name: str, parameters: Mapping[str, Any], blocking: str
+    ) -> dict[str, Any]:
+        return {
             "actionType": kind,
             "actionId": name,
-            "blockingType": self._dialect.blocking,
+            "blockingType": blocking,
             "actionParameters": [{"key": k, "value": v} for k, v in parameters.items()],
         }
-        self._publish("instantActions", {name: [action] for name in self._dialect.action_lists})
 
     def _node(self, name: str, sequence: int, x: float, y: float) -> dict[str, Any]:
         position = {"x": x, "y": y, "theta": 0.0, "mapId": self._map}

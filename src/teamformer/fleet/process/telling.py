@@ -20,6 +20,7 @@ class Telling:
         self._fellows: dict[int, int] = {}  # by robot of its team at its task, the phase last heard
         self._done = set(agent.knowledge.done)
         self._added = {task.key for task in agent.knowledge.added}
+        self._carried = NOBODY
         self._lost: set[int] = set()
         self._plan = agent.keeper.plan.version
         self._is_over = agent.is_over
@@ -97,6 +98,10 @@ class Telling:
             yield f"is at {name}"
         if service.phase == SERVE and before != SERVE and knowledge.tasks[service.goal].duration:
             yield f"begins {name}{self._with(self._fellows)}"
+        carried = service.goal if self._agent.carries else NOBODY
+        if carried not in (NOBODY, self._carried):
+            yield f"carries {name}{self._with(self._fellows)}"
+        self._carried = carried
 
     def _with(self, robots: Iterable[int]) -> str:
         names = ", ".join(self._names[robot] for robot in sorted(robots))

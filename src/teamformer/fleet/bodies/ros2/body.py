@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import String
 
+from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.ros2.address import Address
 from teamformer.fleet.bodies.ros2.coordinates import metres_of, place_of
@@ -42,9 +43,18 @@ SERVER = 2.0
 
 
 class Nav2Body:
-    """One robot of a ROS graph; raises `TeamformerError` if it does not say where it is."""
+    """One robot of a ROS graph.
+
+    Raises `TeamformerError` if the robot does not say where it is, or is to carry loads.
+    """
 
     def __init__(self, address: Address, mission: Mission, robot: int) -> None:
+        for task in mission.tasks:
+            if task.to is not None:
+                raise TeamformerError(
+                    f"--body nav2 cannot take up loads, and task '{task.name}' has one",
+                    "drop to and unload, or write a body of your own: docs/how-to/robots.md",
+                )
         self._address, self._world = address, mission.scenario.world
         self._name = mission.scenario.robots[robot].name
         self._names = {task.key: task.name for task in mission.tasks}

@@ -202,6 +202,17 @@ def test_the_record_of_a_rehearsal_has_what_was_carried(tmp_path: Path) -> None:
     assert done > taken[1]
 
 
+def test_a_load_that_is_set_down_where_it_was_taken_up_is_recorded(tmp_path: Path) -> None:
+    """Robot 1 breaks down in the moment in which they set out."""
+    mission = Mission(make([robot("a", 3), robot("a", 3)], [load("aa", 3, 9, 2)]))
+    trace = Trace()
+    rehearsal, outcome, _ = play(mission, plan_of(mission), Faults(crashes=(Crash(1, 3.3),)), trace)
+    assert lifts_of(rehearsal.world)[1].place == (3, 0)
+    write_replay(record_of(rehearsal, outcome, trace.events, 0), tmp_path / "replay.json")
+    [left] = [row for step in read_replay(tmp_path / "replay.json").steps for row in step.left]
+    assert left == TaskAt(0, 3, 0)
+
+
 def message(beat: Beat | FactsNote) -> Message:
     return Message(1, three_carriers().number, 0, -1, beat)
 

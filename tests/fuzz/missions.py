@@ -68,8 +68,8 @@ def missions(
 ) -> Tree:
     """Return a mission in steps.
 
-    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between`, loads and
-    robots that fly over walls, so that fleets of processes can do it. One that `is_tiny` has two
+    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between` and robots
+    that fly over walls, so that fleets of processes can do it. One that `is_tiny` has two
     robots and tasks at most. Without `has_cancelled` nothing is called off: `central` plans it.
     """
     most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
@@ -90,10 +90,10 @@ def missions(
             task["cancelled"] = pick(draw, (5, 1, 3, 12, 30))
         if not is_sure:
             _write_surprises_of_task(draw, world, fleet, task)
+    flies = any(robot.get("moves") == "air" for robot in fleet.robots)
+    if not is_tiny and not flies:  # `plain_search` plays no loads, and nobody flies with them
+        _write_loads(draw, world, tasks)
     if not is_plain:
-        flies = any(robot.get("moves") == "air" for robot in fleet.robots)
-        if not is_tiny and not flies:  # `plain_search` plays no loads, and nobody flies with them
-            _write_loads(draw, world, tasks)
         _write_windows(draw, tasks, can_be_short=True)
         _write_precedence(draw, tasks, range(len(tasks)))
         _keep_windows_possible(tasks, step=1)

@@ -180,7 +180,8 @@ class _Teller:
                 taken[number] = slots[0]
             elif not lift.robots:
                 taken.pop(number, None)
-                left[number] = TaskAt(number, *lift.place)
+                x, y = lift.place
+                left[number] = TaskAt(number, *((int(x), int(y)) if self._is_grid else (x, y)))
         return {"taken": tuple(taken.items()), "left": tuple(left.values())}
 
     def _row(self, step: int, lost: list[int], done: Sequence[Deed]) -> Step:

@@ -127,6 +127,17 @@ def test_who_is_left_alone_goes_on_once_it_can_move_again() -> None:
     assert (outcome.status, outcome.tasks_done) == ("ended", 1)
 
 
+def test_robots_of_different_speed_that_lose_each_other_on_the_way_get_there_all_the_same() -> None:
+    """Their radios reach 3 cells; the task that needs both is 45 away, where they lose touch."""
+    robots = [robot("a", 0), robot("b", 0, speed=0.4)]
+    mission = Mission(make(robots, [task("ab", 45)], Grid(50, 1)))
+    faults = Faults(radio=3.0)
+    assert outcome_of(mission, faults).status == "ended"
+    with patch("teamformer.fleet.agent.membership.MORE_PATIENT", 1.0):
+        _, outcome, _ = play(mission, plan_of(mission), faults)
+        assert outcome.status == "blocked"
+
+
 def test_junk_is_counted_and_changes_nothing() -> None:
     calm, noisy = outcome_of(trio(), Faults(seed=1)), outcome_of(trio(), Faults(seed=1, junk=5.0))
     assert calm.dropped == 0

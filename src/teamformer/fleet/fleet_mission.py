@@ -81,6 +81,11 @@ class Mission:
         """Return how many robots there are."""
         return len(self.counts)
 
+    @property
+    def longest_walk(self) -> float:
+        """Return how many seconds it takes the slowest robot to walk across the map."""
+        return (self.scenario.world.width + self.scenario.world.height) / min(self.paces)
+
     def step_time(self, *robots: int) -> float:
         """Return for how long robots on their way stand in one place: in a cell, on a grid."""
         pace = min(self.paces[robot] for robot in robots)

@@ -59,9 +59,7 @@ class Leading:
         self._keeper, self._service = keeper, service
         self._policy = policy
         policy.begin(None, np.random.default_rng(knowledge.me))
-        mission = knowledge.mission
-        across = mission.scenario.world.width + mission.scenario.world.height
-        self._patience = PATIENCE + across / min(mission.paces)
+        self._patience = PATIENCE + knowledge.mission.longest_walk
         self._done = (len(knowledge.done), now)  # how many tasks, and since when
         self._named = NOBODY  # the task that the last decision named
         self._asked: tuple[object, ...] = ()

@@ -1,5 +1,8 @@
 """Who is alive: claims of loss and how they are refuted (as in SWIM, Das et al. 2002), losses on
 the network, and whether this robot itself is fit to be counted on.
+
+Who was called lost and is heard again is waited for longer the next time (Chandra and Toueg 1996):
+else robots whose radios do not reach far would for ever set out together and turn back.
 """
 
 from __future__ import annotations
@@ -19,6 +22,10 @@ HEARS_ALL = 32
 STRETCH = 0.6
 MOST_STRETCH = 5.0
 """Timers are stretched by `STRETCH / (1 - loss)`, from 1 to MOST_STRETCH."""
+
+MORE_PATIENT = 1.5
+"""How much longer a robot is waited for each time it was called lost and is heard again; in all no
+more than the longest walk longer."""
 
 LARGEST_GAP = 10
 """Messages that are missed in a row count as so many: a robot was away, not the network bad."""
@@ -42,6 +49,7 @@ class Membership:
         robots = knowledge.mission.robots
         self.seen = [now] * robots  # when something new was last heard of each
         self._direct = [0] * robots  # the newest word that was heard of each directly
+        self._patience = [1.0] * robots  # for each, of the seconds after which others are lost
         self._missing = 0.0  # messages missed for each one heard, lately
         self.heard = now  # when anybody was last heard
         self._tick = now
@@ -76,6 +84,8 @@ class Membership:
         old = self._knowledge.hear_word(word)
         if old is not None:
             self.seen[word.robot] = now
+            if old.is_lost and not word.is_lost:
+                self._patience[word.robot] *= MORE_PATIENT
             is_other = (old.version ^ word.version) >= LOST or old.is_fit != word.is_fit
             self.changes += is_other
         return old
@@ -95,9 +105,11 @@ class Membership:
     def call_lost(self, now: float, watched: frozenset[int]) -> None:
         """Call those lost of whom nothing new was heard for long."""
         patience = self.timers.lost * self.stretch
+        most = patience + self._knowledge.mission.longest_walk
         for robot in watched:
             word = self._knowledge.words[robot]
-            if now - self.seen[robot] > patience and not word.is_lost:
+            is_late = now - self.seen[robot] > min(most, patience * self._patience[robot])
+            if is_late and not word.is_lost:
                 self._knowledge.words[robot] = replace(word, version=word.version | LOST)
                 self.seen[robot] = now
                 self.changes += 1

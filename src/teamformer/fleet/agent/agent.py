@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
+from teamformer.fleet.agent.loads import note_load
 from teamformer.fleet.agent.membership import HEARS_ALL, Membership
 from teamformer.fleet.agent.planning import FleetPlan, PlanKeeper
 from teamformer.fleet.agent.service import Service
@@ -207,34 +208,21 @@ class Agent:
             return
         if report.is_done and self.knowledge.mark_done(self.command.task, now):
             self.voice.hurry()
-        elif self._has_found_out(self.command.task, report, now):
-            notices.append(Notice(EVERYBODY, self.knowledge.note()))
-
-    def _has_found_out(self, key: int, report: Report, now: float) -> bool:
-        """Note where a load lies, if that is news.
-
-        Where it is gone, and nobody says that it carries it, it was carried on and set down by who
-        cannot tell: it is looked for on its way, from place to place, and then from the beginning.
-        """
-        task, knowledge = self.knowledge.tasks[key], self.knowledge
-        if task.to is None or report.carries or key in knowledge.done:
-            return False
-        if report.load is not None:
-            return knowledge.see_load(key, report.load)
-        is_held = report.is_busy or self.service.is_in_hands(key, now)
-        if not report.is_gone or not self._is_at(key) or is_held:
-            return False
-        here, step = knowledge.place_of(key), self.mission.sight or 1.0
-        next_place = self.mission.ways.next_place(here, task.to, step)
-        return knowledge.see_load(key, (task.x, task.y) if here == task.to else next_place)
+        elif self._has_load(self.command.task):
+            is_held = report.is_busy or self.service.is_in_hands(self.command.task, now)
+            is_sought = not is_held and self._is_at(self.command.task)
+            if note_load(self.knowledge, self.command.task, report, is_sought):
+                notices.append(Notice(EVERYBODY, self.knowledge.note()))
 
     def _look(self, now: float) -> None:
         """Look who is lost, and whether this robot gets on."""
         self._look_at = now + LOOK
         self.membership.call_lost(now, self.watched)
-        has = self.carries
-        place = self.knowledge.tasks[self.command.task].to if has else self.command.place
-        together = self.service.team_here(now) if has else (self.me,)
+        place = self.command.place
+        together: tuple[int, ...] = (self.me,)
+        if self.carries:
+            place = self.knowledge.tasks[self.command.task].to
+            together = self.service.team_here(now)
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
         if wants_to_move:
             self._wanted = place
@@ -300,35 +288,37 @@ class Agent:
 
     def _steer(self, now: float) -> None:
         """Turn the state of the service into a command; only a new place or task is a new leg."""
-        service, command, has_load = self.service, self.command, self._has_load(self.service.goal)
-        if self.carries and command.task == service.goal:
-            place = None  # it goes with the load
-        elif has_load and now < service.promised:
-            place = command.place  # it stays with the load, or where it has let it go
-        elif has_load and self.membership.is_stuck:
-            place = self._wanted
-        elif service.goal != NOBODY:
-            is_here = (
-                command.task == service.goal and command.place is None and self._is_at(service.goal)
-            )
-            is_to_stay = now < service.formed or is_here
-            place = None if is_to_stay else self.knowledge.place_of(service.goal)
-        elif self.membership.is_stuck:
-            place = self._wanted  # it goes on trying
-        else:
-            place = self.mission.base_of(self.me) if self._misses_somebody(now) else None
-        if place is None and service.goal == command.task != NOBODY and not self.carries:
-            place = command.place  # forming where it stands
-        leg = command.leg
+        service, command = self.service, self.command
+        place, leg, duration, pace = self._place_to_be(now), command.leg, 0.0, 0.0
         if service.goal != command.task or (place != command.place and not self.carries):
             leg += 1
-        duration = 0.0 if service.goal == NOBODY else self.knowledge.tasks[service.goal].duration
-        is_serving, pace = service.phase == SERVE, 0.0
-        if is_serving and has_load:
+        if service.goal != NOBODY:
+            duration = self.knowledge.tasks[service.goal].duration
+        is_serving = service.phase == SERVE
+        if is_serving and self._has_load(service.goal):
             pace = min(self.mission.paces[robot] for robot in service.team_here(now))
         new = Command(leg, place, service.goal, service.team, is_serving, duration, pace)
         if new != command:
             self.command = new
+
+    def _place_to_be(self, now: float) -> Place | None:
+        """Return where to go; None for staying where it is, or with the load that it carries."""
+        service, command, goal = self.service, self.command, self.service.goal
+        place: Place | None = None
+        if self.carries and command.task == goal:
+            return None
+        if self._has_load(goal) and now < service.promised:
+            return command.place  # it stays with the load, or where it has let it go
+        if self.membership.is_stuck and (goal == NOBODY or self._has_load(goal)):
+            place = self._wanted  # it goes on trying
+        elif goal == NOBODY:
+            place = self.mission.base_of(self.me) if self._misses_somebody(now) else None
+        elif now >= service.formed:
+            is_here = command.task == goal and command.place is None and self._is_at(goal)
+            place = None if is_here else self.knowledge.place_of(goal)
+        if place is None and goal == command.task != NOBODY:
+            return command.place  # forming where it stands
+        return place
 
     def _misses_somebody(self, now: float) -> bool:
         """Say whether somebody is out of hearing: then who has nothing to do goes to the base."""

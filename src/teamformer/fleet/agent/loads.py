@@ -1,0 +1,27 @@
+"""Where loads lie, as far as a robot can find out."""
+
+from __future__ import annotations
+
+from teamformer.fleet.agent.knowledge import Knowledge
+from teamformer.fleet.bodies.body import Report
+
+
+def note_load(knowledge: Knowledge, key: int, report: Report, is_sought: bool) -> bool:
+    """Note where the load of a task lies by what a body senses; say whether that is news.
+
+    `is_sought` says that the robot stands where the load was believed to lie, and that nobody says
+    that it carries it. If it is gone, somebody carried it on and set it down who cannot tell: the
+    next place to look is further on its way, and after the last one where it was first.
+    """
+    task = knowledge.tasks[key]
+    assert task.to is not None
+    if report.carries or key in knowledge.done:
+        return False
+    if report.load is not None:
+        return knowledge.see_load(key, report.load)
+    if not (is_sought and report.is_gone):
+        return False
+    here, mission = knowledge.place_of(key), knowledge.mission
+    if here == task.to:
+        return knowledge.see_load(key, (task.x, task.y))
+    return knowledge.see_load(key, mission.ways.next_place(here, task.to, mission.sight or 1.0))

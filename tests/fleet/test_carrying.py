@@ -171,12 +171,17 @@ def test_a_load_that_nobody_can_tell_of_is_looked_for_on_its_way() -> None:
     assert 2 < lifts_of(rehearsal.world)[1].place[0] < 15
 
 
-def test_who_carries_and_does_not_get_on_lets_go() -> None:
-    """Robot 1 is held fast on the way, for good; robot 2 takes its part."""
+@pytest.mark.parametrize("begin", [1.0, 8.0])
+@pytest.mark.parametrize("stuck", [0, 1])
+def test_who_carries_and_does_not_get_on_lets_go(stuck: int, begin: float) -> None:
+    """It is held fast as they take it up, or on the way, for good; robot 2 takes its part.
+
+    Whoever of the two lets go first, the one that is stuck has to notice it.
+    """
     robots = [robot("a", 3), robot("a", 3), robot("a", 17)]
     mission = Mission(make(robots, [load("aa", 3, 12, 2)]))
-    outcome, rehearsal = outcome_of(mission, Faults(stuck=(Spell(1, 8.0, None),)))
-    assert (outcome.status, rehearsal.world.done[0].robots) == ("ended", (0, 2))
+    outcome, rehearsal = outcome_of(mission, Faults(stuck=(Spell(stuck, begin, None),)))
+    assert (outcome.status, rehearsal.world.done[0].robots) == ("ended", (1 - stuck, 2))
 
 
 def carried_record(tmp_path: Path) -> tuple[Rehearsal, Path]:

@@ -102,8 +102,10 @@ class Agent:
             report = self._report  # this one came late
         if now < self.due and self._changes() == self._decided and report == self._report:
             return self.command, notices
-        self._report = report
+        had_load, self._report = self.carries, report
         self._sense(report, now, notices)
+        if had_load and not self.carries and self.command.task not in self.knowledge.done:
+            self.membership.doubt_myself(now, *self._place, self._waits(now))
         self.knowledge.let_appear(self.age(now))
         if now >= self._look_at - LOOK / 4:  # together with a heartbeat, if one is near
             self._look(now)
@@ -219,15 +221,17 @@ class Agent:
         self._look_at = now + LOOK
         self.membership.call_lost(now, self.watched)
         place = self.command.place
-        together: tuple[int, ...] = (self.me,)
         if self.carries:
             place = self.knowledge.tasks[self.command.task].to
-            together = self.service.team_here(now)
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
         if wants_to_move:
             self._wanted = place
-        waits = 2.0 * self.mission.step_time(*together)
-        self.membership.judge_myself(now, *self._place, wants_to_move, waits)
+        self.membership.judge_myself(now, *self._place, wants_to_move, self._waits(now))
+
+    def _waits(self, now: float) -> float:
+        """Return for how many seconds it may stand in one place though it gets on."""
+        together = self.service.team_here(now) if self.carries else (self.me,)
+        return 2.0 * self.mission.step_time(*together)
 
     def _plan(self, now: float, notices: list[Notice]) -> None:
         self._plan_at = self.keeper.plan_at(now, self.membership)

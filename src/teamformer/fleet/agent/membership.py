@@ -140,6 +140,16 @@ class Membership:
         self.is_fit = not (self.is_stuck or self._is_deaf)
         self.changes += (self.is_stuck, self.is_fit) != before
 
+    def doubt_myself(self, now: float, x: float, y: float, waits: float) -> None:
+        """Call this robot stuck, until it moves, if it carried a load and long did not get on.
+
+        Another robot may have let go of the load sooner, and this one may be why.
+        """
+        has_moved = (x, y) != self._moved[1:]
+        if not has_moved and now - self._moved[0] > max(self.timers.stuck, waits) / 2:
+            self.is_stuck, self.is_fit = True, False
+            self.changes += 1
+
     def is_near(self, robot: int, now: float) -> bool:
         """Say whether there is fresh word of a robot."""
         return now - self.seen[robot] <= self.timers.near * self.stretch

@@ -118,8 +118,10 @@ def test_replayed_plans_are_not_made_again_and_new_ones_only_where_something_els
         (Plan((0, 0), ((0,), (0,))), "has a task twice"),
         (Plan((0,), ()), "has 1 tasks and 0 coalitions"),
         (Plan((7,), ((0,),)), "has a task 7, which is none"),
-        (Plan((0,), ((1,),)), "gives task 't0' to robots that cannot do it together"),
-        (Plan((0,), ((5,),)), "to one that is not there"),
+        (Plan((0,), ((1,),)), "gives task 't0' to r1, who there together lack a"),
+        (Plan((0,), ((5,),)), "to 5, which is lost or no robot; robots are numbers, from 0 to 1"),
+        (Plan((0,), (("r0",),)), "to 'r0', which is lost or no robot"),  # type: ignore[arg-type]
+        (Plan((0,), ((0, 0),)), "gives task 't0' to a robot twice"),
         (Plan(scouts=((5, 0),)), "has a scout that is not there"),
     ],
 )

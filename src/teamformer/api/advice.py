@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from teamformer.advice.advise import advise_on
 from teamformer.advice.suggestions import Advice
+from teamformer.api.trials import refuse_other
 from teamformer.model import Scenario
 
 
@@ -25,4 +26,5 @@ def advise(mission: Scenario, seconds: float = 60.0, workers: int = 1) -> Advice
     >>> best.gain > best.noise, advice.spare
     (True, ())
     """
+    refuse_other(mission, "advise")
     return advise_on(mission, seconds, workers)

@@ -11,6 +11,8 @@ from teamformer.api.missions import PathOrName
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.critical_path.words import why_so_late
+from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge
@@ -116,6 +118,7 @@ def run(
     >>> trial.check().is_legal
     True
     """
+    refuse_unplayed(mission, "run")
     return Trial(_run_one(mission, _method(method or default_for(mission), seconds), seed))
 
 
@@ -129,13 +132,15 @@ def compare(
 
     Each method runs once with each seed from 0 to `seeds` - 1. A row is what
     `teamformer compare --json` prints: `method`, `seed`, `makespan`, `percent_over_best`,
-    `lower_bound` and others. The row of a trial that failed has an `error`. If all trials fail, the
-    first error is raised.
+    `lower_bound` and others. Only the row of a trial that could not be run has an `error`; one that
+    came to its step limit has a makespan of None. If no trial could be run, the first error is
+    raised.
 
     >>> rows = tf.compare(tf.setting("4N4T-C4"), methods=["join-all", "plan"])
     >>> [row["method"] for row in rows]
     ['join-all', 'plan']
     """
+    refuse_unplayed(mission, "compare")
     chosen = [_method(method, seconds) for method in methods]
     return compare_methods(mission, chosen, seeds, _run_one).rows()
 
@@ -145,8 +150,11 @@ def plan(
 ) -> PlannedMission | None:
     """Return a plan of who goes where and when, without playing it; None if none was found.
 
-    The plan has `makespan`, `bound`, `order`, `coalitions`, `routes` and `critical_path`, in the
-    mission's unit of time. `method` is `central`, which searches for `seconds`. In continuous time
+    The plan has `makespan`, `bound`, `is_proven`, `order`, `coalitions`, `routes` and
+    `critical_path`, in the mission's unit of time; in continuous time also `cost` (None without
+    one) and `late`, by how much tasks are late. The bound is 0 where none was worked out: for a
+    cost, and by `plan` and `reactive`. A plan has no record to check or show; `teamformer plan
+    --out` draws it. `method` is `central`, which searches for `seconds`. In continuous time
     it can also be `plan`, the plan that every robot computes for itself, or `reactive`. Raises
     `TeamformerError` if tasks can never be done because robots are lost.
 
@@ -156,6 +164,7 @@ def plan(
     >>> len(made.order) == len(made.coalitions) == 4
     True
     """
+    refuse_other(mission, "plan")
     return plan_mission(mission, method, seconds)
 
 
@@ -167,6 +176,20 @@ def check(record: Replay | PathOrName) -> Verdict:
     True
     """
     return judge(record if isinstance(record, Replay) else read_replay(Path(record)))
+
+
+def refuse_other(mission: object, verb: str) -> None:
+    """Raise `TeamformerError` for what is no mission, such as the path of one."""
+    if not isinstance(mission, Scenario):
+        what = f"{verb} takes a mission, not {type(mission).__name__}"
+        raise TeamformerError(what, f"write tf.{verb}(tf.load('mission.yaml'))")
+
+
+def refuse_unplayed(mission: Scenario, verb: str) -> None:
+    """Raise `TeamformerError` for what is no mission, or none that is played in steps."""
+    refuse_other(mission, verb)
+    if problems := list(rules_not_played(mission)):
+        raise ScenarioError(problems)
 
 
 def _method(method: str | Player, seconds: float) -> Method:

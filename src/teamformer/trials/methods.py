@@ -61,13 +61,19 @@ Player = Method | Policy | Coordinator
 
 
 def as_method(player: Player) -> Method:
-    """Return a method; a policy or a coordinator makes one by itself, named as its class."""
+    """Return a method; a policy or a coordinator makes one by itself, named as its class.
+
+    Raises `TeamformerError` for what is neither.
+    """
     if isinstance(player, Method):
         return player
-    name = type(player).__name__
-    if _is_coordinator(player):
-        return Method(name, coordinator=player)
-    return Method(name, policy=cast(Policy, player))
+    if isinstance(player, type):
+        what = f"'{player.__name__}' is a class, and a method is an object"
+        raise TeamformerError(what, f"pass {player.__name__}()")
+    own = _own_or_ours(player, type(player).__name__)
+    if _is_coordinator(own):
+        return Method(type(player).__name__, coordinator=own)
+    return Method(type(player).__name__, policy=cast(Policy, own))
 
 
 def _is_coordinator(player: Any) -> TypeGuard[Coordinator]:
@@ -231,16 +237,21 @@ def _instance(where: str) -> Policy | Coordinator:
     if not all(part.isidentifier() for part in (*module_name.split("."), class_name)):
         hint = "write it as module:Class, such as mine:Patient for class Patient in mine.py"
         raise TeamformerError(f"method '{where}' cannot be imported: it is no name", hint)
-    made = _make(load_own(where, "method"), where)
+    return _own_or_ours(_make(load_own(where, "method"), where), where)
+
+
+def _own_or_ours(made: Any, name: str) -> Policy | Coordinator:
+    """Return a policy or a coordinator; one that a user wrote is told by `name` if it fails."""
+    is_ours = type(made).__module__.startswith("teamformer.")
     if _is_coordinator(made):
-        return OwnCoordinator(made, where)
+        return made if is_ours else OwnCoordinator(made, name)
     policy: Policy = made
     for part in ("needs_everything", "begin", "decide"):
         if not hasattr(policy, part):
             hint = "see docs/reference/methods.md for what a policy and a coordinator offer"
-            what = f"'{where}' is neither a coordinator, as it has no 'update', nor a policy"
+            what = f"'{name}' is neither a coordinator, as it has no 'update', nor a policy"
             raise TeamformerError(f"{what}: it has no '{part}'", hint)
-    return policy if where.startswith("teamformer.") else watch_own(policy, where)
+    return policy if is_ours else watch_own(policy, name)
 
 
 def _make(make: Any, where: str) -> Any:

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from teamformer.capabilities import covers, total
+from teamformer.capabilities import Counts, covers, describe, exact, total
 from teamformer.coordination import NEWS, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.errors import TeamformerError
 from teamformer.mission.reach import can_reach
@@ -188,16 +188,27 @@ def refuse_unfit(known: Known, plan: Plan) -> None:
                 continue  # it is being served: who does that stays
             _refuse(f"{when} has a task {task}, which is none")
         name = mission.tasks[task].name
-        if not set(robots) <= there or len(set(robots)) != len(robots):
-            _refuse(f"{when} gives task '{name}' to a robot twice, or to one that is not there")
+        if gone := [robot for robot in robots if robot not in there]:
+            there_are = f"robots are numbers, from 0 to {len(mission.robots) - 1}"
+            what = f"{when} gives task '{name}' to {gone[0]!r}, which is lost or no robot"
+            _refuse(f"{what}; {there_are}")
+        if len(set(robots)) != len(robots):
+            _refuse(f"{when} gives task '{name}' to a robot twice")
         able = (mission.robots[r] for r in robots)
         at = mission.tasks[task].at
-        near = [robot.can for robot in able if can_reach(mission.world, robot, at)]
-        if robots and not covers(total(near), mission.tasks[task].needs):
-            _refuse(f"{when} gives task '{name}' to robots that cannot do it together")
+        have = total(robot.can for robot in able if can_reach(mission.world, robot, at))
+        if robots and not covers(have, mission.tasks[task].needs):
+            who = ", ".join(mission.robots[robot].name for robot in robots)
+            lack = describe(_lacking(have, mission.tasks[task].needs))
+            _refuse(f"{when} gives task '{name}' to {who}, who there together lack {lack}")
     for robot, task in plan.scouts:
         if robot not in there or task not in open_tasks:
             _refuse(f"{when} has a scout that is not there, or one for a task that is not open")
+
+
+def _lacking(have: Counts, needs: Counts) -> dict[str, float]:
+    """Return what is missing of each capability."""
+    return {cap: exact(max(0, need - have.get(cap, 0))) for cap, need in needs.items()}
 
 
 def _refuse(what: str) -> None:

@@ -218,7 +218,7 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         tasks(needs={"lift": 2, "scan": 3}),
         tasks(needs={"lift": 1, "scan": 1}),
         (*TASK, "needs"),
-        "task 'x' needs 2 x lift, 3 x scan but all robots together lack lift, 2 x scan; "
+        "task 'x' needs 2 x lift, 3 x scan but all robots together have 1 x lift, 1 x scan; "
         "add such a robot or lower the requirement",
     ),
     (

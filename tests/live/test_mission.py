@@ -141,7 +141,7 @@ def test_a_task_can_come_after_all_is_done() -> None:
     [
         (NewTask((99, 0), {"lift": 1}, "t6"), r"task 't6' is at \[99, 0\], outside the map"),
         (NewTask((0, 0), {"fly": 1}, "t6"), "needs 'fly', which is not under capabilities"),
-        (NewTask((0, 0), {"lift": 99}, "t6"), "but all robots together lack"),
+        (NewTask((0, 0), {"lift": 99}, "t6"), "but all robots together have"),
         (NewTask((0, 0), {}, "t6"), "needs nothing"),
         (LostRobot("nobody"), "there is no robot 'nobody'"),
     ],

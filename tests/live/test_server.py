@@ -271,7 +271,7 @@ def test_an_uncertain_mission_is_forecast_as_a_band(tmp_path: Path) -> None:
         ('{"do": "happen", "task": {"at": [5, 1], "needs": ["lift"]}}', "inside an obstacle"),
         ('{"do": "happen", "task": {"at": [1, 1], "needs": ["fly"]}}', "not under capabilities"),
         ('{"do": "happen", "task": {"at": [1.5, 1], "needs": ["lift"]}}', "write a whole number"),
-        ('{"do": "happen", "task": {"at": [1, 1], "needs": {"lift": 9}}}', "together lack"),
+        ('{"do": "happen", "task": {"at": [1, 1], "needs": {"lift": 9}}}', "together have"),
         ('{"do": "happen", "task": {"at": [1, 1], "needs": []}}', "nothing"),
         ('{"do": "happen", "task": {"at": [1, 1], "needs": ["lift"], "name": "a"}}', "used twice"),
         ('{"do": "open"}', "cannot 'open'"),

@@ -299,7 +299,7 @@ CASES = [
     ("name: b", "name: a", 7, "the name 'a' is used twice; rename one"),
     ("needs: [lift, scan]", "needs: [lift, weld]", 9, "'weld', which is not under capabilities"),
     ("can: [lift]", "can: [scan]", 9, "task 'x' needs 'lift' but no robot has it; add such"),
-    ("needs: [lift, scan]", "needs: {lift: 2}", 9, "all robots together lack lift"),
+    ("needs: [lift, scan]", "needs: {lift: 2}", 9, "all robots together have 1 x lift"),
     ("at: [3, 2]", "at: [4, 2]", 9, "task 'x' is at [4, 2], outside the map; x goes from 0 to 3"),
     ("world: {grid: [4, 3]}", CLOSED_IN, 13, "task 'x' cannot be reached by robots that bring"),
     ("at: [3, 2]", "at: [3, 2], duration: -1", 9, "task 'x' has duration -1; use 0 or more"),

@@ -157,7 +157,7 @@ def test_what_is_wrong_is_told_in_the_words_of_the_file_reader(opened: Opened) -
     page.click("[data-tool=robot]")
     click(opened, 5, 5)
     assert page.input_value("[name='kit lift']") == "1"  # what tasks need is another matter
-    wait_for(opened, "#problems", "task 't1' needs 2 x lift but all robots together lack lift")
+    wait_for(opened, "#problems", "task 't1' needs 2 x lift but all robots together have 1 x lift")
     page.click("#problems >> text=all robots together")
     opened.details()
     assert page.input_value("#thing [name=title]") == "t1"
@@ -325,7 +325,7 @@ def test_fractions_are_drawn_saved_run_and_added(opened: Opened, tmp_path: Path)
     page.click("[data-tool=task]")
     page.fill("[name='kit lift']", "32.751")
     click(opened, 4, 2)
-    wait_for(opened, "#problems", "needs 32.751 x lift but all robots together lack 0.001 x lift")
+    wait_for(opened, "#problems", "needs 32.751 x lift but all robots together have 32.75 x lift")
     page.fill("#thing [name='count lift']", "32.75")
     opened.wait_until("!document.querySelector('#problems li')")
     page.click("#mission >> text=Save")

@@ -37,7 +37,7 @@ def changes_of(mission: Scenario) -> Iterator[Change]:
 
     One more robot of each kind, where the first of it starts; one fewer, the last of it; each robot
     at double speed; each capability taught to each kind that lacks it; each task left out. Robots
-    are of one kind if they bring the same and are equally fast.
+    are of one kind if they bring the same, are equally fast, and are lost and back alike.
     """
     kinds = _kinds(mission)
     for robots in kinds:
@@ -78,7 +78,7 @@ def _kinds(mission: Scenario) -> list[list[int]]:
     """Return the robots of each kind, in order."""
     kinds: dict[object, list[int]] = {}
     for number, robot in enumerate(mission.robots):
-        key = (robot.speed, tuple(sorted(robot.can.items())))
+        key = (robot.speed, tuple(sorted(robot.can.items())), robot.absences, robot.breaks)
         kinds.setdefault(key, []).append(number)
     return list(kinds.values())
 

@@ -327,7 +327,8 @@ def _impossible(what: str, have: Counts, need: Counts) -> str:
             "add such a robot or drop the requirement"
         )
     return (
-        f"{what} needs {_brief(wanted)} but all robots together lack {_brief(short)}; "
+        f"{what} needs {_brief(wanted)} but all robots together have "
+        f"{_brief({name: have[name] for name in short})}; "
         "add such a robot or lower the requirement"
     )
 
@@ -335,7 +336,7 @@ def _impossible(what: str, have: Counts, need: Counts) -> str:
 def _brief(counts: Counts) -> str:
     """Write counts for people, with names cut short that would fill the line."""
     return ", ".join(
-        describe({name if len(name) <= LONG else f"{name[:LONG]}...": count})
+        f"{written(count)} x {name if len(name) <= LONG else f'{name[:LONG]}...'}"
         for name, count in counts.items()
     )
 

@@ -106,7 +106,8 @@ function taskDetails(app, task) {
   const needs = isShown ? needsAt(history, task, player.step) : sure;
   const standing = standingOf(history, task, player.step);
   const isOpen = standing === "open";
-  const steps = duration ? `, takes ${durationText(history, task, player.step)}` : "";
+  const what = history.scenario.tasks[task].to ? "loading takes" : "takes";
+  const steps = duration ? `, ${what} ${durationText(history, task, player.step)}` : "";
   return [
     heading(app, taskMark(app, task), name),
     lead(capitalised(describeStanding(history, task, app.scene()))),
@@ -124,17 +125,19 @@ function taskDetails(app, task) {
 function placeText(history, task, step) {
   const { world, tasks } = history.scenario;
   const { around, within } = tasks[task];
-  const at = describePlace(world, sitesAt(history, step)[task].at);
-  if (history.foundAt[task] <= step) return loadPlaceText(history, task, step, at);
+  const site = sitesAt(history, step)[task];
+  const at = describePlace(world, site.at);
+  if (history.foundAt[task] <= step) return loadPlaceText(history, task, at, site.isUp);
   return `Within ${describeWay(world, within)} of ${describePlace(world, around)}, believed at ${at}`;
 }
 
-// Where a task is, and where its load goes.
-function loadPlaceText({ scenario }, task, step, at) {
+// Where a task is, and where its load goes; one that is carried is where its team is.
+function loadPlaceText({ scenario }, task, at, isUp) {
   const { to, unload } = scenario.tasks[task];
   if (!to) return `At ${at}`;
   const stay = unload ? `, unloading takes ${describeSpan(scenario.world, unload)}` : "";
-  return `At ${at}, to be brought to ${describePlace(scenario.world, to)}${stay}`;
+  const where = isUp ? "On its way" : `At ${at}, to be brought`;
+  return `${where} to ${describePlace(scenario.world, to)}${stay}`;
 }
 
 // Once it is done, how long it really took is known.

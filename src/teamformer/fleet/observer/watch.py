@@ -12,6 +12,7 @@ from teamformer.fleet.rehearsal.record import (
     Deed,
     Teams,
     deed_of,
+    doers_goals,
     team_changes,
     teams_shown,
     who_did,
@@ -121,17 +122,18 @@ class Watch:
         before = self._teams | {robot: (robot,) for robot in back}
         splits, joins = team_changes(before, teams, lost)
         self._teams = teams
+        taken = tuple(self._taken(teams))
+        goals = doers_goals(doers, dict(taken))
         shown = {
-            slot: TeamAt(slot, *places[slot], None if slot in doers else self._goal_of(slot))
+            slot: TeamAt(slot, *places[slot], goals.get(slot, self._goal_of(slot)))
             for slot in sorted(teams)
         }
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
         self._shown = shown
         done = tuple((deed.task, self._who(deed, teams)) for deed in deeds)
         self._news = [key for key in self._news if not teams or key not in ripe]
-        made = Step(joins, splits, tuple(lost), tuple(back), rows, done)
-        made = replace(made, taken=tuple(self._taken(teams)), left=tuple(self._left.values()))
-        self._left = {}
+        left, self._left = tuple(self._left.values()), {}
+        made = Step(joins, splits, tuple(lost), tuple(back), rows, done, taken=taken, left=left)
         self.steps.append(made)
         return made
 

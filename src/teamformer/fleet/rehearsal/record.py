@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.rehearsal.faults import Faults
@@ -165,26 +164,29 @@ class _Teller:
                     heard.add((event.sender, event.receiver, event.kind))
                 elif isinstance(event, Lifted):
                     lifts.append(event)
-            row = self._row(step, [r for r, at in lost.items() if at == step], done)
-            row = replace(row, heard=tuple(sorted(heard)), **self._loads(lifts))
-            rows.append(row)
+            row = self._row(step, [r for r, at in lost.items() if at == step], done, lifts)
+            rows.append(replace(row, heard=tuple(sorted(heard))))
         return rows
 
-    def _loads(self, lifts: Sequence[Lifted]) -> dict[str, Any]:
+    def _loads(
+        self, lifts: Sequence[Lifted], teams: Teams
+    ) -> tuple[dict[int, int], dict[int, TaskAt]]:
         """Return which loads were taken up in a step, by which teams, and which were set down."""
         taken, left = dict[int, int](), dict[int, TaskAt]()
         for lift in lifts:
             number = self._number[lift.task]
-            slots = [slot for slot, team in self._teams.items() if set(team) & set(lift.robots)]
+            slots = [slot for slot, team in teams.items() if set(team) & set(lift.robots)]
             if slots:
                 taken[number] = slots[0]
             elif not lift.robots:
                 taken.pop(number, None)
                 x, y = lift.place
                 left[number] = TaskAt(number, *((int(x), int(y)) if self._is_grid else (x, y)))
-        return {"taken": tuple(taken.items()), "left": tuple(left.values())}
+        return taken, left
 
-    def _row(self, step: int, lost: list[int], done: Sequence[Deed]) -> Step:
+    def _row(
+        self, step: int, lost: list[int], done: Sequence[Deed], lifts: Sequence[Lifted]
+    ) -> Step:
         now = step * self._step
         for robot in lost:
             del self._says[robot]
@@ -195,14 +197,17 @@ class _Teller:
         places, teams, doers = teams_shown(said, done)
         splits, joins = team_changes(self._teams, teams, lost)
         self._teams = teams
+        taken, left = self._loads(lifts, teams)
+        goals = doers_goals(doers, taken)
         shown = {}
         for slot in sorted(teams):
-            goal = None if slot in doers else self._number.get(self._says[slot][1])
+            goal = goals.get(slot, self._number.get(self._says[slot][1]))
             shown[slot] = TeamAt(slot, *places[slot], goal)
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
         self._shown = shown
         finished = tuple((deed.task, who_did(deed, teams)) for deed in done)
-        return Step(joins, splits, tuple(lost), teams=rows, done=finished)
+        made = Step(joins, splits, tuple(lost), teams=rows, done=finished)
+        return replace(made, taken=tuple(taken.items()), left=tuple(left.values()))
 
     def _place(self, walk: Walked, now: float) -> Place:
         if len(walk.points) == 1:
@@ -268,6 +273,15 @@ def teams_shown(
         groups.setdefault(key, []).append(robot)
     teams = {robots[0]: tuple(robots) for robots in groups.values()}
     return places, teams, {slot for slot in teams if slot in did}
+
+
+def doers_goals(doers: Iterable[int], taken: Mapping[int, int]) -> dict[int, int | None]:
+    """Return what teams are shown to head for: those that have just done something for nothing.
+
+    Who has taken up a load heads for that; `taken` has the team by the load.
+    """
+    nothing: dict[int, int | None] = dict.fromkeys(doers)
+    return nothing | {slot: load for load, slot in taken.items()}
 
 
 def who_did(deed: Deed, teams: Teams) -> int:

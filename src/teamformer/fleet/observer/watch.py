@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -113,8 +112,13 @@ class Watch:
             deeds = []
         lost, back = sorted(gone - self._lost), sorted(self._lost - gone)
         self._lost = gone
+        lifted = {robot: lay for robot, lay in self._lifted().items() if robot not in gone}
+        at = {robot: self._as_place(lay.x, lay.y) for robot, lay in lifted.items()}
         said = {
-            robot: (NOBODY - robot if robot in back else self._team_of(robot), self._place(robot))
+            robot: (
+                NOBODY - robot if robot in back else self._team_of(robot),
+                at.get(robot, self._place(robot)),
+            )
             for robot in range(self.mission.robots)
             if robot not in gone  # who is back is alone at first
         }
@@ -122,8 +126,14 @@ class Watch:
         before = self._teams | {robot: (robot,) for robot in back}
         splits, joins = team_changes(before, teams, lost)
         self._teams = teams
-        taken = tuple(self._taken(teams))
-        goals = doers_goals(doers, dict(taken))
+        self._carried |= {lay.key for lay in lifted.values()}
+        taken = {
+            self._number[lifted[robot].key]: slot
+            for slot, robots in teams.items()
+            for robot in robots
+            if robot in lifted
+        }
+        goals = doers_goals(doers, taken)
         shown = {
             slot: TeamAt(slot, *places[slot], goals.get(slot, self._goal_of(slot)))
             for slot in sorted(teams)
@@ -133,7 +143,8 @@ class Watch:
         done = tuple((deed.task, self._who(deed, teams)) for deed in deeds)
         self._news = [key for key in self._news if not teams or key not in ripe]
         left, self._left = tuple(self._left.values()), {}
-        made = Step(joins, splits, tuple(lost), tuple(back), rows, done, taken=taken, left=left)
+        made = Step(joins, splits, tuple(lost), tuple(back), rows, done)
+        made = replace(made, taken=tuple(taken.items()), left=left)
         self.steps.append(made)
         return made
 
@@ -176,18 +187,21 @@ class Watch:
             number = self._number[load.key]
             self._left[number] = TaskAt(number, *self._as_place(load.x, load.y))
 
-    def _taken(self, teams: Teams) -> Iterator[tuple[int, int]]:
-        """Yield each load that has left its place with who says that it is at work on it."""
-        for slot, robots in sorted(teams.items()):
-            for word in (self.words[robot] for robot in robots if robot in self.words):
-                task = self.tasks.get(word.goal)
-                if task is None or task.to is None or task.key in self._done:
-                    continue
-                lay = self._loads.get(task.key, task)
-                is_away = not self.mission.is_same_place(word.x, word.y, lay.x, lay.y)
-                if is_away and word.phase == SERVE and task.key not in self._carried:
-                    self._carried.add(task.key)
-                    yield self._number[task.key], slot
+    def _lifted(self) -> dict[int, TaskFact | LoadFact]:
+        """Return who says that it is at work on a load which it has carried away since; and that.
+
+        The load is given where it lay.
+        """
+        found: dict[int, TaskFact | LoadFact] = {}
+        for robot, word in self.words.items():
+            task = self.tasks.get(word.goal)
+            is_load = task is not None and task.to is not None and task.key not in self._done
+            if task is None or not is_load or task.key in self._carried or word.phase != SERVE:
+                continue
+            lay = self._loads.get(task.key, task)
+            if not self.mission.is_same_place(word.x, word.y, lay.x, lay.y):
+                found[robot] = lay
+        return found
 
     def _note_done(self, key: int) -> None:
         if key in self.tasks and key not in self._done:

@@ -1,7 +1,8 @@
 """Turns the trace of a rehearsal into a record that `view` shows: one step of it a step of time.
 
 Robots that say they are in one team, and are in one place, are drawn as a team. Those that did a
-task are drawn as one to the end of the step, though they may have gone on. If some of them did
+task, or took up a load, are drawn where they did to the end of the step, though they may have gone
+on. If some of them did
 another task with others in the same step, that is drawn in the next. Operators' tasks are tasks
 that appear.
 """
@@ -168,20 +169,16 @@ class _Teller:
             rows.append(replace(row, heard=tuple(sorted(heard))))
         return rows
 
-    def _loads(
-        self, lifts: Sequence[Lifted], teams: Teams
-    ) -> tuple[dict[int, int], dict[int, TaskAt]]:
-        """Return which loads were taken up in a step, by which teams, and which were set down."""
-        taken, left = dict[int, int](), dict[int, TaskAt]()
+    def _loads(self, lifts: Sequence[Lifted]) -> tuple[dict[int, Lifted], dict[int, TaskAt]]:
+        """Return, by load, who has it since a step, and where those lie that were set down."""
+        taken, left = dict[int, Lifted](), dict[int, TaskAt]()
         for lift in lifts:
             number = self._number[lift.task]
-            slots = [slot for slot, team in teams.items() if set(team) & set(lift.robots)]
-            if slots:
-                taken[number] = slots[0]
-            elif not lift.robots:
+            if lift.robots:
+                taken[number] = lift
+            else:
                 taken.pop(number, None)
-                x, y = lift.place
-                left[number] = TaskAt(number, *((int(x), int(y)) if self._is_grid else (x, y)))
+                left[number] = TaskAt(number, *self._as_place(*lift.place))
         return taken, left
 
     def _row(
@@ -190,14 +187,21 @@ class _Teller:
         now = step * self._step
         for robot in lost:
             del self._says[robot]
+        lifted, left = self._loads(lifts)
+        at = {robot: lift.place for lift in lifted.values() for robot in lift.robots}
         said = {
-            robot: (team, self._place(self._walks[robot], now))
+            robot: (team, self._as_place(*at.get(robot, self._place(self._walks[robot], now))))
             for robot, (team, _) in self._says.items()
         }
         places, teams, doers = teams_shown(said, done)
         splits, joins = team_changes(self._teams, teams, lost)
         self._teams = teams
-        taken, left = self._loads(lifts, teams)
+        slot_of = {robot: slot for slot, robots in teams.items() for robot in robots}
+        taken = {
+            load: slot_of[lift.robots[0]]
+            for load, lift in lifted.items()
+            if lift.robots[0] in slot_of
+        }
         goals = doers_goals(doers, taken)
         shown = {}
         for slot in sorted(teams):
@@ -208,6 +212,9 @@ class _Teller:
         finished = tuple((deed.task, who_did(deed, teams)) for deed in done)
         made = Step(joins, splits, tuple(lost), teams=rows, done=finished)
         return replace(made, taken=tuple(taken.items()), left=tuple(left.values()))
+
+    def _as_place(self, x: float, y: float) -> Place:
+        return (int(x), int(y)) if self._is_grid else (round(x, DECIMALS), round(y, DECIMALS))
 
     def _place(self, walk: Walked, now: float) -> Place:
         if len(walk.points) == 1:

@@ -218,6 +218,17 @@ def test_a_load_that_is_set_down_where_it_was_taken_up_is_recorded(tmp_path: Pat
     assert left == TaskAt(0, 3, 0)
 
 
+def test_a_load_that_is_taken_up_and_done_in_one_step_is_only_done(tmp_path: Path) -> None:
+    """It is brought to where it lies."""
+    mission = Mission(make([robot("a", 3)], [load("a", 3, 3)]))
+    trace = Trace()
+    rehearsal, outcome, _ = play(mission, plan_of(mission), Faults(), trace)
+    assert len(lifts_of(rehearsal.world)) == 1
+    steps = record_of(rehearsal, outcome, trace.events, 0).steps
+    assert [row for step in steps for row in step.done] == [(0, 0)]
+    assert [row for step in steps for row in step.taken] == []
+
+
 def message(beat: Beat | FactsNote) -> Message:
     return Message(1, three_carriers().number, 0, -1, beat)
 

@@ -29,7 +29,8 @@ class Services:
     def work(self, number: int) -> dict[int, str]:
         """Return what teams do for tasks in the step that comes, by slot."""
         work: dict[int, str] = {}
-        for task, robots in self._serving.items():
+        loads_last = sorted(self._serving.items(), key=lambda it: (self._is_load(it[0]), it[0]))
+        for task, robots in loads_last:
             wanted, done_in = self._mission.tasks[task], self._done.get(task, math.inf)
             doing = work_on(wanted, task in self._up, number, done_in)
             work |= dict.fromkeys((self._teams.slot[robot] for robot in robots), doing)

@@ -200,7 +200,7 @@ class _Teller:
         taken = {
             load: slot_of[lift.robots[0]]
             for load, lift in lifted.items()
-            if lift.robots[0] in slot_of
+            if lift.robots[0] in slot_of and load not in {deed.task for deed in done}
         }
         goals = doers_goals(doers, taken)
         shown = {}

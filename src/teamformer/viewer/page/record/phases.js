@@ -82,7 +82,10 @@ function workOfTeams(history, after, step) {
   history.services.forEach((services, task) => {
     for (const { robots, from, to } of services) {
       if (step <= from || to < step) continue;
-      for (const robot of robots) work.set(after.team[robot], workOn(history, task, step));
+      for (const robot of robots) {
+        const [slot, does] = [after.team[robot], workOn(history, task, step)];
+        if (does !== SERVES || !work.has(slot)) work.set(slot, does); // who has a load does only that
+      }
     }
   });
   return work;

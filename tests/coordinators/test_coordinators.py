@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -112,6 +113,10 @@ def test_replayed_plans_are_not_made_again_and_new_ones_only_where_something_els
     assert other.tally().status == "completed"
 
 
+BY_NAME: Any = ("r0",)
+"""A coalition as someone without a type checker may write it."""
+
+
 @pytest.mark.parametrize(
     ("plan", "complaint"),
     [
@@ -120,7 +125,7 @@ def test_replayed_plans_are_not_made_again_and_new_ones_only_where_something_els
         (Plan((7,), ((0,),)), "has a task 7, which is none"),
         (Plan((0,), ((1,),)), "gives task 't0' to r1, who there together lack a"),
         (Plan((0,), ((5,),)), "to 5, which is lost or no robot; robots are numbers, from 0 to 1"),
-        (Plan((0,), (("r0",),)), "to 'r0', which is lost or no robot"),  # type: ignore[arg-type]
+        (Plan((0,), (BY_NAME,)), "to 'r0', which is lost or no robot"),
         (Plan((0,), ((0, 0),)), "gives task 't0' to a robot twice"),
         (Plan(scouts=((5, 0),)), "has a scout that is not there"),
     ],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.advice.advise import advise_on
 from teamformer.advice.suggestions import Advice
-from teamformer.api.trials import refuse_other
+from teamformer.api.trials import refuse_no_mission
 from teamformer.model import Scenario
 
 
@@ -26,5 +26,5 @@ def advise(mission: Scenario, seconds: float = 60.0, workers: int = 1) -> Advice
     >>> best.gain > best.noise, advice.spare
     (True, ())
     """
-    refuse_other(mission, "advise")
+    refuse_no_mission(mission, "advise")
     return advise_on(mission, seconds, workers)

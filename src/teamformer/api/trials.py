@@ -164,7 +164,7 @@ def plan(
     >>> len(made.order) == len(made.coalitions) == 4
     True
     """
-    refuse_other(mission, "plan")
+    refuse_no_mission(mission, "plan")
     return plan_mission(mission, method, seconds)
 
 
@@ -178,7 +178,7 @@ def check(record: Replay | PathOrName) -> Verdict:
     return judge(record if isinstance(record, Replay) else read_replay(Path(record)))
 
 
-def refuse_other(mission: object, verb: str) -> None:
+def refuse_no_mission(mission: object, verb: str) -> None:
     """Raise `TeamformerError` for what is no mission, such as the path of one."""
     if not isinstance(mission, Scenario):
         what = f"{verb} takes a mission, not {type(mission).__name__}"
@@ -187,7 +187,7 @@ def refuse_other(mission: object, verb: str) -> None:
 
 def refuse_unplayed(mission: Scenario, verb: str) -> None:
     """Raise `TeamformerError` for what is no mission, or none that is played in steps."""
-    refuse_other(mission, verb)
+    refuse_no_mission(mission, verb)
     if problems := list(rules_not_played(mission)):
         raise ScenarioError(problems)
 

@@ -9,9 +9,10 @@ from teamformer.fleet.bodies.body import Report
 def note_load(knowledge: Knowledge, key: int, report: Report, is_sought: bool) -> bool:
     """Note where the load of a task lies by what a body senses; say whether that is news.
 
-    `is_sought` says that the robot stands where the load was believed to lie, and that nobody says
-    that it carries it. If it is gone, somebody carried it on and set it down who cannot tell: the
-    next place to look is further on its way, and after the last one where it was first.
+    `is_sought` says that the robot stands where the load was believed to lie, and that no robot
+    says that it carries the load. If the load is gone, those who carried it on can no longer tell
+    where they set it down. So the next place to look is further on its way; after the end of the
+    way it is the place where the load was first.
     """
     task = knowledge.tasks[key]
     assert task.to is not None

@@ -170,7 +170,10 @@ class _Teller:
         return rows
 
     def _loads(self, lifts: Sequence[Lifted]) -> tuple[dict[int, Lifted], dict[int, TaskAt]]:
-        """Return, by load, who has it since a step, and where those lie that were set down."""
+        """Return the loads that a step shows as taken up, and those that it shows as set down.
+
+        One that was taken up and set down in the same step is shown as set down.
+        """
         taken, left = dict[int, Lifted](), dict[int, TaskAt]()
         for lift in lifts:
             number = self._number[lift.task]

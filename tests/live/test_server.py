@@ -63,10 +63,13 @@ class Page:
 
     def hear(self, kind: str) -> dict[str, Any]:
         """Return the next message of a kind; others are passed over."""
-        while True:
-            message = json.loads(self.socket.recv(timeout=20))
-            if message["kind"] == kind:
-                return dict(message)
+        while (message := self.hear_any())["kind"] != kind:
+            pass
+        return message
+
+    def hear_any(self) -> dict[str, Any]:
+        """Return the next message."""
+        return dict(json.loads(self.socket.recv(timeout=20)))
 
 
 def get(server: Served, host: str, path: str = "/") -> tuple[int, str]:
@@ -138,12 +141,30 @@ def test_an_incident_is_told_before_there_is_a_plan_for_it(
         assert state["planning"] == "step 1: robot r2 lost"
         assert state["leaving"] == ["r2"]
         is_heard.set()
-        assert page.hear("state")["planning"] == ""
         incident = page.hear("incident")
+        assert incident["planning"] == ""
         assert incident["is_loss"]
         assert incident["leaving"] == ["r2"]
         page.ask(do="step")
         assert page.hear("step")["step"]["lost"] == [1]
+
+
+def test_an_incident_is_told_together_with_the_record_that_has_it(served: Served) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        known = 0
+        for ask in (
+            {"do": "happen", "lost": "r2"},
+            {"do": "happen", "back": "r2"},
+            {"do": "restart"},
+        ):
+            page.ask(do="step")
+            page.hear("step")
+            page.ask(**ask)
+            while (told := page.hear_any())["kind"] not in ("incident", "mission"):
+                assert len(told.get("incidents", range(known))) == known
+            known = len(told["incidents"])
+        assert known == 0
 
 
 def test_what_cannot_happen_is_refused_before_anything_is_planned(

@@ -156,14 +156,15 @@ class Session:
             self._tell_planning(text)
             try:
                 await asyncio.to_thread(self.mission.happen, incident)
+                self._changes += 1
+                self._happening, self._planning = None, ""
+                record = self._record()
+                record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
+                news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
+                self._tell_all("incident", news | self._state())
             finally:
                 self._happening = None
                 self._planning_is_over()
-            self._changes += 1
-            record = self._record()
-            record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
-            news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
-            self._tell_all("incident", news | self._state())
         self._predict()
         self._work_out_bound()
 
@@ -182,9 +183,11 @@ class Session:
             self._tell_planning("the mission begins anew")
             try:
                 self.mission = await asyncio.to_thread(self.mission.anew)
+                self._planning = ""
+                back = "The mission is back at its start; nothing has happened to it."
+                self._tell_another_past(back)
             finally:
                 self._planning_is_over()
-            self._tell_another_past("The mission is back at its start; nothing has happened to it.")
 
     def close(self) -> None:
         """Let everything end that goes on in the background."""
@@ -351,6 +354,7 @@ class Session:
         self._tell_all("state", self._state())
 
     def _planning_is_over(self) -> None:
+        """Tell so, unless what was planned for was told together with that."""
         if self._planning:
             self._planning = ""
             self._tell_all("state", self._state())

@@ -32,6 +32,7 @@ class LiveApp extends App {
 
   hear(message) {
     const { kind } = message;
+    if ("is_playing" in message) this.tellPlanning(message.planning ?? ""); // before other notices
     if (kind === "mission") this.reopen(message);
     if (kind === "step") this.take(message);
     if (kind === "incident") this.change(message);
@@ -110,7 +111,6 @@ class LiveApp extends App {
     const { is_playing, speed, watchers, incidents, leaving = [], planning = "" } = state;
     const { is_fleet = false, has_editor = false, undo_to = null } = state;
     const { warning = null, is_heard = true, is_over = false } = state; // of a fleet
-    this.tellPlanning(planning);
     this.tellSilence(warning);
     this.state = { watchers, incidents, planning, hasEditor: has_editor, undoTo: undo_to };
     Object.assign(this.state, { isFleet: is_fleet, warning, isHeard: is_heard, isOver: is_over });

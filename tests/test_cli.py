@@ -21,7 +21,7 @@ from teamformer.commands import console
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.reading import read_replay
-from teamformer.trials.methods import load_method
+from teamformer.trials.methods import METHODS, load_method
 from teamformer.trials.trial import run_trial
 
 ROOT = Path(__file__).parent.parent
@@ -489,16 +489,16 @@ def test_compare_plays_every_method_under_what_it_was_made_for(
 def test_methods_are_listed_once_each_with_who_says_the_tasks(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert teamformer("methods", "--json") == 0
-    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    tasks_by = {row["name"]: row["tasks_by"] for row in rows}
-    assert len(tasks_by) == len(rows)
+    tasks_by = {listing.name: listing.tasks_by for listing in METHODS}
+    assert len(tasks_by) == len(METHODS)
     assert tasks_by.pop("plan") == "the shared plan"
     assert tasks_by.pop("central") == "its own plan"
     assert tasks_by.pop("crews") == "crews"
     assert set(tasks_by.values()) == {"the paper's order"}
     assert teamformer("methods") == 0
-    assert "your own: --method module:Class (docs/reference/methods.md)" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert all(f"\n{listing.name} " in told for listing in METHODS)
+    assert "your own: --method module:Class (docs/reference/methods.md)" in told
 
 
 @pytest.mark.parametrize("command", ["methods", f"run {FOUR} --method join-all --out out"])

@@ -13,6 +13,7 @@ import teamformer
 import teamformer as tf
 from teamformer.api import advice, missions, trials
 from teamformer.policies.scripted.joining import JoinAll
+from teamformer.trials import planned
 from teamformer.viewer import notebook_page
 
 ROOT = Path(__file__).parents[1]
@@ -24,7 +25,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-MODULES = [teamformer, missions, trials, advice, notebook_page]
+MODULES = [teamformer, missions, trials, advice, planned, notebook_page]
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: m.__name__)
@@ -62,6 +63,16 @@ def test_a_trial_is_saved_shown_and_checked(tmp_path: Path) -> None:
     frame = trial.show(height=400)._repr_html_()
     assert frame.startswith('<iframe height="400"')
     assert "<script" not in frame  # all of the page is inside the frame's attribute
+
+
+def test_a_plan_is_shown_and_explained() -> None:
+    made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
+    assert made is not None
+    assert made.why_so_late[0].startswith(f"why so late: {made.makespan:g} steps are ")
+    assert made.row["critical_path"][-1]["to"] == made.makespan == made.row["makespan"]
+    page = made.show(height=400)
+    assert f"Over at {made.makespan:g}" in page.text
+    assert page._repr_html_().startswith('<iframe height="400"')
 
 
 def test_policies_and_coordinators_play_as_names_do() -> None:

@@ -51,7 +51,7 @@ SEES = {
     "coordinators": {*CORE, "rules", "planning"},
     "policies": BELOW_POLICIES,
     "critical_path": {*CORE, "rules.constants", "planning.continuous", "sim.replay"},
-    "trials": {*BELOW_POLICIES, "policies", "critical_path"},
+    "trials": {*BELOW_POLICIES, "policies", "critical_path", "viewer"},
     "referee": {*CORE, "scenarios", "sim.replay"},
     "advice": {*BELOW_POLICIES, "policies", "critical_path", "trials", "viewer"},
     "viewer": {"errors", "whole_files"},

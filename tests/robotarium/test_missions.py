@@ -25,6 +25,7 @@ from teamformer.robotarium.robots.plant import Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import load_method
+from test_cli import teamformer
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 needs_rps = pytest.mark.skipif(
@@ -213,6 +214,23 @@ def test_the_folder_runs_on_the_official_simulator(tmp_path: Path) -> None:
     found, ours = verify(tmp_path), fly(four(), "teamformer").row()
     for key in ("status", "done_at_tick", "collisions", "boundary_violations"):
         assert found[key] == ours[key]
+
+
+@needs_rps
+def test_what_is_deployed_is_run_where_the_simulator_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ("robotarium", "deploy", str(EXAMPLES / "robotarium-4.yaml"), str(tmp_path))
+    assert teamformer(*words) == 0
+    told = capsys.readouterr()
+    ours = fly(four(), "teamformer").row()
+    row = next(line for line in told.out.splitlines() if line.startswith("done at tick"))
+    assert row.split()[3:] == 2 * [str(ours["done_at_tick"])]
+    monkeypatch.setattr("teamformer.commands.robots.robotarium.find_spec", lambda library: None)
+    assert teamformer(*words) == 0
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert "the folder was not run" in told.err
 
 
 class Newer:

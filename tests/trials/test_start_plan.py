@@ -17,7 +17,7 @@ from teamformer.planning.continuous.problem import CoalitionProblem
 from teamformer.planning.continuous.solve import plan_together, solve
 from teamformer.scenarios.files import read_scenario, write_scenario
 from teamformer.scenarios.named_settings import world_of
-from teamformer.trials.planned import plan_mission, plan_row
+from teamformer.trials.planned import plan_mission
 from teamformer.trials.start_plan import read_start_plan
 from test_cli import teamformer
 
@@ -119,7 +119,7 @@ def test_what_was_planned_may_be_read_back(tmp_path: Path) -> None:
     made = plan_mission(mission, "central", 1.0)
     assert made is not None
     path = tmp_path / "plan.json"
-    path.write_text(json.dumps(plan_row(mission, made)))
+    path.write_text(json.dumps(made.row))
     again = plan_mission(mission, "central", 0.0, read_start_plan(path, mission))
     assert again is not None
     assert again.cost is not None

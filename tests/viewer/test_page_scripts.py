@@ -135,6 +135,24 @@ def test_tasks_after_others_appear_when_those_are_done_and_may_be_late(scripts: 
     assert appeared == [[1, 0]]
 
 
+def test_a_task_is_called_off_with_the_next_step_if_there_is_one(scripts: Any) -> None:
+    tree = two_robots([{}, {}])
+    [task] = tree["scenario"]["tasks"]
+    tree["scenario"]["tasks"] = [task | {"cancelled": 3}]
+    ask = """(tree) => { const history = frames(tree);
+      return describeStanding(history, 0, sceneAt(history, 2)); }"""
+    assert scripts.evaluate(ask, tree) == "open, nobody assigned"
+    tree["end"]["status"] = "running"
+    assert scripts.evaluate(ask, tree) == "called off with the next step"
+
+
+def test_teams_are_told_with_the_first_step(scripts: Any) -> None:
+    tree = two_robots([{"teams": [[0, 4, 3, 0]]}, {}])
+    ask = """(tree) => { const history = frames(tree);
+      return [0, 1].map((step) => describeStanding(history, 0, sceneAt(history, step))); }"""
+    assert scripts.evaluate(ask, tree) == ["open, teams are told next", "open, 1 team assigned"]
+
+
 BELIEFS = """(tree) => {
   const history = frames(tree);
   const {scenario} = history;

@@ -153,10 +153,10 @@ def plan(
     The plan has `makespan`, `bound`, `is_proven`, `order`, `coalitions`, `routes` and
     `critical_path`, in the mission's unit of time; in continuous time also `cost` (None without
     one) and `late`, by how much tasks are late. The bound is 0 where none was worked out: for a
-    cost, and by `plan` and `reactive`. A plan has no record to check or show; `teamformer plan
-    --out` draws it. `method` is `central`, which searches for `seconds`. In continuous time
-    it can also be `plan`, the plan that every robot computes for itself, or `reactive`. Raises
-    `TeamformerError` if tasks can never be done because robots are lost.
+    cost, and by `plan` and `reactive`. A plan has no record to check. `method` is `central`, which
+    searches for `seconds`. In continuous time it can also be `plan`, the plan that every robot
+    computes for itself, or `reactive`. Raises `TeamformerError` if tasks can never be done because
+    robots are lost.
 
     >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
     >>> made.bound <= made.makespan <= 27

@@ -12,11 +12,11 @@ from teamformer.cli.app import AsJson, app, split_names
 
 
 @app.command()
-def methods(as_json: AsJson = False) -> None:
+def methods() -> None:
     """List what can be named with --method."""
     from teamformer.commands.policies.listing import methods as command
 
-    raise typer.Exit(command(as_json))
+    raise typer.Exit(command())
 
 
 @app.command()

@@ -44,12 +44,8 @@ def deploy(
     method: Annotated[str, typer.Option(help="who forms teams along the paper's order")] = (
         "teamformer"
     ),
-    verify: Annotated[
-        str | None,
-        typer.Option(metavar="PYTHON", help="run it by this Python, on the official simulator"),
-    ] = None,
 ) -> None:
-    """Write the folder that the testbed takes."""
+    """Write the folder that the testbed takes; run it on the official simulator, if it is there."""
     from teamformer.commands.robots.robotarium import deploy as command
 
-    raise typer.Exit(command(mission, folder, method, verify))
+    raise typer.Exit(command(mission, folder, method))

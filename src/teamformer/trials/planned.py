@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 from teamformer.coordination import Plan
 from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
+from teamformer.critical_path.words import why_so_late
 from teamformer.errors import Problem, ScenarioError, TeamformerError, UndoableError
 from teamformer.mission.costs import judged_by
 from teamformer.mission.links import is_linked
@@ -26,6 +27,8 @@ from teamformer.trials.methods import load_method
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
 from teamformer.truth import expected_mission
+from teamformer.viewer.gantt import gantt_page
+from teamformer.viewer.notebook_page import Page
 
 CENTRAL = "central"
 
@@ -35,9 +38,57 @@ DIGITS = 6
 
 @dataclass(frozen=True)
 class PlannedMission(MissionPlan):
-    """A plan with the chain that its end hangs on, the first stretch first."""
+    """A plan of a mission, with the chain that its end hangs on, the first stretch first.
 
+    >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
+    >>> print(*made.why_so_late[:1])
+    why so late: 27 steps are 24 walking, 3 forming
+    >>> made.show(height=400).height
+    400
+    """
+
+    mission: Scenario = field(kw_only=True, repr=False)
     critical_path: tuple[Stretch, ...] = ()
+
+    @property
+    def why_so_late(self) -> list[str]:
+        """Return the critical path in words, line by line, as `teamformer plan` prints it."""
+        return why_so_late(self.mission, self.critical_path)
+
+    def show(self, height: int = 620) -> Page:
+        """Return the plan as a page; a notebook shows it in a frame `height` pixels high."""
+        return Page(gantt_page(self.row), height)
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Return what `teamformer plan --json` prints; times are in the mission's unit."""
+        tasks, robots = self.mission.tasks, self.mission.robots
+        return {
+            "scenario": self.mission.name,
+            "makespan": round(self.makespan, DIGITS),
+            **({} if self.cost is None else {"cost": round(self.cost, DIGITS)}),
+            "bound": round(self.bound, DIGITS),
+            "proven": self.is_proven,
+            "routes": [
+                {
+                    "robot": robots[route.robot].name,
+                    "stops": [
+                        {
+                            "task": tasks[stop.task].name,
+                            "arrive": round(stop.arrive, DIGITS),
+                            "start": round(stop.start, DIGITS),
+                            "end": round(stop.end, DIGITS),
+                        }
+                        for stop in route.stops
+                    ],
+                    "back": round(route.back, DIGITS),
+                }
+                for route in self.routes
+            ],
+            "late": {tasks[task].name: round(by, DIGITS) for task, by in self.late.items()},
+            "critical_path": path_rows(self.mission, self.critical_path),
+            "curve": [[round(seconds, 3), round(when, DIGITS)] for seconds, when in self.curve],
+        }
 
 
 def plan_mission(
@@ -59,7 +110,7 @@ def plan_mission(
         if made is None:
             return None
         told = {field.name: getattr(made, field.name) for field in fields(MissionPlan)}
-        return PlannedMission(**told, critical_path=path_of_plan(mission, made))
+        return PlannedMission(**told, mission=mission, critical_path=path_of_plan(mission, made))
     player = load_method(method, seconds) if start is None else Central(seconds, start=start)
     trial = run_trial(expected_mission(mission), player)
     end, bound = trial.replay.end, trial.replay.lower_bound or 0
@@ -73,6 +124,7 @@ def plan_mission(
         return None
     number_of = {task.name: number for number, task in enumerate(mission.tasks)}
     return PlannedMission(
+        mission=mission,
         makespan=end.makespan,
         bound=bound,
         is_proven=end.makespan <= bound and judged_by(mission) is None,
@@ -104,34 +156,3 @@ def rules_not_planned(mission: Scenario) -> Iterator[Problem]:
     if mission.time != "continuous":
         yield from rules_not_played(mission)
         yield from rules_not_known_beforehand(mission)
-
-
-def plan_row(mission: Scenario, made: PlannedMission) -> dict[str, Any]:
-    """Return what `--json` prints of a plan; times are in the mission's unit."""
-    tasks, robots = mission.tasks, mission.robots
-    return {
-        "scenario": mission.name,
-        "makespan": round(made.makespan, DIGITS),
-        **({} if made.cost is None else {"cost": round(made.cost, DIGITS)}),
-        "bound": round(made.bound, DIGITS),
-        "proven": made.is_proven,
-        "routes": [
-            {
-                "robot": robots[route.robot].name,
-                "stops": [
-                    {
-                        "task": tasks[stop.task].name,
-                        "arrive": round(stop.arrive, DIGITS),
-                        "start": round(stop.start, DIGITS),
-                        "end": round(stop.end, DIGITS),
-                    }
-                    for stop in route.stops
-                ],
-                "back": round(route.back, DIGITS),
-            }
-            for route in made.routes
-        ],
-        "late": {tasks[task].name: round(by, DIGITS) for task, by in made.late.items()},
-        "critical_path": path_rows(mission, made.critical_path),
-        "curve": [[round(seconds, 3), round(when, DIGITS)] for seconds, when in made.curve],
-    }

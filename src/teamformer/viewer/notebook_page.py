@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Page:
-    """A page of a record; a notebook shows it in a frame.
+    """A page of a record, a plan or advice; a notebook shows it in a frame.
 
     >>> page = tf.run(tf.setting("4N4T-C4")).show()
     >>> page.height

@@ -11,7 +11,6 @@ from rich.text import Text
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, prepare_folder, print_json, say
-from teamformer.critical_path.words import why_so_late
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
 from teamformer.planning.continuous.rules import is_compiled
@@ -20,7 +19,6 @@ from teamformer.trials.methods import load_method
 from teamformer.trials.planned import (
     PlannedMission,
     plan_mission,
-    plan_row,
     refuse_unplannable,
     rules_not_planned,
 )
@@ -52,14 +50,14 @@ def plan(
     if made is None:
         say(f"no plan was found for {scenario.name}; a longer --time-limit may find one")
         return 1
-    row = plan_row(scenario, made)
+    row = made.row
     if folder is not None:
         write_gantt(row, folder / "plan.html")
         say(f"page: {folder / 'plan.html'}")
     if as_json:
         print_json(row)
     else:
-        _show(scenario, made, row)
+        _show(made, row)
     return 0
 
 
@@ -74,7 +72,7 @@ def _announce(scenario: Scenario, method: str) -> None:
         say("not everything is known: this is planned for what is to be expected")
 
 
-def _show(scenario: Scenario, made: PlannedMission, row: Mapping[str, Any]) -> None:
+def _show(made: PlannedMission, row: Mapping[str, Any]) -> None:
     """Print a plan, given as `--json` prints it: every output rounds the same way."""
     cost = f", at a cost of {row['cost']:g}" if "cost" in row else ""
     over = f"{row['scenario']}: over at {row['makespan']:g}{_known(row)}{cost}"
@@ -90,7 +88,7 @@ def _show(scenario: Scenario, made: PlannedMission, row: Mapping[str, Any]) -> N
     out.print(table)
     if len(routes) > LONGEST_TABLE:
         say(f"and {len(routes) - LONGEST_TABLE} robots more; --json tells all")
-    for line in why_so_late(scenario, made.critical_path):
+    for line in made.why_so_late:
         out.print(line, markup=False)
 
 

@@ -4,23 +4,12 @@ from __future__ import annotations
 
 from rich.table import Table
 
-from teamformer.commands.console import out, print_json
+from teamformer.commands.console import out
 from teamformer.trials.methods import METHODS
 
 
-def methods(as_json: bool) -> int:
+def methods() -> int:
     """List the methods; return the exit status."""
-    if as_json:
-        for listing in METHODS:
-            print_json(
-                {
-                    "name": listing.name,
-                    "summary": listing.summary,
-                    "tasks_by": listing.tasks_by,
-                    "trained_on": listing.trained_on,
-                }
-            )
-        return 0
     table = Table(box=None, header_style="dim")
     table.add_column("name", no_wrap=True)
     for header in ("what it does", "tasks by", "trained on"):

@@ -102,13 +102,13 @@ def _as_npy(array: np.ndarray) -> bytes:
     return file.getvalue()
 
 
-def verify(folder: Path, python: str = sys.executable) -> dict[str, object]:
-    """Run a folder by a Python without this package, and return the result that it prints.
+def verify(folder: Path) -> dict[str, object]:
+    """Run a folder without this package, on the official simulator, and return what it prints.
 
-    Raises `TeamformerError` with what it said if it fails. `python` should have what the testbed
-    has: NumPy, SciPy, cvxopt, matplotlib and the simulator.
+    Raises `TeamformerError` with what it said if it fails. It needs what the testbed has: NumPy,
+    SciPy, cvxopt, matplotlib and the simulator.
     """
-    command = [python, "-P", "-c", "import runpy, sys; sys.path.insert(0, '.'); " + FENCE]
+    command = [sys.executable, "-P", "-c", "import runpy, sys; sys.path.insert(0, '.'); " + FENCE]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode:
         said = done.stderr.strip().splitlines()[-1:] or ["no word"]

@@ -152,7 +152,8 @@ function describeStanding(history, task, scene) {
   const { step } = scene;
   const { after, appears, opens, cancelled } = scenario.tasks[task];
   const standing = standingOf(history, task, step);
-  if (cancelled === step + 1 && standing !== "done") return "called off with the next step";
+  const goesOn = step < history.last || history.end.status === "running";
+  if (goesOn && cancelled === step + 1 && standing !== "done") return "called off with the next step";
   switch (standing) {
     case "hidden":
       return after.length
@@ -173,7 +174,9 @@ function describeStanding(history, task, scene) {
     default: {
       const assigned = scene.assignedTo.get(task)?.length ?? 0;
       const when = opens > step ? `may begin after ${describeMoment(scenario.world, opens)}` : "open";
-      return `${when}, ${assigned ? plural(assigned, "team") : "nobody"} assigned`;
+      if (assigned) return `${when}, ${plural(assigned, "team")} assigned`;
+      const isToBeTold = [...scene.teams.values()].some(({ activity }) => activity === "told");
+      return `${when}, ${isToBeTold ? "teams are told next" : "nobody assigned"}`;
     }
   }
 }

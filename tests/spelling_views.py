@@ -6,9 +6,9 @@ import numpy as np
 import torch
 
 from random_worlds import random_decision, random_world
+from teamformer.arrays import Array
 from teamformer.nets.teamformer import Teamformer, TeamformerSettings
 from teamformer.policies.learned.token_features import TASK_FEATURES, TEAM_FEATURES
-from teamformer.rules.arrays import Array
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.view import View
 

@@ -16,29 +16,16 @@ from pathlib import Path
 
 import pytest
 
-from teamformer import cli
 from teamformer.commands import console
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.reading import read_replay
 from teamformer.trials.methods import METHODS, load_method
 from teamformer.trials.trial import run_trial
+from typed import FOUR, teamformer
 
 ROOT = Path(__file__).parent.parent
-FOUR = str(ROOT / "examples" / "four-robots.yaml")
 SMALL_ROBOTS = str(ROOT / "examples" / "robotarium-4.yaml")
-
-
-def teamformer(*words: str) -> int:
-    """Run the command line in this process and return its exit status."""
-    argv, sys.argv = sys.argv, ["teamformer", *words]
-    try:
-        cli.main()
-    except SystemExit as stop:
-        return stop.code if isinstance(stop.code, int) else 0
-    finally:
-        sys.argv = argv
-    return 0
 
 
 def test_run_writes_a_record_that_check_accepts(

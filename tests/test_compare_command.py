@@ -10,7 +10,7 @@ import pytest
 
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.writing import replay_to_tree
-from test_cli import FOUR, teamformer
+from typed import FOUR, teamformer
 
 OWN = """
 class Failing:

@@ -26,7 +26,7 @@ CORE = {
     "regions",
     "frame",
 }
-CORE |= {"coordination", "extras", "own_code", "jit", "kernels", "whole_files"}
+CORE |= {"arrays", "coordination", "extras", "own_code", "jit", "kernels", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim", "coordinators"}
 BELOW_COMMANDS = {
     *BELOW_POLICIES,

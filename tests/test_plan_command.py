@@ -17,7 +17,7 @@ import yaml
 from others_rules import dcmrta_makespan, hetero_mrta_makespan, hhcrsp_cost, sadcher_makespan
 from teamformer.planning.continuous.rules import warm_up
 from teamformer.scenarios.files import read_scenario
-from test_cli import FOUR, teamformer
+from typed import FOUR, teamformer
 
 TREE = {
     "setup": {"robots": 4, "tasks": 3, "num_skills": 2},

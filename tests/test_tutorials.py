@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import pytest
 
-from test_cli import teamformer
+from typed import teamformer
 
 ROOT = Path(__file__).parent.parent
 TUTORIALS = ROOT / "docs" / "tutorials"

@@ -20,7 +20,7 @@ from teamformer.errors import TeamformerError
 from teamformer.model import Absence, Scenario
 from teamformer.scenarios.files import write_scenario
 from teamformer.viewer.advice_page import advice_page
-from test_cli import teamformer
+from typed import teamformer
 
 PLENTY = 1000.0  # seconds
 

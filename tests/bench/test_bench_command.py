@@ -13,25 +13,13 @@ from pathlib import Path
 
 import pytest
 
-from teamformer import cli
+from typed import teamformer
 
 COMMAND = [sys.executable, "-m", "teamformer.cli", "bench"]
 
 
 def bench(*words: str) -> int:
     return teamformer("bench", *words)
-
-
-def teamformer(*words: str) -> int:
-    """Run the command line in this process and return its exit status."""
-    argv, sys.argv = sys.argv, ["teamformer", *words]
-    try:
-        cli.main()
-    except SystemExit as stop:
-        return stop.code if isinstance(stop.code, int) else 0
-    finally:
-        sys.argv = argv
-    return 0
 
 
 def small(folder: Path, *words: str) -> tuple[str, ...]:

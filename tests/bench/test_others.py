@@ -21,8 +21,8 @@ from teamformer.bench.others.results import (
     result_of,
 )
 from teamformer.errors import TeamformerError
-from test_cli import teamformer
 from test_plan_command import TREE
+from typed import teamformer
 
 
 @pytest.fixture

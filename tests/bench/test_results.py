@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
-from teamformer import __version__, cli
+from teamformer import __version__
 from teamformer.bench.report.results import template
 from teamformer.bench.runner import AUTHORS
 from teamformer.bench.store import folders_beside
 from teamformer.bench.suites import names_of_suites
 from teamformer.trials.methods import BARE, LISTED
+from typed import teamformer
 
 
 def bench(*words: str) -> int:
-    argv, sys.argv = sys.argv, ["teamformer", "bench", *words]
-    try:
-        cli.main()
-    except SystemExit as stop:
-        return stop.code if isinstance(stop.code, int) else 0
-    finally:
-        sys.argv = argv
-    return 0
+    return teamformer("bench", *words)
 
 
 def test_the_document_stands_on_the_rows(

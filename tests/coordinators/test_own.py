@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
-from unittest.mock import patch
 
 import pytest
 
-from teamformer import cli
 from teamformer.errors import TeamformerError
 from teamformer.live.incidents import LostRobot, NewTask
 from teamformer.live.mission_with_past import Mission
@@ -18,6 +15,7 @@ from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.named_settings import world_of
 from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
+from typed import teamformer
 
 ROOT = Path(__file__).parents[2]
 WAREHOUSE = ROOT / "examples" / "warehouse.yaml"
@@ -48,12 +46,7 @@ class Hasty:
 
 
 def rows_of(capsys: pytest.CaptureFixture[str], *words: str) -> list[dict[str, object]]:
-    with (
-        patch.object(sys, "argv", ["teamformer", *words, "--json"]),
-        pytest.raises(SystemExit) as end,
-    ):
-        cli.main()
-    assert end.value.code in (0, None)
+    assert teamformer(*words, "--json") == 0
     return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import teamformer as tf
-from test_cli import teamformer
+from typed import teamformer
 
 FILES = Path(__file__).parent
 

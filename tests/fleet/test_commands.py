@@ -9,23 +9,12 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from unittest.mock import patch
 
 import pytest
 
 from fleets import trio
-from teamformer import cli
 from teamformer.scenarios.files import write_scenario
-
-
-def teamformer(*arguments: str) -> int:
-    """Run the command line in this process and return its exit status."""
-    with patch.object(sys, "argv", ["teamformer", *arguments]):
-        try:
-            cli.main()
-        except SystemExit as end:
-            return end.code if isinstance(end.code, int) else 0
-    return 0
+from typed import teamformer
 
 
 @pytest.fixture

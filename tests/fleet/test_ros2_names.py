@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 from unittest.mock import patch
 
 import pytest
 
 from fleets import pair
-from teamformer import cli
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.ros2.address import Address, read_address
 from teamformer.fleet.bodies.ros2.coordinates import metres_of, place_of
@@ -18,6 +16,7 @@ from teamformer.frame import Frame
 from teamformer.grid import Grid
 from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
+from typed import teamformer
 
 
 def test_the_namespace_is_the_robots_name_by_default() -> None:
@@ -109,10 +108,5 @@ def test_a_python_without_ros_is_told(tmp_path: Path, capsys: pytest.CaptureFixt
 
 def agent_with(body: str, folder: Path) -> int:
     write_scenario(pair().scenario, folder / "pair.yaml")
-    words = ["teamformer", "fleet", "agent", str(folder / "pair.yaml"), "r0", "--body", body]
-    with patch.object(sys, "argv", [*words, "--listen", "tcp/127.0.0.1:1"]):
-        try:
-            cli.main()
-        except SystemExit as end:
-            return int(end.code or 0)
-    return 0
+    words = ("fleet", "agent", str(folder / "pair.yaml"), "r0", "--body", body)
+    return teamformer(*words, "--listen", "tcp/127.0.0.1:1")

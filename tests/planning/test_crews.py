@@ -7,6 +7,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from teamformer.arrays import Array
 from teamformer.coordination import Known
 from teamformer.grid import Grid
 from teamformer.jit import entry
@@ -20,7 +21,6 @@ from teamformer.planning.steps.shared_plan import shared_plan_of
 from teamformer.planning.steps.situation import situation_of
 from teamformer.planning.steps.starts import plan_from_crews
 from teamformer.planning.steps.timed_plan import time_team_plan
-from teamformer.rules.arrays import Array
 from teamformer.rules.distances import travel_matrix
 from teamformer.scenarios.generate import Spec, generate
 

@@ -7,17 +7,18 @@ from itertools import pairwise, permutations, product
 import numpy as np
 import pytest
 
-from teamformer.planning.bounds.open_paths import Times, bound_paths, shortest_path, span
+from teamformer.arrays import Floats
+from teamformer.planning.bounds.open_paths import bound_paths, shortest_path, span
 
 
-def draw_places(rng: np.random.Generator, count: int) -> tuple[Times, Times]:
+def draw_places(rng: np.random.Generator, count: int) -> tuple[Floats, Floats]:
     """Return the legs between places on a grid, and the ways to them from one cell."""
     places = rng.integers(0, 9, (count + 1, 2))
     apart = np.abs(places[:, None] - places).sum(axis=2).astype(np.float64)
     return apart[1:, 1:], apart[0, 1:]
 
 
-def best_order(legs: Times, ready: Times, places: tuple[int, ...]) -> float:
+def best_order(legs: Floats, ready: Floats, places: tuple[int, ...]) -> float:
     """Return the length of the shortest path through some places."""
     return min(
         ready[order[0]] + sum(legs[i, j] for i, j in pairwise(order))
@@ -25,7 +26,7 @@ def best_order(legs: Times, ready: Times, places: tuple[int, ...]) -> float:
     )
 
 
-def shortest_paths(legs: Times, ready: Times, paths: int) -> float:
+def shortest_paths(legs: Floats, ready: Floats, paths: int) -> float:
     """Return the least total length of so many paths through all places."""
     best = np.inf
     for owner in product(range(paths), repeat=len(ready)):

@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from spelling_views import CAPS, SPELLINGS, illegal_decisions, random_views, tensors, wild_network
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.nets.action_mask import changes, grammar_of, legal_symbols, spell
 from teamformer.nets.teamformer import Teamformer, Tokens
@@ -24,7 +25,6 @@ from teamformer.policies.learned.autoregressive import (
 )
 from teamformer.policies.learned.onnx_sessions import OnnxNetwork
 from teamformer.policies.learned.token_features import Spelled, SpellingCodec
-from teamformer.rules.arrays import Array
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.export.autoregressive import export_teamformer

@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from random_worlds import random_world
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
@@ -21,7 +22,6 @@ from teamformer.policies.learned.policy import Brain, Learned, rows_of
 from teamformer.policies.learned.relational_features import Relations, relate
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.arrays import Array
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.evaluation import torch_brain

@@ -25,7 +25,7 @@ from teamformer.robotarium.robots.plant import Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import load_method
-from test_cli import teamformer
+from typed import teamformer
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 needs_rps = pytest.mark.skipif(

@@ -9,11 +9,11 @@ import pytest
 import torch
 
 from small_worlds import pair_with_a_task_each_side
+from teamformer.arrays import Array
 from teamformer.model import Absence
 from teamformer.nets.critic import Critic, CriticSettings
 from teamformer.policies.learned.any_fleet import AnyFleetCodec
 from teamformer.policies.learned.macro_actions import HALVE, JOIN, MAINTAIN
-from teamformer.rules.arrays import Array
 from teamformer.sim.env import TeamFormation
 from teamformer.train.learning import global_state
 from teamformer.train.learning.advantages import advantages, credit, stream_values

@@ -12,11 +12,11 @@ from torch import Tensor, nn
 
 from random_worlds import random_world
 from small_worlds import two_robots_one_task
+from teamformer.arrays import Array
 from teamformer.nets.actor import OneChoice
 from teamformer.policies.learned.combinations import CombinationCodec
 from teamformer.policies.learned.token_features import SpellingCodec
 from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.rules.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.learning.demonstrations import Demonstrations, demonstrate
 from teamformer.train.learning.imitation import ImitationSettings, fit

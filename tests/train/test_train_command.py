@@ -17,6 +17,7 @@ from teamformer.train.checkpoint import ABOUT, WEIGHTS, TrainingProgress, load, 
 from teamformer.train.trainer import _described, make_learner
 from teamformer.train.trainer import train as train_on
 from teamformer.train.training_settings import TrainSettings
+from typed import teamformer
 
 
 def short(folder: Path, text: str = "") -> str:
@@ -107,15 +108,7 @@ def test_another_exam_is_another_training(tmp_path: Path) -> None:
 
 def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     """Return what is told of a mistake."""
-    from teamformer import cli
-
-    argv, sys.argv = sys.argv, ["teamformer", "train", *words]
-    try:
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-    finally:
-        sys.argv = argv
-    assert stop.value.code == 2
+    assert teamformer("train", *words) == 2
     return capsys.readouterr().err
 
 

@@ -19,7 +19,7 @@ from teamformer.scenarios.files import read_scenario, write_scenario
 from teamformer.scenarios.named_settings import world_of
 from teamformer.trials.planned import plan_mission
 from teamformer.trials.start_plan import read_start_plan
-from test_cli import teamformer
+from typed import teamformer
 
 WAREHOUSE = Path(__file__).parents[2] / "examples" / "warehouse.yaml"
 OF_WAREHOUSE = Path(__file__).parent / "warehouse-plan.json"

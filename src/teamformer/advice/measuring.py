@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from teamformer.advice.changes import with_robots
+from teamformer.arrays import Floats
 from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch
@@ -124,7 +124,7 @@ class Noise:
     def __init__(self, results: Iterable[Sequence[float]]) -> None:
         repeated = [np.asarray(values) for values in results if len(values) > 1]
         deviations = [values - np.median(values) for values in repeated]
-        self._deviations: npt.NDArray[np.float64] = np.concatenate([[0.0], *deviations])
+        self._deviations: Floats = np.concatenate([[0.0], *deviations])
         if repeated:
             self._deviations = self._deviations[1:]
 

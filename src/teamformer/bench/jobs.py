@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import player_of
 from teamformer.coordination import Coordinator, Known, Plan, heeded_by
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.protocol import Planner, Policy
-from teamformer.rules.arrays import Array
 from teamformer.scenarios.authors import read_world
 from teamformer.scenarios.named_settings import new_tasks_of, world_of
 from teamformer.sim.env import Decision, Tally

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
+from teamformer.arrays import Int32s
 from teamformer.grid import Grid, Place
 from teamformer.plane import Plane
 from teamformer.roads import Roads
-from teamformer.rules.distances import Distances, distance_fields
+from teamformer.rules.distances import distance_fields
 
 BLOCKED = 2**29
 """From this distance on there is no way."""
@@ -18,7 +19,7 @@ class Ways:
 
     def __init__(self, world: Grid | Plane | Roads) -> None:
         self._world = world
-        self._fields: dict[Place, Distances] = {}
+        self._fields: dict[Place, Int32s] = {}
 
     def cells(self, here: Place, goal: Place) -> list[Place]:
         """Return the cells of a shortest way on a grid, first along the axis with more to go.
@@ -53,7 +54,7 @@ class Ways:
         part = far / left
         return here[0] + part * (goal[0] - here[0]), here[1] + part * (goal[1] - here[1])
 
-    def _field(self, goal: Place) -> Distances:
+    def _field(self, goal: Place) -> Int32s:
         if goal not in self._fields:
             assert isinstance(self._world, Grid)
             self._fields[goal] = distance_fields(self._world, [goal])[0]

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.coordination import Known, Plan
 from teamformer.planning.steps.situation import Situation, situation_of
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
 
 SOONER = 3

@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.arrays import Ints
 from teamformer.mission.costs import judged_by
 from teamformer.model import Scenario, Task
 from teamformer.rules.constants import NEVER
-
-Whole = npt.NDArray[np.int64]
 
 SHARES = 3200
 """What a step of everything costs, for each task: how finely prices are told apart."""
@@ -24,10 +23,10 @@ SMOOTH = 16
 class Prices(NamedTuple):
     """Prices of a step, whole numbers; no arrays have an entry where the makespan alone counts."""
 
-    due: Whole  # (tasks,) the step in which each has to be done
-    late: Whole  # (tasks,) of each step that it is late
-    ends: Whole  # (tasks,) of each step until its end
-    whole: Whole  # (2,) of each step of the makespan, and of each that the latest task is late
+    due: Ints  # (tasks,) the step in which each has to be done
+    late: Ints  # (tasks,) of each step that it is late
+    ends: Ints  # (tasks,) of each step until its end
+    whole: Ints  # (2,) of each step of the makespan, and of each that the latest task is late
 
 
 def prices_of(scenario: Scenario, tasks: Sequence[Task]) -> Prices:
@@ -46,7 +45,7 @@ def prices_of(scenario: Scenario, tasks: Sequence[Task]) -> Prices:
     everything = wanted["makespan"] + wanted["max_tardiness"] + of_tasks
     step = SHARES * len(tasks) / everything
 
-    def price(weight: npt.ArrayLike) -> Whole:
+    def price(weight: npt.ArrayLike) -> Ints:
         return np.rint(step * np.asarray(weight)).astype(np.int64)
 
     due = [NEVER if task.between is None else int(task.between[1]) for task in tasks]

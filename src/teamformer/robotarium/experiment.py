@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.model import Scenario
 from teamformer.robotarium.control.qp_solvers import with_daqp
 from teamformer.robotarium.flight import Outcome, Watch, fly
@@ -15,7 +16,6 @@ from teamformer.robotarium.mission_checks import check_mission
 from teamformer.robotarium.robots.arena import MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Faults, Plant, Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
-from teamformer.rules.arrays import Array
 from teamformer.trials.methods import Player, as_method
 
 Simulator = Literal["plant", "rps"]

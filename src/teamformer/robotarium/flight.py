@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.coordination import Coordinator
 from teamformer.model import Scenario
 from teamformer.plane import Plane
@@ -23,7 +24,6 @@ from teamformer.robotarium.places import team_places
 from teamformer.robotarium.robots.arena import LONGEST, MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Robots
 from teamformer.robotarium.teams import RobotTeam, teams_of
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, Tally, TeamFormation
 from teamformer.sim.view import View

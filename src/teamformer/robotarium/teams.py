@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.formation import JOIN

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import kernel
-from teamformer.rules.arrays import Array
 
 STEPS = 1024
 SLACKS = np.array([int(-STEPS * math.log((i + 0.5) / STEPS)) for i in range(STEPS)], np.int64)

@@ -7,14 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.arrays import Array, Floats, Int32s
 from teamformer.grid import BLOCKED, Grid, Place
 from teamformer.jit import entry, kernel
-from teamformer.rules.arrays import Array
 
 UNREACHABLE = np.int32(2**30)
 """The distance to a place that cannot be reached; sums of a few of them still fit."""
-
-Distances = npt.NDArray[np.int32]
 
 
 def blocked_cells(grid: Grid) -> npt.NDArray[np.bool_]:
@@ -24,7 +22,7 @@ def blocked_cells(grid: Grid) -> npt.NDArray[np.bool_]:
     return np.array([[cell == BLOCKED for cell in row] for row in grid.rows], dtype=np.bool_)
 
 
-def distance_fields(grid: Grid, places: Sequence[Place]) -> Distances:
+def distance_fields(grid: Grid, places: Sequence[Place]) -> Int32s:
     """Return the walking distance from every cell to each place, as (places, height, width)."""
     blocked = blocked_cells(grid)
     fields = np.full((len(places), grid.height, grid.width), UNREACHABLE, dtype=np.int32)
@@ -33,7 +31,7 @@ def distance_fields(grid: Grid, places: Sequence[Place]) -> Distances:
     return fields
 
 
-def travel_matrix(grid: Grid, origins: Sequence[Place], goals: Sequence[Place]) -> Distances:
+def travel_matrix(grid: Grid, origins: Sequence[Place], goals: Sequence[Place]) -> Int32s:
     """Return the walking distances in cells, as (origins, goals); UNREACHABLE where no way is.
 
     Without obstacles they are Manhattan distances.
@@ -42,7 +40,7 @@ def travel_matrix(grid: Grid, origins: Sequence[Place], goals: Sequence[Place]) 
     to_x, to_y = np.array(goals, dtype=np.int32).reshape(-1, 2).T
     if not grid.rows:
         away_x = np.abs(from_x[:, None] - to_x)  # (origins, goals)
-        manhattan: Distances = (away_x + np.abs(from_y[:, None] - to_y)).astype(np.int32)
+        manhattan: Int32s = (away_x + np.abs(from_y[:, None] - to_y)).astype(np.int32)
         return manhattan
     distances = np.empty((len(origins), len(goals)), dtype=np.int32)
     blocked = blocked_cells(grid)
@@ -73,10 +71,10 @@ def way_between(table: Array, spots: Array, goals: Array, place: int, goal: int)
     return away_x + abs(goals[goal, 1] - spots[place, 1])
 
 
-def straight_ways(origins: Sequence[Place], goals: Sequence[Place]) -> npt.NDArray[np.float64]:
+def straight_ways(origins: Sequence[Place], goals: Sequence[Place]) -> Floats:
     """Return the distances between points of a plane in metres, as (origins, goals)."""
     apart = np.reshape(origins, (-1, 1, 2)) - np.reshape(goals, (1, -1, 2))  # (origins, goals, 2)
-    ways: npt.NDArray[np.float64] = np.hypot(apart[..., 0], apart[..., 1])
+    ways: Floats = np.hypot(apart[..., 0], apart[..., 1])
     return ways
 
 

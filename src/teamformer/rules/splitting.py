@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from teamformer.arrays import Array
 from teamformer.jit import kernel
-from teamformer.rules.arrays import Array
 
 
 @kernel

@@ -6,10 +6,9 @@ Whole numbers and fixed scanning orders only, so the same distances give the sam
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from teamformer.arrays import Array, Ints
 from teamformer.jit import allocating_kernel, entry, kernel
-from teamformer.rules.arrays import Array
 
 LARGEST_EXACT = 10
 """Up to this many tasks the tour is optimal (Held and Karp 1962); beyond, a local optimum."""
@@ -17,14 +16,12 @@ LARGEST_EXACT = 10
 UNLINKED = 2**60
 
 
-def shortest_tour(
-    between: npt.NDArray[np.int64], from_start: npt.NDArray[np.int64]
-) -> npt.NDArray[np.int64]:
+def shortest_tour(between: Ints, from_start: Ints) -> Ints:
     """Return the order of an open tour from the start through all tasks, as (tasks,).
 
     `between` is (tasks, tasks) and symmetric, `from_start` is (tasks,).
     """
-    tour: npt.NDArray[np.int64] = plan_tour(between, from_start)
+    tour: Ints = plan_tour(between, from_start)
     return tour
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numba as nb
 import numpy as np
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 from teamformer.rules.constants import NEVER
 
 LATEST = NEVER - 1

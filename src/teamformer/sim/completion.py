@@ -22,7 +22,7 @@ from teamformer.sim.spatial_index import find_tasks_here, stands_at
 from teamformer.sim.surprises.beliefs import expect_end
 
 if TYPE_CHECKING:
-    from teamformer.rules.arrays import Array
+    from teamformer.arrays import Array
     from teamformer.sim.arrays import World
 
 

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.coordination import Coordinator, Known, Plan, heeded_by
 from teamformer.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.costs import cost_in_steps
 from teamformer.model import Scenario
 from teamformer.plane import DECIMALS
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.task_order import order_worlds
 from teamformer.sim.arrays import RUNNING, STATUS_NAMES, Worlds

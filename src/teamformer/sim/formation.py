@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.rules.splitting import fits
 from teamformer.sim.arrays import ANYWHERE

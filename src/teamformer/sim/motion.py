@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
 from teamformer.rules.distances import UNREACHABLE, fill_field
 from teamformer.rules.steps import downhill

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
-from teamformer.rules.arrays import Array
 from teamformer.sim.allocation.assignment import allocate_tasks
 from teamformer.sim.arrays import RUNNING, world_at
 from teamformer.sim.carrying import place_loads
@@ -49,12 +49,7 @@ def step_worlds(
             world = world_at(worlds, w)
             form_teams(world, wanted, named, first_row[w])
             move_teams(world)
-            is_news = let_things_happen(world)
-            if world.rules.hides_places:
-                is_news |= find_tasks(world)
-            finish_step(world, is_news, weights, rewards[w])
-            if world.rules.has_loads:
-                place_loads(world, world.count.steps)
+            _end_step(world, weights, rewards[w])
         else:
             rewards[w, :] = 0.0
 
@@ -76,12 +71,7 @@ def finish_worlds(
         if worlds.count[w].status == RUNNING:
             world = world_at(worlds, w)
             place_teams(world, places[w])
-            is_news = let_things_happen(world)
-            if world.rules.hides_places:
-                is_news |= find_tasks(world)
-            finish_step(world, is_news, weights, rewards[w])
-            if world.rules.has_loads:
-                place_loads(world, world.count.steps)
+            _end_step(world, weights, rewards[w])
         else:
             rewards[w, :] = 0.0
 
@@ -97,6 +87,17 @@ def form_teams(world: World, wanted: Array, named: Array, first_row: int) -> Non
     list_teams_by_cell(world)
     allocate_tasks(world, named)
     forget_cells(world)
+
+
+@kernel
+def _end_step(world: World, weights: tuple[float, float, float], reward: Array) -> None:
+    """Make the phases after motion."""
+    is_news = let_things_happen(world)
+    if world.rules.hides_places:
+        is_news |= find_tasks(world)
+    finish_step(world, is_news, weights, reward)
+    if world.rules.has_loads:
+        place_loads(world, world.count.steps)
 
 
 @kernel

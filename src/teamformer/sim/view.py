@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import fills_gap
 from teamformer.sim.arrays import RUNNING, world_at

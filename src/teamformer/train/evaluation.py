@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
+from teamformer.arrays import Array
 from teamformer.model import Scenario
 from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec
@@ -15,7 +16,6 @@ from teamformer.policies.learned.policy import Brain, Learned
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.arrays import Array
 from teamformer.sim.env import Tally, TeamFormation
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from teamformer.arrays import Array
 from teamformer.model import Scenario
 from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec
@@ -18,7 +19,6 @@ from teamformer.policies.learned.policy import Learned
 from teamformer.policies.protocol import Guarded, Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.arrays import Array
 from teamformer.scenarios.generate import generate
 from teamformer.scenarios.named_settings import spec_of
 from teamformer.train.checkpoint import load_policy_weights, read_about

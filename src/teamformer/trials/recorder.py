@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.capabilities import covers
 from teamformer.mission.reach import totals_by_region
 from teamformer.mission.rules import FORESIGHTS
 from teamformer.plane import Plane
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Tally, TeamFormation
 from teamformer.sim.replay.record import (

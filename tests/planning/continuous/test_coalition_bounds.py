@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from random_coalitions import all_plans, plain_times, random_problem
+from teamformer.arrays import Ints
 from teamformer.planning.continuous.bounds.makespan import improving_bounds
 from teamformer.planning.continuous.bounds.refutation import Refuter
 from teamformer.planning.continuous.bounds.relaxations import bound_by_chains_and_work, relax
 from teamformer.planning.continuous.bounds.tours import empty_tables, narrow_starts
 from teamformer.planning.continuous.cp_sat import solve_exactly
-from teamformer.planning.continuous.problem import CoalitionProblem, Ticks, pose_problem
+from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.solve import plan_together, solve
 
 TINY = [random_problem(seed, tasks=4, robots=3, caps=2, is_plain=True) for seed in range(10)]
@@ -53,7 +54,11 @@ Span = tuple[int, int]
 
 
 def spans_of_a_tour(
-    tour: tuple[int, ...], between: Ticks, duration: Ticks, first: Ticks, last: Ticks
+    tour: tuple[int, ...],
+    between: Ints,
+    duration: Ints,
+    first: Ints,
+    last: Ints,
 ) -> list[Span]:
     """Return between when and when each task of a tour can start; nothing if it cannot be made."""
     early, late = [int(first[tour[0]])], [int(last[tour[-1]])]
@@ -66,7 +71,7 @@ def spans_of_a_tour(
 
 
 def spans_by_trying_all(
-    between: Ticks, duration: Ticks, first: Ticks, last: Ticks, robots: int
+    between: Ints, duration: Ints, first: Ints, last: Ints, robots: int
 ) -> dict[int, Span]:
     """Return when each task can start, by every way to deal them out to robots in every order."""
     tasks, found = range(len(duration)), dict[int, Span]()

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.bench.rows import Row
-from teamformer.rules.arrays import Array
 
 POINTS = 200
 """Times at which a curve is drawn."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.grid import Grid
 from teamformer.policies.learned.autoregressive import Speller, shipped_speller
 from teamformer.policies.learned.token_features import SpellingCodec
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.arrays import Array
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import TeamFormation
 

@@ -10,16 +10,13 @@ from __future__ import annotations
 import time
 
 import numpy as np
-import numpy.typing as npt
 
+from teamformer.arrays import Ints
 from teamformer.bench.peers.peer_plan import PeerPlan, plan_of
-from teamformer.planning.continuous.problem import CoalitionProblem
+from teamformer.planning.continuous.problem import NEVER, CoalitionProblem
 
-Times = npt.NDArray[np.int64]
 Timetable = list[tuple[int, int]]
 """The tasks that a robot has signed up for, with when each starts, in their order."""
-
-NEVER = 2**62
 
 NOISE = 0.3
 """By how much of a task's usual length bids of a re-auction are changed at most."""
@@ -96,17 +93,17 @@ def _hold(
     return tables
 
 
-def _bids(problem: CoalitionProblem, robot: int, table: Timetable) -> Times:
+def _bids(problem: CoalitionProblem, robot: int, table: Timetable) -> Ints:
     """Return when a robot could be at each task after its timetable, as (tasks,)."""
     place, free = int(problem.origin[robot]), 0
     if table:
         place, start = table[-1]
         free = start + int(problem.duration[place])
-    ways: Times = problem.ways[problem.pace[robot], place]
+    ways: Ints = problem.ways[problem.pace[robot], place]
     return free + ways
 
 
-def _offer(problem: CoalitionProblem, task: int, bids: Times) -> tuple[int, frozenset[int]]:
+def _offer(problem: CoalitionProblem, task: int, bids: Ints) -> tuple[int, frozenset[int]]:
     """Return when a task can start and by whom: the earliest bids, without those to spare."""
     left = problem.needs[task].copy()
     chosen: list[int] = []

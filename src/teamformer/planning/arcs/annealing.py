@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.arc_problem import (
     REPLACE,
@@ -47,7 +48,6 @@ from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import Moved, empty_moved, move_task, take_back
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
 HOT, COLD = 20, 800

@@ -6,15 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Int32s, Ints
 from teamformer.planning.arcs.covers import list_covers
-from teamformer.planning.continuous.problem import (
-    NEVER,
-    NOBODY,
-    CoalitionProblem,
-    Ticks,
-    Whole,
-    different_rows,
-)
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, different_rows
 from teamformer.planning.prices import SHARES, Prices
 
 Records = np.recarray[Any, np.dtype[np.void]]
@@ -36,29 +30,29 @@ CONTINUOUS = (40, 0, 0, 5, 0, 0, 0, 0, 0)
 class ArcProblem(NamedTuple):
     """What does not change: the places, the kinds of robots, who covers what."""
 
-    ways: Ticks  # (paces, places, tasks)
-    ways_to: Ticks  # (paces, tasks, places) the same, so that all ways to a task lie together
-    home: Ticks  # (kinds, places)
-    site: Whole  # (places,) the same number for places that lie at the same position
+    ways: Ints  # (paces, places, tasks)
+    ways_to: Ints  # (paces, tasks, places) the same, so that all ways to a task lie together
+    home: Ints  # (kinds, places)
+    site: Int32s  # (places,) the same number for places that lie at the same position
     kinds: Records  # (kinds,) KIND
-    origin: Whole  # (robots,) the place where each starts
-    kind: Whole  # (robots,)
-    mixed: Whole  # (robots,) all robots, those of a kind far from each other
-    counts: Whole  # (types, caps) what robots of each type bring
-    needs: Whole  # (needs, caps) the different needs
-    useful: Whole  # (needs, types) how many of a type a coalition has at most
-    covers: Whole  # (needs, covers, width, 2) types and how many of each, then NOBODY
-    listed: Whole  # (needs,) how many covers are listed; 0 if there are too many
-    near: Whole  # (tasks, near) the tasks nearest to each
-    before: Whole  # (tasks, most) the tasks that must have ended before each, then NOBODY
-    after: Whole  # (tasks, most) the tasks that each must have ended before, then NOBODY
-    forming: Ticks  # (1,)
-    most: Ticks  # (1,) seats of each task
-    habits: Whole  # (9,)
-    passed: Whole  # (ways + 1,) of in steps: where the tasks of each way begin in `passes`
-    passes: Whole  # tasks that take time and lie on a way, from the place on
-    together: Whole  # (paces, paces) the pace of those who go together
-    weights: Ticks  # (4,) in steps: of makespan and ends, the divisor, and if there are prices
+    origin: Int32s  # (robots,) the place where each starts
+    kind: Int32s  # (robots,)
+    mixed: Int32s  # (robots,) all robots, those of a kind far from each other
+    counts: Int32s  # (types, caps) what robots of each type bring
+    needs: Int32s  # (needs, caps) the different needs
+    useful: Int32s  # (needs, types) how many of a type a coalition has at most
+    covers: Int32s  # (needs, covers, width, 2) types and how many of each, then NOBODY
+    listed: Int32s  # (needs,) how many covers are listed; 0 if there are too many
+    near: Int32s  # (tasks, near) the tasks nearest to each
+    before: Int32s  # (tasks, most) the tasks that must have ended before each, then NOBODY
+    after: Int32s  # (tasks, most) the tasks that each must have ended before, then NOBODY
+    forming: Ints  # (1,)
+    most: Ints  # (1,) seats of each task
+    habits: Int32s  # (9,)
+    passed: Int32s  # (ways + 1,) of in steps: where the tasks of each way begin in `passes`
+    passes: Int32s  # tasks that take time and lie on a way, from the place on
+    together: Int32s  # (paces, paces) the pace of those who go together
+    weights: Ints  # (4,) in steps: of makespan and ends, the divisor, and if there are prices
 
 
 def near_of(tasks: int) -> int:
@@ -69,15 +63,15 @@ def near_of(tasks: int) -> int:
 class StepRules(NamedTuple):
     """What a mission in steps has beside its coalition problem; robots of a team are in a row."""
 
-    ready: Ticks  # (places - tasks,) when the robots at each depot are free
-    lost: Ticks  # (robots,) the step in which each is lost, if that is known; alike in a kind
-    together: Whole  # (paces, paces) the pace of those who go together
+    ready: Ints  # (places - tasks,) when the robots at each depot are free
+    lost: Ints  # (robots,) the step in which each is lost, if that is known; alike in a kind
+    together: Int32s  # (paces, paces) the pace of those who go together
     prices: Prices  # if more than the makespan counts
     near: int  # how many tasks are near to each
     riders: int  # how many robots more than it needs come to a task at most
     habits: tuple[int, ...]
-    passed: Whole  # (ways + 1,) as in ArcProblem
-    passes: Whole
+    passed: Int32s  # (ways + 1,) as in ArcProblem
+    passes: Int32s
 
 
 def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = None) -> ArcProblem:
@@ -124,7 +118,7 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
     )
 
 
-def _weights(tasks: int, steps: StepRules | None) -> Ticks:
+def _weights(tasks: int, steps: StepRules | None) -> Ints:
     """Return the weights of makespan and ends in what a plan in steps costs, and the divisor.
 
     Without prices the ends of tasks count a little, so that plans of one makespan differ.
@@ -136,13 +130,13 @@ def _weights(tasks: int, steps: StepRules | None) -> Ticks:
     return np.array([100 * tasks, steps.habits[SMOOTH], 100 * tasks, 0])
 
 
-def _mixed(problem: CoalitionProblem) -> Whole:
+def _mixed(problem: CoalitionProblem) -> Int32s:
     """Return the first robots of all kinds, then the second ones, and so on."""
     columns = problem.like.T.ravel()
     return columns[columns != NOBODY]
 
 
-def different_needs(problem: CoalitionProblem) -> tuple[Whole, Whole]:
+def different_needs(problem: CoalitionProblem) -> tuple[Int32s, Int32s]:
     """Return the different needs, and which of them each task has."""
     asked = problem.needs.max(axis=0, initial=0) > 0
     needs = problem.needs[:, asked]
@@ -156,7 +150,7 @@ def most_seats(problem: CoalitionProblem, steps: StepRules | None = None) -> int
     return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1) + riders))
 
 
-def near_tasks(ways: Ticks, count: int) -> Whole:
+def near_tasks(ways: Ints, count: int) -> Int32s:
     """Return the `count` tasks nearest to each, nearest first; ways are (places, tasks)."""
     tasks = ways.shape[1]
     count = min(count, tasks - 1)

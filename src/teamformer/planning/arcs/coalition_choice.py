@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array, Int32s, Ints
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem, Records
 from teamformer.planning.arcs.graph import Graph, leave
 from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.continuous.problem import NEVER, NOBODY, Ticks, Whole
-from teamformer.rules.arrays import Array
+from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
 
 BLINK = 16
@@ -59,12 +59,12 @@ TOGETHER = 6 * TICKS
 class Choice(NamedTuple):
     """Room to choose a coalition in."""
 
-    number: Ticks  # (7,)
+    number: Ints  # (7,)
     candidates: Records  # (types, most) CANDIDATE, best first
-    found: Whole  # (types,) how many there are
-    types: Whole  # (types,) those of which there are any
+    found: Int32s  # (types,) how many there are
+    types: Int32s  # (types,) those of which there are any
     pick: Records  # (seats,) CANDIDATE
-    lacking: Whole  # (caps,)
+    lacking: Int32s  # (caps,)
 
 
 def empty_choice(problem: ArcProblem, seats: int) -> Choice:

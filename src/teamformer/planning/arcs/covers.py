@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from teamformer.arrays import Int32s
 from teamformer.jit import entry, kernel
-from teamformer.planning.continuous.problem import NOBODY, Whole
+from teamformer.planning.continuous.problem import NOBODY
 
 if TYPE_CHECKING:
-    from teamformer.rules.arrays import Array
+    from teamformer.arrays import Array
 
 MOST_COVERS = 48
 """With more covers than this those of fewest robots are listed."""
@@ -22,7 +23,7 @@ MOST_STEPS = 100_000
 """How long covers of one need are looked for; where that is not enough they are found greedily."""
 
 
-def list_covers(counts: Whole, number: Whole, needs: Whole) -> tuple[Whole, Whole, Whole]:
+def list_covers(counts: Int32s, number: Int32s, needs: Int32s) -> tuple[Int32s, Int32s, Int32s]:
     """Return how many of each type are of use, the covers, and how many are listed, by need.
 
     Covers are (needs, covers, width, 2): types with how many robots of each, then NOBODY. `number`
@@ -41,7 +42,7 @@ def list_covers(counts: Whole, number: Whole, needs: Whole) -> tuple[Whole, Whol
     return useful, covers, listed
 
 
-def _useful(counts: Whole, number: Whole, needs: Whole) -> Whole:
+def _useful(counts: Int32s, number: Int32s, needs: Int32s) -> Int32s:
     """Return how many robots of a type a coalition has at most if it has none to spare."""
     useful = np.zeros((len(needs), len(counts)), np.int32)
     for kind, brings in enumerate(counts):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from teamformer.arrays import Array
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.graph import LATEST, Graph, is_in_steps
 from teamformer.planning.arcs.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
 from teamformer.planning.continuous.problem import NOBODY
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Int32s, Ints
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.arc_problem import (
     ArcProblem,
@@ -26,12 +27,12 @@ from teamformer.planning.arcs.arc_problem import (
     most_seats,
 )
 from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways, start_in_steps
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
 from teamformer.rules.constants import FAR
 
 if TYPE_CHECKING:
-    from teamformer.rules.arrays import Array
+    from teamformer.arrays import Array
 
 NODE = np.dtype(
     [
@@ -68,12 +69,12 @@ class Graph(NamedTuple):
 
     nodes: Records  # (places + 1,) NODE: tasks, depots by place, and one for all homes
     seats: Records  # (tasks * most + 2 * robots,) SEAT
-    back: Ticks  # (robots,) when each home is reached
-    total: Ticks  # (6,)
-    comes: Ticks  # (seats,) in steps: when who leaves a seat is at the next; empty in other time
-    order: Whole  # (tasks,) in steps: the tasks by their keys, when all was timed
+    back: Ints  # (robots,) when each home is reached
+    total: Ints  # (6,)
+    comes: Ints  # (seats,) in steps: when who leaves a seat is at the next; empty in other time
+    order: Int32s  # (tasks,) in steps: the tasks by their keys, when all was timed
     ways: Records  # (seats of a node,) WAY, room for the ways that lead from a node
-    there: Ticks  # (seats of a node,) room for the steps in which groups are there
+    there: Ints  # (seats of a node,) room for the steps in which groups are there
 
 
 def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Int32s, Ints
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem, Records
 from teamformer.planning.arcs.graph import (
@@ -29,7 +30,7 @@ from teamformer.planning.arcs.graph import (
     tail_of,
 )
 from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways
-from teamformer.planning.continuous.problem import NOBODY, Ticks, Whole
+from teamformer.planning.continuous.problem import NOBODY
 
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
@@ -50,12 +51,12 @@ or NOBODY if the plan has changed since it was listed."""
 class Trial(NamedTuple):
     """A change at hand."""
 
-    number: Ticks  # (7,)
+    number: Ints  # (7,)
     log: Records  # ENTRY
     agenda: Records  # (tasks + 1,) WAITING, latest first
-    homes: Whole  # (robots,) homes whose arc in, or its begin, has changed
-    is_listed: Whole  # (robots,) whether a home is among them
-    chain: Whole  # (tasks, 3) tasks that the makespan hangs on, each with COMES_BY and LEAVES_BY
+    homes: Int32s  # (robots,) homes whose arc in, or its begin, has changed
+    is_listed: Int32s  # (robots,) whether a home is among them
+    chain: Int32s  # (tasks, 3) tasks that the makespan hangs on, each with COMES_BY and LEAVES_BY
 
 
 def empty_trial(graph: Graph, timed_again: int = 0) -> Trial:

@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Int32s, Ints
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem, Records
 from teamformer.planning.arcs.graph import Graph
 from teamformer.planning.continuous.first_plan import draw_plan
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 
 PRICES = (0, 100, 200, 350, 500, 800)
@@ -35,15 +36,15 @@ WAITER = np.dtype([("comes", np.int64), ("robot", np.int64)])
 class Dispatch(NamedTuple):
     """Where robots are, who comes to each open task first, and how scarce types are."""
 
-    place: Whole  # (robots,)
-    free: Ticks  # (robots,)
-    of_type: Whole  # (types, robots) the robots of each type, then NOBODY
+    place: Int32s  # (robots,)
+    free: Ints  # (robots,)
+    of_type: Int32s  # (types, robots) the robots of each type, then NOBODY
     first: Records  # (tasks, types, most) WAITER, those that would come first
-    is_open: Whole  # (tasks,)
-    ends: Ticks  # (tasks,)
-    value: Ticks  # (tasks,) what its best cover costs
-    cover: Whole  # (tasks,) which that is
-    load: Ticks  # (types,)
+    is_open: Int32s  # (tasks,)
+    ends: Ints  # (tasks,)
+    value: Ints  # (tasks,) what its best cover costs
+    cover: Int32s  # (tasks,) which that is
+    load: Ints  # (types,)
 
 
 def empty_dispatch(problem: CoalitionProblem, arcs: ArcProblem) -> Dispatch:

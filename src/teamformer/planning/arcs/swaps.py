@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from teamformer.arrays import Array
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.coalition_choice import THIS_ONE
@@ -16,7 +17,6 @@ from teamformer.planning.arcs.judging import (
     propagate,
 )
 from teamformer.planning.continuous.problem import NOBODY
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 
 

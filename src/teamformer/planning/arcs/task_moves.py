@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array, Ints
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
 from teamformer.planning.arcs.coalition_choice import (
@@ -22,8 +23,7 @@ from teamformer.planning.arcs.draws import draw_near
 from teamformer.planning.arcs.graph import LAST, MAKESPAN, Graph
 from teamformer.planning.arcs.in_steps.bundles import draw_group, pick_group
 from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
-from teamformer.planning.continuous.problem import NOBODY, Ticks
-from teamformer.rules.arrays import Array
+from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
 
 NEAR_ITS_START = 45  # percent
@@ -42,11 +42,11 @@ MOST_MOVED = 8
 class Moved(NamedTuple):
     """The tasks that a change has moved, and what they were before."""
 
-    number: Ticks  # (1,) how many they are
-    task: Ticks  # (MOST_MOVED,)
-    key: Ticks  # (MOST_MOVED,)
-    size: Ticks  # (MOST_MOVED,)
-    kinds: Ticks  # (MOST_MOVED, seats) the kinds of their seats
+    number: Ints  # (1,) how many they are
+    task: Ints  # (MOST_MOVED,)
+    key: Ints  # (MOST_MOVED,)
+    size: Ints  # (MOST_MOVED,)
+    kinds: Ints  # (MOST_MOVED, seats) the kinds of their seats
 
 
 def empty_moved(seats: int) -> Moved:

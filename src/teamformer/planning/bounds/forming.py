@@ -8,26 +8,23 @@ in no more than D - d_i joins, and the sum of 2^-(D - d_i) is at most 1 (Kraft's
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from teamformer.arrays import Array
 from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import Relaxed, in_blocks, steps_from_starts
 from teamformer.rules.constants import FAR
 
-Numbers = npt.NDArray[np.integer[Any]]
 
-
-def raise_for_forming(scenario: Scenario, problem: Relaxed, walked: Numbers) -> Numbers:
+def raise_for_forming(scenario: Scenario, problem: Relaxed, walked: Array) -> Array:
     """Return the first step by which each task's team can have walked and formed, as (tasks,).
 
     `walked` is the first step in which enough of each capability can be there, as (tasks,), 0 if
     they start there. Where forming is free, and on planes, that is all that is returned.
     """
-    raised: Numbers = walked.astype(np.int64)
+    raised: Array = walked.astype(np.int64)
     if scenario.forming_steps == 0 or not isinstance(scenario.world, Grid):
         return raised
     teams = [list(team) for team in scenario.starting_teams]

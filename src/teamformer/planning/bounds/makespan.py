@@ -9,20 +9,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.arrays import Array, Floats
 from teamformer.model import Scenario
 from teamformer.planning.bounds.forming import raise_for_forming
-from teamformer.planning.bounds.open_paths import (
-    LARGEST_EXACT,
-    Times,
-    bound_paths,
-    shortest_path,
-    span,
-)
+from teamformer.planning.bounds.open_paths import LARGEST_EXACT, bound_paths, shortest_path, span
 from teamformer.planning.relaxation.problem import (
     Relaxed,
     cells_between,
@@ -33,8 +27,6 @@ from teamformer.planning.relaxation.problem import (
     without_directions,
 )
 from teamformer.rules.constants import FAR, NOBODY
-
-Numbers = npt.NDArray[np.integer[Any]]
 
 EFFORT = 4e7
 """Legs looked at in all; about a tenth of a second."""
@@ -78,7 +70,7 @@ def _without_cancelled(scenario: Scenario) -> Scenario:
 
 def bound_makespan(
     problem: Relaxed,
-    start: Numbers | None = None,
+    start: Array | None = None,
     is_whole: npt.NDArray[np.bool_] | None = None,
 ) -> int:
     """Return a lower bound on the makespan of a relaxed problem, and of any plan by the rules.
@@ -100,7 +92,7 @@ def bound_makespan(
     return max(bounds, default=0)
 
 
-def earliest_formed(scenario: Scenario, problem: Relaxed) -> Numbers:
+def earliest_formed(scenario: Scenario, problem: Relaxed) -> Array:
     """Return the first step in which a team that can do it can be at each task, as (tasks,).
 
     Like `earliest_starts`, with what forming costs.
@@ -110,7 +102,7 @@ def earliest_formed(scenario: Scenario, problem: Relaxed) -> Numbers:
     return np.maximum(earliest_starts(problem), formed)
 
 
-def earliest_starts(problem: Relaxed) -> Numbers:
+def earliest_starts(problem: Relaxed) -> Array:
     """Return the first step in which enough of each capability can be at each task, as (tasks,).
 
     FAR where there will never be enough. Sound because a robot takes at least the steps of the
@@ -122,7 +114,7 @@ def earliest_starts(problem: Relaxed) -> Numbers:
     return start
 
 
-def _starts_of(problem: Relaxed, tasks: Numbers) -> Numbers:
+def _starts_of(problem: Relaxed, tasks: Array) -> Array:
     """Return the same of some tasks."""
     start, needs = problem.appears[tasks].astype(np.int64) + 1, problem.needs[tasks]
     arrive = np.maximum(steps_from_starts(problem, tasks), start[:, None])  # (tasks, robots)
@@ -140,9 +132,7 @@ def _starts_of(problem: Relaxed, tasks: Numbers) -> Numbers:
     return start
 
 
-def _bound_capability(
-    problem: Relaxed, cap: int, tasks: Numbers, start: Numbers, effort: float
-) -> int:
+def _bound_capability(problem: Relaxed, cap: int, tasks: Array, start: Array, effort: float) -> int:
     """Bound the makespan by what the robots with one capability have to walk.
 
     One task stands for each place: fewer tasks take no longer, and tasks in one place may be done
@@ -171,7 +161,7 @@ def _bound_capability(
     return max(bounds)
 
 
-def _bound_visits(legs: Times, ready: Times, duration: Times, visits: Numbers, robots: int) -> int:
+def _bound_visits(legs: Floats, ready: Floats, duration: Floats, visits: Array, robots: int) -> int:
     """Bound the makespan by all visits that robots have to make, some to one task together.
 
     One visit of each task, with the leg to it, makes a tree: a leg leads from a task to one that
@@ -183,11 +173,11 @@ def _bound_visits(legs: Times, ready: Times, duration: Times, visits: Numbers, r
     return _whole((walked + (visits * duration).sum()) / robots)
 
 
-def one_for_each_place(problem: Relaxed, tasks: Numbers, start: Numbers) -> Numbers:
+def one_for_each_place(problem: Relaxed, tasks: Array, start: Array) -> Array:
     """Keep the task that ends last of those in one place, or whose places touch on a plane."""
     by_end = tasks[np.argsort(-(start + problem.duration)[tasks], kind="stable")]
     is_same = cells_between(problem, by_end, by_end) == 0  # (tasks, tasks)
-    kept: Numbers = by_end[_are_apart(is_same)]
+    kept: Array = by_end[_are_apart(is_same)]
     return kept
 
 
@@ -202,7 +192,7 @@ def _are_apart(is_same: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     return is_chosen
 
 
-def _legs(problem: Relaxed, robots: Numbers, tasks: Numbers) -> tuple[Times, float]:
+def _legs(problem: Relaxed, robots: Array, tasks: Array) -> tuple[Floats, float]:
     """Return times that the legs of these robots are not shorter than, as (tasks, tasks).
 
     At whole speeds, the steps of the fastest robot, on the ground or in the air. Else the shorter
@@ -212,7 +202,7 @@ def _legs(problem: Relaxed, robots: Numbers, tasks: Numbers) -> tuple[Times, flo
     """
     cells = cells_between(problem, tasks, tasks)
     speed = float(problem.speed[robots].max())
-    legs: Times = problem.steps[np.unique(problem.pace[robots])][:, cells].min(axis=0)
+    legs: Floats = problem.steps[np.unique(problem.pace[robots])][:, cells].min(axis=0)
     legs = legs.astype(np.float64)
     is_way, gained = legs < FAR, 0.0
     if (problem.speed[robots] % 1 != 0).any():
@@ -222,10 +212,10 @@ def _legs(problem: Relaxed, robots: Numbers, tasks: Numbers) -> tuple[Times, flo
     return legs, gained
 
 
-def _fewest_robots(counts: Numbers, needs: Numbers) -> Numbers:
+def _fewest_robots(counts: Array, needs: Array) -> Array:
     """Return how many robots at least bring what is needed, as (tasks,)."""
     most = np.sort(counts)[::-1].cumsum()
-    fewest: Numbers = 1 + np.searchsorted(most, needs)
+    fewest: Array = 1 + np.searchsorted(most, needs)
     return fewest
 
 

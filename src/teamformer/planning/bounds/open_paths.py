@@ -7,19 +7,16 @@ Karp, "The traveling-salesman problem and minimum spanning trees", 1970), for se
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from teamformer.arrays import Array, Floats
 from teamformer.jit import entry, kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.sorting import sort_indices
-
-Times = npt.NDArray[np.float64]
 
 LARGEST_EXACT = 12
 """Up to so many places the shortest single path is worked out exactly."""
 
 
-def shortest_path(legs: Times, ready: Times, duration: Times) -> float:
+def shortest_path(legs: Floats, ready: Floats, duration: Floats) -> float:
     """Return the step in which one robot at best ends the last of all tasks.
 
     `legs` is (places, places); no task starts before `ready` (places,), which includes the way
@@ -28,7 +25,7 @@ def shortest_path(legs: Times, ready: Times, duration: Times) -> float:
     return float(_finish_all(legs, ready, duration))
 
 
-def bound_paths(legs: Times, ready: Times, most: int, rounds: int) -> Times:
+def bound_paths(legs: Floats, ready: Floats, most: int, rounds: int) -> Floats:
     """Return bounds on the total length of 1, 2, ... paths that visit every place, as (most,).
 
     A path that begins at place i costs `ready[i]` before its legs. `legs` is symmetric and
@@ -39,7 +36,7 @@ def bound_paths(legs: Times, ready: Times, most: int, rounds: int) -> Times:
     return bounds
 
 
-def span(legs: Times, ready: Times) -> float:
+def span(legs: Floats, ready: Floats) -> float:
     """Return the weight of the shortest tree over all places and one start, `ready` from each."""
     weight = np.empty(len(ready))
     _span(legs, np.zeros(len(ready)), ready, weight, np.empty(len(ready), np.int64))
@@ -66,13 +63,18 @@ def _finish_all(legs, ready, duration):  # type: ignore[no-untyped-def]
 
 
 @entry
-def _span(legs: Times, penalty: Times, rooted: Times, weight: Times, parent: Array) -> None:
+def _span(legs: Floats, penalty: Floats, rooted: Floats, weight: Floats, parent: Array) -> None:
     _grow_tree(legs, penalty, rooted, weight, parent, np.empty(len(rooted), np.bool_))
 
 
 @kernel
 def _grow_tree(
-    legs: Times, penalty: Times, rooted: Times, weight: Times, parent: Array, is_open: Array
+    legs: Floats,
+    penalty: Floats,
+    rooted: Floats,
+    weight: Floats,
+    parent: Array,
+    is_open: Array,
 ) -> None:
     """Grow a shortest spanning tree from a root (Prim 1957): each place's parent and leg.
 
@@ -96,7 +98,7 @@ def _grow_tree(
 
 
 @entry
-def _ascend(legs: Times, ready: Times, bounds: Times, rounds: int) -> None:
+def _ascend(legs: Floats, ready: Floats, bounds: Floats, rounds: int) -> None:
     """Raise the bounds by subgradient steps on the penalties, steered by the most paths.
 
     A set of u paths is a forest of u trees plus u beginnings and u endings, in which every place
@@ -144,7 +146,7 @@ def _ascend(legs: Times, ready: Times, bounds: Times, rounds: int) -> None:
 
 
 @kernel
-def _sort_backwards(weight: Times, order: Array, keys: Times, spare: Array) -> None:
+def _sort_backwards(weight: Floats, order: Array, keys: Floats, spare: Array) -> None:
     """Write places from the longest leg to the shortest, place 0 behind all; `keys` is room."""
     keys[0] = np.inf
     for place in range(1, len(weight)):
@@ -154,7 +156,7 @@ def _sort_backwards(weight: Times, order: Array, keys: Times, spare: Array) -> N
 
 @kernel
 def _count_neighbours(
-    surplus: Times, parent: Array, longest: Array, begins: Array, ends: Array, most: int
+    surplus: Floats, parent: Array, longest: Array, begins: Array, ends: Array, most: int
 ) -> None:
     """Write how many neighbours more than two each place has in the forest of so many paths."""
     for place in range(len(surplus)):

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, entry
-from teamformer.rules.arrays import Array
 
 NOTHING = -1
 """The worth of what cannot be done in time."""

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.planning.bounds.prize_routes import Stops, make_stops
 from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR, ROUNDING
 
 

@@ -15,6 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import earliest_formed, one_for_each_place
@@ -22,7 +23,6 @@ from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look
 from teamformer.planning.bounds.robot_kinds import robot_kinds, size_of_kinds
 from teamformer.planning.bounds.route_mix import RouteMix
 from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
 
 MEMORIES = (1, 3, 5, 7)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 
 MOST = 4.0
 """The share is bounded, so that there is a best mix before any route is known."""

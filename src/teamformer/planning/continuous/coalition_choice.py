@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.arrays import Int32s, Ints
 from teamformer.jit import kernel
-from teamformer.planning.continuous.problem import NOBODY, Ticks, Whole
+from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:
@@ -22,11 +23,11 @@ BLINK = 16
 class Workspace(NamedTuple):
     """A coalition at hand, and room to choose it in."""
 
-    pick: Whole  # (robots,) its robots
-    picks: Whole  # (1,) how many these are
-    short: Whole  # (caps,) what it still lacks
-    clock: Ticks  # (1,) number of the change
-    seen: Ticks  # (robots,) the change that a robot was last marked for
+    pick: Int32s  # (robots,) its robots
+    picks: Int32s  # (1,) how many these are
+    short: Int32s  # (caps,) what it still lacks
+    clock: Ints  # (1,) number of the change
+    seen: Ints  # (robots,) the change that a robot was last marked for
     random: npt.NDArray[np.uint64]  # (1,) state of the random numbers
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.arrays import Floats, Int32s, Ints
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
@@ -29,7 +30,7 @@ from teamformer.planning.continuous.links import (
     LinkedProblem,
     link_problem,
 )
-from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, Whole, pose_problem
+from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, pose_problem
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan, empty_plan
 from teamformer.planning.continuous.solve import Solution
@@ -37,8 +38,6 @@ from teamformer.planning.continuous.times import Clock
 from teamformer.planning.relaxation.problem import count_table, ends_of, least_carried
 from teamformer.roads import AIR, Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
-
-Times = npt.NDArray[np.float64]
 
 MOST_TICKS = 2 * 10**9
 """About how many ticks everything takes at most, one task after the other."""
@@ -52,11 +51,11 @@ class ContinuousMission:
     """A mission's times as they are, and in ticks, of which there are `scale` in a unit."""
 
     scenario: Scenario
-    ways: Times  # (paces, places, tasks) from places, which are tasks and starts, to tasks
-    home: Times  # (robots, places)
-    origin: npt.NDArray[np.int64]  # (robots,) the place where each starts
-    pace: npt.NDArray[np.int64]  # (robots,) row of `ways`
-    carry: Times  # (paces, tasks) how long a load is carried; 0 for other tasks
+    ways: Floats  # (paces, places, tasks) from places, which are tasks and starts, to tasks
+    home: Floats  # (robots, places)
+    origin: Ints  # (robots,) the place where each starts
+    pace: Ints  # (robots,) row of `ways`
+    carry: Floats  # (paces, tasks) how long a load is carried; 0 for other tasks
     scale: float
     problem: CoalitionProblem | LinkedProblem
 
@@ -161,7 +160,7 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     return ContinuousMission(scenario, ways, home, origin, pace, carry, scale, linked)
 
 
-def _most_carried(counts: Whole, takes: Times, need: Whole) -> float:
+def _most_carried(counts: Int32s, takes: Floats, need: Int32s) -> float:
     """Return how long a load is carried at most: by the slowest robot that can help and get there.
 
     `takes` (robots,) is how long each of them takes for the way, inf where there is none.
@@ -212,7 +211,7 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
 
 def _distances(
     scenario: Scenario, moves: str, origins: Sequence[Place], goals: Sequence[Place]
-) -> Times:
+) -> Floats:
     """Return how long ways take at speed 1, as (origins, goals); infinite where there is none."""
     world = scenario.world
     if isinstance(world, Roads):
@@ -225,7 +224,7 @@ def _distances(
     return np.where(cells < UNREACHABLE, cells.astype(np.float64), np.inf)
 
 
-def _ways_home(scenario: Scenario, places: Sequence[Place]) -> Times:
+def _ways_home(scenario: Scenario, places: Sequence[Place]) -> Floats:
     """Return how long each robot takes home from each place, (robots, places)."""
     robots, ends = scenario.robots, scenario.ends
     if ends is None:
@@ -237,7 +236,7 @@ def _ways_home(scenario: Scenario, places: Sequence[Place]) -> Times:
     return np.array([home[r.moves, r.at if ends == ENDS_HOME else ends] / r.speed for r in robots])
 
 
-def _scale(scenario: Scenario, ways: Times, home: Times, carry: Times) -> float:
+def _scale(scenario: Scenario, ways: Floats, home: Floats, carry: Floats) -> float:
     """Return a power of ten: ticks in a unit, so many that everything takes MOST_TICKS or less."""
     longest = max(part[np.isfinite(part)].max(initial=0.0) for part in (ways, home))
     total = sum(task.duration + task.unload + scenario.forming for task in scenario.tasks)
@@ -250,6 +249,6 @@ def _scale(scenario: Scenario, ways: Times, home: Times, carry: Times) -> float:
     return scale
 
 
-def _ticks(times: npt.ArrayLike, scale: float) -> npt.NDArray[np.int64]:
+def _ticks(times: npt.ArrayLike, scale: float) -> Ints:
     known = np.where(np.isfinite(times), times, NO_WAY * MOST_TICKS / scale / 10)
     return np.rint(known * scale).astype(np.int64)

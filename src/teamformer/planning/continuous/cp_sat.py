@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks
+from teamformer.arrays import Ints
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.continuous.schedule import MAKESPAN, CoalitionPlan, empty_plan, schedule_of
 from teamformer.planning.relaxation.cp_sat import make_solver
 
@@ -184,7 +185,7 @@ class _Circuits:
         return plan
 
 
-def _depths(problem: CoalitionProblem) -> Ticks:
+def _depths(problem: CoalitionProblem) -> Ints:
     """Return how many tasks stand in the longest chain of those before each, as (tasks,)."""
     depth = np.zeros(len(problem.needs), np.int64)
     for _ in depth:

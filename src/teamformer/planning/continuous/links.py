@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks, Whole
-
-Floats = npt.NDArray[np.float64]
+from teamformer.arrays import Floats, Int32s, Ints
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
 
 FREE = -NEVER
 """A gap that says nothing."""
@@ -40,9 +39,9 @@ class LinkedProblem(NamedTuple):
     """A coalition problem with its groups, gaps and weights."""
 
     base: CoalitionProblem
-    group: Whole  # (tasks,) the group of each
-    members: Whole  # (groups, most) the tasks of each group, then NOBODY
-    gap: Ticks  # (tasks, tasks) [i, j]: j starts no sooner than so many ticks after i, or FREE
+    group: Int32s  # (tasks,) the group of each
+    members: Int32s  # (groups, most) the tasks of each group, then NOBODY
+    gap: Ints  # (tasks, tasks) [i, j]: j starts no sooner than so many ticks after i, or FREE
     weight: Floats  # (PARTS,)
     task_weight: Floats  # (tasks,)
 

@@ -14,17 +14,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.arrays import Int32s, Ints
 from teamformer.rules.constants import NOBODY
-
-Ticks = npt.NDArray[np.int64]
-Whole = npt.NDArray[np.int32]
 
 __all__ = [
     "NEVER",
     "NOBODY",
     "CoalitionProblem",
-    "Ticks",
-    "Whole",
     "different_rows",
     "pose_problem",
 ]
@@ -36,22 +32,22 @@ NEVER = 2**60
 class CoalitionProblem(NamedTuple):
     """The problem as plain arrays; places are the tasks, then the robots' starts."""
 
-    ways: Ticks  # (paces, places, tasks) ticks from a place to a task
-    home: Ticks  # (kinds, places) ticks from a place home; 0 where robots may stay
-    site: Whole  # (places,) the same number for places that lie at the same position
-    pace: Whole  # (robots,) row of `ways`
-    kind: Whole  # (robots,) row of `home`; robots of a kind differ in nothing but their start
-    like: Whole  # (kinds, robots) the robots of each kind, then NOBODY
-    origin: Whole  # (robots,) the place where each starts
-    counts: Whole  # (robots, caps)
-    needs: Whole  # (tasks, caps)
-    able: Whole  # (caps, robots) the robots with each capability, then NOBODY
-    duration: Ticks  # (tasks,)
-    release: Ticks  # (tasks,) no task starts before
-    due: Ticks  # (tasks,) tasks that end later are late; NEVER
-    before: Whole  # (tasks, most) the tasks that must have ended before each, then NOBODY
-    after: Whole  # (tasks, most) the tasks that each must have ended before, then NOBODY
-    forming: Ticks  # (1,) what a coalition takes whose robots do not all come from one site
+    ways: Ints  # (paces, places, tasks) ticks from a place to a task
+    home: Ints  # (kinds, places) ticks from a place home; 0 where robots may stay
+    site: Int32s  # (places,) the same number for places that lie at the same position
+    pace: Int32s  # (robots,) row of `ways`
+    kind: Int32s  # (robots,) row of `home`; robots of a kind differ in nothing but their start
+    like: Int32s  # (kinds, robots) the robots of each kind, then NOBODY
+    origin: Int32s  # (robots,) the place where each starts
+    counts: Int32s  # (robots, caps)
+    needs: Int32s  # (tasks, caps)
+    able: Int32s  # (caps, robots) the robots with each capability, then NOBODY
+    duration: Ints  # (tasks,)
+    release: Ints  # (tasks,) no task starts before
+    due: Ints  # (tasks,) tasks that end later are late; NEVER
+    before: Int32s  # (tasks, most) the tasks that must have ended before each, then NOBODY
+    after: Int32s  # (tasks, most) the tasks that each must have ended before, then NOBODY
+    forming: Ints  # (1,) what a coalition takes whose robots do not all come from one site
 
 
 def pose_problem(
@@ -103,7 +99,7 @@ def pose_problem(
     )
 
 
-def different_rows(rows: npt.NDArray[np.generic]) -> tuple[npt.NDArray[np.intp], Whole]:
+def different_rows(rows: npt.NDArray[np.generic]) -> tuple[npt.NDArray[np.intp], Int32s]:
     """Return where each different row is seen first, and which of these every row is.
 
     They are numbered in the order in which they are seen, whatever the order of the columns: that
@@ -113,7 +109,7 @@ def different_rows(rows: npt.NDArray[np.generic]) -> tuple[npt.NDArray[np.intp],
     return np.sort(first), np.argsort(np.argsort(first))[number.ravel()].astype(np.int32)
 
 
-def _listed(rows: Sequence[Sequence[int] | npt.NDArray[np.int64]]) -> Whole:
+def _listed(rows: Sequence[Sequence[int] | Ints]) -> Int32s:
     """Return lists of different lengths as one array, with NOBODY after each."""
     table = np.full((len(rows), 1 + max(map(len, rows), default=0)), NOBODY, np.int32)
     for row, listed in zip(table, rows, strict=True):

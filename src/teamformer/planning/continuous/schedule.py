@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Int32s, Ints
 from teamformer.jit import entry, kernel
-from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem, Ticks, Whole
+from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem
 
 if TYPE_CHECKING:
-    from teamformer.rules.arrays import Array
+    from teamformer.arrays import Array
 
 SPREAD = 20
 """The mean time at which robots are home weighs this many times less than the last one."""
@@ -24,20 +25,20 @@ MAKESPAN, COST, BACK_SUM, LATE = range(4)
 class CoalitionPlan(NamedTuple):
     """Which tasks are done in what order, by whom."""
 
-    order: Whole  # (tasks,)
-    coalition: Whole  # (tasks, robots) the first `size` of them
-    size: Whole  # (tasks,)
+    order: Int32s  # (tasks,)
+    coalition: Int32s  # (tasks, robots) the first `size` of them
+    size: Int32s  # (tasks,)
 
 
 class Schedule(NamedTuple):
     """A plan, timed."""
 
     plan: CoalitionPlan
-    rank: Whole  # (tasks,) positions in the order
-    last: Whole  # (tasks + 1, robots) where each robot is before a position of the order
-    start: Ticks  # (tasks,)
-    end: Ticks  # (places,) 0 for the places where robots start
-    total: Ticks  # (4,) makespan, cost, sum of the times at home, lateness
+    rank: Int32s  # (tasks,) positions in the order
+    last: Int32s  # (tasks + 1, robots) where each robot is before a position of the order
+    start: Ints  # (tasks,)
+    end: Ints  # (places,) 0 for the places where robots start
+    total: Ints  # (4,) makespan, cost, sum of the times at home, lateness
 
 
 def empty_plan(problem: CoalitionProblem) -> CoalitionPlan:

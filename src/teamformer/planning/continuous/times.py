@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from teamformer.arrays import Floats, Int32s, Ints
 from teamformer.mission.costs import cost_of, parts_of_ends
 from teamformer.mission.rules import latest_end
 from teamformer.mission.windows import release_of
 from teamformer.model import Scenario
 from teamformer.planning.continuous.routes import MissionPlan, Route, Stop
 from teamformer.planning.continuous.schedule import CoalitionPlan
-
-Times = npt.NDArray[np.float64]
 
 
 class Clock:
@@ -28,12 +26,12 @@ class Clock:
     def __init__(
         self,
         scenario: Scenario,
-        ways: Times,
-        home: Times,
-        pace: npt.NDArray[np.int64],
-        origin: npt.NDArray[np.int64],
-        site: npt.NDArray[np.int32],
-        carry: Times,
+        ways: Floats,
+        home: Floats,
+        pace: Ints,
+        origin: Ints,
+        site: Int32s,
+        carry: Floats,
     ) -> None:
         self._scenario, self._ways, self._home = scenario, ways, home
         self._pace, self._origin, self._site = pace, origin, site
@@ -69,7 +67,7 @@ class Clock:
                 before[task][robot], at[robot] = int(at[robot]), task
         return before
 
-    def _free(self, place: int, start: Times) -> float:
+    def _free(self, place: int, start: Floats) -> float:
         """Return when a robot can leave a place."""
         return float(start[place] + self._takes[place]) if place < len(start) else 0.0
 
@@ -84,7 +82,7 @@ class Clock:
     def _way(self, robot: int, place: int, task: int) -> float:
         return float(self._ways[self._pace[robot], place, task])
 
-    def _ready(self, task: int, before: dict[int, int], start: Times) -> float:
+    def _ready(self, task: int, before: dict[int, int], start: Floats) -> float:
         """Return when a task can start, but for its links."""
         arrive = [self._free(p, start) + self._way(robot, p, task) for robot, p in before.items()]
         ready = max(release_of(self._scenario.tasks[task]), *arrive)
@@ -93,7 +91,7 @@ class Clock:
         numbers = (self._number_of[name] for name in self._scenario.tasks[task].after)
         return max([ready, *(self._free(number, start) for number in numbers)])
 
-    def _keep_gaps(self, task: int, start: Times) -> None:
+    def _keep_gaps(self, task: int, start: Floats) -> None:
         """Let a task, and those that it is linked with, start later where a gap says so."""
         for name, (least, most) in self._scenario.tasks[task].starts.items():
             other = self._number_of[name]
@@ -101,7 +99,7 @@ class Clock:
             start[other] = max(start[other], start[task] - most)
 
     def _tell(
-        self, plan: CoalitionPlan, before: Sequence[dict[int, int]], start: Times
+        self, plan: CoalitionPlan, before: Sequence[dict[int, int]], start: Floats
     ) -> MissionPlan:
         """Return the plan that starts tasks at these times."""
         scenario, at, travel = self._scenario, self._origin.copy(), 0.0

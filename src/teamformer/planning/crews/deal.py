@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, entry
 from teamformer.planning.crews.evaluation import empty_room, walk_list
 from teamformer.planning.crews.local_search import improve_lists
@@ -24,7 +25,6 @@ from teamformer.planning.crews.routes import (
     gather_parties,
     way,
 )
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.sorting import sort_indices
 from teamformer.rules.tour import plan_tour

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.crews.routes import way
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import ROUNDING
 from teamformer.rules.pairing import pair_off
 

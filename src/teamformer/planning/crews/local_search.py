@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.crews.evaluation import walk_list
 from teamformer.planning.crews.moves import change_lists
@@ -21,7 +22,6 @@ from teamformer.planning.crews.routes import (
     slowest_of,
     way,
 )
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 from teamformer.rules.constants import NOBODY
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from teamformer.arrays import Array
 from teamformer.jit import kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 from teamformer.rules.constants import NOBODY
 

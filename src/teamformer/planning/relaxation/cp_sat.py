@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from teamformer.arrays import Int32s
 from teamformer.planning.bounds.makespan import earliest_starts
-from teamformer.planning.relaxation.problem import Relaxed, Whole
+from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
 from teamformer.rules.constants import FAR
 
@@ -71,7 +72,7 @@ def build_circuits(problem: Relaxed, bound: int, horizon: int) -> Circuits:
     return circuits
 
 
-def _add_circuit(circuits: Circuits, robot: int, earliest: Whole, horizon: int) -> None:
+def _add_circuit(circuits: Circuits, robot: int, earliest: Int32s, horizon: int) -> None:
     """Let a robot visit tasks one after the other, in no more steps than the makespan."""
     problem, model = circuits.problem, circuits.model
     tasks = list(_tasks_in_reach(problem, robot, earliest, horizon))
@@ -97,7 +98,7 @@ def _add_circuit(circuits: Circuits, robot: int, earliest: Whole, horizon: int) 
     model.add(sum(spent) <= circuits.makespan)
 
 
-def _tasks_in_reach(problem: Relaxed, robot: int, earliest: Whole, horizon: int) -> Iterator[int]:
+def _tasks_in_reach(problem: Relaxed, robot: int, earliest: Int32s, horizon: int) -> Iterator[int]:
     """Return the tasks a robot is of use for and can be at in time."""
     is_useful = (problem.needs > 0) @ (problem.counts[robot] > 0)  # (tasks,)
     for task in np.flatnonzero(is_useful).tolist():

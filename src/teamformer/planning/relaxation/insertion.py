@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.planning.relaxation.problem import Relaxed, least_brought
 from teamformer.planning.relaxation.relaxed_plan import (
@@ -20,7 +21,6 @@ from teamformer.planning.relaxation.relaxed_plan import (
     recall_visit,
     serve,
 )
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw, draw_below, first_state
 from teamformer.rules.constants import FAR, NOBODY
 

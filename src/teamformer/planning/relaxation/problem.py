@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.arrays import Array, Floats, Int32s
 from teamformer.capabilities import Counts
 from teamformer.grid import Grid, Place
 from teamformer.jit import kernel
@@ -31,7 +32,6 @@ from teamformer.mission.rules import opening_step
 from teamformer.model import Robot, Scenario, Task, World
 from teamformer.plane import Plane
 from teamformer.planning.prices import Prices, prices_of
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR, MICROMETRES, NOBODY, ROUNDING
 from teamformer.rules.distances import (
     UNREACHABLE,
@@ -40,8 +40,6 @@ from teamformer.rules.distances import (
     travel_matrix,
     way_between,
 )
-
-Whole = npt.NDArray[np.int32]
 
 SHORTEST_CELL = 1e-4  # metres
 MOST_CELLS = 200_000
@@ -54,33 +52,33 @@ BLOCK = 4_000_000
 class Relaxed(NamedTuple):
     """The relaxed problem as plain arrays; times are in steps."""
 
-    cells: Whole  # (tasks, places) ways from places to tasks, as column of `steps` and `lengths`;
+    cells: Int32s  # (tasks, places) ways from places to tasks, as column of `steps` and `lengths`;
     # without walls to fly over that is their cells; places are the tasks' ends, then the starts;
     # (0, 0) where ways are worked out from `spots` and `goals` as they are needed
-    spots: Whole  # (places, 2) where the places are, or (0, 2) where ways are in the table
-    goals: Whole  # (tasks, 2) where the tasks are, or (0, 2)
-    lengths: Whole  # (movers, ways) cells on the ground and, if some robots fly over walls, in the
+    spots: Int32s  # (places, 2) where the places are, or (0, 2) where ways are in the table
+    goals: Int32s  # (tasks, 2) where the tasks are, or (0, 2)
+    lengths: Int32s  # (movers, ways) cells on the ground and, if some robots fly over walls, in the
     # air; last column, and where there is none on the ground: more than any way has
-    steps: Whole  # (paces, ways) steps that ways take; last column, and where there is none: FAR
-    pace: Whole  # (robots,) row of `steps`: by speed, first those on the ground, then in the air
-    speed: npt.NDArray[np.float64]  # (robots,) cells a step
-    counts: Whole  # (robots, caps)
-    needs: Whole  # (tasks, caps)
-    able: Whole  # (caps, robots) numbers of the robots with each capability, then NOBODY
-    duration: Whole  # (tasks,)
-    appears: Whole  # (tasks,) steps made when the task becomes known
-    lost: Whole  # (robots,) first step the robot is missing from; FAR for never
-    ready: Whole  # (robots,) the step from which the robot is free; 0 at the start
-    carry: Whole  # (tasks,) cells that a load is carried; 0 for other tasks
-    quickest: Whole  # (tasks,) steps that this takes at least, which `duration` counts
+    steps: Int32s  # (paces, ways) steps that ways take; last column, and where there is none: FAR
+    pace: Int32s  # (robots,) row of `steps`: by speed, first those on the ground, then in the air
+    speed: Floats  # (robots,) cells a step
+    counts: Int32s  # (robots, caps)
+    needs: Int32s  # (tasks, caps)
+    able: Int32s  # (caps, robots) numbers of the robots with each capability, then NOBODY
+    duration: Int32s  # (tasks,)
+    appears: Int32s  # (tasks,) steps made when the task becomes known
+    lost: Int32s  # (robots,) first step the robot is missing from; FAR for never
+    ready: Int32s  # (robots,) the step from which the robot is free; 0 at the start
+    carry: Int32s  # (tasks,) cells that a load is carried; 0 for other tasks
+    quickest: Int32s  # (tasks,) steps that this takes at least, which `duration` counts
     prices: Prices  # what plans in steps are searched by besides the makespan
 
 
 class Future(NamedTuple):
     """What will happen, in steps."""
 
-    appears: Whole  # (tasks,) as in Relaxed
-    lost: Whole  # (robots,) as in Relaxed
+    appears: Int32s  # (tasks,) as in Relaxed
+    lost: Int32s  # (robots,) as in Relaxed
 
 
 def relax(scenario: Scenario, in_table: bool = True) -> Relaxed:
@@ -91,7 +89,10 @@ def relax(scenario: Scenario, in_table: bool = True) -> Relaxed:
     future = future_of(scenario)
     places = [*ends_of(scenario.tasks), *(robot.at for robot in scenario.robots)]
     if not in_table and are_ways_straight(scenario.world, scenario.tasks):
-        ways: tuple[Whole | None, np.ndarray] = (None, np.array([r.speed for r in scenario.robots]))
+        ways: tuple[Int32s | None, np.ndarray] = (
+            None,
+            np.array([r.speed for r in scenario.robots]),
+        )
     else:
         ways = _ways(scenario)
     return relax_ways(
@@ -110,10 +111,10 @@ def relax_ways(
     tasks: Sequence[Task],
     robots: Sequence[Robot],
     places: Sequence[Place],
-    walked: Whole | None,
-    speed: npt.NDArray[np.float64],
+    walked: Int32s | None,
+    speed: Floats,
     future: Future,
-    ready: Whole,
+    ready: Int32s,
 ) -> Relaxed:
     """Return the relaxed problem of some tasks and robots of a scenario.
 
@@ -159,7 +160,7 @@ def relax_ways(
     )
 
 
-def least_carried(counts: Whole, takes: npt.NDArray[Any], need: Whole) -> Any:
+def least_carried(counts: Int32s, takes: Array, need: Int32s) -> Any:
     """Return how long a load is carried at least by robots that have what is needed.
 
     `takes` (robots,) is how long each of them takes for the way; it is what the slowest of all
@@ -223,7 +224,7 @@ def is_true_relaxation(problem: Relaxed) -> bool:
     return bool((problem.speed % 1 == 0).all())
 
 
-def _ways(scenario: Scenario) -> tuple[Whole, npt.NDArray[np.float64]]:
+def _ways(scenario: Scenario) -> tuple[Int32s, Floats]:
     """Return the cells from places to tasks, (tasks, places), and what robots walk in a step."""
     tasks, speed = [t.at for t in scenario.tasks], np.array([r.speed for r in scenario.robots])
     places = ends_of(scenario.tasks) + [robot.at for robot in scenario.robots]
@@ -238,21 +239,19 @@ def _ways(scenario: Scenario) -> tuple[Whole, npt.NDArray[np.float64]]:
     return cells, np.ceil(pace / cell - ROUNDING)
 
 
-def _most_walked(
-    plane: Plane, speed: npt.NDArray[np.float64], forming_steps: int
-) -> npt.NDArray[np.float64]:
+def _most_walked(plane: Plane, speed: Floats, forming_steps: int) -> Floats:
     """Return how many metres each robot gets on in a step at most.
 
     A join puts the joiner where its partner is, which may be the arrival radius away; robots walk
     in that step too where forming costs none.
     """
-    pace: npt.NDArray[np.float64] = speed * plane.step
+    pace: Floats = speed * plane.step
     if forming_steps == 0:
         return pace + plane.arrival_radius
     return np.maximum(pace, plane.arrival_radius)
 
 
-def flights(scenario: Scenario, goals: Sequence[Place], places: Sequence[Place]) -> Whole | None:
+def flights(scenario: Scenario, goals: Sequence[Place], places: Sequence[Place]) -> Int32s | None:
     """Return the cells from places to goals in the air, (goals, places).
 
     None if nobody flies, or nothing is in the way, so that all ways are as on the ground.
@@ -260,11 +259,11 @@ def flights(scenario: Scenario, goals: Sequence[Place], places: Sequence[Place])
     if not scenario.world.rows or not any(robot.flies for robot in scenario.robots):
         return None
     apart = np.reshape(goals, (-1, 1, 2)) - np.reshape(places, (1, -1, 2))  # (goals, places, 2)
-    cells: Whole = np.abs(apart).sum(axis=2).astype(np.int32)
+    cells: Int32s = np.abs(apart).sum(axis=2).astype(np.int32)
     return cells
 
 
-def number_ways(walked: Whole, flown: Whole | None) -> tuple[Whole, Whole]:
+def number_ways(walked: Int32s, flown: Int32s | None) -> tuple[Int32s, Int32s]:
     """Return the number of each way, and the cells of the ways by number, (movers, ways).
 
     If nobody flies the number of a way is its cells. Else ways that are equally long, walked and
@@ -273,7 +272,7 @@ def number_ways(walked: Whole, flown: Whole | None) -> tuple[Whole, Whole]:
     longest = int(walked[walked < UNREACHABLE].max())
     if flown is None:
         no_way = 1 + longest
-        cells: Whole = np.ascontiguousarray(np.minimum(walked, no_way))
+        cells: Int32s = np.ascontiguousarray(np.minimum(walked, no_way))
         return cells, _lengths_to(longest)
     no_way = 1 + max(longest, int(flown.max()))
     pairs = np.stack([np.minimum(walked, no_way), flown]).reshape(2, -1)  # (movers, ways)
@@ -284,7 +283,7 @@ def number_ways(walked: Whole, flown: Whole | None) -> tuple[Whole, Whole]:
     return number.reshape(walked.shape).astype(np.int32), lengths
 
 
-def _lengths_to(longest: int) -> Whole:
+def _lengths_to(longest: int) -> Int32s:
     """Return the cells of ways whose number is their cells, (1, ways)."""
     return np.arange(longest + 2, dtype=np.int32)[None]
 
@@ -295,13 +294,13 @@ def are_ways_straight(world: World, tasks: Sequence[Task]) -> bool:
     return is_open and all(task.to is None for task in tasks)
 
 
-def cells_between(problem: Relaxed, tasks: Array, places: Array) -> Whole:
+def cells_between(problem: Relaxed, tasks: Array, places: Array) -> Int32s:
     """Return the ways from some places to some tasks, (tasks, places), as column of `steps`."""
     if len(problem.cells):
-        listed: Whole = problem.cells[np.ix_(tasks, places)]
+        listed: Int32s = problem.cells[np.ix_(tasks, places)]
         return listed
     goals, spots = problem.goals[tasks], problem.spots[places]
-    cells: Whole = np.abs(goals[:, None, 0] - spots[:, 0])
+    cells: Int32s = np.abs(goals[:, None, 0] - spots[:, 0])
     cells += np.abs(goals[:, None, 1] - spots[:, 1])
     return cells
 
@@ -312,10 +311,10 @@ def way_number(problem: Relaxed, place: int, task: int) -> int:
     return way_between(problem.cells, problem.spots, problem.goals, place, task)
 
 
-def steps_from_starts(problem: Relaxed, tasks: Array) -> Whole:
+def steps_from_starts(problem: Relaxed, tasks: Array) -> Int32s:
     """Return the steps that each robot takes from its start to some tasks, (tasks, robots)."""
     starts = len(problem.appears) + np.arange(len(problem.pace))
-    steps: Whole = problem.steps[problem.pace, cells_between(problem, tasks, starts)]
+    steps: Int32s = problem.steps[problem.pace, cells_between(problem, tasks, starts)]
     return steps
 
 
@@ -326,14 +325,14 @@ def in_blocks(tasks: Array, each: int) -> Iterator[Array]:
         yield tasks[begin : begin + rows]
 
 
-def paces_of(rank: npt.NDArray[np.intp], robots: Sequence[Robot], lengths: Whole) -> Whole:
+def paces_of(rank: npt.NDArray[np.intp], robots: Sequence[Robot], lengths: Int32s) -> Int32s:
     """Return each robot's row in the steps of ways, (robots,), by the rank of its speed."""
     flies = np.array([robot.flies for robot in robots], np.bool_)
-    rows: Whole = (rank + np.where(flies & (len(lengths) > 1), rank.max() + 1, 0)).astype(np.int32)
+    rows: Int32s = (rank + np.where(flies & (len(lengths) > 1), rank.max() + 1, 0)).astype(np.int32)
     return rows
 
 
-def steps_of_ways(speeds: npt.NDArray[np.float64], lengths: Whole) -> Whole:
+def steps_of_ways(speeds: Floats, lengths: Int32s) -> Int32s:
     """Return the steps that ways take at each speed, (paces, ways): walked, then flown."""
     steps = np.ceil(lengths[:, None, :] / speeds[:, None] - ROUNDING)  # (movers, speeds, ways)
     steps[np.broadcast_to(lengths[:, None, :] == lengths[0, -1], steps.shape)] = FAR
@@ -345,11 +344,11 @@ def has_prices(problem: Relaxed) -> bool:
     return len(problem.prices.due) > 0
 
 
-def walked_cells(problem: Relaxed) -> Whole:
+def walked_cells(problem: Relaxed) -> Int32s:
     """Return the cells of ways on the ground, (tasks, places); many where there is none."""
     if len(problem.lengths) == 1:  # the number of a way is its cells
         return problem.cells
-    cells: Whole = problem.lengths[0, problem.cells]
+    cells: Int32s = problem.lengths[0, problem.cells]
     return cells
 
 
@@ -366,29 +365,29 @@ def pace_together(problem: Relaxed, one: int, other: int) -> int:
     return rank + speeds if min(one, other) >= speeds else rank
 
 
-def count_table(parts: Sequence[Counts], scenario: Scenario) -> Whole:
+def count_table(parts: Sequence[Counts], scenario: Scenario) -> Int32s:
     """Return how much each part has of each capability, (parts, caps), in units."""
     rows = (scenario.in_units(part) for part in parts)
     return np.array([[row.get(cap, 0) for cap in scenario.capabilities] for row in rows], np.int32)
 
 
-def least_brought(counts: Whole) -> Whole:
+def least_brought(counts: Int32s) -> Int32s:
     """Return the least that a robot brings of each capability, (caps,); FAR where nobody does."""
-    least: Whole = np.where(counts > 0, counts, FAR).min(axis=0).astype(np.int32)
+    least: Int32s = np.where(counts > 0, counts, FAR).min(axis=0).astype(np.int32)
     return least
 
 
-def most_in_coalitions(problem: Relaxed) -> Whole:
+def most_in_coalitions(problem: Relaxed) -> Int32s:
     """Return how many robots are in a coalition that can spare nobody at most, (tasks,).
 
     Of each capability so many that they have enough whatever each of them brings.
     """
     robots = -(-problem.needs // least_brought(problem.counts))  # (tasks, caps)
-    most: Whole = np.minimum(robots.sum(axis=1), len(problem.pace))
+    most: Int32s = np.minimum(robots.sum(axis=1), len(problem.pace))
     return most
 
 
-def able_robots(counts: Whole) -> Whole:
+def able_robots(counts: Int32s) -> Int32s:
     """Return the robots with each capability, (caps, robots), then NOBODY."""
     able = np.full(counts.T.shape, NOBODY, dtype=np.int32)
     for row, count in zip(able, counts.T, strict=True):

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 
 ROBOT = np.dtype(

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, kernel
 from teamformer.planning.relaxation.insertion import insert_task
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.relaxed_plan import hang_tasks, start_tasks
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw, draw_below
 
 if TYPE_CHECKING:

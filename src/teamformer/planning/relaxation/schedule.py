@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.planning.relaxation.insertion import drop_spares
 from teamformer.planning.relaxation.problem import Relaxed
@@ -21,7 +22,6 @@ from teamformer.planning.relaxation.relaxed_plan import (
     set_free,
     start_tasks,
 )
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
 from teamformer.rules.coverage import helps
 from teamformer.rules.sorting import sort_indices

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, needs_compiling
 from teamformer.planning.relaxation.insertion import empty_workspace
 from teamformer.planning.relaxation.problem import Relaxed
@@ -22,7 +23,6 @@ from teamformer.planning.relaxation.relaxed_plan import (
 )
 from teamformer.planning.relaxation.ruin_recreate import recreate, ruin
 from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
-from teamformer.rules.arrays import Array
 
 if TYPE_CHECKING:
     from teamformer.planning.relaxation.insertion import Workspace

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from teamformer.arrays import Int32s, Ints
 from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.arcs.arc_problem import StepRules
 from teamformer.planning.arcs.graph import MAKESPAN
 from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.continuous.problem import CoalitionProblem, Ticks, Whole, pose_problem
+from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.schedule import empty_plan
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.steps.crossings import Crossings
@@ -141,7 +142,7 @@ def _near_of(tasks: int, types: int) -> int:
     return min(tasks - 1, MOST_NEAR, max(FEWEST_NEAR, tasks // NEAR_SHARE, 2 * types))
 
 
-def _pose(situation: Situation, robots: Ticks) -> CoalitionProblem:
+def _pose(situation: Situation, robots: Ints) -> CoalitionProblem:
     """Return a situation as a coalition problem: depots are teams, nobody goes home."""
     problem = situation.problem
     tasks = len(problem.appears)
@@ -163,16 +164,16 @@ def _pose(situation: Situation, robots: Ticks) -> CoalitionProblem:
     )
 
 
-def _together(problem: Relaxed) -> Whole:
+def _together(problem: Relaxed) -> Int32s:
     """Return the pace of those who go together, (paces, paces)."""
     movers = len(problem.lengths)
     flies, rank = np.divmod(np.arange(len(problem.steps)), len(problem.steps) // movers)
     both_fly, slowest = np.minimum.outer(flies, flies), np.minimum.outer(rank, rank)
-    together: Whole = (both_fly * (len(problem.steps) // movers) + slowest).astype(np.int32)
+    together: Int32s = (both_fly * (len(problem.steps) // movers) + slowest).astype(np.int32)
     return together
 
 
-def _passes(problem: Relaxed, crossings: Crossings, leaders: Ticks) -> tuple[Whole, Whole]:
+def _passes(problem: Relaxed, crossings: Crossings, leaders: Ints) -> tuple[Int32s, Int32s]:
     """Return the tasks that take time and lie on the way from each place to each task."""
     tasks = len(problem.appears)
     if not len(crossings.task):

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.grid import Grid, Place
 from teamformer.jit import entry, kernel
 from teamformer.model import World
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.distances import UNREACHABLE, distance_fields
 from teamformer.rules.steps import next_cell

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.planning.relaxation.problem import Relaxed, walked_cells
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
 from teamformer.rules.tour import shortest_tour
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid, Place
 from teamformer.mission.rules import opening_step
@@ -20,7 +21,6 @@ from teamformer.planning.relaxation.problem import (
 )
 from teamformer.planning.steps.crossings import Crossings, find_crossings, without_loads
 from teamformer.planning.steps.team_plan import TeamPlan
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR
 from teamformer.rules.distances import straight_ways, travel_matrix
 

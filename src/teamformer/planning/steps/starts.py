@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.planning.crews.deal import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.planning.relaxation.problem import Relaxed, steps_from_starts, walked_cells
 from teamformer.planning.relaxation.threshold import Search
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR, NOBODY
 
 

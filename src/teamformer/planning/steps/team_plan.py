@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 from teamformer.rules.constants import NOBODY
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from teamformer.arrays import Array
 from teamformer.planning.relaxation.problem import has_prices
 from teamformer.planning.steps.passing import settle
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.team_plan import TeamPlan
 from teamformer.planning.steps.timing import empty_groups
-from teamformer.rules.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.planning.prices import SHARES
 from teamformer.planning.relaxation.problem import Relaxed, pace_together, way_number
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.team_plan import TeamPlan
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import FAR, NOBODY, ROUNDING
 from teamformer.rules.pairing import pair_off
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import count_table
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, TeamFormation
 

@@ -6,6 +6,7 @@ import math
 import time
 from dataclasses import dataclass
 
+from teamformer.arrays import Array
 from teamformer.coordination import Coordinator
 from teamformer.coordinators.on_command import OnCommand
 from teamformer.coordinators.replayed import Replayed
@@ -18,7 +19,6 @@ from teamformer.policies.central.players import Player, decision_of, is_coordina
 from teamformer.policies.protocol import Policy
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.env import TeamFormation
 

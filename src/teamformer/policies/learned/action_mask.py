@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.policies.learned.token_features import NEVER_FITS, Spelled
-from teamformer.rules.arrays import Array
 from teamformer.rules.coverage import are_equal
 
 EDIT, FULL = "edit", "full"

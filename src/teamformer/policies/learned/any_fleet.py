@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from teamformer.arrays import Array
 from teamformer.policies.learned.macro_actions import wanted_counts
 from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork, shipped
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.relational_features import Relations, relate
-from teamformer.rules.arrays import Array
 from teamformer.sim.view import View
 
 NAME = "teamformer"

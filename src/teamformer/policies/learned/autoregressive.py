@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.policies.learned.action_mask import EDIT, FULL, Next, complete, next_symbols
 from teamformer.policies.learned.onnx_sessions import OnnxNetwork, read_network, shipped
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.token_features import Spelled, SpellingCodec
-from teamformer.rules.arrays import Array
 
 ENCODER_FILE, STEP_FILE = "network.onnx", "step.onnx"
 ENCODER_INPUTS = Spelled._fields[:7]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol, runtime_checkable
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 from teamformer.sim.view import View
 
 

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.jit import entry, kernel
 from teamformer.policies.learned.onnx_sessions import GreedyChoice, OnnxNetwork
 from teamformer.policies.learned.policy import Learned
 from teamformer.policies.learned.token_features import TASK_FEATURES, TEAM_FEATURES, SpellingCodec
-from teamformer.rules.arrays import Array
 from teamformer.rules.splitting import anybody_fits
 from teamformer.sim.view import View
 

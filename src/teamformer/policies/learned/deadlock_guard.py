@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, entry, kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.view import NEXT_TASKS, View
 

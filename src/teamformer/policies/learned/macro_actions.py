@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import are_equal
 from teamformer.rules.splitting import anybody_fits

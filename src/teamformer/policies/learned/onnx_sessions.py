@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
-from teamformer.rules.arrays import Array
 
 
 class OnnxNetwork:

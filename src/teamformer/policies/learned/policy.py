@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.model import Scenario
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.deadlock_guard import DeadlockGuard
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.arrays import Array
 from teamformer.sim.env import Decision
 from teamformer.sim.view import View
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.policies.learned.feature_layout import OwnRelation as Own
 from teamformer.policies.learned.feature_layout import TaskRelation as Task
@@ -28,7 +29,6 @@ from teamformer.policies.learned.macro_actions import (
     scripted_counts,
 )
 from teamformer.policies.scripted.pairing import pair_by_slot
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.view import View
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.jit import entry, kernel
 from teamformer.policies.learned.feature_layout import (
@@ -19,7 +20,6 @@ from teamformer.policies.learned.feature_layout import (
     TaskToken,
 )
 from teamformer.policies.scripted.pairing import pair_by_slot
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.view import View
 

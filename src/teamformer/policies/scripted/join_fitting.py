@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.model import Scenario
 from teamformer.policies.scripted.pairing import is_partner, pair_by_slot
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import fills_gap
 from teamformer.sim.env import Decision

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from scipy.optimize import linear_sum_assignment
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 
 
 def match(places: Array, slots: Array) -> Array:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.robotarium.robots.arena import HEIGHT, WIDTH, points_ahead
-from teamformer.rules.arrays import Array
 
 POINT = 0.03  # metres: the point ahead of the wheels that is steered
 

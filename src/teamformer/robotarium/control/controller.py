@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.robotarium.control.barrier import POINT, Barrier, Solver
 from teamformer.robotarium.robots.arena import points_ahead
-from teamformer.rules.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.robotarium.control.ring_slots import fits
-from teamformer.rules.arrays import Array
 
 BERTH = 0.24  # metres outside a ring that passing robots keep
 AMPLE = 1.15  # of it: where they head for, so that the ring is out of the way once they are there

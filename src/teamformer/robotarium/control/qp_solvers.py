@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.extras import how_to_install
 from teamformer.robotarium.control.barrier import Solver
-from teamformer.rules.arrays import Array
 
 OPTIMAL = 1  # daqp's exit flag
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.robotarium.robots.arena import HEIGHT, WIDTH
-from teamformer.rules.arrays import Array
 
 SPACING = 0.23  # metres between neighbours
 FROM_WALLS = 0.12  # metres from a slot to a wall

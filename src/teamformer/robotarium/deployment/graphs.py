@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.robotarium.deployment.graphs import Graph
-from teamformer.rules.arrays import Array
 
 DTYPES = {1: np.float32, 6: np.int32, 7: np.int64, 9: np.bool_, 11: np.float64}
 

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.robotarium.deployment.graphs import Graph, Node
 from teamformer.robotarium.deployment.numpy_network import DTYPES
-from teamformer.rules.arrays import Array
 
 Fields = defaultdict[int, list[Any]]
 

@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.robotarium.robots.arena import (
     COLLISION,
     DIAMETER,
@@ -23,7 +24,6 @@ from teamformer.robotarium.robots.arena import (
     separations,
     wheel_speeds,
 )
-from teamformer.rules.arrays import Array
 
 ROUNDING = 1e-9
 

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.extras import how_to_install
 from teamformer.robotarium.robots.plant import Faults
-from teamformer.rules.arrays import Array
 
 
 def load_robotarium() -> Any:

@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
+from teamformer.arrays import Floats
 from teamformer.errors import TeamformerError
 from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.scenarios.imports.trees import HINT, Numbers, Part, read_yaml, refuse_detours
+from teamformer.scenarios.imports.trees import HINT, Part, read_yaml, refuse_detours
 
 START, END, DISTANCE, TIME = 0, 1, 3, 5
 """Where an edge of the graph names its nodes, its length and the time that it takes."""
@@ -76,7 +77,7 @@ def _robots(path: Path) -> int:
     return planner["vehNumPerType"][0].whole(1)
 
 
-def _ways(graph: Part, tasks: int) -> tuple[Numbers, float]:
+def _ways(graph: Part, tasks: int) -> tuple[Floats, float]:
     """Return the distances between the tasks and the depot, the last, and the robots' speed."""
     ways = np.full((tasks + 1, tasks + 1), np.nan)
     np.fill_diagonal(ways, 0.0)
@@ -101,18 +102,18 @@ def _ways(graph: Part, tasks: int) -> tuple[Numbers, float]:
     return ways, round(speed, 9)
 
 
-def places_of(ways: Numbers) -> Numbers:
+def places_of(ways: Floats) -> Floats:
     """Return points of a plane with distances as near to these as there are, (places, 2)."""
     count = len(ways)
     centre = np.eye(count) - 1 / count
     products = -0.5 * centre @ (ways**2) @ centre
     values, vectors = np.linalg.eigh(products)
     scale = np.sqrt(np.maximum(values[-2:], 0.0))
-    places: Numbers = vectors[:, -2:] * scale
+    places: Floats = vectors[:, -2:] * scale
     return places
 
 
-def _refuse_crooked(graph: Part, ways: Numbers, places: Numbers) -> None:
+def _refuse_crooked(graph: Part, ways: Floats, places: Floats) -> None:
     """Refuse ways that are not straight ones between points of a plane."""
     names = [*(f"node {n}" for n in range(len(ways) - 1)), "the depot"]
     refuse_detours(graph, names, ways, EXACT)

@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
-import numpy.typing as npt
 import yaml
 
+from teamformer.arrays import Floats
 from teamformer.errors import TeamformerError
 from teamformer.scenarios.file_access import read_text
 
 LARGEST_FILE = 20_000_000  # bytes
 HINT = "name a file of this format, whole and as its authors publish it"
-
-Numbers = npt.NDArray[np.float64]
 
 
 class Part:
@@ -74,7 +72,7 @@ class Part:
         """Return a list of numbers."""
         return [part.number() for _, part in self.parts()]
 
-    def matrix(self) -> Numbers:
+    def matrix(self) -> Floats:
         """Return a square matrix of numbers that are not negative."""
         rows = [row.numbers() for _, row in self.parts()]
         for number, row in enumerate(rows):
@@ -118,7 +116,7 @@ def _from(least: float) -> str:
     return "" if least == -math.inf else f", {least:g} or more"
 
 
-def refuse_detours(part: Part, names: Sequence[str], ways: Numbers, tolerance: float) -> None:
+def refuse_detours(part: Part, names: Sequence[str], ways: Floats, tolerance: float) -> None:
     """Refuse ways that are longer than a detour: straight ones never are."""
     detours = np.min(ways[:, :, None] + ways[None, :, :], axis=1)
     worst = np.unravel_index(np.argmax(ways - detours), ways.shape)

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.coverage import covers, helps
 from teamformer.sim.arrays import ANYWHERE, World

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.allocation.assignment import find_earliest_tasks
 from teamformer.sim.arrays import RUNNING, World, Worlds, world_at

@@ -9,12 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.capabilities import Counts, covers, describe, exact, total
 from teamformer.coordination import NEWS, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.errors import TeamformerError
 from teamformer.mission.reach import can_reach
 from teamformer.model import Scenario
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.arrays import FOUND, RUNNING, START, Worlds
 from teamformer.sim.guidance.following import follow_plans

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 
 
 class Parts(NamedTuple):

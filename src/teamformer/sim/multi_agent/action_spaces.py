@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 from teamformer.sim.view import View
 
 MOST_CAPABILITIES = 16

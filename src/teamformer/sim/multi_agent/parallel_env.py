@@ -6,12 +6,12 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.errors import TeamformerError
 from teamformer.extras import how_to_install
 from teamformer.mission.arrivals import most_tasks
 from teamformer.mission.checks import LARGEST_COUNT
 from teamformer.model import Scenario
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.arrays import RUNNING

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import MICROMETRES, NOBODY, ROUNDING
 from teamformer.sim.arrays import ANYWHERE, FOUND, SCOUTING
 from teamformer.sim.motion import field_towards

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import allocating_kernel, kernel
-from teamformer.rules.arrays import Array
 from teamformer.rules.constants import NOBODY, ROUNDING
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from teamformer.arrays import Array
 from teamformer.nets.critic import Critic
-from teamformer.rules.arrays import Array
 from teamformer.train.learning.rollout import Rollout
 
 

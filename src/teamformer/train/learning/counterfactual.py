@@ -9,12 +9,12 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from teamformer.arrays import Array
 from teamformer.model import Scenario
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.macro_actions import FOLLOW
 from teamformer.policies.learned.relational_features import Relations
 from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.rules.arrays import Array
 from teamformer.sim.env import Decision, TeamFormation
 
 LARGEST_GAIN = 6.0

@@ -13,11 +13,11 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from teamformer.arrays import Array
 from teamformer.model import Scenario
 from teamformer.policies.learned.codec import ImitatingCodec
 from teamformer.policies.learned.policy import rows_of
 from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.rules.arrays import Array
 from teamformer.sim.arrays import COMPLETED
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View

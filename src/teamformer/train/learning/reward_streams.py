@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from teamformer.rules.arrays import Array
+from teamformer.arrays import Array
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import TeamFormation
 from teamformer.sim.reward import Reward

@@ -9,11 +9,11 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from teamformer.arrays import Array
 from teamformer.nets.actor import Actor
 from teamformer.policies.learned.codec import Codec
 from teamformer.policies.learned.policy import rows_of
 from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.arrays import Array
 from teamformer.sim.arrays import COMPLETED, INFEASIBLE
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.train.learning.global_state import GlobalState, global_state_of

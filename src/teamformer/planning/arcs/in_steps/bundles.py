@@ -18,9 +18,9 @@ from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:
+    from teamformer.arrays import Array
     from teamformer.planning.arcs.arc_problem import ArcProblem
     from teamformer.planning.arcs.graph import Graph
-    from teamformer.rules.arrays import Array
 
 
 @kernel

@@ -15,10 +15,10 @@ from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:
+    from teamformer.arrays import Array
     from teamformer.planning.arcs.arc_problem import ArcProblem
     from teamformer.planning.arcs.graph import Graph
     from teamformer.planning.arcs.judging import Trial
-    from teamformer.rules.arrays import Array
 
 
 SKIPS, JOINS = 20, 20  # percent

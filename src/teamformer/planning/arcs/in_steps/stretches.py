@@ -11,10 +11,10 @@ from teamformer.planning.arcs.task_moves import Moved, remember
 from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:
+    from teamformer.arrays import Array
     from teamformer.planning.arcs.arc_problem import ArcProblem
     from teamformer.planning.arcs.graph import Graph
     from teamformer.planning.arcs.judging import Trial
-    from teamformer.rules.arrays import Array
 
 LONGEST = 6
 """How many tasks a stretch has at most."""

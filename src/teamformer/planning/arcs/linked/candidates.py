@@ -6,20 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Array, Floats, Int32s, Ints
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem, Records
 from teamformer.planning.arcs.graph import Graph
 from teamformer.planning.arcs.linked.judging import Links
-from teamformer.planning.continuous.links import (
-    HOME,
-    MAKESPAN,
-    MAX_TARDINESS,
-    TARDINESS,
-    TRAVEL,
-    Floats,
-)
-from teamformer.planning.continuous.problem import NOBODY, Ticks, Whole
-from teamformer.rules.arrays import Array
+from teamformer.planning.continuous.links import HOME, MAKESPAN, MAX_TARDINESS, TARDINESS, TRAVEL
+from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
 BLINK = 12
@@ -41,14 +34,14 @@ FOUND, PICKS, STAMP = range(3)
 class Room(NamedTuple):
     """Room to choose a coalition in."""
 
-    number: Ticks  # (3,) arcs found, robots picked, and what arcs that were seen are marked with
+    number: Ints  # (3,) arcs found, robots picked, and what arcs that were seen are marked with
     found: Records  # CANDIDATE
-    pick: Whole  # (seats + 1,) which of those found
-    seen: Ticks  # (seats,)
-    was: Ticks  # (seats of a group,) the seats that came before a task
-    lacking: Whole  # (caps,)
-    met: Ticks  # (groups,)
-    slacks: Ticks  # how much more an arc is taken to cost, in 1024ths of the heat
+    pick: Int32s  # (seats + 1,) which of those found
+    seen: Ints  # (seats,)
+    was: Ints  # (seats of a group,) the seats that came before a task
+    lacking: Int32s  # (caps,)
+    met: Ints  # (groups,)
+    slacks: Ints  # how much more an arc is taken to cost, in 1024ths of the heat
     heat: Floats  # (1,)
 
 
@@ -182,7 +175,7 @@ def choose(problem: ArcProblem, room: Room, need: int) -> bool:
 
 
 @kernel
-def _is_lacking(lacking: Whole) -> bool:
+def _is_lacking(lacking: Int32s) -> bool:
     for cap in range(len(lacking)):
         if lacking[cap] > 0:
             return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from teamformer.arrays import Array
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.draws import draw_near
@@ -11,7 +12,6 @@ from teamformer.planning.arcs.linked.candidates import Room
 from teamformer.planning.arcs.linked.judging import KIND, Ledger, Links, lead, way_out
 from teamformer.planning.arcs.linked.moves import has_groups_apart
 from teamformer.planning.continuous.links import TRAVEL
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Floats, Int32s, Ints
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.graph import Graph, back_of, start_of
@@ -39,10 +40,9 @@ from teamformer.planning.continuous.links import (
     PARTS,
     TARDINESS,
     TRAVEL,
-    Floats,
     LinkedProblem,
 )
-from teamformer.planning.continuous.problem import NOBODY, Ticks, Whole
+from teamformer.planning.continuous.problem import NOBODY
 
 KIND, KEY, TAKEN = range(10, 13)
 """What an entry of the log has changed, beside what it may in any graph."""
@@ -57,9 +57,9 @@ NOW, THEN, BEST = range(3)
 class Links(NamedTuple):
     """What is linked with what, and what plans are judged by; see `LinkedProblem`."""
 
-    group: Whole  # (tasks,)
-    members: Whole  # (groups, most + 1)
-    gap: Ticks  # (tasks, tasks)
+    group: Int32s  # (tasks,)
+    members: Int32s  # (groups, most + 1)
+    gap: Ints  # (tasks, tasks)
     weight: Floats  # (PARTS,)
     task_weight: Floats  # (tasks,)
 
@@ -67,11 +67,11 @@ class Links(NamedTuple):
 class Ledger(NamedTuple):
     """What a graph costs, and would with the change at hand."""
 
-    part: Ticks  # (PARTS,)
-    then: Ticks  # (PARTS,)
+    part: Ints  # (PARTS,)
+    then: Ints  # (PARTS,)
     cost: Floats  # (3,)
-    start: Ticks  # (tasks,) room for the starts of a group
-    is_less_late: Whole  # (1,) whether the task that was the latest is late by less
+    start: Ints  # (tasks,) room for the starts of a group
+    is_less_late: Int32s  # (1,) whether the task that was the latest is late by less
 
 
 def links_of(problem: LinkedProblem) -> Links:
@@ -157,7 +157,7 @@ def propagate(
 
 
 @kernel
-def _keep_gaps(links: Links, members: Whole, start: Ticks) -> None:
+def _keep_gaps(links: Links, members: Int32s, start: Ints) -> None:
     """Start tasks of a group later until all gaps are kept; gaps do not contradict each other."""
     is_changed = True
     while is_changed:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from teamformer.arrays import Array
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.draws import draw_near
@@ -11,7 +12,6 @@ from teamformer.planning.arcs.linked.candidates import PICKS, STAMP, Room, choos
 from teamformer.planning.arcs.linked.judging import KEY, KIND, TAKEN, Ledger, Links, lead, way_out
 from teamformer.planning.continuous.links import FREE, TRAVEL
 from teamformer.planning.continuous.problem import NEVER, NOBODY
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import draw_below
 
 ALONE = 40  # percent

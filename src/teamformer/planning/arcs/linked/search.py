@@ -12,6 +12,7 @@ from random import Random
 
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.annealing import FEWEST_ROUNDS, SECONDS_AT_ONCE, copy_graph
 from teamformer.planning.arcs.arc_problem import ArcProblem, pose_arcs
@@ -41,7 +42,6 @@ from teamformer.planning.arcs.linked.judging import (
 from teamformer.planning.arcs.linked.moves import move
 from teamformer.planning.continuous.links import MAX_TARDINESS, TARDINESS, TRAVEL, LinkedProblem
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
-from teamformer.rules.arrays import Array
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
 NEAR = 60

@@ -13,9 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from teamformer.arrays import Ints
 from teamformer.planning.continuous.bounds.relaxations import Relaxation
 from teamformer.planning.continuous.bounds.tours import empty_tables, narrow_starts
-from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem, Ticks
+from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem
 
 MOST_TASKS_A_TOUR = 17
 """Sets of more tasks are too many; the tours of those that need most time are looked at instead."""
@@ -32,8 +33,8 @@ smaller gains to one another would go on for thousands of rounds."""
 class Starts(NamedTuple):
     """Between which ticks each task starts, (tasks,)."""
 
-    first: Ticks
-    last: Ticks
+    first: Ints
+    last: Ints
 
     @property
     def room(self) -> float:
@@ -44,9 +45,9 @@ class Starts(NamedTuple):
 class Tours(NamedTuple):
     """The tours of the robots with a capability: through which tasks they have to go."""
 
-    tasks: Ticks  # (visited,) task numbers
-    between: Ticks  # (visited, visited)
-    duration: Ticks  # (visited,)
+    tasks: Ints  # (visited,) task numbers
+    between: Ints  # (visited, visited)
+    duration: Ints  # (visited,)
     robots: int
 
 

@@ -12,16 +12,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, Ticks
+from teamformer.arrays import Ints
+from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
 
 
 class Relaxation(NamedTuple):
     """What holds in every plan."""
 
-    ways: Ticks  # (paces, places, tasks) never longer than a detour by other tasks
-    home: Ticks  # (kinds, places) the same home
-    head: Ticks  # (tasks,) no earlier start
-    tail: Ticks  # (tasks,) what is left at least when a task has ended
+    ways: Ints  # (paces, places, tasks) never longer than a detour by other tasks
+    home: Ints  # (kinds, places) the same home
+    head: Ints  # (tasks,) no earlier start
+    tail: Ints  # (tasks,) what is left at least when a task has ended
 
 
 def relax(problem: CoalitionProblem) -> Relaxation:
@@ -39,7 +40,7 @@ def bound_by_chains_and_work(problem: CoalitionProblem, relaxation: Relaxation) 
     return max([int(chains.max()), _idle_bound(problem, relaxation.home), *work])
 
 
-def _shortest(problem: CoalitionProblem) -> Ticks:
+def _shortest(problem: CoalitionProblem) -> Ints:
     """Return ways that are never longer than a detour by other tasks (Floyd and Warshall)."""
     ways = problem.ways.copy()
     for task in range(len(problem.needs)):
@@ -47,7 +48,7 @@ def _shortest(problem: CoalitionProblem) -> Ticks:
     return ways
 
 
-def _shortest_home(problem: CoalitionProblem, ways: Ticks) -> Ticks:
+def _shortest_home(problem: CoalitionProblem, ways: Ints) -> Ints:
     """Return ways home that are never longer than a detour by a task."""
     home, tasks = problem.home.copy(), len(problem.needs)
     for kind, robots in enumerate(problem.like):
@@ -56,11 +57,11 @@ def _shortest_home(problem: CoalitionProblem, ways: Ticks) -> Ticks:
     return home
 
 
-def _able(problem: CoalitionProblem, cap: int) -> Ticks:
+def _able(problem: CoalitionProblem, cap: int) -> Ints:
     return np.flatnonzero(problem.counts[:, cap])
 
 
-def _heads_and_tails(problem: CoalitionProblem, ways: Ticks, home: Ticks) -> tuple[Ticks, Ticks]:
+def _heads_and_tails(problem: CoalitionProblem, ways: Ints, home: Ints) -> tuple[Ints, Ints]:
     """Return heads and tails, with those of tasks before and after taken in."""
     tasks = len(problem.needs)
     head, tail = problem.release.copy(), np.zeros(tasks, np.int64)
@@ -80,7 +81,7 @@ def _heads_and_tails(problem: CoalitionProblem, ways: Ticks, home: Ticks) -> tup
     return head, tail
 
 
-def _idle_bound(problem: CoalitionProblem, home: Ticks) -> int:
+def _idle_bound(problem: CoalitionProblem, home: Ints) -> int:
     """Return the longest way home, which the robot has even if it does nothing."""
     return int(home[problem.kind, problem.origin].max(initial=0))
 

@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from teamformer.arrays import Ints
 from teamformer.jit import entry, kernel
-from teamformer.planning.continuous.problem import NEVER, Ticks
+from teamformer.planning.continuous.problem import NEVER
 
 MANY = 127
 """Tours of a set that no number of robots can do."""
@@ -22,8 +23,8 @@ MANY = 127
 class SetTables(NamedTuple):
     """Room for what is known of each set of tasks, as bits."""
 
-    early: Ticks  # (sets, tasks) earliest start of the last task of a tour through a set
-    late: Ticks  # (sets, tasks) latest start of its first task
+    early: Ints  # (sets, tasks) earliest start of the last task of a tour through a set
+    late: Ints  # (sets, tasks) latest start of its first task
     tours: npt.NDArray[np.int8]  # (sets,) the least number of tours through a set
 
 
@@ -39,7 +40,12 @@ def empty_tables(tasks: int) -> SetTables:
 
 @entry
 def narrow_starts(
-    between: Ticks, duration: Ticks, first: Ticks, last: Ticks, robots: int, tables: SetTables
+    between: Ints,
+    duration: Ints,
+    first: Ints,
+    last: Ints,
+    robots: int,
+    tables: SetTables,
 ) -> bool:
     """Narrow the times between which tasks start, `first` and `last`; False if nothing is left.
 
@@ -72,7 +78,12 @@ def narrow_starts(
 
 @kernel
 def _tour_through(
-    between: Ticks, duration: Ticks, first: Ticks, last: Ticks, tables: SetTables, some: int
+    between: Ints,
+    duration: Ints,
+    first: Ints,
+    last: Ints,
+    tables: SetTables,
+    some: int,
 ) -> None:
     """Work out whether one tour can do a set of tasks, and when it ends and begins."""
     tables.tours[some] = MANY
@@ -95,7 +106,7 @@ def _tour_through(
 
 @kernel
 def _go_on(
-    between: Ticks, duration: Ticks, tables: SetTables, rest: int, task: int
+    between: Ints, duration: Ints, tables: SetTables, rest: int, task: int
 ) -> tuple[int, int]:
     """Return when a task can start after a tour through the rest, and must start before one."""
     begin, finish = NEVER, -NEVER

@@ -48,6 +48,7 @@ def test_changes_are_what_they_say() -> None:
         "without robot r2",
         "r0 at double speed",
         "r2 at double speed",
+        "all robots like r0 at double speed",
         "robots like r0 can also b",
         "robots like r0 can also c",
         "r2 can also a",
@@ -68,6 +69,9 @@ def test_changes_are_what_they_say() -> None:
     assert taught is not None
     both = {"a": 1, "b": 1}
     assert [dict(one.can) for one in taught.robots] == [both, both, {"b": 1}]
+    faster = changes["all robots like r0 at double speed"].mission
+    assert faster is not None
+    assert [one.speed for one in faster.robots] == [2, 2, 1]
     left = changes["without task t1"].mission
     assert left is not None
     assert [one.name for one in left.tasks] == ["t0", "t2"]
@@ -77,6 +81,17 @@ def test_missions_in_steps_that_have_a_cost_are_measured_by_it() -> None:
     """t2 is done after 3 steps, t0 after 10, t1 after 12 and 4 of work: the mean of 16 and 29."""
     mission = replace(two_far_tasks(), cost={"makespan": 1, "completion": 1})
     assert search(Search(0, mission, "plan")).value == (16 + (3 + 10 + 16)) / 2
+
+
+def test_a_robot_that_is_lost_could_be_kept() -> None:
+    lost = replace(robot("a", 0), absences=(Absence(5, 9), Absence(20, 30)))
+    changes = {
+        it.what: it.mission for it in changes_of(make([robot("a", 0), lost], [task("a", 3)]))
+    }
+    assert "r0 is not lost" not in changes
+    kept = changes["r1 is not lost"]
+    assert kept is not None
+    assert [one.absences for one in kept.robots] == [(), ()]
 
 
 def test_a_new_robot_is_not_lost_as_the_one_that_it_is_like() -> None:

@@ -1,4 +1,4 @@
-"""Missions with one thing changed: a robot more or less, faster, able to do more; a task less."""
+"""Missions with one thing changed: a robot more or less, faster, abler or kept; a task less."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from teamformer.errors import ScenarioError
 from teamformer.model import Robot, Scenario, Task
 from teamformer.rules.constants import NOBODY
 
-MORE, FEWER, FASTER, TAUGHT, LEFT_OUT = KINDS = ("more", "fewer", "faster", "taught", "left out")
+KINDS = ("more", "fewer", "faster", "kept", "taught", "left out")
+MORE, FEWER, FASTER, KEPT, TAUGHT, LEFT_OUT = KINDS
 
 
 @dataclass(frozen=True)
@@ -36,8 +37,9 @@ def changes_of(mission: Scenario) -> Iterator[Change]:
     """Yield every change that is measured, in a fixed order.
 
     One more robot of each kind, where the first of it starts; one fewer, the last of it; each robot
-    at double speed; each capability taught to each kind that lacks it; each task left out. Robots
-    are of one kind if they bring the same, are equally fast, and are lost and back alike.
+    and each kind at double speed; each robot that is lost kept; each capability taught to each kind
+    that lacks it; each task left out. Robots are of one kind if they bring the same, are equally
+    fast, and are lost and back alike.
     """
     kinds = _kinds(mission)
     for robots in kinds:
@@ -49,7 +51,15 @@ def changes_of(mission: Scenario) -> Iterator[Change]:
         yield _change(FEWER, what, _without_robot(mission, robots[-1]), robots)
     for number in _different(mission):
         what = f"{mission.robots[number].name} at double speed"
-        yield _change(FASTER, what, _faster(mission, number), [number])
+        yield _change(FASTER, what, _faster(mission, [number]), [number])
+    for robots in kinds:
+        if len(robots) > 1:
+            what = f"all robots like {mission.robots[robots[0]].name} at double speed"
+            yield _change(FASTER, what, _faster(mission, robots), robots)
+    for number, robot in enumerate(mission.robots):
+        if robot.absences:
+            kept = _changing(mission, [number], lambda robot: replace(robot, absences=()))
+            yield _change(KEPT, f"{robot.name} is not lost", kept, [number])
     for robots in kinds:
         for cap in mission.capabilities:
             if not mission.robots[robots[0]].can.get(cap):
@@ -122,28 +132,25 @@ def with_robots(mission: Scenario, chosen: list[int]) -> Scenario:
     )
 
 
-def _faster(mission: Scenario, number: int) -> Callable[[], Scenario]:
-    robot = mission.robots[number]
-    return lambda: _with_robot(mission, number, replace(robot, speed=2 * robot.speed))
-
-
-def _with_robot(mission: Scenario, number: int, robot: Robot) -> Scenario:
-    robots = (*mission.robots[:number], robot, *mission.robots[number + 1 :])
-    return replace(mission, robots=robots, step_limit=0)
+def _faster(mission: Scenario, robots: list[int]) -> Callable[[], Scenario]:
+    return _changing(mission, robots, lambda robot: replace(robot, speed=2 * robot.speed))
 
 
 def _taught(mission: Scenario, robots: list[int], cap: str) -> Callable[[], Scenario]:
     """Teach robots a capability: as much of it as the robot that brings least of it."""
-    brought = [robot.can[cap] for robot in mission.robots if robot.can.get(cap)]
+    least = min((robot.can[cap] for robot in mission.robots if robot.can.get(cap)), default=1)
+    return _changing(mission, robots, lambda robot: replace(robot, can={**robot.can, cap: least}))
+
+
+def _changing(
+    mission: Scenario, chosen: list[int], change: Callable[[Robot], Robot]
+) -> Callable[[], Scenario]:
+    """Change some of the robots."""
 
     def make() -> Scenario:
-        taught = [
-            replace(robot, can={**robot.can, cap: min(brought, default=1)})
-            if number in robots
-            else robot
-            for number, robot in enumerate(mission.robots)
-        ]
-        return replace(mission, robots=tuple(taught), step_limit=0)
+        robots = enumerate(mission.robots)
+        changed = (change(robot) if number in chosen else robot for number, robot in robots)
+        return replace(mission, robots=tuple(changed), step_limit=0)
 
     return make
 

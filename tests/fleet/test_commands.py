@@ -40,8 +40,7 @@ def test_one_schedule_becomes_a_page(
     assert teamformer("fleet", "rehearse", mission, "--schedule", "3", "--out", str(out)) == 0
     told = capsys.readouterr()
     assert "50% of messages are lost" in told.out
-    assert f"hint: `teamformer view {out / 'replay.json'}`" in told.err.replace("\n", "")
-    assert teamformer("view", str(out / "replay.json")) == 0
+    assert f"page:   {out / 'replay.html'}" in told.err.replace("\n", "")
     assert (out / "replay.html").stat().st_size > 10_000
 
 

@@ -19,15 +19,16 @@ from teamformer.referee import judge
 from teamformer.referee.verdict import Verdict
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.writing import replay_to_tree, write_replay
+from teamformer.sim.replay.writing import replay_to_tree
 from teamformer.trials.comparison import compare_methods
 from teamformer.trials.methods import Method, Player, as_method, default_for, load_method
+from teamformer.trials.outputs import write_record
 from teamformer.trials.planned import PlannedMission, plan_mission
 from teamformer.trials.rows import best_known, result_row
 from teamformer.trials.trial import Trial as PlayedTrial
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
-from teamformer.viewer.html import replay_page, write_page
+from teamformer.viewer.html import replay_page
 from teamformer.viewer.notebook_page import Page
 
 
@@ -97,8 +98,7 @@ class Trial:
         """Write `replay.json` and its page `replay.html` into a folder; return the folder."""
         into = Path(folder)
         into.mkdir(parents=True, exist_ok=True)
-        write_replay(self.record, into / "replay.json")
-        write_page(replay_to_tree(self.record), into / "replay.html")
+        write_record(self.record, into)
         return into
 
 

@@ -84,7 +84,7 @@ def rehearse(
     schedules: Annotated[int, typer.Option(min=1, help="schedules of faults")] = 100,
     seed: Seed = 0,
     schedule: Annotated[int | None, typer.Option(min=0, help="play only this one")] = None,
-    out: Annotated[Path | None, typer.Option(help="folder for its replay.json")] = None,
+    out: Annotated[Path | None, typer.Option(help="folder for its record and page")] = None,
     method: FleetMethod = "plan",
     foxglove: Foxglove = None,
     as_json: AsJson = False,

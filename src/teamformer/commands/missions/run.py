@@ -21,6 +21,7 @@ from teamformer.commands.console import (
 )
 from teamformer.commands.foxglove import check_foxglove, play_in_foxglove
 from teamformer.commands.interruption import Interruption
+from teamformer.commands.recorded import write_and_say
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import path_rows
 from teamformer.critical_path.words import why_so_late
@@ -35,7 +36,6 @@ from teamformer.sim.env import Tally
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import cancelled_steps, cost_of_record, lateness
 from teamformer.sim.replay.teams import completions
-from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.methods import DEFAULT, Method, default_for, load_method
 from teamformer.trials.rows import best_known, result_row, seconds_of
@@ -93,7 +93,7 @@ def run(
                 _tell(trial, robot, as_json)
         finally:
             if folder is not None:
-                _write(trial.replay, folder)
+                write_and_say(trial.replay, folder)
     if foxglove is not None and trial.replay.end.status != "interrupted":
         play_in_foxglove(trial.replay, foxglove)
     return 0 if trial.replay.end.status == "completed" else 1
@@ -164,15 +164,6 @@ def _improvements(plan: CentralPlan) -> str:
     found = ", ".join(f"{steps} ({seconds:.2f} s)" for seconds, steps in plan.curve) or "none"
     first = "; a first plan, which a longer --time-limit improves" if plan.is_first else ""
     return f"plans found: {found}{first}"
-
-
-def _write(replay: Replay, folder: Path) -> None:
-    from teamformer.viewer.html import write_page
-
-    write_replay(replay, folder / "replay.json")
-    say(f"record: {folder / 'replay.json'}")
-    write_page(replay_to_tree(replay), folder / "replay.html")
-    say(f"page:   {folder / 'replay.html'}")
 
 
 def _show(trial: Trial) -> None:

@@ -19,6 +19,7 @@ from teamformer.commands.console import (
 )
 from teamformer.commands.foxglove import check_foxglove, play_in_foxglove
 from teamformer.commands.interruption import Interruption
+from teamformer.commands.recorded import write_and_say
 from teamformer.commands.robots.mesh import check_method, read_fleet_mission
 from teamformer.errors import TeamformerError
 
@@ -136,11 +137,10 @@ def _show(row: dict[str, Any], bad: list[Any], options: Options) -> None:
 
 
 def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> int:
-    """Play one schedule again, and write its record where asked."""
+    """Play one schedule again, and write its record and page where asked."""
     from teamformer.fleet.rehearsal.record import record_of
     from teamformer.fleet.rehearsal.rehearse import faults_of, play
     from teamformer.fleet.rehearsal.trace import Trace
-    from teamformer.sim.replay.writing import write_replay
 
     faults = faults_of(stage, options.seed, schedule)
     is_recorded = options.folder is not None or options.foxglove is not None
@@ -148,10 +148,7 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
     rehearsal, outcome, violations = play(stage.mission, stage.plan, faults, trace, stage.method)
     replay = record_of(rehearsal, outcome, trace.events, options.seed) if is_recorded else None
     if options.folder is not None and replay is not None:
-        write_replay(replay, options.folder / "replay.json")
-        record = options.folder / "replay.json"
-        say(f"record: {record}")
-        say(f"hint: `teamformer view {record}` writes its page")
+        write_and_say(replay, options.folder)
     if as_json:
         row = {"schedule": schedule, "faults": list(faults.kinds), "violations": violations}
         print_json({**row, **vars(outcome)})

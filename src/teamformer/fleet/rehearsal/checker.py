@@ -57,7 +57,6 @@ class Robot:
     stays_until: float = -1.0
     hold: float = 0.0  # the seconds of that promise
     work: tuple[int, int] = (NOBODY, NOBODY)
-    work_since: float = 0.0
     is_dead: bool = False
     has_forgotten: bool = False  # its promise, in a crash; the others cannot know
 
@@ -197,7 +196,7 @@ class Checker:
 
     def _work(self, event: Worked) -> None:
         robot = self._robots[event.robot]
-        robot.work, robot.work_since = (event.task, event.team), event.at
+        robot.work = (event.task, event.team)
         self._drop(event.robot, event.task)
         if event.task != NOBODY:
             self._begin(event, robot)

@@ -484,7 +484,7 @@ def test_methods_are_listed_once_each_with_who_says_the_tasks(
     assert set(tasks_by.values()) == {"the paper's order"}
     assert teamformer("methods") == 0
     told = capsys.readouterr().out
-    assert all(f"\n{listing.name} " in told for listing in METHODS)
+    assert all(f"\n {listing.name} " in told for listing in METHODS)
     assert "your own: --method module:Class (docs/reference/methods.md)" in told
 
 

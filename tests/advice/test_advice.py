@@ -179,7 +179,7 @@ def test_what_there_was_no_time_for_is_told() -> None:
     advice = advise_on(two_far_tasks(), 0.0)
     assert advice.searches == 3  # the mission itself
     assert advice.suggestions == ()
-    assert len(advice.unmeasured) == 12
+    assert len(advice.unmeasured) == 13
     assert [it.what for it in advice.impossible] == ["without robot r2"]
 
 
@@ -190,6 +190,7 @@ def test_what_the_end_hangs_on_is_measured_first() -> None:
     assert {what for what, steps in share.items() if steps} == {
         "one more robot like r0",
         "one fewer robot like r0",
+        "all robots like r0 at double speed",
         "robots like r0 can also b",
         "robots like r0 can also c",
         "without task t1",

@@ -29,7 +29,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
 def test_every_file_has_its_test() -> None:
     names = {path.stem for path in FILES.glob("*.yaml")}
     tested = Path(__file__).read_text()
-    assert len(names) == 22
+    assert len(names) == 23
     assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
 
 
@@ -193,3 +193,13 @@ def test_a_long_capability_that_stands_twice_is_named_once(
     told = capsys.readouterr().err
     assert "stands twice in this list; to mean two write {aaa" in told
     assert max(map(len, told.splitlines())) < 400
+
+
+def test_the_search_ends_though_a_task_takes_longer_than_anything() -> None:
+    """What came after it was taken to begin before it ends, so that a graph of arcs had a circle.
+
+    n1, n2 and n4 form a team in two steps, walk to the other two tasks and do both at once.
+    """
+    end = tf.run(tf.load(path_of("far-and-farther")), seed=26).record.end
+    assert (end.status, end.steps) == ("step limit", 7)
+    assert end.tasks_done == 2

@@ -28,7 +28,8 @@ TICKS = 1024
 def start_in_steps(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> int:
     """Return when a task can start, in ticks, by when the groups are there that come to it.
 
-    It is not done in time if one of the robots is lost before it ends.
+    If one of the robots is lost before it ends, that is in a step that is FAR: after all that comes
+    before it in any case, so that there is no circle.
     """
     nodes, seats, there = graph.nodes, graph.seats, graph.there
     taken, count = nodes[task].taken, 0
@@ -46,15 +47,15 @@ def start_in_steps(problem: ArcProblem, graph: Graph, task: int, first_seat: int
             there[place] = graph.comes[tail]
             count += 1
     step = max(nodes[task].release // TICKS, pair_off(there, count))
+    for seat in range(first_seat, first_seat + taken):
+        if step + nodes[task].duration // TICKS >= problem.kinds[seats[seat].kind].lost:
+            step = max(step, FAR)
     turn = 0
     for seat in range(first_seat, first_seat + taken):
         node = seats[seats[seat].prev].node
         is_task = node < len(problem.near)
         if is_task and (nodes[node].end - nodes[node].duration) // TICKS == step:
             turn = max(turn, nodes[node].end % TICKS + 1)
-    for seat in range(first_seat, first_seat + taken):
-        if step + nodes[task].duration // TICKS >= problem.kinds[seats[seat].kind].lost:
-            return FAR * TICKS
     return step * TICKS + turn
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.arrays import Array
-from teamformer.jit import entry, kernel
+from teamformer.jit import allocating_kernel, entry, kernel
 from teamformer.sim.allocation.assignment import allocate_tasks
 from teamformer.sim.arrays import RUNNING, world_at
 from teamformer.sim.carrying import place_loads
@@ -89,7 +89,7 @@ def form_teams(world: World, wanted: Array, named: Array, first_row: int) -> Non
     forget_cells(world)
 
 
-@kernel
+@allocating_kernel
 def _end_step(world: World, weights: tuple[float, float, float], reward: Array) -> None:
     """Make the phases after motion."""
     is_news = let_things_happen(world)

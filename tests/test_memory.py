@@ -97,7 +97,7 @@ def test_memory_that_runs_out_is_one_line(
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["teamformer", "methods"])
 
-    def exhaust(as_json: bool) -> int:
+    def exhaust() -> int:
         return len(bytearray(2**62))
 
     monkeypatch.setattr("teamformer.commands.policies.listing.methods", exhaust)

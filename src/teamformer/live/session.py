@@ -157,7 +157,7 @@ class Session:
             try:
                 await asyncio.to_thread(self.mission.happen, incident)
                 self._changes += 1
-                self._happening, self._planning = None, ""
+                self._planning = ""
                 record = self._record()
                 record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
                 news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}

@@ -226,6 +226,21 @@ def test_lists_lead_to_places_and_can_be_filtered(open_page: Opener, dock: Tree)
     assert opened.details().startswith("pallet")
 
 
+def test_a_click_counts_though_the_list_is_made_anew_meanwhile(
+    open_page: Opener, dock: Tree
+) -> None:
+    opened = open_page(dock)
+    page = opened.page
+    page.click("#tab-tasks")
+    page.locator(".row", has_text="pallet").hover()
+    page.mouse.down()
+    page.keyboard.press("ArrowRight")
+    assert not opened.details().startswith("pallet")
+    page.mouse.up()
+    assert opened.details().startswith("pallet")
+    assert opened.shown_step() == 1
+
+
 def test_a_trial_that_cannot_end_says_why(open_page: Opener, dock: Tree) -> None:
     end = {**dock["end"], "status": "infeasible", "makespan": None, "blocked_tasks": ["late load"]}
     tree = {**dock, "steps": dock["steps"][:50], "end": end, "lower_bound": None}

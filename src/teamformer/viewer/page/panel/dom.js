@@ -21,8 +21,27 @@ function link(text, on, key) {
   return element("button", { type: "button", class: "link", on, "data-key": key ?? text }, text);
 }
 
+// Where a button of the mouse, or a finger, is down, and what is to fill the box around it afterwards.
+const press = { target: null, then: new Map() };
+
+addEventListener("pointerdown", ({ target }) => (press.target = target), true);
+addEventListener("pointerup", () => setTimeout(endPress), true); // the click comes first
+addEventListener("pointercancel", endPress, true);
+
+function endPress() {
+  press.target = null;
+  const waiting = [...press.then];
+  press.then.clear();
+  for (const [box, nodes] of waiting) refill(box, nodes);
+}
+
 // Fill a box anew; what had the focus keeps it, and fields what is typed in them, if they are still there.
+// A box that is being pressed waits: a click counts only where what was pressed is what is let go.
 function refill(box, nodes) {
+  if (press.target && box.contains(press.target)) {
+    press.then.set(box, nodes);
+    return;
+  }
   const key = box.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;
   const typed = typedIn(box);
   box.replaceChildren(...nodes.filter(Boolean));

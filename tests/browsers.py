@@ -21,7 +21,7 @@ class Opened:
     errors: list[str] = field(default_factory=list)
     requests: list[str] = field(default_factory=list)
 
-    def wait_until(self, condition: str, seconds: float = 10.0) -> None:
+    def wait_until(self, condition: str, seconds: float = 60.0) -> None:
         """Wait for a condition in JavaScript; playwright's own way breaks the page's policy."""
         end = time.monotonic() + seconds
         while not self.page.evaluate(condition):

@@ -7,6 +7,7 @@ breakdown when it happens.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -17,6 +18,7 @@ from teamformer.grid import Place
 from teamformer.mission.arrivals import draw_arrivals
 from teamformer.mission.checks import LARGEST_NUMBER
 from teamformer.mission.places import believed_place, possible_places
+from teamformer.mission.rules import LIKELY
 from teamformer.model import Absence, Breakdown, Robot, Scenario, Task, World
 
 MOST_BREAKDOWNS = 1000
@@ -135,12 +137,18 @@ def believed_mission(
 def expected_mission(scenario: Scenario, foresight: str = "scouting") -> Scenario:
     """Return an uncertain mission as it is believed before it begins.
 
-    By `foresight` needs that nobody knows are believed to be there, unless that is `absent`.
+    What is believed of needs that nobody knows is said by `foresight`: see `expected_needs`.
     """
     needs = (expected_needs(task, foresight) for task in scenario.tasks)
     return believed_mission(scenario, dict(enumerate(needs)))
 
 
 def expected_needs(task: Task, foresight: str) -> Counts:
-    """Return what a task is believed to need before somebody stands there."""
-    return task.needs if foresight == "absent" else task.worst_needs
+    """Return what a task is believed to need before somebody stands there.
+
+    By `foresight` that is what it needs for sure (`absent`), with all that it may need (`needed`)
+    or with what is likely to be needed (`scouting`).
+    """
+    least = {"absent": math.inf, "needed": 0.0, "scouting": LIKELY}[foresight]
+    more = {cap: 1 for cap, chance in task.may_need.items() if chance > 0 and chance >= least}
+    return total([task.needs, more])

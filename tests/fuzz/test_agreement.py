@@ -290,7 +290,7 @@ def test_outputs_of_live_sessions_agree(
     with serving(scenario, tmp_path, speed=200.0, method=method) as server:
         watching = Opened(browser.new_page())
         watching.page.goto(f"http://{server.address}/")
-        watching.wait_until("window.teamformer !== undefined", 30)
+        watching.wait_until("window.teamformer !== undefined")
         uri = f"ws://{server.address}/socket"
         with connect(uri, origin=f"http://{server.address}") as line:  # type: ignore[arg-type]
             for message in _script(rng, scenario):
@@ -300,8 +300,8 @@ def test_outputs_of_live_sessions_agree(
                 _wait_for_answer(line, message["do"])
                 if message["do"] in ("happen", "undo", "step"):
                     _compare_page_of_the_moment(watching, server.session.mission)
-        watching.wait_until("document.querySelector('#status').textContent !== 'Running'", 60)
-        watching.wait_until(f"window.teamformer.last === {server.session.mission.steps}", 60)
+        watching.wait_until("document.querySelector('#status').textContent !== 'Running'")
+        watching.wait_until(f"window.teamformer.last === {server.session.mission.steps}")
         shown = sorted(Line(*told) for told in watching.page.evaluate("window.teamformer.told()"))
         incidents = [it for _, it in server.session.mission.incidents]
         told_of = server.session._state()["incidents"]
@@ -318,9 +318,9 @@ def test_outputs_of_live_sessions_agree(
 def _compare_page_of_the_moment(watching: Opened, mission: Any) -> None:
     """Compare tables, map and header with who is there, also before the step after an incident."""
     texts = [it.text() for _, it in mission.incidents]
-    watching.wait_until(f"window.teamformer.last === {mission.steps}", 30)
-    watching.wait_until(f"window.teamformer.incidents().length === {len(texts)}", 30)
-    watching.wait_until("window.teamformer.step === window.teamformer.last", 30)
+    watching.wait_until(f"window.teamformer.last === {mission.steps}")
+    watching.wait_until(f"window.teamformer.incidents().length === {len(texts)}")
+    watching.wait_until("window.teamformer.step === window.teamformer.last")
     steps = mission.steps
     lost = {
         robot.name

@@ -12,6 +12,7 @@ from itertools import pairwise
 from teamformer.grid import Grid, Place
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.places import believed_place, possible_places
+from teamformer.mission.rules import LIKELY
 from teamformer.model import Robot, Scenario
 from teamformer.plane import Plane
 
@@ -132,7 +133,8 @@ class PlainWorld:
                 robots = [r for r in left if self.is_way(self.s.robots[r], self.at[task])]
                 have = sum(thousandths(self.s.robots[r].can.get(cap, 0)) for r in robots)
                 more = thousandths(needs.get(cap, 0)) + 1000
-                if self.foresight != "absent" and chance > 0 and have >= more:
+                least = {"needed": 1e-300, "scouting": LIKELY}.get(self.foresight, 2.0)
+                if chance >= least and have >= more:
                     needs[cap] = more / 1000
             self.hopes[task] = needs
 

@@ -202,7 +202,7 @@ def test_the_referee_finds_what_is_found_or_believed_wrongly() -> None:
         "does not believe": with_step(replay, moves, moved=moved[1:]),
         "without reason": with_step(replay, moves, moved=(*moved[1:], away)),
         "moves a task twice": with_step(replay, moves, moved=(*moved, moved[0])),
-        "cannot really be": with_true_task(replay, 0, at=far),
+        "cannot really have been": with_true_task(replay, 0, at=far),
     }
     for words, record in forged.items():
         messages = [finding.message for finding in judge(record).findings]

@@ -20,7 +20,7 @@ from teamformer.capabilities import describe
 from teamformer.errors import ReplayError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.events import events
-from teamformer.mission.rules import FORESIGHTS
+from teamformer.mission.rules import FORESIGHTS, LIKELY
 from teamformer.model import Absence, Breakdown, Scenario
 from teamformer.referee import judge
 from teamformer.rules.constants import NOBODY
@@ -69,17 +69,27 @@ def test_a_service_may_end_at_once() -> None:
     assert env.tally().status == "completed"
 
 
-@pytest.mark.parametrize(("foresight", "believed"), [("needed", [1, 1, 0]), ("absent", [1, 0, 0])])
-def test_needs_are_known_when_a_robot_stands_there(foresight: str, believed: list[int]) -> None:
+@pytest.mark.parametrize(
+    ("foresight", "chance", "believed"),
+    [
+        ("needed", 0.125, [1, 1, 0]),
+        ("absent", 0.875, [1, 0, 0]),
+        ("scouting", LIKELY, [1, 1, 0]),
+        ("scouting", 0.125, [1, 0, 0]),
+    ],
+)
+def test_needs_are_known_when_a_robot_stands_there(
+    foresight: str, chance: float, believed: list[int]
+) -> None:
     """a . T   where T needs a, c and may need b: nobody knows until a is there, in step 2."""
-    work = replace(task("a", 2), may_need={"b": 0.25})
+    work = replace(task("a", 2), may_need={"b": chance})
     robots = [robot("a", 0), robot("b", 9), robot("c", 19)]
     scenario = make(robots, [work])
     truth = with_truth(scenario, needs={"a": 1, "b": 1})
     env = TeamFormation([scenario], truths=[truth], foresight=foresight)
     play(env, 1)
     assert env.view().task_needs[0, 0].tolist() == believed
-    assert env.view().task_may_need[0, 0].tolist() == [0, 0.25, 0]
+    assert env.view().task_may_need[0, 0].tolist() == [0, chance, 0]
     play(env, 1)
     assert env.view().task_needs[0, 0].tolist() == [1, 1, 0]
     assert env.view().task_may_need[0, 0].tolist() == [0, 0, 0]
@@ -368,7 +378,7 @@ def test_the_referee_finds_truths_that_cannot_be_and_what_is_shown_wrongly() -> 
     shows = next(i for i, step in enumerate(replay.steps) if step.shown)
     shown = replay.steps[shows].shown
     forged = {
-        "cannot really be": [
+        "cannot really have been": [
             with_true_task(replay, unsure, duration=11),
             with_true_task(replay, sure, duration=3),
             with_true_task(replay, hidden, needs={**tasks[hidden].needs, other: 1}),

@@ -67,7 +67,7 @@ def opened(browser: Any, address: str) -> Opened:
     page = browser.new_page(viewport={"width": 1400, "height": 900})
     page.goto(address)
     found = Opened(page)
-    found.wait_until("window.teamformer !== undefined", 60)
+    found.wait_until("window.teamformer !== undefined")
     return found
 
 

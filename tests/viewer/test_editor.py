@@ -77,7 +77,7 @@ def click(opened: Opened, x: float, y: float) -> None:
 
 
 def wait_for(opened: Opened, selector: str, text: str) -> None:
-    opened.wait_until(f"document.querySelector('{selector}')?.textContent.includes({text!r})", 60)
+    opened.wait_until(f"document.querySelector('{selector}')?.textContent.includes({text!r})")
 
 
 def draw(opened: Opened) -> None:
@@ -113,7 +113,7 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     assert [dict(task.needs) for task in drawn.tasks][3:5] == [{"scan": 1}, {"lift": 1, "scan": 1}]
     with page.expect_event("load", timeout=60_000):
         page.click("#mission >> text=Run")
-    opened.wait_until("window.teamformer !== undefined", 60)
+    opened.wait_until("window.teamformer !== undefined")
     wait_for(opened, "#start-text", "Start the mission")
     for step in range(1, 11):
         page.keyboard.press("ArrowRight")
@@ -335,7 +335,7 @@ def test_fractions_are_drawn_saved_run_and_added(opened: Opened, tmp_path: Path)
     assert drawn.tasks[0].needs == {"lift": 32.75}
     with page.expect_event("load", timeout=60_000):
         page.click("#mission >> text=Run")
-    opened.wait_until("window.teamformer !== undefined", 60)
+    opened.wait_until("window.teamformer !== undefined")
     wait_for(opened, "#start-text", "Start the mission")
     page.keyboard.press("ArrowRight")
     opened.wait_until("window.teamformer.last === 1")
@@ -357,7 +357,7 @@ def test_from_the_example_to_its_mission_and_back(begun: Opened, served: Served)
     page.click("text=Back to the drawing …")
     with page.expect_event("load", timeout=60_000):
         page.get_by_role("button", name="Back to the drawing", exact=True).click()
-    begun.wait_until("window.teamformer?.teams().length === 3", 60)
+    begun.wait_until("window.teamformer?.teams().length === 3")
     page.click("[data-tool=robot]")
     click(begun, 4, 4)
     begun.wait_until("window.teamformer.teams().length === 4")
@@ -365,13 +365,13 @@ def test_from_the_example_to_its_mission_and_back(begun: Opened, served: Served)
     assert len(served.session.session.mission.scenario.robots) == 4
     with page.expect_event("load", timeout=60_000):  # nothing would be lost, so it is not asked
         page.click("text=Back to the drawing …")
-    begun.wait_until("window.teamformer?.teams().length === 4", 60)
+    begun.wait_until("window.teamformer?.teams().length === 4")
 
 
 def run(opened: Opened) -> None:
     with opened.page.expect_event("load", timeout=60_000):
         opened.page.click("text=Run the mission")
-    opened.wait_until("window.teamformer !== undefined", 60)
+    opened.wait_until("window.teamformer !== undefined")
     wait_for(opened, "#start-text", "Start the mission")
 
 

@@ -53,7 +53,7 @@ def opened(browser: Any, served: Served) -> Iterator[Opened]:
 
 
 def wait_for(opened: Opened, selector: str, text: str) -> None:
-    opened.wait_until(f"document.querySelector('{selector}')?.textContent.includes({text!r})", 30)
+    opened.wait_until(f"document.querySelector('{selector}')?.textContent.includes({text!r})")
 
 
 def step_to(opened: Opened, step: int, begun: int = 0) -> None:
@@ -66,7 +66,7 @@ def test_a_mission_starts_with_a_click_and_ends(opened: Opened) -> None:
     assert opened.page.inner_text("#start") == "Start the mission"
     wait_for(opened, "#outlook", "all done at step 13")
     opened.page.click("#start")
-    opened.wait_until("window.teamformer.step === 13", 30)
+    opened.wait_until("window.teamformer.step === 13")
     wait_for(opened, "#status", "Completed")
     wait_for(opened, "#mission h2", "Live, over")
     assert opened.page.inner_text("#outlook") == "All done at step 13."
@@ -260,7 +260,7 @@ def test_one_looks_back_while_the_mission_goes_on(opened: Opened) -> None:
     opened.page.keyboard.press("Home")
     assert opened.shown_step() == 0
     opened.page.keyboard.press(" ")
-    opened.wait_until("window.teamformer.last === 13", 30)
+    opened.wait_until("window.teamformer.last === 13")
     assert opened.shown_step() == 0
     opened.page.keyboard.press("End")
     assert opened.shown_step() == 13

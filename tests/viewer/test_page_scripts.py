@@ -15,6 +15,7 @@ import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_states
 
 from teamformer.export.moments import moments
+from teamformer.mission.rules import LIKELY
 from teamformer.sim.replay import phases
 from teamformer.sim.replay.reading import read_replay
 
@@ -172,20 +173,30 @@ BELIEFS = """(tree) => {
 }"""
 
 
-@pytest.mark.parametrize("foresight", ["needed", "absent"])
-def test_what_is_believed_is_told_until_the_truth_shows(scripts: Any, foresight: str) -> None:
+@pytest.mark.parametrize(
+    ("foresight", "chance", "is_expected"),
+    [
+        ("needed", 0.01, True),
+        ("absent", 0.4, False),
+        ("scouting", LIKELY, True),
+        ("scouting", LIKELY - 0.01, False),
+    ],
+)
+def test_what_is_believed_is_told_until_the_truth_shows(
+    scripts: Any, foresight: str, chance: float, is_expected: bool
+) -> None:
     """Task t at (3, 3) needs a lifter, and two as it turns out in step 2; it takes 4 steps."""
     steps = [{"teams": [[0, 3, 3, 0]]}, {"shown": [0], "joins": [[1, 0]]}, {}, {}, {}]
     tree = two_robots([*steps, {"done": [[0, 0]]}])
     [task] = tree["scenario"]["tasks"]
-    task |= {"may_need": {"lift": 0.4}, "duration": [2, 9]}
+    task |= {"may_need": {"lift": chance}, "duration": [2, 9]}
     tree["foresight"] = foresight
     tree["truth"] = {"tasks": {"t": {"needs": {"lift": 2}, "duration": 4}}, "robots": {}}
     told = scripts.evaluate(BELIEFS, tree)
-    first = "lift" if foresight == "absent" else "2 x lift"
+    first = "2 x lift" if is_expected else "lift"
     assert told["believed"] == [first, first, "2 x lift"]
-    assert told["lacking"] == ["" if foresight == "absent" else "lift", ""]
-    assert told["needs"] == ["lift, may need lift (40%)", "2 x lift"]
+    assert told["lacking"] == ["lift" if is_expected else "", ""]
+    assert told["needs"] == [f"lift, may need lift ({round(100 * chance)}%)", "2 x lift"]
     assert told["lasts"] == "2 to 9 steps"
     assert told["under_way"] == "under way, 1 of 2 to 9 steps made"
     assert told["shown"] == [[2, "t needs 2 x lift, as it turns out"]]

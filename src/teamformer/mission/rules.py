@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 NEW_TASKS = ("resolve", "nearest")
 FORESIGHTS = ("needed", "absent", "scouting")
+LIKELY = 0.25
+"""By the foresight `scouting`, needs that nobody knows are expected from this probability on."""
 
 TIMES = ("steps", "continuous")
 HOME = "home"

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 from teamformer.capabilities import Counts, exact, total
+from teamformer.mission.rules import LIKELY
 from teamformer.model import Arrivals, Robot, Scenario, Task
 from teamformer.referee.completion import Tasks
 from teamformer.referee.finding import can_be_at, places_of
@@ -16,19 +18,24 @@ from teamformer.sim.replay.record import Replay, Step
 
 def judge_truth(replay: Replay, notes: Notes) -> None:
     """Check that the mission which was played is one that the scenario allows."""
-    scenario, truth = replay.scenario, replay.mission
+    for message in wrong_truths(replay.scenario, replay.mission):
+        notes.note(message)
+
+
+def wrong_truths(scenario: Scenario, truth: Scenario) -> Iterator[str]:
+    """Say what of a truth a mission does not allow; both have the same tasks and robots."""
     for task, true in zip(scenario.tasks, truth.tasks, strict=True):
         if not (_can_be_task(task, true) and can_be_at(scenario, task, true.at)):
-            notes.note(f"task {task.name} cannot really be what the record says that it was")
+            yield f"task {task.name} cannot really have been like that"
     if scenario.arrivals is not None:
-        _judge_arrivals(scenario, scenario.arrivals, notes)
+        yield from _wrong_arrivals(scenario, scenario.arrivals)
     for robot, real in zip(scenario.robots, truth.robots, strict=True):
         if not _can_be_robot(robot, real):
-            notes.note(f"robot {robot.name} cannot break down when the record says that it did")
+            yield f"robot {robot.name} cannot have broken down like that"
 
 
-def _judge_arrivals(scenario: Scenario, arrivals: Arrivals, notes: Notes) -> None:
-    """Check that the tasks that appeared at random can have."""
+def _wrong_arrivals(scenario: Scenario, arrivals: Arrivals) -> Iterator[str]:
+    """Say which tasks that appeared at random cannot have."""
     latest = 0
     for task in scenario.tasks:
         if not task.has_arrived:
@@ -44,7 +51,7 @@ def _judge_arrivals(scenario: Scenario, arrivals: Arrivals, notes: Notes) -> Non
             and len(task.needs) <= (arrivals.most_needs or len(able))
         )
         if not is_possible:
-            notes.note(f"task {task.name} cannot appear as the record says that it did")
+            yield f"task {task.name} cannot have appeared like that"
         latest = task.appears
 
 
@@ -102,9 +109,9 @@ class Knowledge:
         place = places_of(world, task)[0]
         have = total(r.can for r in fleet if gets_there(world, r, place))
         needs = dict(task.needs)
+        least = {"absent": math.inf, "needed": 0.0, "scouting": LIKELY}[self._foresight]
         for cap, chance in task.may_need.items():
-            is_absent = self._foresight == "absent" or chance == 0
-            if not is_absent and have.get(cap, 0) >= exact(needs.get(cap, 0) + 1):
+            if 0 < chance >= least and have.get(cap, 0) >= exact(needs.get(cap, 0) + 1):
                 needs[cap] = exact(needs.get(cap, 0) + 1)
         return needs
 

@@ -8,9 +8,9 @@
 `real`, `sparse`, `warehouse`, `moving`, `carry`, `air-ground` and `deadlines` are families of
 missions that people have; `real-lost` loses one robot that can be spared, in `real-arrivals` a
 fifth of the tasks appears later.
-`-durations`, `-needs` (with a probability of 50%; `-needs30`, `-needs70`), `-places`, `-delays`,
-`-calls`, `-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name says, in any
-setting: `4N20T-C4-needs`, `real-mixed`.
+`-durations`, `-needs` (with a probability of 50%; `-needs10`, `-needs30`, `-needs70`), `-places`,
+`-delays`, `-calls`, `-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name
+says, in any setting: `4N20T-C4-needs`, `real-mixed`.
 """
 
 from __future__ import annotations

@@ -90,6 +90,7 @@ def _all(mission: Scenario, rng: np.random.Generator) -> Scenario:
 SURPRISES: Mapping[str, Kind] = {
     "durations": _durations,
     "needs": _needs(CHANCE),
+    "needs10": _needs(0.1),
     "needs30": _needs(0.3),
     "needs70": _needs(0.7),
     "places": _places,
@@ -99,7 +100,7 @@ SURPRISES: Mapping[str, Kind] = {
     "mixed": _mixed,
     "all": _all,
 }
-"""What may be uncertain; `needs30` is with a probability of 30%, `needs` of 50%."""
+"""What may be uncertain; `needs10` is with a probability of 10%, `needs` of 50%."""
 
 
 def _may_need(task: Task, chance: float, rng: np.random.Generator) -> Task:

@@ -24,8 +24,8 @@ STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
 RESOLVE, NEAREST = 0, 1
 """What happens to the order when tasks appear: a new tour, or each after its nearest."""
 
-NEEDED, ABSENT, SCOUTING = 0, 1, 2
-"""How needs that nobody knows are treated: as in `mission.rules.FORESIGHTS`."""
+SCOUTING = 2
+"""By this one of `mission.rules.FORESIGHTS` searches for tasks look ahead."""
 
 START, APPEARED, LOST, BROKEN_OFF, BACK = 1, 2, 4, 8, 16
 SHOWN, OVERDUE, FOUND, CANCELLED, DONE = 32, 64, 128, 256, 512
@@ -44,7 +44,7 @@ RULES = np.dtype(
         ("step_limit", np.int32),
         ("new_tasks", np.int32),  # RESOLVE or NEAREST
         ("is_coordinated", np.bool_),  # a coordinator plans; else the paper's order and allocator
-        ("foresight", np.int32),  # NEEDED, ABSENT or SCOUTING
+        ("foresight", np.int32),  # which of `mission.rules.FORESIGHTS`
         ("hides_needs", np.bool_),  # what some tasks need is not known
         ("hides_places", np.bool_),  # where some tasks are is not known
         ("has_delays", np.bool_),  # robots stand still now and then
@@ -192,7 +192,7 @@ class Worlds(NamedTuple):
     needs: Array  # (worlds, tasks, caps) as everybody believes
     sure_needs: Array  # (worlds, tasks, caps), or (worlds, 0, 0) if all needs are
     true_needs: Array  # the same: what they really are
-    worst_needs: Array  # the same: what they are if all that may be needed is
+    expected_needs: Array  # the same: what is believed while nobody knows, if robots can bring it
     may_need: Array  # the same: with what probability one more is needed
     precedes: Array  # (worlds, tasks, tasks) which are done before which, or (worlds, 0, 0)
     demand: Array  # (worlds, caps) open tasks that need each capability
@@ -224,7 +224,7 @@ if TYPE_CHECKING:
         needs: Array
         sure_needs: Array
         true_needs: Array
-        worst_needs: Array
+        expected_needs: Array
         may_need: Array
         precedes: Array
         demand: Array
@@ -258,7 +258,7 @@ def world_at(worlds, w):  # type: ignore[no-untyped-def]
         worlds.needs[w],
         worlds.sure_needs[w],
         worlds.true_needs[w],
-        worlds.worst_needs[w],
+        worlds.expected_needs[w],
         worlds.may_need[w],
         worlds.precedes[w],
         worlds.demand[w],

@@ -68,7 +68,7 @@ class TeamFormation:
     `planned_decision(view)` is what these want. Without one, teams head for tasks by the paper's
     shared order and allocator; `new_tasks` says what becomes of the order when tasks appear: it is
     solved anew (`resolve`), or each goes after its nearest (`nearest`). `foresight` says how needs
-    are treated that nobody knows yet: as `needed` or as `absent`; with `scouting` as needed, and
+    are treated that nobody knows yet: as `needed` or as `absent`; with `scouting` as likely, and
     places are looked for with a view to what may come.
     """
 

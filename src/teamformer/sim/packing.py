@@ -101,7 +101,7 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
         needs=np.zeros((count, tasks, caps), dtype=np.int32),
         sure_needs=np.zeros(unsure, dtype=np.int32),
         true_needs=np.zeros(unsure, dtype=np.int32),
-        worst_needs=np.zeros(unsure, dtype=np.int32),
+        expected_needs=np.zeros(unsure, dtype=np.int32),
         may_need=np.zeros(unsure, dtype=np.float32),
         precedes=np.zeros(precedes, dtype=np.bool_),
         demand=np.zeros((count, caps), dtype=np.int32),
@@ -248,12 +248,11 @@ def _pack_tasks(
         for name, count in scenario.in_units(believed).items():
             worlds.needs[w, k, cap_of[name]] = count
         if len(worlds.true_needs[w]):
+            worlds.expected_needs[w, k] = worlds.needs[w, k]
             for name, count in scenario.in_units(task.needs).items():
                 worlds.sure_needs[w, k, cap_of[name]] = count
             for name, count in scenario.in_units(truth.tasks[k].needs).items():
                 worlds.true_needs[w, k, cap_of[name]] = count
-            for name, count in scenario.in_units(task.worst_needs).items():
-                worlds.worst_needs[w, k, cap_of[name]] = count
             for name, probability in task.may_need.items():
                 worlds.may_need[w, k, cap_of[name]] = probability
     is_known = worlds.tasks["is_open"][w]

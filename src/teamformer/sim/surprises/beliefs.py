@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
 from teamformer.rules.constants import NOBODY
-from teamformer.sim.arrays import ABSENT, OVERDUE, SHOWN
+from teamformer.sim.arrays import OVERDUE, SHOWN
 from teamformer.sim.motion import is_way
 from teamformer.sim.spatial_index import find_tasks_here
 
@@ -40,7 +40,7 @@ def show_needs(world: World, step: int) -> bool:
 
 @kernel
 def expect_needs(world: World) -> None:
-    """Believe of every task what it may need, as far as the robots that are left can bring it.
+    """Believe of every task what is expected, as far as the robots that are left can bring it.
 
     Call it when robots are lost or back; of the rest one can only hope that it is not needed.
     """
@@ -50,11 +50,9 @@ def expect_needs(world: World) -> None:
         if not world.tasks[task].hides_needs:
             continue
         for cap in range(world.needs.shape[1]):
-            expected = world.sure_needs[task, cap]
-            if world.rules.foresight != ABSENT and world.may_need[task, cap] > 0:
-                worst = world.worst_needs[task, cap]
-                expected = worst if _count_near(world, task, cap) >= worst else expected
-            _believe(world, task, cap, expected)
+            sure, expected = world.sure_needs[task, cap], world.expected_needs[task, cap]
+            is_hopeless = expected > sure and _count_near(world, task, cap) < expected
+            _believe(world, task, cap, sure if is_hopeless else expected)
 
 
 @kernel

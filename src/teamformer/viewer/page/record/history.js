@@ -9,7 +9,7 @@ const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"]; // even
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
 function frames(recorded) {
   const replay = inSquares(recorded);
-  const scenario = readScenario(replay.scenario, replay.truth, replay.foresight !== "absent");
+  const scenario = readScenario(replay.scenario, replay.truth, replay.foresight);
   const history = {
     replay,
     scenario,

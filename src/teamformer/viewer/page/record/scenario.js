@@ -1,11 +1,13 @@
 // The scenario of a replay, with capabilities as numbers and counts as [capability, count] pairs.
 
-// `truth` says, by name, what an uncertain mission really was; `isHopeful` that plans count on needs
-// that tasks may have.
-function readScenario(tree, truth, isHopeful) {
+// By foresight, from which probability on plans count on needs that tasks may have.
+const LEAST_CHANCE = { needed: 0, scouting: 0.25, absent: Infinity };
+
+// `truth` says, by name, what an uncertain mission really was.
+function readScenario(tree, truth, foresight = "scouting") {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
   const listed = [...tree.tasks, ...(truth?.arrivals ?? [])];
-  const tasks = listed.map((task) => readTask(task, numbers, truth?.tasks[task.name], isHopeful));
+  const tasks = listed.map((task) => readTask(task, numbers, truth?.tasks[task.name], LEAST_CHANCE[foresight]));
   const numberOf = new Map(tasks.map(({ name }, number) => [name, number]));
   for (const task of tasks) task.after = task.after.map((name) => numberOf.get(name));
   const scenario = {
@@ -37,11 +39,11 @@ function readTask(
   { name, at, within, needs, may_need, duration, appears, cancelled, after, between, to, unload, weight },
   numbers,
   truth,
-  isHopeful,
+  leastChance,
 ) {
   const mayNeed = Object.entries(may_need ?? {}).map(([cap, chance]) => [numbers.get(cap), chance]);
   const sure = readCounts(needs, numbers);
-  const hoped = mayNeed.filter(([, chance]) => isHopeful && chance > 0).map(([cap]) => [cap, 1]);
+  const hoped = mayNeed.filter(([, chance]) => chance > 0 && chance >= leastChance).map(([cap]) => [cap, 1]);
   const [lasts, took] = Array.isArray(duration) ? [duration, duration[1]] : [null, duration ?? 0];
   return {
     name,

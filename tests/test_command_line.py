@@ -12,7 +12,7 @@ from teamformer.cli.app import app
 
 VERBS = (
     *("run", "compare", "generate", "import", "plan", "advise", "live"),
-    *("methods", "bench", "train", "check", "view", "export"),
+    *("methods", "bench", "train", "check", "view", "learn", "export"),
     *("fleet start", "fleet add", "fleet agent", "fleet rehearse", "fleet watch"),
     *("robotarium fly", "robotarium deploy"),
 )

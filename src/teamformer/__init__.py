@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from typing import TypeAlias
 
+    from teamformer.advice.experience import Experience as Experience
     from teamformer.advice.suggestions import Advice as Advice
     from teamformer.api.advice import advise as advise
+    from teamformer.api.advice import learn as learn
     from teamformer.api.missions import generate as generate
     from teamformer.api.missions import load as load
     from teamformer.api.missions import save as save
@@ -50,12 +52,14 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Advice": "advice.suggestions:Advice",
+    "Experience": "advice.experience:Experience",
     "Page": "viewer.notebook_page:Page",
     "Trial": "api.trials:Trial",
     "advise": "api.advice:advise",
     "check": "api.trials:check",
     "compare": "api.trials:compare",
     "generate": "api.missions:generate",
+    "learn": "api.advice:learn",
     "load": "api.missions:load",
     "plan": "api.trials:plan",
     "run": "api.trials:run",

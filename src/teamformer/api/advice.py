@@ -1,11 +1,16 @@
-"""What would help a mission, measured. The command line calls the same; nothing prints."""
+"""What would help a mission, and what its past tells; the command line calls the same."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from teamformer.advice.advise import advise_on
+from teamformer.advice.experience import Experience
+from teamformer.advice.experience import learn as learn_from
 from teamformer.advice.suggestions import Advice
 from teamformer.api.trials import refuse_no_mission
 from teamformer.model import Scenario
+from teamformer.sim.replay.record import Replay
 
 
 def advise(mission: Scenario, seconds: float = 60.0, workers: int = 1) -> Advice:
@@ -29,3 +34,21 @@ def advise(mission: Scenario, seconds: float = 60.0, workers: int = 1) -> Advice
     """
     refuse_no_mission(mission, "advise")
     return advise_on(mission, seconds, workers)
+
+
+def learn(mission: Scenario, records: Sequence[Replay]) -> Experience:
+    """Return a mission whose uncertain durations and needs are as records of its site show them.
+
+    The result has the `mission`, and its `lessons` one by one. Records are of missions in the same
+    world. Only what has shown itself counts: durations of tasks that were done, needs that became
+    known. Near tasks count more (docs/how-to/learn.md). Raises `TeamformerError` for a record of
+    another world, and if neither a duration nor a need of the mission is uncertain.
+
+    >>> mission = tf.setting("4N20T-C4-needs", seed=1)
+    >>> past = [tf.run(mission, seed=seed).record for seed in range(5)]
+    >>> learned = tf.learn(mission, past)
+    >>> len(learned.lessons) == sum(len(task.may_need) for task in mission.tasks)
+    True
+    """
+    refuse_no_mission(mission, "learn")
+    return learn_from(mission, records)

@@ -12,10 +12,12 @@ from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.critical_path.words import why_so_late
 from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge
+from teamformer.referee.truth import wrong_truths
 from teamformer.referee.verdict import Verdict
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import Replay
@@ -103,14 +105,20 @@ class Trial:
 
 
 def run(
-    mission: Scenario, method: str | Player | None = None, seed: int = 0, seconds: float = 10.0
+    mission: Scenario,
+    method: str | Player | None = None,
+    seed: int = 0,
+    seconds: float = 10.0,
+    truth: Scenario | None = None,
 ) -> Trial:
     """Run a mission and return the trial.
 
     `method` is a name (docs/reference/methods.md), a policy or a coordinator. By default it is
     `plan`, or `crews` if the mission is too large for `plan`. `seed` decides what an uncertain
-    mission really is. `seconds` is how long a planner such as `central` may search. Raises
-    `TeamformerError` for an unknown name, and for a mission that cannot be played in steps.
+    mission really is, unless `truth` says it: the same mission with what shows itself in it, as
+    `trial.record.mission` has it. `seconds` is how long a planner such as `central` may search.
+    Raises `TeamformerError` for an unknown name, for a mission that cannot be played in steps, and
+    for a truth that the mission does not allow.
 
     >>> trial = tf.run(tf.load("examples/four-robots.yaml"), method="plan")
     >>> trial.makespan
@@ -119,7 +127,9 @@ def run(
     True
     """
     refuse_unplayed(mission, "run")
-    return Trial(_run_one(mission, _method(method or default_for(mission), seconds), seed))
+    if truth is not None:
+        _refuse_wrong_truth(mission, truth)
+    return Trial(_run_one(mission, _method(method or default_for(mission), seconds), seed, truth))
 
 
 def compare(
@@ -196,5 +206,20 @@ def _method(method: str | Player, seconds: float) -> Method:
     return load_method(method, seconds) if isinstance(method, str) else as_method(method)
 
 
-def _run_one(mission: Scenario, method: Method, seed: int) -> PlayedTrial:
-    return run_trial(mission, method, seed, lower_bound(draw_truth(mission, seed)))
+def _refuse_wrong_truth(mission: Scenario, truth: Scenario) -> None:
+    """Raise `TeamformerError` for a truth that a mission does not allow."""
+    hint = "take trial.record.mission, or draw one from the mission itself"
+    known = truth.tasks[: len(mission.tasks)] if mission.arrivals else truth.tasks
+    if [task.name for task in mission.tasks] != [task.name for task in known]:
+        raise TeamformerError("the truth has other tasks than the mission", hint)
+    if [robot.name for robot in mission.robots] != [robot.name for robot in truth.robots]:
+        raise TeamformerError("the truth has other robots than the mission", hint)
+    for message in wrong_truths(with_arrivals(mission, truth), truth):
+        raise TeamformerError(f"the truth does not fit the mission: {message}", hint)
+
+
+def _run_one(
+    mission: Scenario, method: Method, seed: int, truth: Scenario | None = None
+) -> PlayedTrial:
+    truth = draw_truth(mission, seed) if truth is None else truth
+    return run_trial(mission, method, seed, lower_bound(truth), truth=truth)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from teamformer.cli.app import AsJson, ReplayPath, app
+from teamformer.cli.app import AsJson, MissionPath, ReplayPath, app
 
 
 @app.command()
@@ -45,6 +45,20 @@ def view(
     from teamformer.commands.records.view import view as command
 
     raise typer.Exit(command(files))
+
+
+@app.command()
+def learn(
+    mission: MissionPath,
+    records: Annotated[
+        list[Path], typer.Argument(metavar="RECORD...", help="records, or folders with replay.json")
+    ],
+    learned: Annotated[Path, typer.Argument(metavar="LEARNED", help="the .yaml to write")],
+) -> None:
+    """Write a mission whose uncertain durations and needs are as records of its site show them."""
+    from teamformer.commands.records.learn import learn_from
+
+    raise typer.Exit(learn_from(mission, records, learned))
 
 
 @app.command()

@@ -53,12 +53,13 @@ def run_trial(
     seed: int = 0,
     lower_bound: int | None = None,
     on_step: Callable[[Tally], None] | None = None,
+    truth: Scenario | None = None,
 ) -> Trial:
     """Run one trial and record it; Ctrl-C ends it with what was done so far.
 
-    `player` is a method, or a policy or a coordinator by itself. The seed says what an uncertain
-    mission really is. A policy that is told everything is told that too, so that for it nothing is
-    uncertain.
+    `player` is a method, or a policy or a coordinator by itself. `truth` is what an uncertain
+    mission really is; left out, it is drawn by the seed. A policy that is told everything is told
+    that too, so that for it nothing is uncertain.
 
     `lower_bound` is what is known of the mission; a planner that has proven more raises it.
     `on_step` is called after each step, for a display of progress. Raises `TeamformerError` for a
@@ -68,7 +69,7 @@ def run_trial(
     refuse_too_large(mission, method)
     planning = deciding = 0.0
     is_interrupted = False
-    truth = draw_truth(mission, seed)
+    truth = draw_truth(mission, seed) if truth is None else truth
     env = recorder = None
     try:
         planning = _seconds(lambda: begin(method, [mission], [truth], seed))

@@ -8,7 +8,7 @@ estimate (Nadaraya 1964; Watson 1964); chances are means of beta distributions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -75,24 +75,27 @@ def learn(mission: Scenario, records: Sequence[Replay]) -> Experience:
     durations = _Past([case for case in cases if case.cap is None], side)
     caps = sorted({cap for task in mission.tasks for cap in task.may_need})
     needs = {cap: _Past([case for case in cases if case.cap == cap], side) for cap in caps}
-    lessons: list[Lesson] = []
-    tasks = []
-    for task in mission.tasks:
-        learned = task
-        if task.lasts is not None:
-            lasts, weight = durations.range_of(task, task.lasts)
-            learned = replace(learned, lasts=lasts)
-            said, now = (f"{least} to {most}" for least, most in (task.lasts, lasts))
-            lessons.append(Lesson(task.name, "duration", said, now, weight))
-        for cap, chance in task.may_need.items():
-            found, weight = needs[cap].chance_of(task, chance)
-            learned = replace(learned, may_need={**learned.may_need, cap: found})
-            what = f"may need {cap}"
-            lessons.append(Lesson(task.name, what, f"{chance:g}", f"{found:g}", weight))
-        tasks.append(learned)
+    told = [_told(task, durations, needs) for task in mission.tasks]
     is_usual = mission.step_limit == default_step_limit(mission)
     limit = 0 if is_usual else mission.step_limit
-    return Experience(replace(mission, tasks=tuple(tasks), step_limit=limit), tuple(lessons))
+    learned = replace(mission, tasks=tuple(task for task, _ in told), step_limit=limit)
+    return Experience(learned, tuple(lesson for _, lessons in told for lesson in lessons))
+
+
+def _told(
+    task: Task, durations: _Past, needs: Mapping[str, _Past]
+) -> tuple[Task, Sequence[Lesson]]:
+    """Return a task as the past shows it, and what was learned of it."""
+    lasts, may_need, lessons = task.lasts, dict(task.may_need), []
+    if task.lasts is not None:
+        lasts, weight = durations.range_of(task, task.lasts)
+        said, found = (f"{least} to {most}" for least, most in (task.lasts, lasts))
+        lessons.append(Lesson(task.name, "duration", said, found, weight))
+    for cap, chance in task.may_need.items():
+        may_need[cap], weight = needs[cap].chance_of(task, chance)
+        said, found = f"{chance:g}", f"{may_need[cap]:g}"
+        lessons.append(Lesson(task.name, f"may need {cap}", said, found, weight))
+    return replace(task, lasts=lasts, may_need=may_need), lessons
 
 
 @dataclass(frozen=True)

@@ -68,6 +68,18 @@ def test_what_happens_always_is_learned_as_nearly_sure() -> None:
     assert (task.lasts, task.may_need) == ((3, 3), {"b": 0.01})
 
 
+def test_ranges_may_be_as_long_as_files_allow_and_what_is_sure_stays_sure() -> None:
+    past = mission([HERE] * 30, (0, 10**9))
+    records = [tf.run(past, truth=as_it_was(past, [3] * 30, [True] * 30)).record]
+    tasks = tuple(
+        replace(task, may_need={"b": chance})
+        for task, chance in zip(past.tasks[:2], (0, 1), strict=True)
+    )
+    zero, one = tf.learn(replace(past, tasks=tasks), records).mission.tasks
+    assert (zero.may_need, one.may_need) == ({"b": 0}, {"b": 1})
+    assert zero.lasts == (3, 3)
+
+
 def test_near_tasks_tell_more_where_places_differ() -> None:
     """Here tasks take 2 steps and need b, there 8 and do not; in the middle nobody knows."""
     places = [(x + dx, 2) for x in (1, 28) for dx in range(4)] * 3
@@ -100,7 +112,9 @@ def test_tasks_of_the_same_kind_tell_more_where_kinds_differ() -> None:
 
 
 def test_what_has_not_shown_itself_is_not_learned() -> None:
-    past = replace(mission([(9, 2), (20, 2)]), step_limit=3)  # nobody is there before it is over
+    past = replace(
+        mission([(9, 2), (20, 2)], (0, 99)), step_limit=3
+    )  # nobody is there before it is over
     record = tf.run(past, truth=as_it_was(past, [9, 9], [True, True])).record
     assert record.end.status == "step limit"
     experience = tf.learn(past, [record])

@@ -8,6 +8,7 @@ estimate (Nadaraya 1964; Watson 1964); chances are means of beta distributions.
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import product
@@ -28,6 +29,9 @@ MOST_FORETOLD = 1000
 
 LEFT_OUT = 0.05
 """A range of durations leaves out this share of them at either end."""
+
+FEWEST = 1.0
+"""If fewer tasks than this told a duration, its range stays as the file has it."""
 
 SURE = 0.01
 """No chance that is learned is nearer to 0 or to 1."""
@@ -141,15 +145,22 @@ class _Past:
         least, most = lasts
         weight = self._weights(task.at, task.needs.keys(), *self._way)
         weight *= (least <= self._value) & (self._value <= most)
-        share = np.full(most - least + 1, 1 / (most - least + 1))
-        np.add.at(share, np.clip(self._value, least, most).astype(np.int64) - least, weight)
-        below = np.cumsum(share) / share.sum()
-        first = int(np.searchsorted(below, LEFT_OUT, "right"))
-        last = int(np.searchsorted(below, 1 - LEFT_OUT))
-        return (least + first, least + last), float(weight.sum())
+        if weight.sum() < FEWEST:
+            return lasts, float(weight.sum())
+        values = range(least, most + 1)
+
+        def share_up_to(value: int) -> float:
+            told = weight[self._value <= value].sum()
+            return float((value - least + 1) / len(values) + told) / (1 + float(weight.sum()))
+
+        first = bisect_right(values, LEFT_OUT, key=share_up_to)
+        last = bisect_left(values, 1 - LEFT_OUT, key=share_up_to)
+        return (values[first], values[last]), float(weight.sum())
 
     def chance_of(self, task: Task, said: float) -> tuple[float, float]:
-        """Return the chance of a need, and how many tasks told it."""
+        """Return the chance of a need, and how many tasks told it; what is sure stays so."""
+        if not 0 < said < 1:
+            return said, 0.0
         weight = self._weights(task.at, task.needs.keys(), *self._way)
         chance = (said + weight @ self._value) / (1 + weight.sum())
         return round(float(np.clip(chance, SURE, 1 - SURE)), 2), float(weight.sum())

@@ -29,7 +29,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
 def test_every_file_has_its_test() -> None:
     names = {path.stem for path in FILES.glob("*.yaml")}
     tested = Path(__file__).read_text()
-    assert len(names) == 23
+    assert len(names) == 24
     assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
 
 
@@ -43,6 +43,13 @@ def test_what_is_drawn_from_a_range_may_be_late_but_is_no_error(
     assert {row["makespan"] for row in rows} == {1, 2, 3, 4, 5, 6}
     for row in rows:
         assert row["late"] == ({"t1": row["makespan"] - 4} if row["makespan"] > 4 else {})
+
+
+def test_nothing_is_exchanged_once_all_is_done() -> None:
+    """Two robots exchange their parts in the last step but one, and not again in the last."""
+    record = tf.run(tf.load(path_of("exchange-at-the-end")), "central", seconds=0).record
+    assert [step.took for step in record.steps[-2:]] == [((1, 2),), ()]
+    assert tf.check(record).findings == ()
 
 
 def test_central_and_compare_take_after_with_delays(capsys: pytest.CaptureFixture[str]) -> None:

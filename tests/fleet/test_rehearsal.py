@@ -127,6 +127,19 @@ def test_who_is_left_alone_goes_on_once_it_can_move_again() -> None:
     assert (outcome.status, outcome.tasks_done) == ("ended", 1)
 
 
+def test_who_is_stuck_beside_its_task_may_go_the_rest_of_the_way_while_it_serves() -> None:
+    """Two are near enough to serve from the start, 4 centimetres away; one gets free amid it."""
+    scenario = make([robot("a", 0), robot("b", 0)], [task("ab", 0, duration=8)], Plane(0.3, 0.3))
+    near = replace(scenario.tasks[0], at=(0.04, 0.0))
+    faults = Faults(stuck=(Spell(1, 0.0, 5.0),))
+    mission = Mission(replace(scenario, tasks=(near,)))
+    trace = Trace()
+    _, outcome, violations = play(mission, plan_of(mission), faults, trace)
+    assert (outcome.status, violations) == ("ended", [])
+    late = [e for e in trace.events if isinstance(e, Walked) and e.robot == 1 and e.at >= 5.0]
+    assert late[0].points == ((0.0, 0.0), (0.04, 0.0))
+
+
 def test_robots_of_different_speed_that_lose_each_other_on_the_way_get_there_all_the_same() -> None:
     """Their radios reach 3 cells; the task that needs both is 45 away, where they lose touch."""
     robots = [robot("a", 0), robot("b", 0, speed=0.4)]

@@ -132,7 +132,8 @@ class Checker:
             is_by = self._is_by(event.robot, robot.stays_at, event.at)
             leaves = leaves and is_by and event.robot not in self._loads[robot.stays_at].carriers
         slack = event.at + A_TICK + DRIFT * robot.hold
-        if leaves and robot.stays_until > slack and robot.stays_at not in self._done:
+        is_early = leaves and robot.stays_until > slack and robot.stays_at not in self._done
+        if is_early and not all(self._is_near(place, robot.stays_at) for place in event.points):
             left = robot.stays_until - event.at
             task = self._name(robot.stays_at)
             self._blame(
@@ -308,8 +309,12 @@ class Checker:
         load = self._loads.get(key)
         if load is not None and load.carriers:
             return number in load.carriers
+        return self._is_near(self._place(self._robots[number].walk, now), key)
+
+    def _is_near(self, place: Place, key: int) -> bool:
+        """Say whether a place is at a task, or where its load lies."""
+        load, (x, y) = self._loads.get(key), place
         to_x, to_y = (self.tasks[key].x, self.tasks[key].y) if load is None else load.at
-        x, y = self._place(self._robots[number].walk, now)
         return (x - to_x) ** 2 + (y - to_y) ** 2 <= (self.mission.radius + 1e-9) ** 2
 
     def _place(self, walk: Walked, now: float) -> Place:

@@ -26,7 +26,9 @@ def follow_plans(worlds: Worlds, parts: Parts, is_new: Array) -> None:
     """Write what teams are to do next in all coordinated worlds; `is_new` (worlds,) says which."""
     for w in range(len(worlds.rules)):
         world = world_at(worlds, w)
-        if world.count.status == RUNNING and world.rules.is_coordinated:
+        if world.rules.is_coordinated and world.count.status != RUNNING:
+            parts.took[w] = NOBODY  # what robots exchanged before the end they did not after it
+        elif world.rules.is_coordinated:
             own = Parts(
                 parts.first[w],
                 parts.task[w],

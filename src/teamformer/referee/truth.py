@@ -31,7 +31,7 @@ def wrong_truths(scenario: Scenario, truth: Scenario) -> Iterator[str]:
         yield from _wrong_arrivals(scenario, scenario.arrivals)
     for robot, real in zip(scenario.robots, truth.robots, strict=True):
         if not _can_be_robot(robot, real):
-            yield f"robot {robot.name} cannot have broken down like that"
+            yield f"robot {robot.name} cannot really have been like that"
 
 
 def _wrong_arrivals(scenario: Scenario, arrivals: Arrivals) -> Iterator[str]:

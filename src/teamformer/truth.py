@@ -7,7 +7,6 @@ breakdown when it happens.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -18,7 +17,7 @@ from teamformer.grid import Place
 from teamformer.mission.arrivals import draw_arrivals
 from teamformer.mission.checks import LARGEST_NUMBER
 from teamformer.mission.places import believed_place, possible_places
-from teamformer.mission.rules import LIKELY
+from teamformer.mission.rules import LEAST_CHANCE
 from teamformer.model import Absence, Breakdown, Robot, Scenario, Task, World
 
 MOST_BREAKDOWNS = 1000
@@ -149,6 +148,6 @@ def expected_needs(task: Task, foresight: str) -> Counts:
     By `foresight` that is what it needs for sure (`absent`), with all that it may need (`needed`)
     or with what is likely to be needed (`scouting`).
     """
-    least = {"absent": math.inf, "needed": 0.0, "scouting": LIKELY}[foresight]
+    least = LEAST_CHANCE[foresight]
     more = {cap: 1 for cap, chance in task.may_need.items() if chance > 0 and chance >= least}
     return total([task.needs, more])

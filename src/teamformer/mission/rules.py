@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
 
 NEW_TASKS = ("resolve", "nearest")
-FORESIGHTS = ("needed", "absent", "scouting")
 LIKELY = 0.25
-"""By the foresight `scouting`, needs that nobody knows are expected from this probability on."""
+LEAST_CHANCE = {"needed": 0.0, "absent": math.inf, "scouting": LIKELY}
+"""By foresight, from which probability on needs that nobody knows are expected."""
+FORESIGHTS = tuple(LEAST_CHANCE)
 
 TIMES = ("steps", "continuous")
 HOME = "home"

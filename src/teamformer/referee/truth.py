@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from teamformer.capabilities import Counts, exact, total
-from teamformer.mission.rules import LIKELY
+from teamformer.mission.rules import LEAST_CHANCE
 from teamformer.model import Arrivals, Robot, Scenario, Task
 from teamformer.referee.completion import Tasks
 from teamformer.referee.finding import can_be_at, places_of
@@ -109,7 +109,7 @@ class Knowledge:
         place = places_of(world, task)[0]
         have = total(r.can for r in fleet if gets_there(world, r, place))
         needs = dict(task.needs)
-        least = {"absent": math.inf, "needed": 0.0, "scouting": LIKELY}[self._foresight]
+        least = LEAST_CHANCE[self._foresight]
         for cap, chance in task.may_need.items():
             if 0 < chance >= least and have.get(cap, 0) >= exact(needs.get(cap, 0) + 1):
                 needs[cap] = exact(needs.get(cap, 0) + 1)

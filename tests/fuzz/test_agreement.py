@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from io import StringIO
 from pathlib import Path
@@ -24,8 +24,11 @@ from live_server import serving
 from methods import METHODS
 from missions import SEEDS, continuous_missions, missions
 from schedules import schedules
+from small_worlds import make, robot
+from small_worlds import task as task_at
 from teamformer.commands.console import out
 from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
@@ -249,6 +252,23 @@ def test_outputs_of_rehearsals_agree(
     )
     told = sorted((line.task, line.robots) for line in lines if line.kind == "done")
     assert told == [(task, ", ".join(who)) for task, who in really]
+
+
+def test_outputs_of_a_load_that_a_part_of_its_team_takes_further_agree(
+    tmp_path: Path, page: Any
+) -> None:
+    """Robot 0 crashes while the three carry a load; it takes only two."""
+    robots = [robot("a", 0) for _ in range(3)]
+    load = replace(task_at("aa", 4), to=(0, 0))
+    fleet = Mission(make(robots, [task_at("aaa", 0), load]))
+    faults = Faults(crashes=(Crash(0, 8.0, 9.0),))
+    trace = Trace(with_messages=True)
+    rehearsal, outcome, _ = play(fleet, set_stage(fleet).plan, faults, trace)
+    record = record_of(rehearsal, outcome, trace.events, 0)
+    write_replay(record, tmp_path / "replay.json")
+    assert_all_agree(page, Outputs(tmp_path, with_gif=False))
+    told = {bar.robot: bar.phase for bar in bars_of(tmp_path) if bar.begun == 9}
+    assert told == {"r0": "walking", "r1": "carrying", "r2": "carrying"}
 
 
 @fuzzed(6, "plan FILE --method plan --out FOLDER, and with --json", mission=continuous_missions())

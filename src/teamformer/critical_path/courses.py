@@ -128,7 +128,7 @@ class Courses:
         for task, x, y in step.moved:
             self._goal[task].set(number, (x, y))
         for task, x, y in step.left:
-            robots = self._carried(task, number)
+            robots = self._carried(task, number, ())
             self._goal[task].set(number, (x, y))
             self.set_down_in.setdefault(number, []).append((task, robots))
         for task, slot in step.taken:
@@ -142,15 +142,19 @@ class Courses:
                 self._write_service(task, SERVING, number - int(wanted.duration), number, robots)
             else:
                 arrived = number - int(wanted.unload)
-                self._carried(task, arrived)
+                self._carried(task, arrived, robots)
                 self._write_service(task, UNLOADING, arrived, number, robots)
             self.done_in.setdefault(number, []).append(task)
 
-    def _carried(self, task: int, ended: int) -> tuple[int, ...]:
-        """Record the carrying of a load, which ends here; return the robots that carried it."""
+    def _carried(self, task: int, ended: int, by: Robots) -> Robots:
+        """Record the carrying of a load, which ends here; return the robots that carried it.
+
+        `by` are those that had it in the end; where nobody is told, all that took it up did.
+        """
         if task not in self._up:
             return ()
-        since, robots = self._up.pop(task)
+        since, taken_by = self._up.pop(task)
+        robots = by or taken_by
         self._write_service(task, CARRYING, since, ended, robots)
         return robots
 
@@ -185,9 +189,10 @@ class Courses:
 
     def service_in(self, robot: int, step: int) -> Service | None:
         """Return the service that a robot took part in during a step, if it did."""
-        team = self.team(robot, step)
+        team = set(self.team(robot, step))
         for service in self._of[robot].services:
-            if service.begun < step <= service.ended and set(team) & set(service.begun_by):
+            is_with_it = team & set(service.begun_by) and team & set(service.robots)
+            if is_with_it and service.begun < step <= service.ended:
                 return service
         return None
 

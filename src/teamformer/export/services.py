@@ -18,7 +18,7 @@ class Services:
 
     def __init__(self, replay: Replay, teams: Teams) -> None:
         self._mission, self._teams = replay.mission, teams
-        self._serving: dict[int, set[int]] = {}  # task -> robots that began it
+        self._serving: dict[int, set[int]] = {}  # task -> robots that began it and stayed with it
         self._opens, self._done = opening_steps(replay), done_steps(replay)
         self._cancelled = cancelled_steps(replay)
         self._is_over = [False] * len(self._mission.tasks)
@@ -65,9 +65,12 @@ class Services:
         for task, x, y in step.left:
             self._end(task)
             self._lies[task] = self._believed[task] = (x, y)
-        for task in list(self._serving):
-            slot = self._slot_of(task)
-            if slot == NOBODY or not self._can_serve(slot, task):
+        for task, robots in list(self._serving.items()):
+            slots = [self._teams.slot[robot] for robot in sorted(robots)]
+            able = [slot for slot in slots if slot != NOBODY and self._can_serve(slot, task)]
+            if able:  # of a team that has parted, the first that can
+                self._serving[task] = robots & set(self._teams.robots[able[0]])
+            else:
                 self._end(task)
         let_go = {row.task for row in step.left}
         for task in sorted(self._waiting(number) - let_go, key=lambda k: (not self._is_load(k), k)):
@@ -82,7 +85,7 @@ class Services:
         self._up.pop(task, None)
 
     def _slot_of(self, task: int) -> int:
-        """Return the team that those are in who began a task."""
+        """Return the team of those who serve a task."""
         left = [r for r in self._serving.get(task, ()) if self._teams.slot[r] != NOBODY]
         return self._teams.slot[min(left)] if left else NOBODY
 

@@ -19,7 +19,7 @@ function frames(recorded) {
     hasMessages: replay.steps.some(({ heard }) => heard),
     keyframes: [],
     events: [],
-    services: scenario.tasks.map(() => []), // [{slot, from, to}], steps; `to` is open till it ends
+    services: scenario.tasks.map(() => []), // [{slot, from, to, robots, leftIn}], steps; `to` is open till it ends
     doneAt: scenario.tasks.map(() => Infinity),
     overAt: scenario.tasks.map(({ cancelled }) => cancelled), // the step in which it is done or called off
     doneBy: scenario.tasks.map(() => NOBODY),

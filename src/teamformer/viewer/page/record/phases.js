@@ -80,9 +80,9 @@ function robotsForming(before, { splits = [], joins = [] }) {
 function workOfTeams(history, after, step) {
   const work = new Map();
   history.services.forEach((services, task) => {
-    for (const { robots, from, to } of services) {
-      if (step <= from || to < step) continue;
-      for (const robot of robots) {
+    for (const service of services) {
+      if (step <= service.from || service.to < step) continue;
+      for (const robot of robotsServing(service, step)) {
         const [slot, does] = [after.team[robot], workOn(history, task, step)];
         if (does !== SERVES || !work.has(slot)) work.set(slot, does); // who has a load does only that
       }

@@ -1,7 +1,8 @@
 // Who stays with a task that has a duration, and since when: the record says only when it was done.
 
 // Returns what to call after each step. A team that stands at such a task and covers it begins;
-// it goes on until the record says done, or until the team no longer covers it.
+// it goes on until the record says done, or until the team no longer covers it. Of a team that
+// parts (robots that run by themselves may) the first part that covers it goes on.
 function serviceKeeper(history) {
   const { scenario, services, events } = history;
   const lasting = scenario.tasks
@@ -37,16 +38,32 @@ function isDoneIn(change, task) {
 
 function endServices(history, running, state, change, step) {
   for (const [task, service] of running) {
-    const slot = service.robots.map((robot) => state.team[robot]).find((team) => team !== NOBODY);
+    const slots = robotsServing(service, step)
+      .map((robot) => state.team[robot])
+      .filter((slot) => slot !== NOBODY);
     const isCancelled = history.scenario.tasks[task].cancelled === step && !isDoneIn(change, task);
-    if (isCancelled && slot !== undefined) leaveLoad(history, state, slot, task, step);
-    const hasEnded = slot === undefined || isCancelled || isDoneIn(change, task) || isSetDownIn(change, task);
-    if (!hasEnded && goesOn(history, state, slot, task)) {
-      service.slot = slot;
+    if (isCancelled && slots.length) leaveLoad(history, state, slots[0], task, step);
+    const hasEnded = isCancelled || isDoneIn(change, task) || isSetDownIn(change, task);
+    const next = hasEnded ? undefined : slots.find((slot) => goesOn(history, state, slot, task));
+    if (next !== undefined) {
+      noteWhoLeft(service, state, next, step);
+      service.slot = next;
     } else {
       service.to = step;
       running.delete(task);
     }
+  }
+}
+
+// The robots that began a service and are with it in a step.
+function robotsServing({ robots, leftIn }, step) {
+  return robots.filter((robot) => !(leftIn.get(robot) < step));
+}
+
+// Write down who is not in the team that goes on with a service.
+function noteWhoLeft({ robots, leftIn }, state, slot, step) {
+  for (const robot of robots) {
+    if (state.team[robot] !== slot && !leftIn.has(robot)) leftIn.set(robot, step);
   }
 }
 
@@ -72,7 +89,7 @@ function findServer(history, state, teamsAt, task, step, busy) {
       covers(countsOfTeam(scenario, state, team), needs),
   );
   if (slot === undefined) return null;
-  return { slot, from: step, to: Infinity, robots: robotsOfTeam(state, slot) };
+  return { slot, from: step, to: Infinity, robots: robotsOfTeam(state, slot), leftIn: new Map() };
 }
 
 function goesOn(history, state, slot, task) {

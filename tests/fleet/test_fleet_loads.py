@@ -28,7 +28,7 @@ from teamformer.model import Robot, Scenario, Task
 from teamformer.plane import Plane
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.record import TaskAt
+from teamformer.sim.replay.record import TaskAt, TeamAt
 from teamformer.sim.replay.writing import write_replay
 
 
@@ -227,6 +227,23 @@ def test_a_load_that_is_taken_up_and_done_in_one_step_is_only_done(tmp_path: Pat
     steps = record_of(rehearsal, outcome, trace.events, 0).steps
     assert [row for step in steps for row in step.done] == [(0, 0)]
     assert [row for step in steps for row in step.taken] == []
+
+
+def test_a_load_that_is_taken_up_after_something_was_done_is_shown_in_the_next_step() -> None:
+    """Both happen in the first second; in a step a robot is drawn in one place."""
+    carrier = Robot("r", (0.0, 0.5), {"a": 1})
+    tasks = [Task("job", (0.0, 0.5), {"a": 1}), Task("load", (0.7, 0.5), {"a": 1}, to=(2.5, 0.5))]
+    mission = Mission(Scenario("plane", Plane(3.0, 1.0), ("a",), (carrier,), tuple(tasks)))
+    trace = Trace()
+    rehearsal, outcome, _ = play(mission, plan_of(mission), Faults(), trace)
+    assert 0.7 < lifts_of(rehearsal.world)[0].at < 1.0
+    steps = record_of(rehearsal, outcome, trace.events, 0).steps
+    assert [(step.done, step.taken) for step in steps] == [
+        (((0, 0),), ()),
+        ((), ((1, 0),)),
+        (((1, 0),), ()),
+    ]
+    assert steps[1].teams == (TeamAt(0, 0.7, 0.5, 1),)
 
 
 def message(beat: Beat | FactsNote) -> Message:

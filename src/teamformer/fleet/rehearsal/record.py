@@ -2,9 +2,8 @@
 
 Robots that say they are in one team, and are in one place, are drawn as a team. Those that did a
 task, or took up a load, are drawn where they did to the end of the step, though they may have gone
-on. If some of them did
-another task with others in the same step, that is drawn in the next. Operators' tasks are tasks
-that appear.
+on. If some of them did another task with others in the same step, that is drawn in the next; so is
+a load that they took up then. Operators' tasks are tasks that appear.
 """
 
 from __future__ import annotations
@@ -146,6 +145,7 @@ class _Teller:
         self._says = {robot: (robot, NOBODY) for robot in robots}
         self._teams: Teams = {robot: (robot,) for robot in robots}
         self._shown: dict[int, TeamAt] = {}
+        self._lifted: dict[int, Lifted] = {}  # loads that are up, and no step shows it yet
 
     def tell(
         self, events: Sequence[Event], deeds: Sequence[Sequence[Deed]], lost: Mapping[int, int]
@@ -169,19 +169,26 @@ class _Teller:
             rows.append(replace(row, heard=tuple(sorted(heard))))
         return rows
 
-    def _loads(self, lifts: Sequence[Lifted]) -> tuple[dict[int, Lifted], dict[int, TaskAt]]:
+    def _loads(
+        self, lifts: Sequence[Lifted], done: Sequence[Deed]
+    ) -> tuple[dict[int, Lifted], dict[int, TaskAt]]:
         """Return the loads that a step shows as taken up, and those that it shows as set down.
 
-        One that was taken up and set down in the same step is shown as set down.
+        One that was taken up and set down, or brought, before any step showed it is shown as that.
         """
-        taken, left = dict[int, Lifted](), dict[int, TaskAt]()
+        left = dict[int, TaskAt]()
         for lift in lifts:
             number = self._number[lift.task]
             if lift.robots:
-                taken[number] = lift
+                self._lifted[number] = lift
             else:
-                taken.pop(number, None)
+                self._lifted.pop(number, None)
                 left[number] = TaskAt(number, *self._as_place(*lift.place))
+        for deed in done:
+            self._lifted.pop(deed.task, None)
+        busy = {robot for deed in done for robot in deed.robots}
+        taken = {k: lift for k, lift in self._lifted.items() if busy.isdisjoint(lift.robots)}
+        self._lifted = {k: lift for k, lift in self._lifted.items() if k not in taken}
         return taken, left
 
     def _row(
@@ -190,7 +197,7 @@ class _Teller:
         now = step * self._step
         for robot in lost:
             del self._says[robot]
-        lifted, left = self._loads(lifts)
+        lifted, left = self._loads(lifts, done)
         at = {robot: lift.place for lift in lifted.values() for robot in lift.robots}
         said = {
             robot: (team, self._as_place(*at.get(robot, self._place(self._walks[robot], now))))
@@ -203,7 +210,7 @@ class _Teller:
         taken = {
             load: slot_of[lift.robots[0]]
             for load, lift in lifted.items()
-            if lift.robots[0] in slot_of and load not in {deed.task for deed in done}
+            if lift.robots[0] in slot_of
         }
         goals = doers_goals(doers, taken)
         shown = {}

@@ -260,15 +260,34 @@ def test_outputs_of_a_load_that_a_part_of_its_team_takes_further_agree(
     """Robot 0 crashes while the three carry a load; it takes only two."""
     robots = [robot("a", 0) for _ in range(3)]
     load = replace(task_at("aa", 4), to=(0, 0))
-    fleet = Mission(make(robots, [task_at("aaa", 0), load]))
-    faults = Faults(crashes=(Crash(0, 8.0, 9.0),))
-    trace = Trace(with_messages=True)
-    rehearsal, outcome, _ = play(fleet, set_stage(fleet).plan, faults, trace)
-    record = record_of(rehearsal, outcome, trace.events, 0)
-    write_replay(record, tmp_path / "replay.json")
-    assert_all_agree(page, Outputs(tmp_path, with_gif=False))
-    told = {bar.robot: bar.phase for bar in bars_of(tmp_path) if bar.begun == 9}
+    mission = make(robots, [task_at("aaa", 0), load])
+    bars = _bars_of_rehearsal(page, tmp_path, mission, Crash(0, 8.0, 9.0))
+    told = {bar.robot: bar.phase for bar in bars if bar.begun == 9}
     assert told == {"r0": "walking", "r1": "carrying", "r2": "carrying"}
+
+
+def test_outputs_of_a_load_that_is_left_for_another_beside_it_agree(
+    tmp_path: Path, page: Any
+) -> None:
+    """The robot comes for load t0, and takes up t1 when it is back from a crash there."""
+    loads = (
+        replace(task_at("a", 0, duration=1, appears=1), to=(0, 0)),
+        replace(task_at("a", 0), to=(2, 0)),
+    )
+    bars = _bars_of_rehearsal(page, tmp_path, make([robot("a", 2)], loads), Crash(0, 3.0, 4.0))
+    assert [(bar.phase, bar.task, bar.ended) for bar in bars[2:4]] == [
+        ("loading", "t1", 5),
+        ("carrying", "t1", 7),
+    ]
+
+
+def _bars_of_rehearsal(page: Any, folder: Path, mission: Scenario, crash: Crash) -> list[Bar]:
+    """Rehearse a mission in which a robot crashes; compare all outputs, and return its bars."""
+    fleet, trace = Mission(mission), Trace(with_messages=True)
+    rehearsal, outcome, _ = play(fleet, set_stage(fleet).plan, Faults(crashes=(crash,)), trace)
+    write_replay(record_of(rehearsal, outcome, trace.events, 0), folder / "replay.json")
+    assert_all_agree(page, Outputs(folder, with_gif=False))
+    return bars_of(folder)
 
 
 @fuzzed(6, "plan FILE --method plan --out FOLDER, and with --json", mission=continuous_missions())

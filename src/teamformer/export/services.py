@@ -113,6 +113,8 @@ class Services:
                 return
 
     def _can_serve(self, slot: int, task: int) -> bool:
+        if self._is_load(task) and self._teams.task[slot] not in (task, NOBODY):
+            return False
         is_there = is_same_place(self._mission, self._teams.at[slot], self._lies[task])
         if task not in self._up and not is_there:
             return False

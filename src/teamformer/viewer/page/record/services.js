@@ -94,8 +94,10 @@ function findServer(history, state, teamsAt, task, step, busy) {
 
 function goesOn(history, state, slot, task) {
   const { scenario, carriedBy } = history;
+  const { needs, to } = scenario.tasks[task];
+  if (to && state.task[slot] !== task && state.task[slot] !== NOBODY) return false;
   const isAbout = carriedBy.has(task) || standsAt(history, state, slot, task);
-  return isAbout && covers(countsOfTeam(scenario, state, slot), scenario.tasks[task].needs);
+  return isAbout && covers(countsOfTeam(scenario, state, slot), needs);
 }
 
 function standsAt(history, state, slot, task) {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -27,8 +28,11 @@ PROOF, LARGE_PROOF = 0.3, 0.1
 tasks are not few, on bounds alone: they hardly rise."""
 
 MANY_TASKS, SECONDS_EACH = 120, 3.0
-"""With fewer tasks than this a search anneals again after so many seconds; with more it anneals
-once in all the time there is."""
+"""With fewer tasks than this a search anneals again after so many seconds."""
+
+COOLER = (2, 4)
+"""With more it anneals so often in all the time there is, each time so much cooler than the shared
+plan was annealed: it begins at a good plan, of which much heat would leave little."""
 
 
 @dataclass(frozen=True)
@@ -168,15 +172,18 @@ def _rank(schedule: Schedule) -> tuple[int, int]:
 
 
 def _search(problem: CoalitionProblem, seed: int, best: _Best) -> None:
-    """Anneal once in the time there is, or several times, from the best plan each time."""
-    search, seconds = ArcSearch(problem, seed), best.seconds_left
+    """Anneal several times, from the best plan each time."""
+    search = ArcSearch(problem, seed)
     search.begin_at(best.plan)
-    is_large = len(problem.needs) >= MANY_TASKS
-    for left in range(1 if is_large else max(1, round(seconds / SECONDS_EACH)), 0, -1):
+    coolings: Sequence[int] = COOLER
+    if len(problem.needs) < MANY_TASKS:
+        coolings = [1] * max(1, round(best.seconds_left / SECONDS_EACH))
+    for number, cooler in enumerate(coolings):
+        hot, cold = search.heats
         search.anneal_until(
-            time.perf_counter() + best.seconds_left / left,
+            time.perf_counter() + best.seconds_left / (len(coolings) - number),
             ENDLESS,
-            search.heats,
+            (hot // cooler, cold),
             lambda: best.is_over,
             lambda: best.offer(search.best),
         )

@@ -31,8 +31,8 @@ MANY_TASKS, SECONDS_EACH = 120, 3.0
 """With fewer tasks than this a search anneals again after so many seconds."""
 
 COOLER = (2, 4)
-"""With more it anneals so often in all the time there is, each time so much cooler than the shared
-plan was annealed: it begins at a good plan, of which much heat would leave little."""
+"""With more it anneals once for each of these, so many times cooler than the shared plan was: it
+begins at a good plan, of which much heat would leave little."""
 
 
 @dataclass(frozen=True)

@@ -140,7 +140,7 @@ function serviceOf(history, task, step) {
   if (!service || step < history.last || !history.leaving.size) return service ?? null;
   const { scenario } = history;
   const state = stateShown(history, step);
-  const robots = robotsServing(service, step).filter((robot) => state.team[robot] !== NOBODY);
+  const robots = robotsServing(service, step + 1).filter((robot) => state.team[robot] !== NOBODY);
   const slot = state.team[robots[0]];
   if (!robots.length || !covers(countsOfTeam(scenario, state, slot), scenario.tasks[task].needs)) return null;
   return { ...service, slot, robots };

@@ -60,6 +60,7 @@ class Services:
             self._believed[task] = (x, y)
         for task, called_off in self._cancelled.items():
             if called_off == number:
+                self._let_go(task)
                 self._end(task)
                 self._is_over[task] = True
         for task, x, y in step.left:
@@ -79,6 +80,12 @@ class Services:
             to = self._mission.tasks[task].to
             if not self._is_over[task] and to is not None:
                 self._up[task] = to
+
+    def _let_go(self, task: int) -> None:
+        """Leave a load that is called off on its way where its team is."""
+        slot = self._slot_of(task)
+        if task in self._up and slot != NOBODY:
+            self._lies[task] = self._believed[task] = self._teams.at[slot]
 
     def _end(self, task: int) -> None:
         self._serving.pop(task, None)

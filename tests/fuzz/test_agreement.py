@@ -281,6 +281,29 @@ def test_outputs_of_a_load_that_is_left_for_another_beside_it_agree(
     ]
 
 
+def test_outputs_of_a_load_that_is_brought_in_the_step_in_which_it_is_taken_up_agree(
+    tmp_path: Path, page: Any
+) -> None:
+    """Robot 0 crashes beside the load, and a faster one brings it to the next cell."""
+    robots = [robot("a", 4), robot("a", 0, speed=4.0)]
+    mission = make(robots, [replace(task_at("a", 6, duration=4), to=(7, 0)), task_at("aa", 0)])
+    bars = _bars_of_rehearsal(page, tmp_path, mission, Crash(0, 3.0))
+    assert [bar.task for bar in bars if bar.robot == "r1"]
+
+
+def test_outputs_of_a_load_that_is_called_off_on_its_way_agree(tmp_path: Path, page: Any) -> None:
+    """One robot carries it, another has come to where it is brought to, and waits there."""
+    load = replace(task_at("a", 1), to=(4, 0), cancelled=5, after=("t0",))
+    robots = [robot("a", 4), robot("a", 0), robot("a", 0)]
+    mission = make(robots, [task_at("a", 0), load, task_at("a", 0)], Grid(5, 1))
+    write_scenario(mission, tmp_path / "mission.yaml")
+    assert_all_agree(
+        page, outputs_of_run(tmp_path / "mission.yaml", tmp_path, "join-all", 0, with_gif=False)
+    )
+    last = {bar.robot: bar.phase for bar in bars_of(tmp_path) if bar.ended == 5}
+    assert last == {"r0": "waiting", "r1": "carrying", "r2": "walking"}
+
+
 def _bars_of_rehearsal(page: Any, folder: Path, mission: Scenario, crash: Crash) -> list[Bar]:
     """Rehearse a mission in which a robot crashes; compare all outputs, and return its bars."""
     fleet, trace = Mission(mission), Trace(with_messages=True)

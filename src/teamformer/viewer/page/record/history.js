@@ -238,7 +238,8 @@ function recordLoads({ scenario, moves, events, lies, carriedBy }, change, step)
     carriedBy.set(task, slot);
   }
   for (const [task] of change.done ?? []) {
-    if (carriedBy.delete(task)) moves.push({ step, task, at: scenario.tasks[task].to });
+    carriedBy.delete(task); // or it was taken up and brought in this step
+    if (scenario.tasks[task].to) moves.push({ step, task, at: scenario.tasks[task].to });
   }
 }
 

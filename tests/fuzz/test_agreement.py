@@ -284,11 +284,11 @@ def test_outputs_of_a_load_that_is_left_for_another_beside_it_agree(
 def test_outputs_of_a_load_that_is_brought_in_the_step_in_which_it_is_taken_up_agree(
     tmp_path: Path, page: Any
 ) -> None:
-    """Robot 0 crashes beside the load, and a faster one brings it to the next cell."""
-    robots = [robot("a", 4), robot("a", 0, speed=4.0)]
-    mission = make(robots, [replace(task_at("a", 6, duration=4), to=(7, 0)), task_at("aa", 0)])
-    bars = _bars_of_rehearsal(page, tmp_path, mission, Crash(0, 3.0))
-    assert [bar.task for bar in bars if bar.robot == "r1"]
+    """Robot 0 crashes at the load, and is not where that is once robot 1 has brought it on."""
+    robots = [robot("a", 6), robot("a", 0, speed=2.0)]
+    tasks = [replace(task_at("a", 6, duration=1), to=(7, 0)), task_at("a", 19)]
+    bars = _bars_of_rehearsal(page, tmp_path, make(robots, tasks), Crash(0, 0.5, 40.0))
+    assert Bar("r0", "walking", "t0", 19, 40) in bars
 
 
 def test_outputs_of_a_load_that_is_called_off_on_its_way_agree(tmp_path: Path, page: Any) -> None:

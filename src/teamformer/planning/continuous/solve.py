@@ -28,11 +28,11 @@ PROOF, LARGE_PROOF = 0.3, 0.1
 tasks are not few, on bounds alone: they hardly rise."""
 
 MANY_TASKS, SECONDS_EACH = 120, 3.0
-"""With fewer tasks than this a search anneals again after so many seconds."""
+"""A search of fewer tasks than the first of these anneals again after so many seconds."""
 
 COOLER = (2, 4)
-"""With more it anneals once for each of these, so many times cooler than the shared plan was: it
-begins at a good plan, of which much heat would leave little."""
+"""A search of more tasks anneals twice. The heat of the shared plan is divided by these at the
+beginning: a search begins at a good plan, and much heat would leave little of it."""
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,13 @@ import pytest
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.knowledge import Remembered
-from teamformer.fleet.messages import TaskFact
+from teamformer.fleet.messages import LoadFact, TaskFact
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.transports.transport import MOST_A_SECOND, MOST_BYTES_A_SECOND, Sluice
 
-KEPT = Remembered(3, (0, 2), (TaskFact(1 << 24, "new", 1.0, 2.0, (1,)),), 12.0)
+KEPT = Remembered(
+    3, (0, 2), (TaskFact(1 << 24, "new", 1.0, 2.0, (1,)),), 12.0, loads=(LoadFact(1, 2, 3.0, 4.0),)
+)
 
 
 def test_facts_are_read_as_they_were_written(tmp_path: Path) -> None:
@@ -23,6 +25,7 @@ def test_facts_are_read_as_they_were_written(tmp_path: Path) -> None:
     read = file.read()
     assert read is not None
     assert (read.life, read.done, read.added) == (3, (0, 2), KEPT.added)
+    assert read.loads == KEPT.loads
     assert read.age >= 12.0
     assert os.listdir(tmp_path) == ["facts"]
 

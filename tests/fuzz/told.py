@@ -260,18 +260,21 @@ HOLDS = '<script type="application/json" id="replay">'
 def captions_agree(path: Path, tree: Tree, lines: Sequence[Line]) -> bool:
     """Say whether each frame of a GIF has the caption of its step, and of no other.
 
-    It is looked at beside captions with a step, a task or a lost robot more or less; of many frames
-    at some, the last among them.
+    Of a long mission every second step has a frame, or fewer have, and the last one. A frame is
+    looked at beside captions with a step, a task or a lost robot more or less; of many frames at
+    some, the last among them.
     """
     from PIL import Image, ImageChops, ImageSequence, ImageStat
 
     tasks = len(tree["scenario"]["tasks"]) + len((tree.get("truth") or {}).get("arrivals", ()))
     with Image.open(path) as gif:
         frames = [frame.convert("L") for frame in ImageSequence.Iterator(gif)]
-    if len(frames) != len(tree["steps"]) + 1:
+    last = len(tree["steps"])
+    shown = [*range(0, last, 1 + last // MOST_FRAMES), last]
+    if len(frames) != len(shown):
         return False
     stride = 1 + len(frames) // MOST_CAPTIONS
-    for number, frame in list(enumerate(frames))[::-stride]:
+    for number, frame in list(zip(shown, frames, strict=True))[::-stride]:
         counts = Counter(line.kind for line in lines if line.step <= number)
         it = (number, counts["done"], counts["lost"] - counts["back"])
         gone = counts["cancelled"]
@@ -287,7 +290,7 @@ def captions_agree(path: Path, tree: Tree, lines: Sequence[Line]) -> bool:
     return True
 
 
-MOST_CAPTIONS = 40
+MOST_CAPTIONS, MOST_FRAMES = 40, 500
 
 BESIDE = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1))
 """By how much captions differ in steps, tasks done and robots lost from the one beside them."""

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.errors import TeamformerError
 from teamformer.mission.rules import FORESIGHTS, NEW_TASKS
 from teamformer.scenarios.file_access import names_of_shipped, read_shipped_or_own
+from teamformer.scenarios.files import error_of
 from teamformer.scenarios.named_settings import size_of
 from teamformer.scenarios.trees.reader import Reader
 from teamformer.scenarios.yaml.reader import parse
@@ -99,9 +100,7 @@ def _read(text: str, name: str, source: str) -> Suite:
     if not tree.problems:
         suite = _read_suite(reader, tree.value, name)
     if suite is None or tree.problems:
-        found = sorted(tree.problems, key=lambda at: at[0])
-        lines = [f"{source}:{line}: {problem.message}" for line, problem in found]
-        raise ScenarioError([problem for _, problem in found], lines)
+        raise error_of(tree, source)
     return suite
 
 

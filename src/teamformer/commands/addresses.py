@@ -36,11 +36,11 @@ def check_address(at: Address, flag: str = "--port") -> None:
         except OSError as error:
             reason = error.strerror or str(error)
             raise TeamformerError(
-                f"{host}:{port} cannot be used: {reason}", f"try {flag} {_free_port(host)}"
+                f"{host}:{port} cannot be used: {reason}", f"try {flag} {_free_port()}"
             ) from None
 
 
-def _free_port(host: str) -> int:
+def _free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])

@@ -7,10 +7,10 @@ import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
 
 from teamformer.errors import ReaderGoneError, TeamformerError
 
@@ -67,29 +67,22 @@ def prepare_file(path: Path) -> None:
     prepare_folder(path.parent)
 
 
-class StepProgress:
-    """A bar of tasks done that appears on a terminal once a trial has taken a while."""
+class _Bar:
+    """A bar that appears on a terminal once something has taken a while."""
 
-    def __init__(self, total: int) -> None:
+    def __init__(self, *columns: ProgressColumn) -> None:
         self._begun = time.monotonic()
-        self._bar = Progress(
-            TextColumn("step {task.fields[steps]}"),
-            BarColumn(),
-            TextColumn("{task.completed}/{task.total} tasks done"),
-            console=err,
-            transient=True,
-        )
-        self._task = self._bar.add_task("", total=total, steps=0)
+        self._bar = Progress(*columns, console=err, transient=True)
+        self._task = self._bar.add_task("", total=None, steps=0)
 
-    def update(self, steps: int, tasks_done: int) -> None:
-        """Show how far the trial is."""
+    def _show(self, completed: int, total: int, steps: int = 0) -> None:
         if not err.is_terminal:  # a bar that is not drawn still ends its line
             return
+        self._bar.update(self._task, completed=completed, total=total, steps=steps)
         if not self._bar.live.is_started and time.monotonic() - self._begun > PATIENCE:
             self._bar.start()
-        self._bar.update(self._task, completed=tasks_done, steps=steps)
 
-    def __enter__(self) -> StepProgress:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -97,39 +90,34 @@ class StepProgress:
             self._bar.stop()
 
 
-class Counting:
+class StepProgress(_Bar):
+    """A bar of tasks done that appears on a terminal once a trial has taken a while."""
+
+    def __init__(self, total: int) -> None:
+        done = TextColumn("{task.completed}/{task.total} tasks done")
+        super().__init__(TextColumn("step {task.fields[steps]}"), BarColumn(), done)
+        self._total = total
+
+    def update(self, steps: int, tasks_done: int) -> None:
+        """Show how far the trial is."""
+        self._show(tasks_done, self._total, steps=steps)
+
+
+class Counting(_Bar):
     """A bar of how many of something are done, once that has taken a while.
 
     Where there is no terminal, a line now and then.
     """
 
     def __init__(self, what: str) -> None:
-        self._what = what
-        self._begun = self._told = time.monotonic()
-        self._bar = Progress(
-            BarColumn(),
-            TextColumn("{task.completed}/{task.total} " + what),
-            TimeRemainingColumn(),
-            console=err,
-            transient=True,
-        )
-        self._task = self._bar.add_task("", total=None)
+        many = TextColumn("{task.completed}/{task.total} " + what)
+        super().__init__(BarColumn(), many, TimeRemainingColumn())
+        self._what, self._told = what, self._begun
 
     def update(self, done: int, total: int) -> None:
         """Show how many are done."""
         now = time.monotonic()
-        if not err.is_terminal:
-            if now - self._told > LONG_PATIENCE:
-                self._told = now
-                say(f"{done}/{total} {self._what}")
-            return
-        if not self._bar.live.is_started and now - self._begun > PATIENCE:
-            self._bar.start()
-        self._bar.update(self._task, completed=done, total=total)
-
-    def __enter__(self) -> Counting:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar.live.is_started:
-            self._bar.stop()
+        if not err.is_terminal and now - self._told > LONG_PATIENCE:
+            self._told = now
+            say(f"{done}/{total} {self._what}")
+        self._show(done, total)

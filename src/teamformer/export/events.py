@@ -13,6 +13,21 @@ from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import cancelled_steps, known_steps
 from teamformer.sim.replay.teams import Teams
 
+TOLD = {
+    "appears": "{task} appears",
+    "needs": "{task} needs {needs}",
+    "found": "{task} found at {place}",
+    "cancelled": "{task} called off",
+    "done": "{task} done by {names}",
+    "takes up": "{task} taken up by {names}",
+    "sets down": "{task} set down at {place}",
+    "lost": "{names} lost",
+    "back": "{names} back",
+    "splits": "{names} part",
+    "joins": "{names} are one team",
+}
+"""What is said of an event of each kind; of the end, its kind."""
+
 
 @dataclass(frozen=True)
 class Event:
@@ -27,31 +42,16 @@ class Event:
 
     def text(self, scenario: Scenario) -> str:
         """Return the event as a sentence; the scenario is the mission as it really was."""
-        names = _names(scenario, self.robots)
-        task = "" if self.task is None else scenario.tasks[self.task].name
-        if self.kind == "appears":
-            return f"{task} appears"
-        if self.kind == "needs" and self.task is not None:
-            return f"{task} needs {describe(scenario.tasks[self.task].needs)}"
-        if self.kind == "found" and self.task is not None:
-            x, y = scenario.tasks[self.task].at
-            return f"{task} found at [{x:g}, {y:g}]"
-        if self.kind == "cancelled":
-            return f"{task} called off"
-        if self.kind == "done":
-            return f"{task} done by {names}"
-        if self.kind == "takes up":
-            return f"{task} taken up by {names}"
-        if self.kind == "sets down" and self.place is not None:
-            x, y = self.place
-            return f"{task} set down at [{x:g}, {y:g}]"
-        if self.kind == "lost":
-            return f"{names} lost"
-        if self.kind == "back":
-            return f"{names} back"
-        if self.kind in ("splits", "joins"):
-            return f"{names} {'part' if self.kind == 'splits' else 'are one team'}"
-        return self.kind
+        if self.kind not in TOLD:
+            return self.kind
+        task = None if self.task is None else scenario.tasks[self.task]
+        x, y = self.place or (task.at if task else (0, 0))
+        return TOLD[self.kind].format(
+            names=_names(scenario, self.robots),
+            task=task.name if task else "",
+            needs=describe(task.needs) if task else "",
+            place=f"[{x:g}, {y:g}]",
+        )
 
 
 def events(replay: Replay) -> Iterator[Event]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 from teamformer.capabilities import Counts, describe
 from teamformer.coordination import Coordinator, Plan
@@ -18,24 +19,14 @@ SEARCHES = 4
 """Plans that are searched for, each from other random numbers, and played: the best play counts."""
 
 
-class _AtOnce:
-    """What the record tells in the step that was made last."""
+class _Told:
+    """What a record tells, in the latest step or so many steps after it."""
 
-    def told_in(self, steps: int) -> int:
-        """Return the step that the record tells it in if it happens after `steps` steps."""
-        return steps
-
-
-class _WithTheNextStep:
-    """What the record tells in the step that is made next."""
-
-    def told_in(self, steps: int) -> int:
-        """Return the step that the record tells it in if it happens after `steps` steps."""
-        return steps + 1
+    steps_later: ClassVar[int] = 0
 
 
 @dataclass(frozen=True)
-class NewTask(_AtOnce):
+class NewTask(_Told):
     """A task that everybody learns of now."""
 
     at: Place
@@ -55,8 +46,10 @@ class NewTask(_AtOnce):
 
 
 @dataclass(frozen=True)
-class LostRobot(_WithTheNextStep):
+class LostRobot(_Told):
     """A robot that counts for nothing from the next step on."""
+
+    steps_later: ClassVar[int] = 1
 
     robot: str
 
@@ -77,8 +70,10 @@ class LostRobot(_WithTheNextStep):
 
 
 @dataclass(frozen=True)
-class RobotBack(_WithTheNextStep):
+class RobotBack(_Told):
     """A lost robot that is there again from the next step on, where it was lost."""
+
+    steps_later: ClassVar[int] = 1
 
     robot: str
 
@@ -101,8 +96,10 @@ class RobotBack(_WithTheNextStep):
 
 
 @dataclass(frozen=True)
-class CancelledTask(_WithTheNextStep):
+class CancelledTask(_Told):
     """A task that nobody is to do any more, from the next step on."""
+
+    steps_later: ClassVar[int] = 1
 
     task: str
 
@@ -120,7 +117,7 @@ class CancelledTask(_WithTheNextStep):
 
 
 @dataclass(frozen=True)
-class NewWeight(_AtOnce):
+class NewWeight(_Told):
     """Another weight of a task; `plan` is what follows, which `planned` makes."""
 
     task: str
@@ -157,7 +154,7 @@ Incident = NewTask | CancelledTask | LostRobot | RobotBack | NewWeight
 
 
 @dataclass(frozen=True)
-class PlanTakenOver(_AtOnce):
+class PlanTakenOver(_Told):
     """A plan that was searched for longer, and by which the robots go from now on."""
 
     plan: Plan

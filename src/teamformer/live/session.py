@@ -151,7 +151,7 @@ class Session:
             if moment not in (None, self._moment()):
                 raise TeamformerError("the mission has gone on since then; plan anew")
             self.mission.scenario_with(incident)
-            text = f"step {incident.told_in(self.mission.steps)}: {incident.text()}"
+            text = f"step {self.mission.steps + incident.steps_later}: {incident.text()}"
             self._happening = incident
             self._tell_planning(text)
             try:
@@ -372,7 +372,7 @@ class Session:
             "is_playing": self.is_playing,
             "speed": self.speed,
             "watchers": len(self.watchers),
-            "incidents": [[it.told_in(steps), it.text()] for steps, it in incidents],
+            "incidents": [[steps + it.steps_later, it.text()] for steps, it in incidents],
             "undo_to": incidents[-1][0] if incidents else None,
             "leaving": self._leaving(),
             "planning": self._planning,

@@ -30,13 +30,13 @@ def places_of(world: World, task: Task) -> list[Place]:
     if not task.within:
         return [task.at]
     assert isinstance(world, Grid | Plane)
-    cells = _cells(world, task) if isinstance(world, Grid) else _points(world, task)
+    cells = _cells(world) if isinstance(world, Grid) else _points(world, task)
     near = [place for place in cells if math.dist(place, task.at) <= task.within + ROUNDING]
     near.sort(key=lambda place: (round(math.dist(place, task.at) ** 2, 6), place[1], place[0]))
     return [place for place in near if world.region(place) == world.region(near[0])]
 
 
-def _cells(grid: Grid, task: Task) -> Iterator[Place]:
+def _cells(grid: Grid) -> Iterator[Place]:
     for y in range(grid.height):
         for x in range(grid.width):
             if grid.is_free((x, y)):

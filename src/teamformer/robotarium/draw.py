@@ -117,14 +117,14 @@ def _draw(plt: Any, scenario: Scenario, palette: Palette, moment: Moment) -> Any
     done = int(moment.is_done.sum())
     title = f"{moment.tick * TICK:.1f} s: {len(moment.teams)} teams, {done} of "
     axes.set_title(f"{scenario.name}, {title}{len(scenario.tasks)} tasks done", fontsize=13)
-    _draw_tasks(plt, axes, scenario, palette, moment)
+    _draw_tasks(axes, scenario, palette, moment)
     for number, team in enumerate(moment.teams):
         _draw_team(plt, axes, scenario, palette, moment, number, team.robots, team.task)
     _draw_legend(plt, axes, palette)
     return figure
 
 
-def _draw_tasks(plt: Any, axes: Any, scenario: Scenario, palette: Palette, moment: Moment) -> None:
+def _draw_tasks(axes: Any, scenario: Scenario, palette: Palette, moment: Moment) -> None:
     for number, task in enumerate(scenario.tasks):
         colour, is_done = palette.tasks[number], bool(moment.is_done[number])
         marker = "x" if is_done else "s"

@@ -49,7 +49,7 @@ def read_scenario(path: Path, find_problems: Finder | None = None) -> Scenario:
     for problem in (problem for find in finders for problem in find(scenario)):
         tree.refuse(problem.where, problem.message)
     if tree.problems:
-        raise _error(tree, str(path))
+        raise error_of(tree, str(path))
     return scenario
 
 
@@ -61,7 +61,7 @@ def read_world_of(path: Path) -> World:
     with suppress(StopReadingError):
         world = read_world(Reader(tree), value.get("world"), path.parent)
     if world is None or tree.problems:
-        raise _error(tree, str(path))
+        raise error_of(tree, str(path))
     return world
 
 
@@ -99,11 +99,12 @@ def _read(tree: reader.Tree, source: str, name: str, folder: Path | None) -> Sce
         with suppress(StopReadingError):
             scenario = read_tree(Reader(tree), name, folder)
     if scenario is None or tree.problems:
-        raise _error(tree, source)
+        raise error_of(tree, source)
     return scenario
 
 
-def _error(tree: reader.Tree, source: str) -> ScenarioError:
+def error_of(tree: reader.Tree, source: str) -> ScenarioError:
+    """Return what is wrong with a tree, line by line, as an error of its file."""
     found = sorted(dict.fromkeys(tree.problems), key=lambda at: at[0])
     lines = [
         f"{source}:{line}: {problem.message}"

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from typing import Any, get_args, get_type_hints
 
-from teamformer.errors import ScenarioError, TeamformerError
+from teamformer.errors import TeamformerError
 from teamformer.scenarios.file_access import names_of_shipped, read_shipped_or_own
+from teamformer.scenarios.files import error_of
 from teamformer.scenarios.trees.reader import Reader, name_of
 from teamformer.scenarios.yaml.reader import Tree, Where, from_value, parse
 from teamformer.scenarios.yaml.words import describe
@@ -48,9 +49,7 @@ def _read(tree: Tree, source: str) -> TrainSettings:
             what = f"device is '{said['device']}'; write {' or '.join(DEVICES)}"
             reader.refuse(("device",), what)
     if tree.problems:
-        found = sorted(tree.problems, key=lambda at: at[0])
-        lines = [f"{source}:{line}: {problem.message}" for line, problem in found]
-        raise ScenarioError([problem for _, problem in found], lines)
+        raise error_of(tree, source)
     try:
         return TrainSettings(**said)
     except TeamformerError as error:

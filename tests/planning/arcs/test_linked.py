@@ -30,7 +30,7 @@ from teamformer.planning.continuous.problem import CoalitionProblem, pose_proble
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 
 SEEDS = range(4)
-WEIGHTS = (3, 1, 2, 4, 5, 1)
+WEIGHTS = dict(enumerate((3, 1, 2, 4, 5, 1)))
 
 
 def lasting(seed: int, tasks: int, **sizes: int) -> CoalitionProblem:
@@ -148,7 +148,7 @@ def corridor(links: list[Link]) -> CoalitionProblem | LinkedProblem:
         duration=[3, 2],
         due=[8, 12],
     )
-    return link_problem(base, links, [0, 0, 1, 1, 1])
+    return link_problem(base, links, {TRAVEL: 1, TARDINESS: 1, MAX_TARDINESS: 1})
 
 
 @pytest.mark.parametrize(
@@ -181,7 +181,7 @@ def test_a_search_stands_at_a_plan_that_is_timed_as_its_twin_times_it(seed: int)
     for turn in range(60):
         search.anneal(4000 - 60 * turn, 5)
         assert_consistent(search)
-    search.begin_at_best()
+    search.begin_at(search.best)
     assert_consistent(search)
     assert search._ledger.cost[NOW] == search.cost
 
@@ -226,7 +226,7 @@ def test_a_task_may_be_done_between_two_that_are_linked_on_the_way_of_their_robo
         needs=[[1, 0], [0, 1], [1, 1]],
         duration=[4, 4, 5],
     )
-    found = plan_linked(link_problem(base, [Link(1, 0, 20, 30)], (1, 0, 0, 0, 0)))
+    found = plan_linked(link_problem(base, [Link(1, 0, 20, 30)], {MAKESPAN: 1}))
     assert found is not None
     assert found.cost == 1 + 20 + 4 + 1
 
@@ -252,9 +252,10 @@ def test_linked_tasks_are_not_done_by_one_robot() -> None:
 UNDOING = """
 import numpy as np
 from test_linked import assert_consistent, random_linked
+from teamformer.planning.arcs.judging import undo
 from teamformer.planning.arcs.linked.exchanges import exchange_rests
 from teamformer.planning.arcs.linked.judging import (
-    accept_change, begin_change, propagate, sum_up_change, undo_change
+    accept_change, begin_change, propagate, sum_up_change
 )
 from teamformer.planning.arcs.linked.moves import move
 from teamformer.planning.arcs.linked.search import LinkedSearch
@@ -279,7 +280,7 @@ for seed in range(4):
                 assert_consistent(search)
                 continue
         undone[what] += trial.number[0] > 0
-        undo_change(graph, trial)
+        undo(graph, trial)
         most, taken = arcs.most[0], before[0].taken[:12]
         own = [at * most + np.arange(n) for at, n in enumerate(taken)]
         in_use = np.concatenate([*own, np.arange(12 * most, len(before[1]))])

@@ -13,7 +13,7 @@ import numpy as np
 
 from teamformer.arrays import Ints
 from teamformer.bench.peers.peer_plan import PeerPlan, plan_of
-from teamformer.planning.continuous.problem import NEVER, CoalitionProblem
+from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, without_spares
 
 Timetable = list[tuple[int, int]]
 """The tasks that a robot has signed up for, with when each starts, in their order."""
@@ -115,10 +115,7 @@ def _offer(problem: CoalitionProblem, task: int, bids: Ints) -> tuple[int, froze
                 break
     if left.any():
         return NEVER, frozenset()
-    for robot in reversed(chosen[:-1]):
-        others = [each for each in chosen if each != robot]
-        if (problem.counts[others].sum(axis=0) >= problem.needs[task]).all():
-            chosen = others
+    chosen = without_spares(problem, task, chosen)
     return int(bids[chosen, task].max()), frozenset(chosen)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -105,7 +105,7 @@ def _bars(part: Suite, summaries: Sequence[Summary]) -> Figure:
         middle = settings.index(summary.setting)
         place = methods.index(summary.method)
         left = middle - 0.4 + (place + 0.5) * width
-        _bar(axes, summary, left, width, is_first=middle == 0)
+        _bar(axes, summary, left, width)
     for middle, setting in enumerate(settings):
         _draw_bars_to_beat(axes, [s for s in summaries if s.setting == setting], middle)
     axes.set_xticks(range(len(settings)), settings)
@@ -121,7 +121,7 @@ def _worlds(summaries: Sequence[Summary]) -> str:
     return f"{many} worlds, the same for all methods"
 
 
-def _bar(axes: Axes, summary: Summary, left: float, width: float, is_first: bool) -> None:
+def _bar(axes: Axes, summary: Summary, left: float, width: float) -> None:
     mean = summary.makespan
     colour = colour_of(summary.method)
     height = 0.0 if math.isnan(mean.value) else mean.value
@@ -143,18 +143,7 @@ def _draw_bars_to_beat(axes: Axes, summaries: Sequence[Summary], middle: int) ->
             axes.hlines(value, *ends, color="black", linestyle=style, linewidth=1, label=label)
 
 
-def _makespan(summary: Summary) -> float:
-    return summary.makespan.value
-
-
-def _inference(summary: Summary) -> float:
-    return summary.inference.value
-
-
-MEASURES: tuple[tuple[str, Callable[[Summary], float]], ...] = (
-    ("makespan, steps", _makespan),
-    ("inference for a trial, CPU s", _inference),
-)
+MEASURES = (("makespan, steps", "makespan"), ("inference for a trial, CPU s", "inference"))
 
 
 def _curves(part: Suite, summaries: Sequence[Summary]) -> Figure:
@@ -162,13 +151,14 @@ def _curves(part: Suite, summaries: Sequence[Summary]) -> Figure:
     count = len(part.axes)
     figure, panels = _begin(part.about, 2 * count, columns=count, width=4.2 * count, height=7.0)
     for column, (axis, settings) in enumerate(part.axes.items()):
-        for row, (label, value_of) in enumerate(MEASURES):
+        for row, (label, measure) in enumerate(MEASURES):
             axes = panels[row * count + column]
             for method in dict.fromkeys(summary.method for summary in summaries):
+                mine = [s for s in summaries if s.method == method and s.setting in settings]
                 points = {
-                    getattr(spec_of(s.setting), axis): value_of(s)
-                    for s in summaries
-                    if s.method == method and s.setting in settings and not math.isnan(value_of(s))
+                    getattr(spec_of(s.setting), axis): getattr(s, measure).value
+                    for s in mine
+                    if not math.isnan(getattr(s, measure).value)
                 }
                 _curve(axes, method, points)
             _scale(axes, sorted({getattr(spec_of(setting), axis) for setting in settings}))

@@ -139,7 +139,7 @@ class FleetWorld:
             if robot != NOBODY:
                 if self.robots[robot].leg.end == stamp:
                     touched.add(robot)
-                    self._look_at_services(self.robots[robot].command.task, touched)
+                    self._look_at_services(self.robots[robot].command.task)
             elif task in self._services and self._services[task].end == stamp:
                 self._go_on(task, touched)
         self.now = now
@@ -158,7 +158,7 @@ class FleetWorld:
             self._walk(robot)
             touched.add(robot)
         for task in {old.task, command.task}:
-            self._look_at_services(task, touched)
+            self._look_at_services(task)
         return touched
 
     def report(self, robot: int) -> Report:
@@ -239,7 +239,7 @@ class FleetWorld:
             self._let_go(robot, touched)
         elif body.carries != NOBODY:
             self._carry(body.carries)
-        self._look_at_services(body.command.task, touched)
+        self._look_at_services(body.command.task)
         return touched
 
     def _carry(self, key: int) -> None:
@@ -307,7 +307,7 @@ class FleetWorld:
         if leg.time != NEVER:
             heapq.heappush(self._events, (leg.end, robot, NOBODY, leg.end))
 
-    def _look_at_services(self, key: int, touched: set[int]) -> None:
+    def _look_at_services(self, key: int) -> None:
         """Begin or break off the service of a task, by who is at work on it now."""
         if key not in self.tasks or key in self.done or key in self._ways_of_loads:
             return

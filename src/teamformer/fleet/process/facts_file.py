@@ -8,6 +8,7 @@ from pathlib import Path
 
 from msgspec import DecodeError, Struct, ValidationError
 from msgspec.msgpack import decode, encode
+from msgspec.structs import replace
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.knowledge import Remembered
@@ -52,14 +53,11 @@ class FactsFile:
             hint = "name another file with --facts"
             raise TeamformerError(f"{self._path}: this is of another mission or robot", hint)
         away = max(0.0, time.time() - saved.remembered.seen_at)
-        kept = saved.remembered
-        return Remembered(kept.life, kept.done, kept.added, kept.age + away)
+        return replace(saved.remembered, age=saved.remembered.age + away)
 
     def write(self, remembered: Remembered) -> None:
         """Replace the file; when this returns, it is on the disk."""
-        kept = Remembered(
-            remembered.life, remembered.done, remembered.added, remembered.age, time.time()
-        )
+        kept = replace(remembered, seen_at=time.time())
         part = self._path.with_name(self._path.name + ".part")
         with part.open("wb") as file:
             file.write(encode(Saved(PROTOCOL, self._mission, self._robot, kept)))

@@ -30,7 +30,7 @@ from teamformer.planning.arcs.graph import (
     empty_graph,
     is_in_steps,
     lay,
-    read_off,
+    plan_of,
     time_anew,
 )
 from teamformer.planning.arcs.in_steps.members import replace_member, ride
@@ -47,7 +47,7 @@ from teamformer.planning.arcs.start import first_plan
 from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import Moved, empty_moved, move_task, take_back
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.continuous.schedule import CoalitionPlan
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
 HOT, COLD = 20, 800
@@ -168,11 +168,7 @@ class ArcSearch:
     @property
     def best(self) -> CoalitionPlan:
         """Return the best plan."""
-        plan = empty_plan(self.problem)
-        read_off(self.arcs, self._best, plan)
-        tasks = len(plan.order)
-        plan.order[:] = np.argsort(self._best.nodes.key[:tasks], kind="stable")
-        return plan
+        return plan_of(self.problem, self.arcs, self._best)
 
 
 @entry

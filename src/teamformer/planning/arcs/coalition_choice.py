@@ -17,6 +17,7 @@ from teamformer.planning.arcs.graph import Graph, leave
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
+from teamformer.rules.coverage import helps
 
 BLINK = 16
 """Every so many arcs one is overlooked, so that the search does not always see the same."""
@@ -296,7 +297,7 @@ def _choose_greedily(problem: ArcProblem, choice: Choice, need: int, by_chain: b
             place = 0
             for pick in range(number[PICKS]):
                 place += problem.kinds[choice.pick[pick].kind].type == which
-            if place >= choice.found[which] or not _helps(problem, choice, which):
+            if place >= choice.found[which] or not helps(problem.counts[which], choice.lacking):
                 continue
             candidate = choice.candidates[which, place]
             value = max(comes, candidate.comes) + max(leaves, candidate.leaves) * by_chain
@@ -315,15 +316,6 @@ def _choose_greedily(problem: ArcProblem, choice: Choice, need: int, by_chain: b
             break
     _drop_spare(problem, choice)
     return True
-
-
-@kernel
-def _helps(problem: ArcProblem, choice: Choice, which: int) -> bool:
-    """Say whether a type brings anything that is lacking."""
-    for cap in range(len(choice.lacking)):
-        if choice.lacking[cap] > 0 and problem.counts[which, cap] > 0:
-            return True
-    return False
 
 
 @kernel

@@ -1,11 +1,11 @@
-"""Where a change begins: a task that the makespan hangs on, or any."""
+"""Draws of a change: the task that it begins with, and the moment that a task is moved to."""
 
 from __future__ import annotations
 
 from teamformer.arrays import Array
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
-from teamformer.planning.arcs.graph import LATEST, Graph, is_in_steps
+from teamformer.planning.arcs.graph import LAST, LATEST, Graph, is_in_steps
 from teamformer.planning.arcs.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
 from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
@@ -83,3 +83,35 @@ def draw_near(problem: ArcProblem, random: Array, task: int) -> int:
     if problem.near.shape[1] == 0:
         return task
     return problem.near[task, draw_below(random, problem.near.shape[1])]
+
+
+@kernel
+def cut_beside_near(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int) -> int:
+    """Draw a moment just before or after a task that is near to another, on a robot's way."""
+    nodes, seats = graph.nodes, graph.seats
+    other = draw_near(problem, random, task)
+    seat = nodes[other].first + draw_below(random, nodes[other].taken)
+    start = nodes[other].end - nodes[other].duration
+    if draw_below(random, 2) == 0:
+        key = nodes[seats[seats[seat].next].node].key
+        least, past = start, nodes[other].end + leg if key == LAST else (key - 1) // 2
+    else:
+        key = nodes[seats[seats[seat].prev].node].key
+        least, past = (key - 1) // 2, start  # -1 for depots
+    return 2 * (least + 1 + draw_below(random, max(1, past - least)))
+
+
+@kernel
+def keeps_order(problem: ArcProblem, graph: Graph, task: int, cut: int) -> bool:
+    """Say whether a cut lies behind all tasks that come before a task, and before those after."""
+    for other in problem.before[task]:
+        if other == NOBODY:
+            break
+        if graph.nodes[other].key > cut:
+            return False
+    for other in problem.after[task]:
+        if other == NOBODY:
+            break
+        if graph.nodes[other].key < cut:
+            return False
+    return True

@@ -28,7 +28,7 @@ from teamformer.planning.arcs.arc_problem import (
 )
 from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways, start_in_steps
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan
+from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan, empty_plan
 from teamformer.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -268,6 +268,14 @@ def sum_up(problem: ArcProblem, graph: Graph) -> None:
     total[LATEST], total[MAKESPAN] = latest, back[latest]
     total[BACK_SUM], total[END_SUM], total[LATE] = back_sum, end_sum, late
     total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, late)
+
+
+def plan_of(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> CoalitionPlan:
+    """Return the plan that a graph is."""
+    plan = empty_plan(problem)
+    read_off(arcs, graph, plan)
+    plan.order[:] = np.argsort(graph.nodes.key[: len(plan.order)], kind="stable")
+    return plan
 
 
 @entry

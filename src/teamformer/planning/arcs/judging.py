@@ -35,7 +35,7 @@ from teamformer.planning.continuous.problem import NOBODY
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
 
-PREV, NEXT, END, BACK, COMES = range(5)
+PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN = range(8)
 """What an entry of the log has changed."""
 
 ARRIVING, PARTING = 1, 2
@@ -162,15 +162,22 @@ def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bo
         if is_in_steps(graph):
             _send_on(problem, graph, trial, task)
             continue
-        for seat in range(node.first, node.first + node.taken):
-            follow(graph, trial, graph.seats[seat].next)
-        if node.has_links:
-            for other in problem.after[task]:
-                if other == NOBODY:
-                    break
-                if not nodes[other].is_waiting:
-                    wait(graph, trial, other, nodes[other].key)
+        follow_on(problem, graph, trial, task)
     return True
+
+
+@kernel
+def follow_on(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> None:
+    """Have all timed that follows a task: where its robots go, and what it must come before."""
+    nodes, node = graph.nodes, graph.nodes[task]
+    for seat in range(node.first, node.first + node.taken):
+        follow(graph, trial, graph.seats[seat].next)
+    if node.has_links:
+        for other in problem.after[task]:
+            if other == NOBODY:
+                break
+            if not nodes[other].is_waiting:
+                wait(graph, trial, other, nodes[other].key)
 
 
 @kernel
@@ -243,6 +250,12 @@ def undo(graph: Graph, trial: Trial) -> None:
             seats[index].prev = old
         elif trial.log[entry].what == COMES:
             graph.comes[index] = old
+        elif trial.log[entry].what == KIND:
+            seats[index].kind = old
+        elif trial.log[entry].what == KEY:
+            graph.nodes[index].key = old
+        elif trial.log[entry].what == TAKEN:
+            graph.nodes[index].taken = old
         else:
             graph.back[index] = old
 

@@ -19,8 +19,8 @@ from teamformer.planning.arcs.coalition_choice import (
     gather,
     sum_up_picks,
 )
-from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import LAST, MAKESPAN, Graph
+from teamformer.planning.arcs.draws import cut_beside_near, keeps_order
+from teamformer.planning.arcs.graph import MAKESPAN, Graph
 from teamformer.planning.arcs.in_steps.bundles import draw_group, pick_group
 from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
 from teamformer.planning.continuous.problem import NOBODY
@@ -78,7 +78,7 @@ def move_task(
     is_picked = cut != NOBODY and pick_group(problem, graph, choice, task)
     if cut == NOBODY:
         cut = _draw_cut(problem, graph, random, task, leg)
-    if node.has_links and not _keeps_order(problem, graph, task, cut):
+    if node.has_links and not keeps_order(problem, graph, task, cut):
         return False
     if not is_picked:
         by_chain = draw_below(random, 100) < BY_CHAIN
@@ -96,7 +96,7 @@ def move_task(
 @kernel
 def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int) -> int:
     """Draw a moment: beside a near task, near its own start, now and then any."""
-    nodes, seats, most = graph.nodes, graph.seats, problem.most[0]
+    nodes = graph.nodes
     draw, habits = draw_below(random, 100), problem.habits
     if draw < habits[ANYWHERE]:
         return 2 * draw_below(random, graph.total[MAKESPAN])
@@ -106,32 +106,7 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
         start = nodes[task].end - nodes[task].duration
         spread = NEAR * leg + 1
         return 2 * max(1, start - spread + draw_below(random, 2 * spread))
-    other = draw_near(problem, random, task)
-    seat = other * most + draw_below(random, nodes[other].taken)
-    start = nodes[other].end - nodes[other].duration
-    if draw_below(random, 2) == 0:
-        key = nodes[seats[seats[seat].next].node].key
-        least, past = start, nodes[other].end + leg if key == LAST else (key - 1) // 2
-    else:
-        key = nodes[seats[seats[seat].prev].node].key
-        least, past = (key - 1) // 2, start  # -1 for depots
-    return 2 * (least + 1 + draw_below(random, max(1, past - least)))
-
-
-@kernel
-def _keeps_order(problem: ArcProblem, graph: Graph, task: int, cut: int) -> bool:
-    """Say whether a cut lies behind all tasks that come before a task, and before those after."""
-    for other in problem.before[task]:
-        if other == NOBODY:
-            break
-        if graph.nodes[other].key > cut:
-            return False
-    for other in problem.after[task]:
-        if other == NOBODY:
-            break
-        if graph.nodes[other].key < cut:
-            return False
-    return True
+    return cut_beside_near(problem, graph, random, task, leg)
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.arrays import Int32s, Ints
+from teamformer.arrays import Int32s
 from teamformer.jit import kernel
 from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
@@ -26,8 +26,6 @@ class Workspace(NamedTuple):
     pick: Int32s  # (robots,) its robots
     picks: Int32s  # (1,) how many these are
     short: Int32s  # (caps,) what it still lacks
-    clock: Ints  # (1,) number of the change
-    seen: Ints  # (robots,) the change that a robot was last marked for
     random: npt.NDArray[np.uint64]  # (1,) state of the random numbers
 
 
@@ -38,8 +36,6 @@ def empty_workspace(problem: CoalitionProblem, seed: int) -> Workspace:
         pick=np.zeros(robots, np.int32),
         picks=np.zeros(1, np.int32),
         short=np.zeros(caps, np.int32),
-        clock=np.zeros(1, np.int64),
-        seen=np.full(robots, -1, np.int64),
         random=np.array([seed * 2654435761 + 88172645463325252], np.uint64),
     )
 

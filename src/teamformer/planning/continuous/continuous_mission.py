@@ -19,18 +19,20 @@ from teamformer.mission.windows import release_of
 from teamformer.model import Scenario
 from teamformer.planning.arcs.linked.solve import LinkedSolution
 from teamformer.planning.continuous.links import (
-    COMPLETION,
     HOME,
     MAKESPAN,
-    MAX_TARDINESS,
-    PARTS,
+    PART_OF,
     TARDINESS,
-    TRAVEL,
     Link,
     LinkedProblem,
     link_problem,
 )
-from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, pose_problem
+from teamformer.planning.continuous.problem import (
+    NEVER,
+    CoalitionProblem,
+    pose_problem,
+    without_spares,
+)
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan, empty_plan
 from teamformer.planning.continuous.solve import Solution
@@ -88,11 +90,7 @@ class ContinuousMission:
         made = empty_plan(problem)
         made.order[:] = plan.order
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
-            needed = list(coalition)
-            for robot in reversed(coalition):
-                rest = [other for other in needed if other != robot]
-                if (problem.counts[rest].sum(axis=0) >= problem.needs[task]).all():
-                    needed = rest
+            needed = without_spares(problem, task, coalition)
             made.size[task] = len(needed)
             made.coalition[task, : len(needed)] = needed
         return made
@@ -177,21 +175,12 @@ def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> Linked
         for number, task in enumerate(scenario.tasks)
         for name, (least, most) in task.starts.items()
     ]
-    weight = np.zeros(PARTS)
     if scenario.cost is None:
         spread = SPREAD * len(scenario.robots)
-        weight[[MAKESPAN, HOME, TARDINESS]] = spread, 1, LATENESS * spread
+        weight: dict[int, float] = {MAKESPAN: spread, HOME: 1, TARDINESS: LATENESS * spread}
     else:
-        parts = {
-            "makespan": MAKESPAN,
-            "travel": TRAVEL,
-            "tardiness": TARDINESS,
-            "max_tardiness": MAX_TARDINESS,
-            "completion": COMPLETION,
-        }
         total = sum(scenario.cost.values())
-        for name, value in scenario.cost.items():
-            weight[parts[name]] = value / total
+        weight = {PART_OF[name]: value / total for name, value in scenario.cost.items()}
     by_task = [1.0 if scenario.cost is None else task.weight for task in scenario.tasks]
     return link_problem(problem, links, weight, by_task)
 

@@ -6,7 +6,7 @@ once or so many ticks after one another as their gaps say. All other tasks are g
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,15 @@ on the way, by how much tasks are late, added up by weight, by how much the late
 tasks end, added up by weight."""
 
 PARTS = 6
+
+PART_OF = {
+    "makespan": MAKESPAN,
+    "travel": TRAVEL,
+    "tardiness": TARDINESS,
+    "max_tardiness": MAX_TARDINESS,
+    "completion": COMPLETION,
+}
+"""The parts of the cost by their names in mission files."""
 
 
 class Link(NamedTuple):
@@ -49,11 +58,12 @@ class LinkedProblem(NamedTuple):
 def link_problem(
     base: CoalitionProblem,
     links: Sequence[Link],
-    weight: npt.ArrayLike,
+    weight: Mapping[int, float],
     task_weight: npt.ArrayLike | None = None,
 ) -> LinkedProblem:
-    """Return a problem with its links worked out."""
-    tasks = len(base.needs)
+    """Return a problem with its links worked out; parts that have no weight do not count."""
+    tasks, weights = len(base.needs), np.zeros(PARTS)
+    weights[list(weight)] = list(weight.values())
     gap = np.full((tasks, tasks), FREE)
     leader = list(range(tasks))
     for task, other, least, most in links:
@@ -67,4 +77,4 @@ def link_problem(
     for number, found in enumerate(groups):
         members[number, : len(found)], group[found] = found, number
     by_task = np.ones(tasks) if task_weight is None else np.asarray(task_weight, np.float64)
-    return LinkedProblem(base, group, members, gap, np.asarray(weight, np.float64), by_task)
+    return LinkedProblem(base, group, members, gap, weights, by_task)

@@ -32,6 +32,7 @@ from teamformer.planning.continuous.schedule import (
 )
 from teamformer.planning.continuous.solve import Solution
 from teamformer.rules.chance import draw_below
+from teamformer.rules.coverage import helps
 
 if TYPE_CHECKING:
     from teamformer.planning.continuous.coalition_choice import Workspace
@@ -45,7 +46,7 @@ MANY_OPEN = 20
 longer then, and there are more of them."""
 
 FARTHEST = 10**11
-"""Ticks that no way takes, but for one that is none (`mission.pose_mission` has those longer)."""
+"""Ticks that no way takes; where there is none, it takes longer (`continuous_mission`)."""
 
 
 def react(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
@@ -123,10 +124,7 @@ def _helps(problem: CoalitionProblem, schedule: Schedule, robot: int, task: int)
         return False
     if problem.ways[problem.pace[robot], problem.origin[robot], task] > FARTHEST:
         return False
-    for cap in range(problem.needs.shape[1]):
-        if problem.needs[task, cap] > 0 and problem.counts[robot, cap] > 0:
-            return True
-    return False
+    return helps(problem.counts[robot], problem.needs[task])
 
 
 @kernel

@@ -15,7 +15,7 @@ from teamformer.planning.arcs.linked.solve import LinkedSolution, plan_linked, s
 from teamformer.planning.continuous.bounds.makespan import improving_bounds
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, refuse_no_way
 from teamformer.planning.continuous.first_plan import draw_plan
-from teamformer.planning.continuous.links import LinkedProblem, link_problem
+from teamformer.planning.continuous.links import MAKESPAN, LinkedProblem, link_problem
 from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.routes import MissionPlan
@@ -91,7 +91,7 @@ def warm_up(is_linked: bool = False) -> None:
         duration=[1, 1],
     )
     if is_linked:
-        linked = LinkedSearch(link_problem(problem, (), [1, 0, 0, 0, 0]), 0)
+        linked = LinkedSearch(link_problem(problem, (), {MAKESPAN: 1}), 0)
         linked.begin_anew()
         linked.anneal(1.0, 10)
         return

@@ -92,8 +92,8 @@ def _scarce_first(problem: Relaxed) -> Array:
 @allocating_kernel
 def insert_task(
     problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, task: int, makespan: int
-) -> bool:
-    """Put a task into a plan whose tails have just been hung; say whether there is a coalition.
+) -> None:
+    """Put a task into a plan whose tails have just been hung, if a coalition can do it.
 
     `makespan` is the plan's without the task.
     """
@@ -122,10 +122,8 @@ def insert_task(
             end = timing.start[passed] + problem.duration[passed]
             size = plan.size[passed]
             is_new = _pass_task(robots, visits, coalition, steps, cells, task, passed, size, end)
-    if best_gap == NOBODY:
-        return False
-    _place_task(plan, task, best_gap, workspace.best, best_size)
-    return True
+    if best_gap != NOBODY:
+        _place_task(plan, task, best_gap, workspace.best, best_size)
 
 
 @kernel

@@ -9,7 +9,7 @@ from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.arcs.arc_problem import StepRules
 from teamformer.planning.arcs.graph import MAKESPAN
 from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
+from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem, without_spares
 from teamformer.planning.continuous.schedule import empty_plan
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.steps.crossings import Crossings
@@ -25,7 +25,7 @@ FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 60, 7
 """How many tasks are near to each: every seventh, or two for each type of robots."""
 
 HABITS = (25, 20, 20, 10, 10, 60, 60, 10 * TICKS, 15)
-"""Swaps, replacements, riders and so on, as `planning.arcs.graph` names them."""
+"""Swaps, replacements, riders and so on, as `planning.arcs.arc_problem` names them."""
 
 LARGE = 100
 """Missions of so many tasks are planned from an empty plan, not from coalitions."""
@@ -100,7 +100,7 @@ class TeamArcs:
         laid.order[:] = plan.order
         for task, size in enumerate(plan.size.tolist()):
             robots = number[plan.coalition[task, :size]].tolist()
-            kept = _at_most(problem, task, robots, most)
+            kept = without_spares(problem, task, robots, most)
             laid.size[task], laid.coalition[task, : len(kept)] = len(kept), kept
         self.search.begin_at(laid)
 
@@ -188,14 +188,3 @@ def _passes(problem: Relaxed, crossings: Crossings, leaders: Ints) -> tuple[Int3
     passes = np.concatenate([kept[a:b] for a, b in zip(begin, end, strict=True)] or [kept[:0]])
     passed = np.concatenate([[0], np.cumsum(end - begin)])
     return passed.astype(np.int32), passes.astype(np.int32)
-
-
-def _at_most(problem: CoalitionProblem, task: int, robots: list[int], most: int) -> list[int]:
-    """Return robots of a coalition, so many at most, that cover its task."""
-    kept, index = list(robots), len(robots) - 1
-    while len(kept) > most and index >= 0:
-        rest = [*kept[:index], *kept[index + 1 :]]
-        if (problem.counts[rest].sum(axis=0) >= problem.needs[task]).all():
-            kept = rest
-        index -= 1
-    return kept

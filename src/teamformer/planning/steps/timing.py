@@ -218,19 +218,31 @@ def _note_spare_group(
 ) -> None:
     """Note the last to come of those groups without which a task can be done: it would be."""
     for place in range(count - 1, -1, -1):
-        if _is_spare(problem, plan, groups, task, groups.touched[place]):
+        if _can_do(problem, plan, groups, groups.touched[place], task, task, is_with=False):
             groups.spare[0], groups.spare[1] = task, groups.touched[place]
             return
 
 
 @kernel
-def _is_spare(problem: Relaxed, plan: TeamPlan, groups: Groups, task: int, group: int) -> bool:
+def _can_do(
+    problem: Relaxed,
+    plan: TeamPlan,
+    groups: Groups,
+    group: int,
+    task: int,
+    other: int,
+    is_with: bool = True,
+) -> bool:
+    """Say whether the robots of a group that go to a task can do another one.
+
+    Or, if not `is_with`, those that go there and are not of the group.
+    """
     for cap in range(problem.needs.shape[1]):
-        lacking = problem.needs[task, cap]
+        lacking = problem.needs[other, cap]
         if lacking > 0:
             for seat in range(plan.size[task]):
                 robot = plan.coalition[task, seat]
-                if groups.of[robot] != group:
+                if (groups.of[robot] == group) == is_with:
                     lacking -= problem.counts[robot, cap]
             if lacking > 0:
                 return False
@@ -314,23 +326,6 @@ def _is_stop(speed: float, cells: int) -> bool:
     """Say whether a team that has left so many cells ago ends a step there."""
     steps = np.ceil(cells / speed - 1e-9)
     return np.floor(steps * speed + 1e-9) == cells
-
-
-@kernel
-def _can_do(
-    problem: Relaxed, plan: TeamPlan, groups: Groups, group: int, task: int, other: int
-) -> bool:
-    """Say whether the robots of a group that go to a task can do another one."""
-    for cap in range(problem.needs.shape[1]):
-        lacking = problem.needs[other, cap]
-        if lacking > 0:
-            for seat in range(plan.size[task]):
-                robot = plan.coalition[task, seat]
-                if groups.of[robot] == group:
-                    lacking -= problem.counts[robot, cap]
-            if lacking > 0:
-                return False
-    return True
 
 
 @kernel

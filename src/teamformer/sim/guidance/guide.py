@@ -62,7 +62,7 @@ class Guide:
             if heard:
                 is_new[w] = True
                 self._install(worlds, w, self._plan_after(worlds, w, heard))
-        self._follow(worlds, is_new, news)
+        self._follow(worlds, is_new)
 
     def take_over(self, worlds: Worlds, w: int, plan: Plan) -> None:
         """Have a world's teams go by a plan that somebody else has made, from the next step on.
@@ -77,7 +77,7 @@ class Guide:
             plan = coordinator.update(known, plan)
         self._install(worlds, w, replace(plan, why=(TAKEN_OVER,)))
         is_new = np.arange(len(self.scenarios)) == w
-        self._follow(worlds, is_new, np.zeros(len(is_new), np.int32))
+        self._follow(worlds, is_new)
 
     def plan(self, worlds: Worlds, w: int) -> Plan:
         """Return the plan that a world goes by now; tasks that are not in it have no coalition."""
@@ -164,7 +164,7 @@ class Guide:
         self.parts.task[w, : first[-1]] = [task for tasks in lists for task in tasks]
         self.parts.part[w] = np.arange(len(lists))
 
-    def _follow(self, worlds: Worlds, is_new: Array, news: Array) -> None:
+    def _follow(self, worlds: Worlds, is_new: Array) -> None:
         """Write what teams are to do next; a new plan is kept with the exchanges made at once."""
         follow_plans(worlds, self.parts, is_new)
         for w in np.flatnonzero(is_new).tolist():

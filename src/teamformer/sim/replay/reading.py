@@ -158,7 +158,7 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         )
     with inside("scouts"):
         scouts = tuple(
-            (count_of(at), _scouts(made, robots, tasks))
+            (count_of(at), _pairs(made, robots, tasks))
             for at, made in rows_of(tree.get("scouts", []), 2)
         )
     with inside("start"):
@@ -211,9 +211,17 @@ def _plan(row: Any, robots: int) -> SharedPlanMade:
     )
 
 
-def _scouts(rows: Any, robots: int, tasks: int) -> tuple[tuple[int, int], ...]:
+def _pairs(rows: Any, firsts: int, seconds: int) -> tuple[tuple[int, int], ...]:
+    """Return rows of two numbers: the first ones and the second ones are below so many."""
     pairs = rows_of(rows, 2)
-    return tuple((number_below(robot, robots), number_below(task, tasks)) for robot, task in pairs)
+    return tuple((number_below(one, firsts), number_below(two, seconds)) for one, two in pairs)
+
+
+def _places(rows: Any, tasks: int, along: Coordinate) -> tuple[TaskAt, ...]:
+    """Return rows that say where tasks are."""
+    return tuple(
+        TaskAt(number_below(task, tasks), along(x), along(y)) for task, x, y in rows_of(rows, 3)
+    )
 
 
 def _ending(tree: Any) -> Ending:
@@ -234,15 +242,11 @@ def _steps(trees: Any, robots: int, tasks: int, along: Coordinate) -> Iterator[S
 
 def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
     check_keys(tree, STEP_KEYS)
-    joins, splits = rows_of(tree.get("joins", []), 2), rows_of(tree.get("splits", []), 2)
-    teams, done = rows_of(tree.get("teams", []), 4), rows_of(tree.get("done", []), 2)
-    took = rows_of(tree.get("took", []), 2)
     return Step(
-        joins=tuple(
-            (number_below(one, robots), number_below(other, robots)) for one, other in joins
-        ),
+        joins=_pairs(tree.get("joins", []), robots, robots),
         splits=tuple(
-            (numbers_below(stay, robots), numbers_below(leave, robots)) for stay, leave in splits
+            (numbers_below(stay, robots), numbers_below(leave, robots))
+            for stay, leave in rows_of(tree.get("splits", []), 2)
         ),
         lost=numbers_below(tree.get("lost", []), robots),
         back=numbers_below(tree.get("back", []), robots),
@@ -253,30 +257,18 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
                 along(y),
                 None if task is None else number_below(task, tasks),
             )
-            for slot, x, y, task in teams
+            for slot, x, y, task in rows_of(tree.get("teams", []), 4)
         ),
-        done=tuple((number_below(task, tasks), number_below(slot, robots)) for task, slot in done),
+        done=_pairs(tree.get("done", []), tasks, robots),
         named=numbers_below(tree.get("named", []), robots),
-        took=tuple((number_below(one, robots), number_below(other, robots)) for one, other in took),
+        took=_pairs(tree.get("took", []), robots, robots),
         heard=tuple(_heard(row, robots) for row in rows_of(tree.get("heard", []), 3)),
         shown=numbers_below(tree.get("shown", []), tasks),
         found=numbers_below(tree.get("found", []), tasks),
-        moved=tuple(
-            TaskAt(number_below(task, tasks), along(x), along(y))
-            for task, x, y in rows_of(tree.get("moved", []), 3)
-        ),
-        taken=tuple(
-            (number_below(task, tasks), number_below(slot, robots))
-            for task, slot in rows_of(tree.get("taken", []), 2)
-        ),
-        left=tuple(
-            TaskAt(number_below(task, tasks), along(x), along(y))
-            for task, x, y in rows_of(tree.get("left", []), 3)
-        ),
-        pursued=tuple(
-            (number_below(slot, robots), number_below(task, tasks))
-            for slot, task in rows_of(tree.get("pursued", []), 2)
-        ),
+        moved=_places(tree.get("moved", []), tasks, along),
+        taken=_pairs(tree.get("taken", []), tasks, robots),
+        left=_places(tree.get("left", []), tasks, along),
+        pursued=_pairs(tree.get("pursued", []), robots, tasks),
     )
 
 

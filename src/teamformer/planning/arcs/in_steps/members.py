@@ -47,7 +47,7 @@ def replace_member(
     gather(problem, graph, choice, random, task, cut, out, True)
     best, at, least = NOBODY, 0, NEVER
     for which in range(len(problem.counts)):
-        if not covers_without(problem, graph, task, out, which):
+        if not covers_with(problem, graph, task, task, out, which):
             continue
         for place in range(choice.found[which]):
             candidate = choice.candidates[which, place]
@@ -77,11 +77,16 @@ def _is_in(graph: Graph, task: int, tail: int) -> bool:
 
 
 @kernel
-def covers_without(problem: ArcProblem, graph: Graph, task: int, out: int, which: int) -> bool:
-    """Say whether a coalition covers its task without a seat, and with one more of a type."""
-    node = graph.nodes[task]
+def covers_with(
+    problem: ArcProblem, graph: Graph, task: int, other: int, out: int, which: int
+) -> bool:
+    """Say whether the coalition of another task covers a task.
+
+    It does so without the robot of seat `out`, and with one of type `which`, if these are anybody.
+    """
+    need, node = graph.nodes[task].need, graph.nodes[other]
     for cap in range(problem.needs.shape[1]):
-        lacking = problem.needs[node.need, cap]
+        lacking = problem.needs[need, cap]
         if lacking > 0:
             if which != NOBODY:
                 lacking -= problem.counts[which, cap]
@@ -132,7 +137,7 @@ def _skip(
     seat = nodes[task].first + draw_below(random, nodes[task].taken)
     for _ in range(1 + draw_below(random, MOST_MOVED)):
         node = seats[seat].node
-        if node == len(nodes) - 1 or not covers_without(problem, graph, node, seat, NOBODY):
+        if node == len(nodes) - 1 or not covers_with(problem, graph, node, node, seat, NOBODY):
             break
         following = seats[seat].next
         remember(graph, moved, node)

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
 from teamformer.planning.arcs.draws import draw_near
+from teamformer.planning.arcs.in_steps.members import covers_with
 from teamformer.planning.arcs.judging import begin_trial, connect, propagate
 from teamformer.planning.arcs.task_moves import Moved, remember
+from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
 
 if TYPE_CHECKING:
@@ -46,7 +48,7 @@ def move_stretch(
         if node == beside:
             return False
         seat = seats[seat].next
-        if _covers(problem, graph, node, beside):
+        if covers_with(problem, graph, node, beside, NOBODY, NOBODY):
             remember(graph, moved, node)
     count = moved.number[0]
     if count == 0:
@@ -65,20 +67,6 @@ def move_stretch(
             return False
         edge = node
     return propagate(problem, graph, trial, limit)
-
-
-@kernel
-def _covers(problem: ArcProblem, graph: Graph, task: int, other: int) -> bool:
-    """Say whether the coalition of another task covers a task."""
-    need, node = graph.nodes[task].need, graph.nodes[other]
-    for cap in range(problem.needs.shape[1]):
-        lacking = problem.needs[need, cap]
-        if lacking > 0:
-            for seat in range(node.first, node.first + node.taken):
-                lacking -= problem.counts[problem.kinds[graph.seats[seat].kind].type, cap]
-            if lacking > 0:
-                return False
-    return True
 
 
 @kernel

@@ -14,6 +14,7 @@ from teamformer.planning.arcs.linked.judging import Links
 from teamformer.planning.continuous.links import HOME, MAKESPAN, MAX_TARDINESS, TARDINESS, TRAVEL
 from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
+from teamformer.rules.coverage import helps
 
 BLINK = 12
 """Every so many arcs one is overlooked, so that the search does not always see the same."""
@@ -185,10 +186,7 @@ def _is_lacking(lacking: Int32s) -> bool:
 @kernel
 def _helps(problem: ArcProblem, room: Room, index: int) -> bool:
     which = problem.kinds[room.found[index].kind].type
-    for cap in range(len(room.lacking)):
-        if room.lacking[cap] > 0 and problem.counts[which, cap] > 0:
-            return True
-    return False
+    return helps(problem.counts[which], room.lacking)
 
 
 @kernel

@@ -7,9 +7,9 @@ from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.draws import draw_near
 from teamformer.planning.arcs.graph import Graph
-from teamformer.planning.arcs.judging import Trial, record
+from teamformer.planning.arcs.judging import KIND, Trial, record
 from teamformer.planning.arcs.linked.candidates import Room
-from teamformer.planning.arcs.linked.judging import KIND, Ledger, Links, lead, way_out
+from teamformer.planning.arcs.linked.judging import Ledger, Links, lead, way_out
 from teamformer.planning.arcs.linked.moves import has_groups_apart
 from teamformer.planning.continuous.links import TRAVEL
 from teamformer.rules.chance import draw_below

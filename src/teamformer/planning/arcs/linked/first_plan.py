@@ -10,7 +10,7 @@ from random import Random
 import numpy as np
 
 from teamformer.planning.continuous.links import LinkedProblem
-from teamformer.planning.continuous.problem import NOBODY
+from teamformer.planning.continuous.problem import NOBODY, without_spares
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 
 
@@ -71,11 +71,7 @@ def _able_coalition(
         soonest = min(helps, key=lambda robot: (comes[robot], robot))
         coalition.append(_draw(helps, draws) if draws else soonest)
         free.remove(coalition[-1])
-    for robot in list(coalition):
-        others = [other for other in coalition if other != robot]
-        if (counts[others].sum(axis=0) >= needs).all():
-            coalition = others
-    return coalition
+    return without_spares(problem.base, task, coalition[::-1])[::-1]
 
 
 def _draw(choices: list[int], draws: Random) -> int:

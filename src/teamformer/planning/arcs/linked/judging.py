@@ -20,15 +20,17 @@ from teamformer.planning.arcs.judging import (
     BACK,
     END,
     HOMES,
+    KEY,
     LOGGED,
-    NEXT,
-    PREV,
     WAITS,
     Trial,
+    begin_trial,
     connect,
     empty_trial,
     follow,
+    follow_on,
     record,
+    undo,
     wait,
 )
 from teamformer.planning.continuous.links import (
@@ -43,9 +45,6 @@ from teamformer.planning.continuous.links import (
     LinkedProblem,
 )
 from teamformer.planning.continuous.problem import NOBODY
-
-KIND, KEY, TAKEN = range(10, 13)
-"""What an entry of the log has changed, beside what it may in any graph."""
 
 MOST_TIMED, TIMED_EACH = 200, 2
 """How many tasks are timed after a change at most: so many, and each so many times."""
@@ -100,9 +99,7 @@ def room_for_change(problem: LinkedProblem, graph: Graph) -> Trial:
 @kernel
 def begin_change(trial: Trial, ledger: Ledger) -> None:
     """Begin a change."""
-    trial.number[LOGGED] = 0
-    trial.number[WAITS] = 0
-    trial.number[HOMES] = 0
+    begin_trial(trial)
     ledger.is_less_late[0] = 0
     for part in range(len(ledger.part)):
         ledger.then[part] = ledger.part[part]
@@ -190,14 +187,7 @@ def _start(
         ledger.is_less_late[0] = 1
     record(trial, END, task, node.end)
     node.end = end
-    for seat in range(node.first, node.first + node.taken):
-        follow(graph, trial, graph.seats[seat].next)
-    if node.has_links:
-        for other in problem.after[task]:
-            if other == NOBODY:
-                break
-            if not graph.nodes[other].is_waiting:
-                wait(graph, trial, other, graph.nodes[other].key)
+    follow_on(problem, graph, trial, task)
 
 
 @kernel
@@ -231,36 +221,6 @@ def sum_up_change(
     ledger.cost[THEN] = 0.0
     for part in range(len(then)):
         ledger.cost[THEN] += links.weight[part] * then[part]
-
-
-@kernel
-def undo_change(graph: Graph, trial: Trial) -> None:
-    """Make all as it was before the change."""
-    number, seats, nodes = trial.number, graph.seats, graph.nodes
-    for place in range(number[WAITS]):
-        nodes[trial.agenda[place].task].is_waiting = 0
-    for index in range(number[HOMES]):
-        trial.is_listed[trial.homes[index]] = 0
-    for entry_of in range(number[LOGGED] - 1, -1, -1):
-        what, index, old = (
-            trial.log[entry_of].what,
-            trial.log[entry_of].index,
-            trial.log[entry_of].old,
-        )
-        if what == END:
-            nodes[index].end = old
-        elif what == NEXT:
-            seats[index].next = old
-        elif what == PREV:
-            seats[index].prev = old
-        elif what == KIND:
-            seats[index].kind = old
-        elif what == KEY:
-            nodes[index].key = old
-        elif what == TAKEN:
-            nodes[index].taken = old
-        else:
-            graph.back[index] = old
 
 
 @kernel
@@ -301,7 +261,7 @@ def time_links(
     for task in range(tasks):
         wait(graph, trial, task, graph.nodes[task].key)
     if not propagate(problem, links, graph, trial, ledger, most):
-        undo_change(graph, trial)
+        undo(graph, trial)
         return False
     for robot in range(len(graph.back)):
         follow(graph, trial, len(seats) - len(graph.back) + robot)

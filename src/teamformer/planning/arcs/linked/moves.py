@@ -5,11 +5,11 @@ from __future__ import annotations
 from teamformer.arrays import Array
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
-from teamformer.planning.arcs.draws import draw_near
+from teamformer.planning.arcs.draws import cut_beside_near, keeps_order
 from teamformer.planning.arcs.graph import LAST, Graph
-from teamformer.planning.arcs.judging import Trial, connect, record
+from teamformer.planning.arcs.judging import KEY, KIND, TAKEN, Trial, connect, record
 from teamformer.planning.arcs.linked.candidates import PICKS, STAMP, Room, choose, gather
-from teamformer.planning.arcs.linked.judging import KEY, KIND, TAKEN, Ledger, Links, lead, way_out
+from teamformer.planning.arcs.linked.judging import Ledger, Links, lead, way_out
 from teamformer.planning.continuous.links import FREE, TRAVEL
 from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
@@ -96,7 +96,7 @@ def _cut_beside(
 @kernel
 def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int) -> int:
     """Draw a moment: in the task's window, near its own start, or beside a near task."""
-    nodes, seats = graph.nodes, graph.seats
+    nodes = graph.nodes
     node, draw = nodes[task], draw_below(random, 100)
     start = node.end - node.duration
     if draw < IN_WINDOW:
@@ -104,16 +104,7 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
         return 2 * (node.release + draw_below(random, max(1, latest - node.release)))
     if draw < IN_WINDOW + IN_PLACE:
         return 2 * max(0, start - leg + draw_below(random, 2 * leg + 1))
-    other = draw_near(problem, random, task)
-    seat = nodes[other].first + draw_below(random, nodes[other].taken)
-    begun = nodes[other].end - nodes[other].duration
-    if draw_below(random, 2) == 0:
-        key = nodes[seats[seats[seat].next].node].key
-        least, past = begun, nodes[other].end + leg if key == LAST else (key - 1) // 2
-    else:
-        key = nodes[seats[seats[seat].prev].node].key
-        least, past = (key - 1) // 2, begun  # -1 for depots
-    return 2 * (least + 1 + draw_below(random, max(1, past - least)))
+    return cut_beside_near(problem, graph, random, task, leg)
 
 
 @kernel
@@ -154,7 +145,7 @@ def _put_in(
 ) -> bool:
     """Put a task into the best arcs that cross a cut; say if there are any."""
     node, seats = graph.nodes[task], graph.seats
-    if node.has_links and not _keeps_order(problem, graph, task, cut):
+    if node.has_links and not keeps_order(problem, graph, task, cut):
         return False
     gather(problem, links, graph, room, random, task, cut, was)
     if not choose(problem, room, node.need):
@@ -171,22 +162,6 @@ def _put_in(
         lead(problem, graph, trial, ledger, tail, seat)
         connect(graph, trial, seat, head)
         ledger.then[TRAVEL] += way_out(problem, graph, seat)
-    return True
-
-
-@kernel
-def _keeps_order(problem: ArcProblem, graph: Graph, task: int, cut: int) -> bool:
-    """Say whether a cut lies behind all tasks that come before a task, and before those after."""
-    for other in problem.before[task]:
-        if other == NOBODY:
-            break
-        if graph.nodes[other].key > cut:
-            return False
-    for other in problem.after[task]:
-        if other == NOBODY:
-            break
-        if graph.nodes[other].key < cut:
-            return False
     return True
 
 

@@ -16,8 +16,8 @@ from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.annealing import FEWEST_ROUNDS, SECONDS_AT_ONCE, copy_graph
 from teamformer.planning.arcs.arc_problem import ArcProblem, pose_arcs
-from teamformer.planning.arcs.graph import Graph, empty_graph, lay, read_off
-from teamformer.planning.arcs.judging import Trial
+from teamformer.planning.arcs.graph import Graph, empty_graph, lay, plan_of
+from teamformer.planning.arcs.judging import Trial, undo
 from teamformer.planning.arcs.linked.candidates import Room, empty_room
 from teamformer.planning.arcs.linked.exchanges import exchange_rests
 from teamformer.planning.arcs.linked.first_plan import construct
@@ -37,11 +37,10 @@ from teamformer.planning.arcs.linked.judging import (
     room_for_change,
     sum_up_change,
     time_links,
-    undo_change,
 )
 from teamformer.planning.arcs.linked.moves import move
 from teamformer.planning.continuous.links import MAX_TARDINESS, TARDINESS, TRAVEL, LinkedProblem
-from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.continuous.schedule import CoalitionPlan
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
 NEAR = 60
@@ -102,10 +101,6 @@ class LinkedSearch:
         self._ledger.cost[BEST] = self._ledger.cost[NOW]
         return True
 
-    def begin_at_best(self) -> None:
-        """Go back to the best plan."""
-        self.begin_at(self.best)
-
     @property
     def leg(self) -> float:
         """Return what a robot's visit to a task costs on average."""
@@ -154,11 +149,7 @@ class LinkedSearch:
     @property
     def best(self) -> CoalitionPlan:
         """Return the best plan."""
-        plan = empty_plan(self.problem.base)
-        read_off(self.arcs, self._best, plan)
-        tasks = len(plan.order)
-        plan.order[:] = np.argsort(self._best.nodes.key[:tasks], kind="stable")
-        return plan
+        return plan_of(self.problem.base, self.arcs, self._best)
 
 
 @entry
@@ -200,7 +191,7 @@ def anneal_links(
             accept_change(graph, trial, ledger)
             is_best = cost[NOW] < cost[BEST]
         else:
-            undo_change(graph, trial)
+            undo(graph, trial)
             if must_copy:
                 copy_graph(graph, best)
                 cost[BEST] = cost[NOW]

@@ -24,6 +24,14 @@ if TYPE_CHECKING:
     from teamformer.trials.methods import Method
 
 
+def announce_planner(is_linked: bool = False) -> None:
+    """Say that a first run compiles the planner of missions in continuous time, if it does."""
+    from teamformer.planning.continuous.rules import is_compiled
+
+    if not is_compiled(is_linked):
+        say("compiling the planner, on the first run only (half a minute, more if busy) ...")
+
+
 def announce_compiling(methods: Iterable[Method] = (), mission: Scenario | None = None) -> None:
     """Say that a first run compiles, so that nobody takes the wait for a fault, and compile.
 

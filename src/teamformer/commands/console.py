@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Self
 
@@ -13,6 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
 
 from teamformer.errors import ReaderGoneError, TeamformerError
+from teamformer.whole_files import write_whole
 
 UNFOLDED = 1000  # columns, where no terminal folds the lines
 
@@ -58,6 +60,19 @@ def prepare_folder(folder: Path) -> None:
     except OSError as error:
         hint = "name another folder with --out"
         raise TeamformerError(f"{folder}: cannot be written: {error.strerror}", hint) from None
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def write_rows(rows: Iterable[Mapping[str, Any]], path: Path) -> None:
+    """Write rows as JSON, one a line, and say where they are."""
+    write_whole(path, "".join(json.dumps(row, ensure_ascii=False) + "\n" for row in rows))
+    say(f"written: {path}")
 
 
 def prepare_file(path: Path) -> None:

@@ -95,7 +95,6 @@ class Channels:
     """The four topics that Foxglove is told, and how many messages they got."""
 
     def __init__(self, context: foxglove.Context) -> None:
-        self.count = 0
         self._frames = FrameTransformsChannel("/tf", context=context)
         self._scene = SceneUpdateChannel("/mission", context=context)
         self._map = GridChannel("/map", context=context)
@@ -135,7 +134,6 @@ class Channels:
             data=cells,
         )
         self._map.log(grid, log_time=time)
-        self.count += 1
 
     def _show_frames(self, scenario: Scenario, moment: Moment, time: int) -> None:
         """Log where each robot is that is not lost."""
@@ -151,21 +149,18 @@ class Channels:
             if moment.team[robot] != NOBODY
         ]
         self._frames.log(FrameTransforms(transforms=transforms), log_time=time)
-        self.count += 1
 
     def _show_scene(self, scenario: Scenario, told: Told) -> None:
         """Log tasks and robots as things to see."""
         moment, time = told.moment, told.time
         entities = [*_tasks(scenario, moment, told.spans, time), *_robots(scenario, moment, time)]
         self._scene.log(SceneUpdate(entities=entities), log_time=time)
-        self.count += 1
 
     def _say(self, text: str, is_bad: bool, time: int) -> None:
         """Log what happened."""
         level = LogLevel.Warning if is_bad else LogLevel.Info
         entry = Log(timestamp=_timestamp(time), level=level, message=text, name="teamformer")
         self._log.log(entry, log_time=time)
-        self.count += 1
 
 
 def _tasks(

@@ -40,8 +40,8 @@ PAPER, WALL, INK, FAINT, GREY = "#ffffff", "#5b6472", "#1c2430", "#e3e7ed", "#9a
 Point = tuple[float, float]
 
 
-def write_gif(replay: Replay, path: Path) -> int:
-    """Write a record as a GIF; return how many frames it has."""
+def write_gif(replay: Replay, path: Path) -> None:
+    """Write a record as a GIF."""
     seen = [_pursuing(*pair) for pair in pairwise([None, *moments(replay)])]
     stride = math.ceil(len(seen) / MOST_FRAMES)
     shown = seen[:-1:stride] + seen[-1:]
@@ -55,7 +55,6 @@ def write_gif(replay: Replay, path: Path) -> int:
         loop=0,
         optimize=False,
     )
-    return len(frames)
 
 
 def _pursuing(before: Moment | None, moment: Moment | None) -> Moment:

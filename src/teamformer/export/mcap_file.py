@@ -10,12 +10,11 @@ from teamformer.export.foxglove_channels import Channels, telling
 from teamformer.sim.replay.record import Replay
 
 
-def write_mcap(replay: Replay, path: Path) -> int:
-    """Write a record as MCAP, over what is there; return how many messages it has."""
+def write_mcap(replay: Replay, path: Path) -> None:
+    """Write a record as MCAP, over what is there."""
     context = foxglove.Context()
     channels = Channels(context)
     with foxglove.open_mcap(path, allow_overwrite=True, context=context):
         channels.map(replay.scenario)
         for told in telling(replay):
             channels.tell(replay.mission, told)
-    return channels.count

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.grid import Grid
 from teamformer.live.comments import rewrite
 from teamformer.mission.rules import rules_of_live_missions
 from teamformer.model import Scenario
@@ -93,7 +92,10 @@ def open_draft(name: str, text: str, beside: Mapping[str, bytes] | None = None) 
             (Path(folder) / Path(other).name).write_bytes(content)
         try:
             if is_map(name, text):
-                return EMPTY | {"name": Path(name).stem, "world": _world_of(read_coarse_map(path))}
+                return EMPTY | {
+                    "name": Path(name).stem,
+                    "world": dict(world_to_tree(read_coarse_map(path))),
+                }
             return draft_of_file(path, Path(name).stem)
         except TeamformerError as error:
             message = str(error).replace(str(path), name).replace(f"{folder}/", "")
@@ -147,7 +149,3 @@ def _plain(tree: Tree) -> Tree:
     if isinstance(world.get("rows"), str):
         world = world | {"rows": world["rows"].split()}
     return tree | radii | {"world": world}
-
-
-def _world_of(grid: Grid) -> Tree:
-    return dict(world_to_tree(grid))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any
 
 from teamformer.coordination import Plan
@@ -109,8 +109,9 @@ def plan_mission(
         made = plan_continuous(pose_mission(mission), method, seconds, start)
         if made is None:
             return None
-        told = {field.name: getattr(made, field.name) for field in fields(MissionPlan)}
-        return PlannedMission(**told, mission=mission, critical_path=path_of_plan(mission, made))
+        return PlannedMission(
+            **vars(made), mission=mission, critical_path=path_of_plan(mission, made)
+        )
     player = load_method(method, seconds) if start is None else Central(seconds, start=start)
     trial = run_trial(expected_mission(mission), player)
     end, bound = trial.replay.end, trial.replay.lower_bound or 0

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import html
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from teamformer.viewer.gantt import tick_step
+from teamformer.viewer.html import plain_page
 from teamformer.whole_files import write_whole
 
 ROW, BAR, LABEL, WIDTH, TOP, END = 24, 14, 300, 640, 30, 120
@@ -42,18 +41,11 @@ def write_advice(advice: Mapping[str, Any], path: Path) -> None:
 
 
 def advice_page(advice: Mapping[str, Any]) -> str:
-    """Return the page; it needs nothing else, has no scripts and loads nothing."""
-    style = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()
+    """Return the page."""
     name = html.escape(str(advice["scenario"]))
     said = "".join(f"<p>{html.escape(line)}</p>" for line in _sentences(advice))
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f'<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
-        f"style-src 'sha256-{style}'\">"
-        '<meta name="viewport" content="width=device-width">'
-        f"<title>{name}, advice</title><style>{STYLE}</style></head><body>"
-        f"<h1>{name}: what would help</h1>{said}<main>{_drawing(advice)}</main></body></html>\n"
-    )
+    body = f"<h1>{name}: what would help</h1>{said}<main>{_drawing(advice)}</main>"
+    return plain_page(f"{name}, advice", STYLE, body)
 
 
 def _sentences(advice: Mapping[str, Any]) -> list[str]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import html
 import math
 from collections.abc import Mapping, Sequence
@@ -11,6 +9,9 @@ from itertools import groupby, zip_longest
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
+
+from teamformer.viewer.html import plain_page
+from teamformer.whole_files import write_whole
 
 ROW, BAR, LABEL, WIDTH, TOP = 26, 16, 110, 1100, 34
 """Sizes in pixels: of a row, a bar, the robots' names, the time, the axis."""
@@ -36,21 +37,14 @@ p{color:#9aa7b5}.wait{fill:#2a3542}.grid{stroke:#2a3542}}
 
 def write_gantt(plan: Mapping[str, Any], path: Path) -> None:
     """Write the page of a plan, given as `teamformer plan --json` prints it."""
-    path.write_text(gantt_page(plan), encoding="utf-8")
+    write_whole(path, gantt_page(plan))
 
 
 def gantt_page(plan: Mapping[str, Any]) -> str:
-    """Return the page; it needs nothing else, has no scripts and loads nothing."""
-    style = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()
+    """Return the page."""
     name = html.escape(str(plan["scenario"]))
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f'<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
-        f"style-src 'sha256-{style}'\">"
-        '<meta name="viewport" content="width=device-width">'
-        f"<title>{name}, plan</title><style>{STYLE}</style></head><body><main>"
-        f"<h1>{name}</h1><p>{html.escape(_summary(plan))}</p>{_drawing(plan)}</main></body></html>\n"
-    )
+    said = f"<h1>{name}</h1><p>{html.escape(_summary(plan))}</p>"
+    return plain_page(f"{name}, plan", STYLE, f"<main>{said}{_drawing(plan)}</main>")
 
 
 def _summary(plan: Mapping[str, Any]) -> str:

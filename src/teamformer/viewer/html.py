@@ -37,6 +37,18 @@ LIVE_SCRIPTS = (
 """What the page of a live mission has besides; they open it, as `main` opens that of a record."""
 
 
+def plain_page(title: str, style: str, body: str) -> str:
+    """Return a page that needs nothing else, has no scripts and loads nothing."""
+    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
+        f"style-src 'sha256-{digest}'\">"
+        '<meta name="viewport" content="width=device-width">'
+        f"<title>{title}</title><style>{style}</style></head><body>{body}</body></html>\n"
+    )
+
+
 def replay_page(tree: Mapping[str, object]) -> str:
     """Return the page of a replay: the JSON tree that `docs/reference/replay.md` describes.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from rich.table import Table
@@ -11,18 +10,18 @@ from rich.text import Text
 from teamformer.advice.advise import advise_on
 from teamformer.advice.changes import FEWER
 from teamformer.advice.suggestions import Advice
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import announce_compiling, announce_planner
 from teamformer.commands.console import (
     Counting,
     out,
     prepare_file,
     print_json,
+    processors,
     say,
 )
 from teamformer.commands.interruption import Interruption
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
-from teamformer.planning.continuous.rules import is_compiled
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import default_for, load_method
 from teamformer.trials.planned import rules_not_planned
@@ -40,9 +39,8 @@ def advise(path: Path, page: Path | None, as_json: bool) -> int:
     if page is not None:
         prepare_file(page)
     _announce(mission)
-    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     with Interruption(), Counting("searches") as counting:
-        advice = advise_on(mission, SECONDS, workers or 1, counting.update)
+        advice = advise_on(mission, SECONDS, processors(), counting.update)
     if page is not None:
         write_advice(advice.row, page)
         say(f"page: {page}")
@@ -59,8 +57,8 @@ def _announce(mission: Scenario) -> None:
         announce_compiling([load_method(default_for(mission))], mission)
         if mission.has_surprises:
             say("not everything is known: this is measured for what is to be expected")
-    elif not is_compiled(is_linked(mission)):
-        say("compiling the planner, on the first run only (half a minute, more if busy) ...")
+    else:
+        announce_planner(is_linked(mission))
 
 
 def _show(advice: Advice) -> None:

@@ -9,11 +9,10 @@ from typing import Any
 from rich.table import Table
 from rich.text import Text
 
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import announce_compiling, announce_planner
 from teamformer.commands.console import out, prepare_folder, print_json, say
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
-from teamformer.planning.continuous.rules import is_compiled
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import load_method
 from teamformer.trials.planned import (
@@ -64,8 +63,7 @@ def plan(
 def _announce(scenario: Scenario, method: str) -> None:
     """Say what the user has to wait for, and what is planned."""
     if scenario.time == "continuous":
-        if not is_compiled(is_linked(scenario)):
-            say("compiling the planner, on the first run only (half a minute, more if busy) ...")
+        announce_planner(is_linked(scenario))
         return
     announce_compiling([load_method(method)])
     if scenario.has_surprises:

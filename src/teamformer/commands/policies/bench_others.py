@@ -25,11 +25,12 @@ from teamformer.bench.others.report import (
 from teamformer.bench.others.results import Result, measure, result_of
 from teamformer.bench.peers.names import LIBRARIES, PEERS
 from teamformer.bench.peers.peer_plan import OutOfReachError
+from teamformer.commands.compiling import announce_planner
 from teamformer.commands.console import Counting, prepare_folder, say, wide
 from teamformer.errors import TeamformerError
 from teamformer.extras import require
 from teamformer.mission.links import is_linked
-from teamformer.planning.continuous.rules import LINKED_PLANNERS, PLANNERS, is_compiled, warm_up
+from teamformer.planning.continuous.rules import LINKED_PLANNERS, PLANNERS, warm_up
 from teamformer.whole_files import write_whole
 
 ROWS, REPORT = "rows.jsonl", "report.md"
@@ -85,7 +86,7 @@ def bench_others(
         for result in _measure_all(instances, methods, time_limit, known, folder):
             results.append(result)
             if as_json:
-                print(json.dumps(_row(result)), flush=True)
+                print(json.dumps(asdict(result)), flush=True)
     except KeyboardInterrupt:
         kept = f"; {folder / ROWS} has what was measured, run again to go on" if folder else ""
         say(f"interrupted{kept}")
@@ -107,8 +108,7 @@ def _measure_all(
 ) -> Iterator[Result]:
     """Plan every instance by every method, but for what was measured before."""
     before = {(result.instance, result.method, result.time_limit): result for result in known}
-    if not is_compiled():
-        say("compiling the planner, on the first run only (half a minute, more if busy) ...")
+    announce_planner()
     warm_up()
     pairs = [(instance, method) for instance in instances for method in methods]
     file: TextIO | None = None if folder is None else (folder / ROWS).open("a", encoding="utf-8")
@@ -119,7 +119,7 @@ def _measure_all(
                 if result is None:
                     result = _measured(instance, method, time_limit)
                     if file is not None and result is not None:
-                        print(json.dumps(_row(result)), file=file, flush=True)
+                        print(json.dumps(asdict(result)), file=file, flush=True)
                 if result is not None:
                     yield result
                 counting.update(done, len(pairs))
@@ -138,10 +138,6 @@ def _measured(instance: Instance, method: str, time_limit: float) -> Result | No
     if result is None:
         say(f"{instance.name}: {method} found no plan in {time_limit:g} s")
     return result
-
-
-def _row(result: Result) -> dict[str, object]:
-    return asdict(result)
 
 
 def _rows_in(path: Path) -> list[Result]:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
 from rich.table import Table
 
-from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
+from teamformer.commands.console import Counting, out, prepare_folder, print_json, write_rows
 from teamformer.errors import TeamformerError
 from teamformer.extras import require
-from teamformer.whole_files import write_whole
 
 ROWS = "fleet.jsonl"
 
@@ -41,9 +39,7 @@ def rehearse_worlds(
             if as_json:
                 print_json(row)
     if folder is not None:
-        lines = (json.dumps(row, ensure_ascii=False) + "\n" for row in rows)
-        write_whole(folder / ROWS, "".join(lines))
-        say(f"written: {folder / ROWS}")
+        write_rows(rows, folder / ROWS)
     if not as_json:
         summaries = summarise(rows)
         headers = list(dict.fromkeys(name for summary in summaries for name in summary))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from dataclasses import dataclass
 from functools import partial
@@ -15,6 +14,7 @@ from teamformer.commands.console import (
     out,
     prepare_folder,
     print_json,
+    processors,
     say,
 )
 from teamformer.commands.foxglove import check_foxglove, play_in_foxglove
@@ -65,11 +65,10 @@ def rehearse(path: Path, options: Options, as_json: bool) -> int:
 def _play_many(stage: Any, options: Options, as_json: bool) -> int:
     from teamformer.fleet.rehearsal.rehearse import Verdict, judge_many
 
-    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     verdicts: list[Verdict] = []
     with Interruption(), Counting("schedules") as progress:
         schedules = range(options.schedules)
-        for verdict in judge_many(stage, options.seed, schedules, workers or 1):
+        for verdict in judge_many(stage, options.seed, schedules, processors()):
             verdicts.append(verdict)
             progress.update(len(verdicts), options.schedules)
     bad = [verdict for verdict in verdicts if not verdict.is_good]

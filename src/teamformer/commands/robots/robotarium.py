@@ -13,7 +13,7 @@ from rich.text import Text
 
 from teamformer.capabilities import describe
 from teamformer.commands.compiling import announce_compiling
-from teamformer.commands.console import Counting, out, prepare_folder, print_json, say
+from teamformer.commands.console import Counting, out, prepare_folder, print_json, say, write_rows
 from teamformer.commands.missions.run import chosen_method
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
@@ -125,9 +125,7 @@ def fly_missions(trials: int, method: str, seed: int, folder: Path | None, as_js
             if as_json:
                 print_json(row)
     if folder is not None:
-        lines = (json.dumps(row, ensure_ascii=False) + "\n" for row in rows)
-        write_whole(folder / "robotarium.jsonl", "".join(lines))
-        say(f"written: {folder / 'robotarium.jsonl'}")
+        write_rows(rows, folder / "robotarium.jsonl")
     summaries = summarise(rows)
     if not as_json:
         for summary in summaries:

@@ -97,7 +97,10 @@ class Faults:
         yield from self._lines_of_network()
         names = [robot.name for robot in mission.scenario.robots]
         for cut in self.cuts:
-            ends = (", ".join(names[robot] for robot in sorted(side)) for side in cut_sides(cut))
+            ends = (
+                ", ".join(names[robot] for robot in sorted(side))
+                for side in (cut.senders, cut.receivers)
+            )
             yield f"{cut.begin:.2f} to {cut.end:.2f} s: no word from {' to '.join(ends)}"
         for crash in self.crashes:
             back = "for good"
@@ -128,11 +131,6 @@ class Faults:
             yield f"{self.junk:g} messages a second are malformed or foreign"
         if self.stutter:
             yield f"{100 * self.stutter:.0f}% of bodies' reports are older ones again"
-
-
-def cut_sides(cut: Cut) -> tuple[frozenset[int], frozenset[int]]:
-    """Return who is not heard, and by whom."""
-    return cut.senders, cut.receivers
 
 
 def draw_faults(mission: Mission, seed: int, span: float) -> Faults:

@@ -36,6 +36,7 @@ class Schedule(NamedTuple):
     plan: CoalitionPlan
     rank: Int32s  # (tasks,) positions in the order
     last: Int32s  # (tasks + 1, robots) where each robot is before a position of the order
+    start: Ints  # (tasks,)
     end: Ints  # (places,) 0 for the places where robots start
     total: Ints  # (4,) makespan, cost, sum of the times at home, lateness
 
@@ -57,6 +58,7 @@ def empty_schedule(problem: CoalitionProblem) -> Schedule:
         plan=empty_plan(problem),
         rank=np.arange(tasks, dtype=np.int32),
         last=np.zeros((tasks + 1, robots), np.int32),
+        start=np.zeros(tasks, np.int64),
         end=np.zeros(problem.ways.shape[1], np.int64),
         total=np.zeros(4, np.int64),
     )
@@ -103,6 +105,7 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
         last[position + 1, robot] = task
     start = max(start, there + problem.forming[0] * comes_apart)
     schedule.rank[task] = position
+    schedule.start[task] = start
     end[task] = start + problem.duration[task]
 
 

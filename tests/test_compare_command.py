@@ -8,8 +8,13 @@ from typing import Any
 
 import pytest
 
+from teamformer.commands.missions import compare
+from teamformer.commands.missions.run import watch_trial
+from teamformer.model import Scenario
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.writing import replay_to_tree
+from teamformer.trials.methods import Method
+from teamformer.trials.trial import Trial
 from typed import FOUR, teamformer
 
 OWN = """
@@ -120,3 +125,58 @@ def test_view_puts_several_records_on_one_page(tmp_path: Path) -> None:
     assert [tree["method"] for tree in shown] == ["heuristic", "join-all"]
     assert teamformer("view", *records) == 0
     assert shown_on(tmp_path / "heuristic-0.html")["compared"] == shown
+
+
+def test_a_mission_with_a_cost_is_judged_by_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Both do all in three steps; by the plan the heavy task is done first."""
+    path = tmp_path / "dear.yaml"
+    path.write_text(
+        "teamformer: 1\nname: dear\nworld: {grid: [4, 1]}\ncapabilities: [a]\n"
+        "robots: [{at: [1, 0], can: [a]}]\ncost: {completion: 1}\n"
+        "tasks:\n  - {at: [0, 0], needs: [a], name: light}\n"
+        "  - {at: [3, 0], needs: [a], name: heavy, weight: 9}\n"
+    )
+    assert teamformer("compare", str(path), "--methods", "plan,heuristic", "--json") == 0
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    costs = [row["cost"] for row in rows]
+    assert teamformer("compare", str(path), "--methods", "plan,heuristic") == 0
+    shown = capsys.readouterr().out.splitlines()
+    assert shown[1].split()[:4] == ["method", "seed", "makespan", "cost"]
+    cells = [line.split() for line in shown[2:4]]
+    assert [float(row[3]) for row in cells] == costs
+    assert cells[0][4] == "+0%"
+    assert cells[1][4] == f"{100 * (costs[1] / costs[0] - 1):+.0f}%"
+    assert shown[4].endswith(f"least cost {min(costs):g}")
+
+
+def test_ctrl_c_between_trials_keeps_what_was_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def presses_at_the_third(mission: Scenario, method: Method, seed: int) -> Trial:
+        asked.append(seed)
+        if len(asked) == 3:
+            raise KeyboardInterrupt
+        return watch_trial(mission, method, seed)
+
+    monkeypatch.setattr(compare, "watch_trial", presses_at_the_third)
+    words = ("compare", FOUR, "--methods", "heuristic", "--seeds", "5", "--out", str(tmp_path))
+    assert teamformer(*words) == 1
+    shown = capsys.readouterr()
+    assert "interrupted: 2 of 5 trials ran to their end" in shown.err
+    assert shown.out.count(" heuristic ") == 2
+    assert {path.name for path in tmp_path.iterdir()} >= {"heuristic-0.json", "heuristic-1.json"}
+
+
+def test_ctrl_c_before_any_trial_says_so(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def presses(*_: object) -> Trial:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(compare, "watch_trial", presses)
+    assert teamformer("compare", FOUR, "--methods", "heuristic") == 1
+    assert capsys.readouterr().err.splitlines()[-1] == "interrupted"

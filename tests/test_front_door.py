@@ -6,7 +6,9 @@ import doctest
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 import teamformer
@@ -60,6 +62,7 @@ def test_a_trial_is_saved_shown_and_checked(tmp_path: Path) -> None:
     assert {path.name for path in folder.iterdir()} == {"replay.json", "replay.html"}
     assert tf.check(folder / "replay.json") == trial.check()
     assert trial.row["makespan"] == trial.makespan == trial.record.end.makespan
+    assert repr(trial) == "<warehouse morning by plan: completed after 56 steps>"
     frame = trial.show(height=400)._repr_html_()
     assert frame.startswith('<iframe height="400"')
     assert "<script" not in frame  # all of the page is inside the frame's attribute
@@ -99,7 +102,53 @@ def test_mistakes_are_told() -> None:
         tf.generate(tsks=3)
     with pytest.raises(tf.TeamformerError, match="method 'best' makes no plans"):
         tf.plan(mission, method="best")
-    with pytest.raises(tf.TeamformerError, match="there is no method 'quantum'"):
+    with pytest.raises(tf.TeamformerError, match="there is no method 'quantum'") as caught:
         tf.run(mission, "quantum")
+    assert caught.value.__notes__ == [f"hint: {caught.value.hint}"]  # Python prints it below
     with pytest.raises(tf.TeamformerError, match="'plan' is named twice"):
         tf.compare(mission, ["plan", "plan"])
+    with pytest.raises(tf.TeamformerError, match="no method is named"):
+        tf.compare(mission, [])
+    with pytest.raises(tf.TeamformerError, match="methods is a text"):
+        tf.compare(mission, "plan")
+    with pytest.raises(tf.TeamformerError, match="seeds is 0"):
+        tf.compare(mission, ["plan"], seeds=0)
+    with pytest.raises(tf.TeamformerError, match=r"robots is 1\.5; use a whole number, 1 or more"):
+        tf.generate(robots=1.5)
+    with pytest.raises(tf.TeamformerError, match=r"world is \(3, 3\)"):
+        tf.generate(world=(3, 3))
+    with pytest.raises(tf.TeamformerError, match="save takes a mission, not NoneType"):
+        tf.save(None, "mission.yaml")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "1", None, True])
+def test_a_seed_is_a_whole_number(seed: Any) -> None:
+    with pytest.raises(tf.TeamformerError, match="seed is ") as caught:
+        tf.run(tf.setting("4N4T-C4"), "heuristic", seed=seed)
+    assert caught.value.hint == "write a whole number from 0 on"
+    with pytest.raises(tf.TeamformerError, match="seed is "):
+        tf.setting("4N4T-C4", seed=seed)
+    with pytest.raises(tf.TeamformerError, match="seed is "):
+        tf.generate(seed=seed)
+
+
+def test_numbers_of_numpy_are_numbers(tmp_path: Path) -> None:
+    mission = tf.generate(seed=np.int64(3), robots=np.int64(3))
+    assert mission == tf.generate(seed=3, robots=3)
+    trial = tf.run(mission, "heuristic", seed=np.int64(3))
+    assert tf.check(trial.save(tmp_path) / "replay.json") == tf.check(trial)
+
+
+def test_learning_takes_records() -> None:
+    mission = tf.setting("4N4T-C4-durations")
+    trial = tf.run(mission, "heuristic")
+    with pytest.raises(tf.TeamformerError, match="learn takes records, not Trial"):
+        tf.learn(mission, [trial])  # type: ignore[list-item]
+    assert tf.learn(mission, trial.record) == tf.learn(mission, [trial.record])
+
+
+def test_a_folder_that_is_a_file_is_told(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text("a mission")
+    with pytest.raises(tf.TeamformerError, match="cannot be written: File exists"):
+        tf.run(tf.setting("4N4T-C4"), "heuristic").save(tmp_path / "mine.yaml")
+    assert (tmp_path / "mine.yaml").read_text() == "a mission"

@@ -15,6 +15,8 @@ class TeamformerError(Exception):
     def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(message)
         self.hint = hint
+        if hint:
+            self.add_note(f"hint: {hint}")  # who calls from Python sees it under the message
 
 
 @dataclass(frozen=True)

@@ -246,5 +246,27 @@ def test_the_command_prints_and_draws_it(
     assert teamformer("advise", str(file)) == 0
     said = capsys.readouterr().out
     assert "small: takes 16 steps by plan, the median of 21 searches (16 to 16)" in said
-    assert "could be spared: one fewer robot like r0 16" in said
+    assert "could be spared: one fewer robot like r0 (then it takes 16)" in said
     assert teamformer("advise", str(tmp_path / "none.yaml")) == 2
+
+
+def test_the_command_advises_on_missions_whose_tasks_are_called_off(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mission = two_far_tasks()
+    gone = replace(mission.tasks[0], name="gone", cancelled=3)
+    write_scenario(replace(mission, tasks=(*mission.tasks, gone)), tmp_path / "mission.yaml")
+    assert teamformer("advise", str(tmp_path / "mission.yaml"), "--json") == 0
+    row = json.loads(capsys.readouterr().out)
+    assert "without task gone" in [change["change"] for change in row["advice"]]
+
+
+def test_the_command_writes_no_page_over_a_mission(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "mission.yaml"
+    write_scenario(two_far_tasks(), file)
+    before = file.read_bytes()
+    assert teamformer("advise", str(file), str(file)) == 2
+    assert "mission.yaml: the advice is a page" in capsys.readouterr().err
+    assert file.read_bytes() == before

@@ -270,6 +270,9 @@ def test_the_record_becomes_a_scenario_again(tmp_path: Path) -> None:
     write_replay(two_lifters(), record)
     assert export(record, [tmp_path / "again.yaml"]) == 0
     assert read_scenario(tmp_path / "again.yaml") == two_lifters().scenario
+    with pytest.raises(TeamformerError, match=r"again\.yaml: there is such a file"):
+        export(record, [tmp_path / "again.yaml", tmp_path / "tables"])
+    assert not (tmp_path / "tables").exists()
 
 
 def test_export_says_what_it_wrote(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

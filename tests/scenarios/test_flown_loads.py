@@ -21,8 +21,8 @@ def test_loads_and_flights_over_obstacles_are_refused_together() -> None:
     (problem,) = rules_not_played(WALLED)
     assert problem.where == ("tasks", 0, "to")
     assert problem.message == (
-        "task 'load' has a load, and robots do not fly loads over obstacles yet; "
-        "drop moves: air, or drop to and unload"
+        "task 'load' has a load and robot 'drone' flies: on a map with obstacles a mission cannot "
+        "have both yet; drop moves: air of 'drone', or drop to and unload"
     )
 
 

@@ -143,6 +143,7 @@ def test_a_folder_is_told_with_the_file_in_it(path: Path) -> None:
         (b"", ":1: it breaks off"),
         (b"\xff\xfe", ": this is not text: byte 1 is no UTF-8"),
         (b"steps: 3", ":1: this is not JSON: Expecting value"),
+        (b"# a yard\nteamformer: 1\n", ": this is a mission, not a record"),
         (b'{\n"a": 1,}', ":2: this is not JSON: Expecting property name enclosed in double quotes"),
         (b"[" * 100_000, ": this is no replay: lists lie in lists in lists"),
         (b"9" * 5000, ": this is no replay: a number has thousands of digits"),

@@ -83,7 +83,9 @@ def test_the_seed_decides() -> None:
 
 
 def test_ctrl_c_keeps_what_was_done() -> None:
-    replay = run_trial(two_robots_one_task(), Impatient()).replay
+    with pytest.raises(KeyboardInterrupt):
+        run_trial(two_robots_one_task(), Impatient())
+    replay = run_trial(two_robots_one_task(), Impatient(), keeps_interrupted=True).replay
     assert (replay.end.status, replay.end.steps, replay.end.makespan) == ("interrupted", 2, None)
     assert len(replay.steps) == 2
     assert replay.steps[0].joins == ((0, 1),)
@@ -111,7 +113,7 @@ class Interrupter:
         before = sys.gettrace()
         sys.settrace(self)
         try:
-            return run_trial(scenario, method)
+            return run_trial(scenario, method, keeps_interrupted=True)
         except KeyboardInterrupt:
             return None
         finally:

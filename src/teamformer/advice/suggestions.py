@@ -37,7 +37,7 @@ class Suggestion:
         return self.gain > self.noise
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Advice:
     """What would help a mission, with the largest gain first.
 
@@ -57,6 +57,9 @@ class Advice:
     suggestions: tuple[Suggestion, ...]
     impossible: tuple[Change, ...] = ()
     unmeasured: tuple[Change, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<advice on {self.mission.name}: {len(self.helpful)} changes help>"
 
     @property
     def helpful(self) -> tuple[Suggestion, ...]:

@@ -8,7 +8,8 @@ from teamformer.advice.advise import advise_on
 from teamformer.advice.experience import Experience
 from teamformer.advice.experience import learn as learn_from
 from teamformer.advice.suggestions import Advice
-from teamformer.api.trials import refuse_no_mission
+from teamformer.api.arguments import refuse_no_mission
+from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
 
@@ -41,8 +42,9 @@ def learn(mission: Scenario, records: Sequence[Replay]) -> Experience:
 
     The result has the `mission`, and its `lessons` one by one. Records are of missions in the same
     world. Only what has shown itself counts: durations of tasks that were done, needs that became
-    known. Near tasks count more (docs/how-to/learn.md). Raises `TeamformerError` for a record of
-    another world, and if neither a duration nor a need of the mission is uncertain.
+    known. Near tasks count more (docs/how-to/learn.md). Raises `TeamformerError` for what is no
+    record, for a record of another world, and if neither a duration nor a need of the mission is
+    uncertain.
 
     >>> mission = tf.setting("4N20T-C4-needs", seed=1)
     >>> past = [tf.run(mission, seed=seed).record for seed in range(5)]
@@ -51,4 +53,9 @@ def learn(mission: Scenario, records: Sequence[Replay]) -> Experience:
     True
     """
     refuse_no_mission(mission, "learn")
+    records = [records] if isinstance(records, Replay) else list(records)
+    for record in records:
+        if not isinstance(record, Replay):
+            what = f"learn takes records, not {type(record).__name__}"
+            raise TeamformerError(what, "write trial.record for each trial")
     return learn_from(mission, records)

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from teamformer.api.arguments import PathOrName, refuse_no_mission, whole_seed
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, write_scenario
 from teamformer.scenarios.generate import Spec
 from teamformer.scenarios.generate import generate as draw
 from teamformer.scenarios.named_settings import world_of
-
-PathOrName = str | PathLike[str]
 
 
 def load(path: PathOrName) -> Scenario:
@@ -36,6 +34,7 @@ def save(mission: Scenario, path: PathOrName) -> None:
     >>> tf.load("mission.yaml") == tf.setting("4N4T-C4")
     True
     """
+    refuse_no_mission(mission, "save")
     write_scenario(mission, Path(path))
 
 
@@ -48,7 +47,7 @@ def setting(name: str, seed: int = 0) -> Scenario:
     >>> len(tf.setting("20N100T-C4", seed=3).tasks)
     100
     """
-    return world_of(name, seed)
+    return world_of(name, whole_seed(seed))
 
 
 def generate(seed: int = 0, **spec: Any) -> Scenario:
@@ -66,4 +65,5 @@ def generate(seed: int = 0, **spec: Any) -> Scenario:
     if unknown:
         hint = f"use {', '.join(Spec.__dataclass_fields__)}"
         raise TeamformerError(f"generate knows no '{unknown[0]}'", hint)
-    return draw(Spec(**spec), np.random.default_rng(seed))
+    plain = {key: one.item() if isinstance(one, np.generic) else one for key, one in spec.items()}
+    return draw(Spec(**plain), np.random.default_rng(whole_seed(seed)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.api.missions import PathOrName
+from teamformer.api.arguments import PathOrName, refuse_no_mission, whole_seed
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.critical_path.words import why_so_late
@@ -34,7 +34,7 @@ from teamformer.viewer.html import replay_page
 from teamformer.viewer.notebook_page import Page
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trial:
     """The result of running a mission by a method: its record and what follows from it.
 
@@ -44,6 +44,10 @@ class Trial:
     """
 
     played: PlayedTrial
+
+    def __repr__(self) -> str:
+        mission, end = self.record.scenario.name, self.record.end
+        return f"<{mission} by {self.record.method}: {end.status} after {end.steps} steps>"
 
     @property
     def record(self) -> Replay:
@@ -99,8 +103,12 @@ class Trial:
     def save(self, folder: PathOrName) -> Path:
         """Write `replay.json` and its page `replay.html` into a folder; return the folder."""
         into = Path(folder)
-        into.mkdir(parents=True, exist_ok=True)
-        write_record(self.record, into)
+        try:
+            into.mkdir(parents=True, exist_ok=True)
+            write_record(self.record, into)
+        except OSError as error:
+            hint = "name a folder that files can be written to"
+            raise TeamformerError(f"{into}: cannot be written: {error.strerror}", hint) from None
         return into
 
 
@@ -129,7 +137,8 @@ def run(
     refuse_unplayed(mission, "run")
     if truth is not None:
         _refuse_wrong_truth(mission, truth)
-    return Trial(_run_one(mission, _method(method or default_for(mission), seconds), seed, truth))
+    chosen = _method(default_for(mission) if method is None else method, seconds)
+    return Trial(_run_one(mission, chosen, whole_seed(seed), truth))
 
 
 def compare(
@@ -144,15 +153,20 @@ def compare(
     `teamformer compare --json` prints: `method`, `seed`, `makespan`, `percent_over_best`,
     `lower_bound` and others. Only the row of a trial that could not be run has an `error`; one that
     came to its step limit has a makespan of None. If no trial could be run, the first error is
-    raised.
+    raised. Raises `TeamformerError` for no method and no seed.
 
     >>> rows = tf.compare(tf.setting("4N4T-C4"), methods=["join-all", "plan"])
     >>> [row["method"] for row in rows]
     ['join-all', 'plan']
     """
     refuse_unplayed(mission, "compare")
+    if isinstance(methods, str):
+        raise TeamformerError("methods is a text", f"write a list, [{methods!r}]")
     chosen = [_method(method, seconds) for method in methods]
-    return compare_methods(mission, chosen, seeds, _run_one).rows()
+    compared = compare_methods(mission, chosen, seeds, _run_one)
+    if compared.is_interrupted:
+        raise KeyboardInterrupt
+    return compared.rows()
 
 
 def plan(
@@ -178,21 +192,16 @@ def plan(
     return plan_mission(mission, method, seconds)
 
 
-def check(record: Replay | PathOrName) -> Verdict:
-    """Return the referee's verdict on a record or its file: `.is_legal`, `.findings`.
+def check(record: Trial | Replay | PathOrName) -> Verdict:
+    """Return the referee's verdict on a trial, a record or its file: `.is_legal`, `.findings`.
 
     >>> folder = tf.run(tf.setting("4N4T-C4")).save("out")
     >>> tf.check(folder / "replay.json").is_legal
     True
     """
+    if isinstance(record, Trial):
+        return record.check()
     return judge(record if isinstance(record, Replay) else read_replay(Path(record)))
-
-
-def refuse_no_mission(mission: object, verb: str) -> None:
-    """Raise `TeamformerError` for what is no mission, such as the path of one."""
-    if not isinstance(mission, Scenario):
-        what = f"{verb} takes a mission, not {type(mission).__name__}"
-        raise TeamformerError(what, f"write tf.{verb}(tf.load('mission.yaml'))")
 
 
 def refuse_unplayed(mission: Scenario, verb: str) -> None:
@@ -208,6 +217,7 @@ def _method(method: str | Player, seconds: float) -> Method:
 
 def _refuse_wrong_truth(mission: Scenario, truth: Scenario) -> None:
     """Raise `TeamformerError` for a truth that a mission does not allow."""
+    refuse_no_mission(truth, "run(..., truth=...)")
     hint = "take trial.record.mission, or draw one from the mission itself"
     known = truth.tasks[: len(mission.tasks)] if mission.arrivals else truth.tasks
     if [task.name for task in mission.tasks] != [task.name for task in known]:

@@ -12,6 +12,9 @@ from teamformer.cli import fleet, missions, policies, records, robotarium  # noq
 from teamformer.cli.app import app
 from teamformer.errors import ReaderGoneError, TeamformerError, UndoableError
 
+INTERRUPTED = 130
+"""The exit status that Typer gives a verb that Ctrl-C has ended."""
+
 
 def _open_what_is_closed() -> None:
     """Have something to write to where the shell was told to close an output (`>&-`)."""
@@ -49,6 +52,9 @@ def _run_verb() -> int:
     try:
         app()
     except SystemExit as stop:
+        if stop.code == INTERRUPTED:  # Typer has caught what Ctrl-C raises
+            print("interrupted", file=sys.stderr)
+            return 1
         return stop.code if isinstance(stop.code, int) else 0
     except TeamformerError as error:
         print(f"error: {error}", file=sys.stderr)

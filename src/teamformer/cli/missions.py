@@ -98,7 +98,9 @@ def generate(
 
 @app.command(name="import")
 def import_(
-    form: Annotated[str, typer.Argument(metavar="FORMAT", help="hetero-mrta, dcmrta or sadcher")],
+    form: Annotated[
+        str, typer.Argument(metavar="FORMAT", help="hetero-mrta, dcmrta, sadcher or hhcrsp")
+    ],
     path: Annotated[Path, typer.Argument(metavar="FILE", help="their file, or folder")],
     out: Annotated[
         Path, typer.Option("-o", "--out", help="the file to write; a folder for several missions")

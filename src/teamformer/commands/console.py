@@ -50,16 +50,22 @@ def print_json(row: Mapping[str, Any]) -> None:
 
 def prepare_folder(folder: Path) -> None:
     """Make a folder, and make sure that files can be written there before any work is done."""
-    if folder.exists() and not folder.is_dir():
-        raise TeamformerError(f"{folder}: this is no folder", "name a folder with --out")
     probe = folder / ".teamformer-writes-here"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         probe.touch()
         probe.unlink()
+    except (FileExistsError, NotADirectoryError):
+        raise TeamformerError(f"{folder}: this is no folder", "name another one") from None
     except OSError as error:
-        hint = "name another folder with --out"
+        hint = "name another folder"
         raise TeamformerError(f"{folder}: cannot be written: {error.strerror}", hint) from None
+
+
+def refuse_existing(path: Path) -> None:
+    """Raise `TeamformerError` for a file that is there, as somebody may have written it by hand."""
+    if path.exists():
+        raise TeamformerError(f"{path}: there is such a file", "remove it, or name another")
 
 
 def processors() -> int:

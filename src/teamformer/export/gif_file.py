@@ -35,6 +35,9 @@ GOLDEN_ANGLE = 0.381966  # of a turn
 NAMED_FROM = 22
 """Pixels of a cell from which tasks have their names."""
 
+LONGEST_NAME = 12
+"""Letters of a task's name; of a longer one there are the first ones."""
+
 PAPER, WALL, INK, FAINT, GREY = "#ffffff", "#5b6472", "#1c2430", "#e3e7ed", "#9aa3af"
 
 Point = tuple[float, float]
@@ -135,9 +138,12 @@ class _Sheet:
             box = self._box(middle, self._unit * 0.46)
             fill = FAINT if is_over or number in served else None
             pen.rectangle(box, fill, colour, max(1, round(self._unit / 12)))
+            if is_over and number not in self._done:
+                pen.line(box, GREY, 1)
             if self._unit >= NAMED_FROM:
                 at = (middle[0], middle[1] + self._unit * 0.5)
-                pen.text(at, task.name[:12], GREY if is_over else INK, self._font, anchor="mt")
+                name = task.name if len(task.name) <= LONGEST_NAME else f"{task.name[:11]}…"
+                pen.text(at, name, GREY if is_over else INK, self._font, anchor="mt")
 
     def _draw_robots(self, pen: ImageDraw.ImageDraw, moment: Moment) -> None:
         """Draw robots as discs in the colour of the task they head for; lost ones as crosses."""

@@ -66,7 +66,10 @@ class _Narrator:
         self._over: set[int] = set()
         self._plans = PlansInForce(replay)
         self._news: defaultdict[int, list[str]] = defaultdict(list)
+        self._parts: dict[int, tuple[int, ...]] = {}  # by step, the team that the robot leaves
         for event in events(replay):
+            if event.kind == "splits" and robot in event.robots:
+                self._parts[event.step] = event.robots
             if event.kind in ("appears", "cancelled", "lost", "back", "needs"):
                 self._news[event.step].append(event.text(replay.mission))
 
@@ -83,7 +86,7 @@ class _Narrator:
         what = {
             LOST: "lost",
             IDLE: "idle",
-            FORMING: f"forms {mates}" if mates else "forms a team",
+            FORMING: self._parting(moment) or (f"forms {mates}" if mates else "forms a team"),
             SERVING: f"serves {name}",
             LOADING: f"loads {name}",
             CARRYING: f"carries {name}",
@@ -91,6 +94,13 @@ class _Narrator:
             WAITING: f"waits at {name}",
         }.get(phase, f"walks to {name}" if name else "walks, while plans are made anew")
         return f"{what}, {mates}" if mates and phase not in (LOST, FORMING) else what
+
+    def _parting(self, moment: Moment) -> str:
+        """Return from whom the robot parts in the step; nothing if it does not."""
+        slot = moment.team[self._robot]
+        left = [other for other in self._parts.get(moment.step, ()) if moment.team[other] != slot]
+        names = ", ".join(self._scenario.robots[other].name for other in left)
+        return f"parts from {names}" if names else ""
 
     def why(self, moment: Moment) -> str:
         """Return why the robot does it; nothing where that goes without saying."""

@@ -39,13 +39,15 @@ def find_flown_loads(scenario: Scenario) -> Iterator[Problem]:
 
     A team that flies and loses robots might set a load down where nobody on the ground gets to.
     """
-    if not scenario.world.rows or not any(robot.flies for robot in scenario.robots):
+    flying = [robot.name for robot in scenario.robots if robot.flies]
+    if not scenario.world.rows or not flying:
         return
     for number, task in enumerate(scenario.tasks):
         if task.to is not None:
-            message = f"task '{task.name}' has a load, and robots do not fly loads over obstacles"
-            remedy = "drop moves: air, or drop to and unload"
-            yield Problem(("tasks", number, "to"), f"{message} yet; {remedy}")
+            message = f"task '{task.name}' has a load and robot '{flying[0]}' flies"
+            fault = "on a map with obstacles a mission cannot have both yet"
+            remedy = f"drop moves: air of '{flying[0]}', or drop to and unload"
+            yield Problem(("tasks", number, "to"), f"{message}: {fault}; {remedy}")
 
 
 def rules_without_loads(scenario: Scenario, who: str) -> Iterator[Problem]:

@@ -40,8 +40,13 @@ class Spec:
     def __post_init__(self) -> None:
         least = {"robots": 1, "tasks": 1, "capabilities": 1, "late_tasks": 0}
         for name, minimum in least.items():
-            if getattr(self, name) < minimum:
-                raise TeamformerError(f"{name} is {getattr(self, name)}; use {minimum} or more")
+            number = getattr(self, name)
+            if not isinstance(number, int) or number < minimum:
+                what = f"{name} is {number!r}; use a whole number, {minimum} or more"
+                raise TeamformerError(what)
+        if not isinstance(self.world, Grid | Plane):
+            hint = "write tf.Grid(width, height) or tf.Plane(width, height)"
+            raise TeamformerError(f"world is {self.world!r}", hint)
         present = min(self.robots, self.capabilities)
         if self.requirements is not None and not 1 <= self.requirements <= present:
             raise TeamformerError(

@@ -8,6 +8,7 @@ from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
+from teamformer.sim.replay.task_times import cost_of_record
 from teamformer.trials.methods import Method
 from teamformer.trials.rows import best_known, result_row
 from teamformer.trials.trial import Trial
@@ -28,18 +29,26 @@ class Failure:
 
 @dataclass(frozen=True)
 class Bars:
-    """What trials of one mission are measured by: the fastest of them and the highest bound."""
+    """What trials of one mission are measured by: the fastest of them and the highest bound.
+
+    `least_cost` is that of the cheapest, if the mission has a cost.
+    """
 
     best: int | None
     bound: int | None
+    least_cost: float | None = None
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """What was run, in its order, and the bars of each seed."""
+    """What was run, in its order, and the bars of each seed.
+
+    `is_interrupted` says that Ctrl-C was pressed before all was run.
+    """
 
     ran: tuple[Trial | Failure, ...]
     bars: Mapping[int, Bars]
+    is_interrupted: bool = False
 
     @property
     def trials(self) -> list[Trial]:
@@ -67,26 +76,37 @@ def compare_methods(
     """Run every method with the seeds from 0 on; Ctrl-C ends it with what was done so far.
 
     What goes wrong in one trial does not cost what the others have done. Raises the first error
-    if all trials come to nothing, and `TeamformerError` for a method that stands twice.
+    if all trials come to nothing, KeyboardInterrupt if it is interrupted before any has ended, and
+    `TeamformerError` for no method, no seed, or a method that stands twice.
     """
+    if not methods:
+        raise TeamformerError("no method is named", "name one, such as plan")
+    if seeds < 1:
+        raise TeamformerError(f"seeds is {seeds}; write a whole number from 1 on")
     names = [method.name for method in methods]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         hint = "name it once; more seeds run it more often"
         raise TeamformerError(f"method '{twice[0]}' is named twice", hint)
     ran: list[Trial | Failure] = []
-    for method, seed in ((method, seed) for method in methods for seed in range(seeds)):
-        trial = _try(mission, method, seed, run_one)
-        ran.append(trial)
-        if isinstance(trial, Trial) and trial.is_interrupted:
-            break
+    is_interrupted = False
+    try:
+        for method, seed in ((method, seed) for method in methods for seed in range(seeds)):
+            trial = _try(mission, method, seed, run_one)
+            ran.append(trial)
+            if isinstance(trial, Trial) and trial.is_interrupted:
+                is_interrupted = True
+                break
+    except KeyboardInterrupt:  # between two trials, say
+        if not any(isinstance(trial, Trial) for trial in ran):
+            raise
+        is_interrupted = True
     trials = [trial for trial in ran if isinstance(trial, Trial)]
     if not trials:
         raise next(trial.error for trial in ran if isinstance(trial, Failure))
     bars = _find_bars(trials, mission.has_surprises)
-    return Comparison(
-        tuple(_knowing(trial, bars) if isinstance(trial, Trial) else trial for trial in ran), bars
-    )
+    known = (_knowing(trial, bars) if isinstance(trial, Trial) else trial for trial in ran)
+    return Comparison(tuple(known), bars, is_interrupted)
 
 
 def _try(mission: Scenario, method: Method, seed: int, run_one: RunOne) -> Trial | Failure:
@@ -106,7 +126,9 @@ def _find_bars(trials: Sequence[Trial], is_uncertain: bool) -> dict[int, Bars]:
         alike = [trial for trial in trials if trial.replay.seed == seed or not is_uncertain]
         bounds = (trial.replay.lower_bound for trial in alike)
         bound = max((bound for bound in bounds if bound is not None), default=None)
-        bars[seed] = Bars(best_known(alike), bound)
+        costs = (cost_of_record(trial.replay) for trial in alike)
+        least_cost = min((cost for cost in costs if cost is not None), default=None)
+        bars[seed] = Bars(best_known(alike), bound, least_cost)
     return bars
 
 

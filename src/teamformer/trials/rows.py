@@ -61,9 +61,9 @@ def best_known(trials: Sequence[Trial]) -> int | None:
     return min((steps for steps in makespans if steps is not None), default=None)
 
 
-def percent_over(makespan: int | None, bar: int | None) -> float | None:
-    """Return by how many percent a makespan is above a bar, if there are both."""
-    return None if makespan is None or not bar else round(100 * (makespan / bar - 1), 2)
+def percent_over(value: float | None, bar: float | None) -> float | None:
+    """Return by how many percent a makespan or a cost is above a bar, if there are both."""
+    return None if value is None or not bar else round(100 * (value / bar - 1), 2)
 
 
 def seconds_of(scenario: Scenario, steps: int | None) -> float | None:

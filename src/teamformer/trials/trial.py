@@ -54,8 +54,12 @@ def run_trial(
     lower_bound: int | None = None,
     on_step: Callable[[Tally], None] | None = None,
     truth: Scenario | None = None,
+    keeps_interrupted: bool = False,
 ) -> Trial:
-    """Run one trial and record it; Ctrl-C ends it with what was done so far.
+    """Run one trial and record it.
+
+    Ctrl-C raises KeyboardInterrupt; if `keeps_interrupted`, it ends the trial with what was done
+    so far.
 
     `player` is a method, or a policy or a coordinator by itself. `truth` is what an uncertain
     mission really is; left out, it is drawn by the seed. A policy that is told everything is told
@@ -72,7 +76,11 @@ def run_trial(
     truth = draw_truth(mission, seed) if truth is None else truth
     env = recorder = None
     try:
-        planning = _seconds(lambda: begin(method, [mission], [truth], seed))
+        asked = working_seconds()
+        try:
+            begin(method, [mission], [truth], seed)
+        finally:
+            planning = working_seconds() - asked
         env = _stage([mission], method, [truth])
         recorder = Recorder(env)
         while env.is_running[0]:
@@ -85,6 +93,8 @@ def run_trial(
             if on_step is not None:
                 on_step(env.tally())
     except KeyboardInterrupt:
+        if not keeps_interrupted:
+            raise
         is_interrupted = True
     if env is None or recorder is None:  # nothing was played: what there is, before the first step
         env = TeamFormation([mission], truths=[truth])
@@ -166,9 +176,3 @@ def _best_bound(known: int | None, plan: CentralPlan | None) -> int | None:
     """Return the highest bound that holds for every policy."""
     proven = None if plan is None else plan.bound
     return max((bound for bound in (known, proven) if bound is not None), default=None)
-
-
-def _seconds(work: Callable[[], None]) -> float:
-    begun = working_seconds()
-    work()
-    return working_seconds() - begun

@@ -11,7 +11,7 @@ from teamformer.viewer.gantt import tick_step
 from teamformer.viewer.html import plain_page
 from teamformer.whole_files import write_whole
 
-ROW, BAR, LABEL, WIDTH, TOP, END = 24, 14, 300, 640, 30, 120
+ROW, BAR, LABEL, WIDTH, TOP, END = 24, 14, 340, 640, 30, 170
 """Sizes in pixels: of a row, a bar, the changes, the gains, the axis, the makespans."""
 
 MOST_ROWS = 60
@@ -20,7 +20,7 @@ MOST_ROWS = 60
 LONGEST_LOSS = 1.5
 """So many times the largest gain; the bar of a larger loss ends at the edge."""
 
-LONGEST_NAME = 42
+LONGEST_NAME = 50
 
 STYLE = """
 body{font:14px/1.4 system-ui,sans-serif;margin:24px;color:#1d2733;background:#fff}
@@ -121,8 +121,8 @@ def _row(row: Mapping[str, Any], y: int, zero: float, scale: float, least: float
         f'<text x="{LABEL - 12}" y="{middle + 4}" text-anchor="end">{html.escape(cut)}</text>',
         _rect("noise", zero - noise * scale, zero + noise * scale, y + 2, ROW - 4),
         _rect(looks, min(zero, end), max(zero, end), y + (ROW - BAR) // 2, BAR),
-        f'<text x="{LABEL + WIDTH + 12}" y="{middle + 4}">{row["makespan"]:g}'
-        f'<tspan class="dim" dx="10">{_signed(gain)}</tspan></text></g>',
+        f'<text x="{LABEL + WIDTH + 12}" y="{middle + 4}">{round(row["makespan"], 2):g}'
+        f'<tspan class="dim" dx="10">{_signed(round(gain, 2))}</tspan></text></g>',
     ]
 
 

@@ -58,8 +58,9 @@ def _summary(plan: Mapping[str, Any]) -> str:
         legend += "; orange is the chain that the end hangs on"
     if plan["bound"] <= 0:
         return f"{over}{late}. {legend}."
-    over += f"; no plan is over before {plan['bound']:g}{late}."
-    return f"{over} {legend}; the dashed line is the bound."
+    if not plan["proven"]:
+        over += f"; no plan is over before {plan['bound']:g}"
+    return f"{over}{late}. {legend}; the dashed line is the bound."
 
 
 def _drawing(plan: Mapping[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from rich.table import Table
@@ -20,11 +21,12 @@ from teamformer.commands.console import (
     say,
 )
 from teamformer.commands.interruption import Interruption
+from teamformer.errors import Problem, TeamformerError
 from teamformer.mission.links import is_linked
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import default_for, load_method
-from teamformer.trials.planned import rules_not_planned
 from teamformer.viewer.advice_page import write_advice
 
 SECONDS = 60.0
@@ -35,8 +37,10 @@ MOST_LINES = 15
 
 def advise(path: Path, page: Path | None, as_json: bool) -> int:
     """Measure what would help a mission and show it; return the exit status."""
-    mission = read_scenario(path, rules_not_planned)
+    mission = read_scenario(path, _rules_not_advised_on)
     if page is not None:
+        if page.suffix.lower() not in (".html", ".htm"):
+            raise TeamformerError(f"{page}: the advice is a page", "name a file that ends in .html")
         prepare_file(page)
     _announce(mission)
     with Interruption(), Counting("searches") as counting:
@@ -49,6 +53,11 @@ def advise(path: Path, page: Path | None, as_json: bool) -> int:
     else:
         _show(advice)
     return 0
+
+
+def _rules_not_advised_on(mission: Scenario) -> Iterator[Problem]:
+    if mission.time != "continuous":
+        yield from rules_not_played(mission)
 
 
 def _announce(mission: Scenario) -> None:
@@ -74,7 +83,7 @@ def _show(advice: Advice) -> None:
     helpful = advice.helpful
     table = Table("what would help", what, "gain", "luck up to", box=None, header_style="dim")
     for it in helpful[:MOST_LINES]:
-        numbers = (f"{it.makespan:g}", f"{it.gain:g}", f"{it.noise:.3g}")
+        numbers = (_told(it.makespan), _told(it.gain), f"{it.noise:.3g}")
         table.add_row(Text(it.change), *numbers)
     out.print(table if helpful else "no change wins more than luck may give")
     if len(helpful) > MOST_LINES:
@@ -85,9 +94,14 @@ def _show(advice: Advice) -> None:
         say(f"there was no time for {len(advice.unmeasured)} changes; tf.advise takes longer")
 
 
+def _told(value: float) -> str:
+    return f"{round(value, 2):g}"
+
+
 def _lines_on_sparing(advice: Advice) -> list[str]:
     """Return who could be spared, and who could not."""
-    spare = [f"{it.change} {it.makespan:g}" for it in advice.spare]
+    what = "takes" if advice.mission.cost is None else "costs"
+    spare = [f"{it.change} (then it {what} {_told(it.makespan)})" for it in advice.spare]
     needed = [change.what for change in advice.impossible if change.kind == FEWER]
     lines = [f"could be spared: {', '.join(spare) or 'nobody'}"]
     return lines + ([f"impossible: {', '.join(needed)}"] if needed else [])

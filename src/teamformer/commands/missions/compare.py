@@ -11,11 +11,13 @@ from rich.text import Text
 
 from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import out, prepare_folder, print_json, say, wide
+from teamformer.commands.interruption import Interruption
 from teamformer.commands.missions.run import plan_line, watch_trial
 from teamformer.errors import TeamformerError
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
+from teamformer.sim.replay.task_times import cost_of_record
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
 from teamformer.trials.comparison import Bars, Comparison, Failure, compare_methods
 from teamformer.trials.methods import Method, load_method
@@ -55,29 +57,37 @@ def compare(
     if folder is not None:
         prepare_folder(folder)
     announce_compiling(methods, mission)
-    compared = compare_methods(mission, methods, seeds, _run_one)
-    trials, failures = compared.trials, compared.failures
-    if trials[-1].is_interrupted:
-        done = len(compared.ran) - (trials[-1].replay.end.status == "interrupted")
-        say(f"interrupted: {done} of {len(methods) * seeds} trials ran to their end")
+    with Interruption() as interruption:
+        compared = compare_methods(mission, methods, seeds, _run_one)
+        interruption.hold()  # what was run is told and written first
+        if compared.is_interrupted:
+            done = len(compared.ran) - (compared.trials[-1].replay.end.status == "interrupted")
+            say(f"interrupted: {done} of {len(methods) * seeds} trials ran to their end")
+        _tell(compared, as_json)
+        if folder is not None:
+            _write(compared, folder)
+    trials = compared.trials
+    is_complete = len(trials) == len(methods) * seeds
+    return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
+
+
+def _tell(compared: Comparison, as_json: bool) -> None:
+    """Print what was run."""
     if as_json:
         for row in compared.rows():
             print_json(row)
     else:
+        mission = compared.trials[0].replay.scenario
         out.print(Text(mission.name, style="bold"))
         wide.print(_table(compared))
         for line in _bar_lines(compared.bars, mission.has_surprises):
             out.print(line)
-        for trial in trials:
+        for trial in compared.trials:
             if trial.plan is not None:
                 out.print(plan_line(trial.plan))
-        for failure in failures:
+        for failure in compared.failures:
             why = f"{failure.method}, seed {failure.seed}: {_reason(failure.error)}"
             out.print(Text(why, style="red"))
-    if folder is not None:
-        _write(compared, folder)
-    is_complete = len(trials) == len(methods) * seeds
-    return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
 
 
 def _run_one(mission: Scenario, method: Method, seed: int) -> Trial:
@@ -114,6 +124,7 @@ def _bar_lines(bars: Mapping[int, Bars], is_uncertain: bool) -> list[str]:
     """Return the bars as they are shown: those of each seed where they differ."""
     said = {
         seed: f"best known {bar.best or '-'}, lower bound {bar.bound or '-'}"
+        + ("" if bar.least_cost is None else f", least cost {bar.least_cost:g}")
         for seed, bar in bars.items()
     }
     if is_uncertain and len(said) > 1:
@@ -122,26 +133,31 @@ def _bar_lines(bars: Mapping[int, Bars], is_uncertain: bool) -> list[str]:
 
 
 def _table(compared: Comparison) -> Table:
-    """Return a row for each trial."""
+    """Return a row for each trial; of a mission with a cost also that, and the best costs least."""
     table = Table(box=None, header_style="dim")
+    is_priced = any(trial.replay.scenario.cost for trial in compared.trials)
     for column in COLUMNS:
         table.add_column(column, justify="left" if column == "method" else "right")
+        if column == "makespan" and is_priced:
+            table.add_column("cost", justify="right")
     for trial in compared.ran:
         if isinstance(trial, Failure):
             table.add_row(Text(trial.method), str(trial.seed), "failed")
         else:
-            table.add_row(*_cells(trial, compared.bars[trial.replay.seed].best))
+            table.add_row(*_cells(trial, compared.bars[trial.replay.seed], is_priced))
     return table
 
 
-def _cells(trial: Trial, best: int | None) -> list[Text | str]:
-    replay, end = trial.replay, trial.replay.end
+def _cells(trial: Trial, bars: Bars, is_priced: bool) -> list[Text | str]:
+    replay, end, cost = trial.replay, trial.replay.end, cost_of_record(trial.replay)
     makespan = end.status if end.makespan is None else str(end.makespan)
-    over = [percent_over(end.makespan, bar) for bar in (best, replay.lower_bound)]
+    judged = (cost, bars.least_cost) if is_priced else (end.makespan, bars.best)
+    over = [percent_over(*judged), percent_over(end.makespan, replay.lower_bound)]
     return [
         Text(replay.method),
         str(replay.seed),
         makespan,
+        *(["" if cost is None else f"{cost:g}"] if is_priced else []),
         *("" if gap is None else f"{gap:+.0f}%" for gap in over),
         f"{end.tasks_done}/{len(replay.scenario.tasks)}",
         str(end.joins),

@@ -77,12 +77,13 @@ def _show(made: PlannedMission, row: Mapping[str, Any]) -> None:
     out.print(over, markup=False)
     for task, by in row["late"].items():
         out.print(f"late: {task} by {by:g}", markup=False)
-    table = Table("robot", "tasks: start to end", "back", box=None)
+    ends_home = made.mission.ends is not None
+    table = Table("robot", "tasks: start to end", *(["back"] if ends_home else []), box=None)
     routes = row["routes"]
     for route in routes[:LONGEST_TABLE]:
         stops = (f"{stop['task']} {stop['start']:g}-{stop['end']:g}" for stop in route["stops"])
-        words = (route["robot"], ", ".join(stops) or "-", f"{route['back']:g}")
-        table.add_row(*map(Text, words))
+        words = (route["robot"], ", ".join(stops) or "-")
+        table.add_row(*map(Text, words), *([f"{route['back']:g}"] if ends_home else []))
     out.print(table)
     if len(routes) > LONGEST_TABLE:
         say(f"and {len(routes) - LONGEST_TABLE} robots more; --json tells all")

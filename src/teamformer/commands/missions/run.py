@@ -147,7 +147,7 @@ def watch_trial(
                 interruption.hold()
             progress.update(tally.steps, tally.tasks_done)
 
-        return run_trial(mission, method, seed, bound, on_step)
+        return run_trial(mission, method, seed, bound, on_step, keeps_interrupted=True)
 
 
 def plan_line(plan: CentralPlan) -> str:
@@ -214,7 +214,7 @@ def _verdict(replay: Replay) -> str:
     if end.status == "infeasible":
         return f"given up at step {end.steps}: {', '.join(end.blocked_tasks)} can never be done"
     if end.status == "interrupted":
-        return f"interrupted at step {end.steps}; what was done so far is recorded"
+        return f"interrupted at step {end.steps}"
     return f"not done within the limit of {end.steps} steps"
 
 

@@ -57,8 +57,12 @@ class BenchOptions:
 def bench(suite_name: str, options: BenchOptions, as_json: bool) -> int:
     """Measure and show; return the exit status."""
     if suite_name == "speed":
+        if options.folder is not None:
+            raise TeamformerError("`bench speed` writes nothing", "leave out --out, or use --json")
         return _measure_speed(as_json)
     if suite_name == "size":
+        if options.folder is not None:
+            prepare_folder(options.folder)
         return _measure_size(options.folder, as_json)
     if suite_name == "others":
         limit = 10.0 if options.time_limit is None else options.time_limit
@@ -227,6 +231,5 @@ def _measure_size(folder: Path | None, as_json: bool) -> int:
     if folder is not None:
         from teamformer.bench.report.figures import draw_size
 
-        prepare_folder(folder)
         say(f"written: {draw_size(rows, folder)}")
     return 0

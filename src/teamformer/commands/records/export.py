@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from teamformer.commands.console import prepare_file, prepare_folder, say
+from teamformer.commands.console import prepare_file, prepare_folder, refuse_existing, say
 from teamformer.errors import TeamformerError
 from teamformer.extras import require
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import Replay
 
+MISSIONS = (".yaml", ".yml", ".json")
 HINT = "name .mcap for Foxglove, .gif, .yaml for the mission, or a folder for tables"
 
 
@@ -20,7 +21,7 @@ def export(record: Path, wanted: Sequence[Path]) -> int:
 
     `.mcap` and `.gif` are as named, `.yaml`, `.yml` and `.json` the mission with all that happened
     to it, and a name without an ending is a folder for CSV tables. Raises `TeamformerError` for
-    other endings, before anything is written.
+    other endings, and for a mission that is there already, before anything is written.
     """
     for path in wanted:
         if path.resolve() == record.resolve():
@@ -39,8 +40,10 @@ def _prepare(path: Path) -> None:
     if path.is_dir() or not ending:
         prepare_folder(path)
         return
-    if ending not in (".mcap", ".gif", ".yaml", ".yml", ".json"):
+    if ending not in (".mcap", ".gif", *MISSIONS):
         raise TeamformerError(f"{path}: what is to be in this file?", HINT)
+    if ending in MISSIONS:
+        refuse_existing(path)
     if ending == ".mcap":
         require("mcap", "foxglove")
     if ending == ".gif":

@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.table import Table
 
 from teamformer.advice.experience import Experience, learn
-from teamformer.commands.console import out, prepare_file, say
+from teamformer.commands.console import out, prepare_file, refuse_existing, say
 from teamformer.errors import TeamformerError
 from teamformer.scenarios.files import read_scenario, write_scenario
 from teamformer.sim.replay.reading import read_replay
@@ -22,8 +22,7 @@ def learn_from(path: Path, records: Sequence[Path], learned: Path) -> int:
     A folder stands for all `replay.json` in it. Raises `TeamformerError` if the file to be written
     is there already.
     """
-    if learned.exists():
-        raise TeamformerError(f"{learned}: there is such a file", "remove it, or name another")
+    refuse_existing(learned)
     mission = read_scenario(path)
     replays = [read_replay(record) for record in _listed(records)]
     experience = learn(mission, replays)

@@ -6,7 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, as_completed, wait
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import cache
 from typing import Literal
@@ -46,7 +46,7 @@ MOST_AT_ONCE = 2000
 """Rounds times tasks of searching between two looks at the clock; a few hundredths of a second."""
 
 STOP_AGAIN = 0.05
-"""Seconds after which threads are told again to end."""
+"""Seconds after which it is looked again whether threads are to end, and they are told again."""
 
 EARLY = 0.3
 """Share of the time left for a first cooling down; a second one takes the rest."""
@@ -76,14 +76,16 @@ def solve(
     seed: int = 0,
     workers: int = 2,
     hint: Schedule | None = None,
+    is_stopped: Callable[[], bool] = lambda: False,
 ) -> Solution:
     """Minimise the makespan if joining is free, for up to `time_limit` seconds.
 
     Starts from `hint`, if given, and works on up to `workers` threads. A limit of 0 returns
-    the first plan. Compiling, once for each installation, takes seconds that do not count.
+    the first plan. It ends early when `is_stopped` says so. Compiling, once for each installation,
+    takes seconds that do not count.
     """
     _compile()
-    progress = SolverProgress(relax(scenario), time_limit)
+    progress = SolverProgress(relax(scenario), time_limit, is_stopped)
     progress.is_bounding = not may_set_down(scenario)
     if (earliest_starts(progress.problem) >= FAR).any():
         progress.is_infeasible = progress.is_bounding
@@ -104,8 +106,14 @@ def solve(
 class SolverProgress:
     """What all threads together know so far about one problem."""
 
-    def __init__(self, problem: Relaxed, time_limit: float) -> None:
+    def __init__(
+        self,
+        problem: Relaxed,
+        time_limit: float,
+        is_stopped: Callable[[], bool] = lambda: False,
+    ) -> None:
         self.problem = problem
+        self._is_stopped = is_stopped
         self.best: Schedule | None = None
         self.is_exhausted = False  # nothing better is left to be found
         self.is_infeasible = False
@@ -127,8 +135,8 @@ class SolverProgress:
         return max(0.0, self._limit - self.seconds)
 
     def is_over(self) -> bool:
-        """Say whether time is up or nothing better is left to be found."""
-        return self.seconds_left == 0 or self.is_exhausted
+        """Say whether time is up, somebody stops it, or nothing better is left to be found."""
+        return self.seconds_left == 0 or self.is_exhausted or self._is_stopped()
 
     def offer(self, schedule: Schedule | None) -> None:
         """Take a schedule if it is faster than the best."""
@@ -196,10 +204,11 @@ def _search_and_prove(progress: SolverProgress, seed: int, workers: int) -> None
         while len(work) < workers:
             work.append(pool.submit(_search_on, progress, seed + 1 + len(work)))
         try:
-            for done in as_completed(work):
-                done.result()
+            while wait(work, timeout=STOP_AGAIN).not_done:
                 if progress.is_over():
                     progress.stop()
+            for done in work:
+                done.result()
         finally:
             progress.stop()
             while wait(work, timeout=STOP_AGAIN).not_done:  # one that just begins is deaf

@@ -60,6 +60,10 @@ class BestPlan:
         """Let all searches come to their end."""
         self._is_stopped = True
 
+    def is_stopped(self) -> bool:
+        """Say whether somebody has stopped all searches."""
+        return self._is_stopped
+
     @property
     def is_over(self) -> bool:
         """Say whether searches are to end: nothing can be faster, or somebody stopped them."""

@@ -83,6 +83,7 @@ def plan_centrally(
     if given is not None:
         plays.add("start", _player(scenario, given))
     if any(task.after for task in scenario.tasks):
+        plays.add_simple_rules()
         return plan_with_precedence(scenario, plays, seed, workers)
     situation = situation_in_hindsight(scenario)
     first = _first_plan(scenario, situation)
@@ -206,7 +207,8 @@ def _relax_and_search(
 ) -> Solution:
     """Solve the relaxed problem, then search from its coalitions and from others."""
     seconds = RELAXING * max(0.0, deadline - time.perf_counter())
-    solution = solve(scenario, seconds, seed=seed, workers=1)
+    stopped = best.is_stopped
+    solution = solve(scenario, seconds, seed=seed, workers=1, is_stopped=stopped)
     best.raise_bound(solution.bound)
     starts = from_coalitions(situation.problem, best, seed)
     if solution.schedule is not None:

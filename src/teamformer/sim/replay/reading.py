@@ -81,6 +81,9 @@ def _parse(text: str, source: str) -> Any:
     except DamageError as damage:
         raise ReplayError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
     except json.JSONDecodeError as error:
+        if any(line.startswith("teamformer:") for line in text.splitlines()):
+            hint = "run it with --out FOLDER: that writes its record, replay.json"
+            raise ReplayError(f"{source}: this is a mission, not a record", hint) from None
         is_cut = _is_unfinished(text[error.pos :].strip()) or error.msg.startswith("Unterminated")
         what = "it breaks off" if is_cut else f"this is not JSON: {error.msg}"
         raise ReplayError(f"{source}:{error.lineno}: {what}", RUN_AGAIN) from None

@@ -19,10 +19,11 @@ class Compared {
     byId("caption").hidden = trials.length < 2;
     if (this.box.hidden) return;
     byId("caption").replaceChildren(...recordItem(this.app).childNodes);
-    const head = ["method", "done", "makespan", "to best"];
+    const priced = trials.some(({ history }) => history.scenario.cost);
+    const head = ["method", "done", "makespan", ...(priced ? ["cost"] : []), "to best"];
     const rows = trials.map((trial) => comparedRow(this.app, trial));
     const header = element("thead", {}, element("tr", {}, ...head.map((text) => element("th", { scope: "col" }, text))));
-    refill(this.table, [oneStop(element("table", {}, header, element("tbody", {}, ...rows, ...failed.map(failedRow))))]);
+    refill(this.table, [oneStop(element("table", {}, header, element("tbody", {}, ...rows, ...failed.map((failure) => failedRow(failure, head.length)))))]);
     this.curves.draw();
   }
 
@@ -55,14 +56,17 @@ function comparedRow(app, trial) {
   const { world } = history.scenario;
   const title = titleOf(app.trials, trial);
   const { makespan, status } = history.end;
-  const best = bestMakespan(app.trials);
+  const cost = costOf(history);
+  const best = bestOf(app.trials);
+  const value = measureOf(history);
   const isFront = trial === app.trial;
   const name = element("button", { type: "button", class: "link", "data-key": title, title: "Show its details", on: () => app.bringToFront(trial) }, title);
   if (isFront) name.setAttribute("aria-current", "true");
   const cells = [
     `${countDone(history, app.player.step)}/${history.doneAt.length}`,
     makespan === null ? status : describeAmount(world, makespan),
-    makespan === null || !best ? "" : `+${Math.round(100 * (makespan / best - 1))}%`,
+    ...(history.scenario.cost ? [cost === null ? "" : String(Number(cost.toPrecision(6)))] : []),
+    value === null || !best ? "" : `+${Math.round(100 * (value / best - 1))}%`,
   ];
   return element(
     "tr",
@@ -72,13 +76,18 @@ function comparedRow(app, trial) {
   );
 }
 
-function failedRow({ method, seed, why }) {
-  return element("tr", {}, element("th", { scope: "row" }, `${method}, seed ${seed}`), element("td", { colspan: 3, class: "why" }, `failed: ${why}`));
+function failedRow({ method, seed, why }, columns) {
+  return element("tr", {}, element("td", { colspan: columns, class: "why" }, `${method}, seed ${seed} failed: ${why}`));
 }
 
-// The makespan of the fastest record that is over and complete, if there is one.
-function bestMakespan(trials) {
-  const all = trials.map(({ history }) => history.end.makespan).filter((makespan) => makespan !== null);
+// What a record is judged by: its cost if its mission has one, else its makespan; null if it is not complete.
+function measureOf(history) {
+  return history.scenario.cost ? costOf(history) : history.end.makespan;
+}
+
+// The least of these, if any record is complete.
+function bestOf(trials) {
+  const all = trials.map(({ history }) => measureOf(history)).filter((value) => value !== null);
   return all.length ? Math.min(...all) : null;
 }
 

@@ -38,7 +38,8 @@ function assignedByDistance(app, task) {
 
 function farText(scenario, team) {
   if (isSamePlace(scenario.world, [team.x, team.y], team.site.at)) return "is there";
-  return `is ${describeWay(scenario.world, distanceTo(scenario, team))} away`;
+  const way = describeWay(scenario.world, distanceTo(scenario, team));
+  return team.carries ? `carries it, ${way} to go` : `is ${way} away`;
 }
 
 function nobodyBrings({ history, player }, cap) {

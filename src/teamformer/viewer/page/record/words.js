@@ -56,7 +56,7 @@ function describeDoing(scenario, team, step) {
   switch (team.activity) {
     case "serves": {
       const made = step - team.service.from;
-      if (scenario.tasks[team.goal].to) return `${describeLoading(scenario, team)} ${name}`;
+      if (scenario.tasks[team.goal].to) return describeLoading(scenario, team, name);
       return `does ${name}, ${describePart(scenario.world, made, scenario.tasks[team.goal])}`;
     }
     case "done":
@@ -80,14 +80,14 @@ function describeDoing(scenario, team, step) {
   }
 }
 
-// What a team does with its load, up to the load's name.
-function describeLoading({ world, tasks }, team) {
-  if (!team.carries) return "takes up";
+// What a team does with its load.
+function describeLoading({ world, tasks }, team, name) {
+  if (!team.carries) return `takes up ${name}`;
   const { to } = tasks[team.goal];
   const place = describePlace(world, to);
-  if (isSamePlace(world, [team.x, team.y], to)) return `at ${place} unloads`;
+  if (isSamePlace(world, [team.x, team.y], to)) return `unloads ${name} at ${place}`;
   const way = describeWay(world, walkingDistance(world, [team.x, team.y], to));
-  return `with ${way} to go to ${place} carries`;
+  return `carries ${name} to ${place}, ${way} to go`;
 }
 
 // How much of a service is made.

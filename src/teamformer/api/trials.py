@@ -217,8 +217,9 @@ def _method(method: str | Player, seconds: float) -> Method:
 
 def _refuse_wrong_truth(mission: Scenario, truth: Scenario) -> None:
     """Raise `TeamformerError` for a truth that a mission does not allow."""
-    refuse_no_mission(truth, "run(..., truth=...)")
     hint = "take trial.record.mission, or draw one from the mission itself"
+    if not isinstance(truth, Scenario):
+        raise TeamformerError(f"the truth is a mission, not {type(truth).__name__}", hint)
     known = truth.tasks[: len(mission.tasks)] if mission.arrivals else truth.tasks
     if [task.name for task in mission.tasks] != [task.name for task in known]:
         raise TeamformerError("the truth has other tasks than the mission", hint)

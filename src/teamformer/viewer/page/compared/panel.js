@@ -19,9 +19,9 @@ class Compared {
     byId("caption").hidden = trials.length < 2;
     if (this.box.hidden) return;
     byId("caption").replaceChildren(...recordItem(this.app).childNodes);
-    const priced = trials.some(({ history }) => history.scenario.cost);
-    const head = ["method", "done", "makespan", ...(priced ? ["cost"] : []), "to best"];
-    const rows = trials.map((trial) => comparedRow(this.app, trial));
+    const isPriced = areAllPriced(trials);
+    const head = ["method", "done", "makespan", ...(isPriced ? ["cost"] : []), "to best"];
+    const rows = trials.map((trial) => comparedRow(this.app, trial, isPriced));
     const header = element("thead", {}, element("tr", {}, ...head.map((text) => element("th", { scope: "col" }, text))));
     refill(this.table, [oneStop(element("table", {}, header, element("tbody", {}, ...rows, ...failed.map((failure) => failedRow(failure, head.length)))))]);
     this.curves.draw();
@@ -51,22 +51,23 @@ function columnsFor(count, used, width, height) {
   return all.reduce((best, columns) => (scale(columns) > scale(best) ? columns : best));
 }
 
-function comparedRow(app, trial) {
+function comparedRow(app, trial, isPriced) {
   const { history } = trial;
   const { world } = history.scenario;
   const title = titleOf(app.trials, trial);
   const { makespan, status } = history.end;
   const cost = costOf(history);
-  const best = bestOf(app.trials);
-  const value = measureOf(history);
+  const measureOf = isPriced ? costOf : ({ end }) => end.makespan;
+  const all = app.trials.map((other) => measureOf(other.history)).filter((value) => value !== null);
+  const [value, best] = [measureOf(history), Math.min(...all)];
   const isFront = trial === app.trial;
   const name = element("button", { type: "button", class: "link", "data-key": title, title: "Show its details", on: () => app.bringToFront(trial) }, title);
   if (isFront) name.setAttribute("aria-current", "true");
   const cells = [
     `${countDone(history, app.player.step)}/${history.doneAt.length}`,
     makespan === null ? status : describeAmount(world, makespan),
-    ...(history.scenario.cost ? [cost === null ? "" : String(Number(cost.toPrecision(6)))] : []),
-    value === null || !best ? "" : `+${Math.round(100 * (value / best - 1))}%`,
+    ...(isPriced ? [cost === null ? "" : String(Number(cost.toPrecision(6)))] : []),
+    value === null || best === 0 ? "" : `+${Math.round(100 * (value / best - 1))}%`,
   ];
   return element(
     "tr",
@@ -80,15 +81,9 @@ function failedRow({ method, seed, why }, columns) {
   return element("tr", {}, element("td", { colspan: columns, class: "why" }, `${method}, seed ${seed} failed: ${why}`));
 }
 
-// What a record is judged by: its cost if its mission has one, else its makespan; null if it is not complete.
-function measureOf(history) {
-  return history.scenario.cost ? costOf(history) : history.end.makespan;
-}
-
-// The least of these, if any record is complete.
-function bestOf(trials) {
-  const all = trials.map(({ history }) => measureOf(history)).filter((value) => value !== null);
-  return all.length ? Math.min(...all) : null;
+// Where all missions have a cost, records are compared by it, and else by their makespans.
+function areAllPriced(trials) {
+  return trials.length > 0 && trials.every(({ history }) => history.scenario.cost);
 }
 
 function describeAmount(world, steps) {

@@ -56,6 +56,7 @@ def test_a_good_file_is_run_checked_and_shown(
     explained = () if "count" in mission["robots"][0] else (f"--explain={robot}",)
     assert typed(*words, *explained, "--out", record.parent) in (DONE, NOT_DONE)
     assert typed("check", record) == DONE
+    (folder / "a.yaml").unlink(missing_ok=True)  # a mission is not written over
     assert typed("export", record, folder / "csv", folder / "a.yaml") == DONE
     assert typed("check", record, "--scenario", folder / "a.yaml") == DONE
     assert typed("view", record, folder / "page.html") == DONE

@@ -388,10 +388,11 @@ def routes_told(row: Tree) -> list[tuple[str, list[str]]]:
     ]
 
 
-def lines_of_plan(row: Tree) -> list[str]:
+def lines_of_plan(row: Tree, ends_home: bool) -> list[str]:
     """Return the lines of the terminal's table, by what `plan --json` says."""
     lines = []
     for route in row["routes"]:
         stops = [f"{it['task']} {it['start']:.6g}-{it['end']:.6g}" for it in route["stops"]]
-        lines.append(f"{route['robot']} {', '.join(stops) or '-'} {route['back']:g}")
+        back = f"{route['back']:g}" if ends_home else ""
+        lines.append(f"{route['robot']} {', '.join(stops) or '-'} {back}")
     return [" ".join(line.split()) for line in lines]

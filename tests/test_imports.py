@@ -26,7 +26,8 @@ CORE = {
     "regions",
     "frame",
 }
-CORE |= {"arrays", "coordination", "extras", "own_code", "jit", "kernels", "whole_files"}
+CORE |= {"arrays", "coordination", "extras", "import_apart", "jit", "kernels", "own_code"}
+CORE |= {"whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim", "coordinators"}
 BELOW_COMMANDS = {
     *BELOW_POLICIES,

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Iterator
 
 import pytest
 
 from teamformer.commands.interruption import Interruption
+from teamformer.import_apart import import_apart
 
 
 @pytest.fixture(autouse=True)
@@ -63,3 +65,29 @@ def test_a_process_that_ignores_ctrl_c_goes_on_to() -> None:
     with Interruption():
         signal.raise_signal(signal.SIGINT)
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+class Cleared:
+    """Is interrupted while it is cleared away, where Python lets no error out."""
+
+    def __del__(self) -> None:
+        signal.raise_signal(signal.SIGINT)
+
+
+def clear_and_wait() -> None:
+    with Interruption():
+        Cleared()
+        signal.pause()  # until it comes again
+
+
+def test_what_gets_lost_while_an_object_is_cleared_away_comes_again() -> None:
+    with pytest.raises(KeyboardInterrupt):
+        clear_and_wait()
+
+
+def test_what_is_imported_apart_is_not_broken_off() -> None:
+    name = "this"  # it prints a poem
+    sys.modules.pop(name, None)
+    import_apart(name)
+    assert sys.modules[name].__name__ == name
+    import_apart(name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.arrays import Array
+from teamformer.import_apart import import_apart
 
 MOST = 4.0
 """The share is bounded, so that there is a best mix before any route is known."""
@@ -14,6 +15,7 @@ class RouteMix:
     """Which share of each robot's time goes to which of its routes, to bring most of all needs."""
 
     def __init__(self, amount: Array, robots: int) -> None:
+        import_apart("ortools.math_opt.python.mathopt")
         from ortools.math_opt.python import mathopt
 
         self._amount = amount  # (needs,)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from teamformer.arrays import Ints
+from teamformer.import_apart import import_apart
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.continuous.schedule import MAKESPAN, CoalitionPlan, empty_plan, schedule_of
 from teamformer.planning.relaxation.cp_sat import make_solver
@@ -74,6 +75,7 @@ class _Circuits:
 
     def __init__(self, problem: CoalitionProblem, bound: int, horizon: int) -> None:
         """Pose the model of plans that end by the horizon."""
+        import_apart("ortools.sat.python.cp_model")
         from ortools.sat.python import cp_model
 
         self.problem, self.model = problem, cp_model.CpModel()

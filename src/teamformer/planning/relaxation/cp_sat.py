@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from teamformer.arrays import Int32s
+from teamformer.import_apart import import_apart
 from teamformer.planning.bounds.makespan import earliest_starts
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
@@ -221,6 +222,7 @@ def _way_from_start(problem: Relaxed, robot: int, task: int) -> int:
 
 def make_solver(seed: int) -> cp_model.CpSolver:
     """Return a solver that works on one thread: on these models two are no faster."""
+    import_apart("ortools.sat.python.cp_model")
     from ortools.sat.python import cp_model
 
     solver = cp_model.CpSolver()

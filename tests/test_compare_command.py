@@ -130,7 +130,7 @@ def test_view_puts_several_records_on_one_page(tmp_path: Path) -> None:
 def test_a_mission_with_a_cost_is_judged_by_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Both do all in three steps; by the plan the heavy task is done first."""
+    """The costs shown are those of `--json`, and the least of them is the best."""
     path = tmp_path / "dear.yaml"
     path.write_text(
         "teamformer: 1\nname: dear\nworld: {grid: [4, 1]}\ncapabilities: [a]\n"

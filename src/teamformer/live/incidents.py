@@ -20,7 +20,7 @@ SEARCHES = 4
 
 
 class _Told:
-    """What a record tells, in the latest step or so many steps after it."""
+    """Something that happens; the record tells it so many steps after the latest one."""
 
     steps_later: ClassVar[int] = 0
 

@@ -37,8 +37,8 @@ class Known:
     """What everybody knows of a mission at a moment. Robots and tasks are given by number.
 
     `mission` is the mission as it is believed to be: uncertain needs and places have their believed
-    values, and tasks that have not appeared are missing. Places are in cells or metres, times in
-    steps.
+    values, and a task is `after` those only that are not over. Places are in cells or metres, times
+    in steps.
     """
 
     mission: Scenario
@@ -47,6 +47,7 @@ class Known:
     places: tuple[Place, ...]  # where each robot is once it is free; no meaning for lost robots
     teams: tuple[tuple[int, ...], ...]  # who is with whom; a robot in no team is lost
     free_at: tuple[int, ...]  # when each robot is free: `step`, or the end of its service
+    under_way: tuple[tuple[int, int], ...] = ()  # tasks being served, and the steps of their ends
     unseen_needs: frozenset[int] = frozenset()  # tasks whose needs are not all known
     unseen_places: frozenset[int] = frozenset()  # tasks whose place is not known
     news: tuple[str, ...] = ("start",)  # what has happened since the latest plan, out of `NEWS`
@@ -58,17 +59,26 @@ class Known:
 
     @cached_property
     def possible_tasks(self) -> tuple[int, ...]:
-        """Return the open tasks that the present robots can do; others wait for a lost robot."""
-        world = self.mission.world
+        """Return the open tasks that the present robots can do; others wait for a lost robot.
+
+        So do tasks that come after these, or after one that has not appeared.
+        """
+        world, tasks = self.mission.world, self.mission.tasks
         have = totals_by_region(world, (self.mission.robots[robot] for robot in self.robots))
-        return tuple(
-            number
-            for number in self.open_tasks
-            if covers(
-                have[world.region(self.mission.tasks[number].at)],
-                self.mission.tasks[number].needs,
-            )
-        )
+        under_way = {task for task, _ in self.under_way}
+        able = {
+            k for k in self.open_tasks if covers(have[world.region(tasks[k].at)], tasks[k].needs)
+        }
+        while waiting := {k for k in able if not self._numbers(tasks[k].after) <= able | under_way}:
+            able -= waiting
+        return tuple(k for k in self.open_tasks if k in able)
+
+    def _numbers(self, names: tuple[str, ...]) -> set[int]:
+        return {self._number_of[name] for name in names}
+
+    @cached_property
+    def _number_of(self) -> dict[str, int]:
+        return {task.name: number for number, task in enumerate(self.mission.tasks)}
 
 
 @dataclass(frozen=True)
@@ -77,7 +87,8 @@ class Plan:
 
     A robot's next task is the first task in `order` that is not done and has the robot in its
     coalition. The robots of a coalition go to their task, wait for one another and join. Robots of
-    one team that have different next tasks part.
+    one team that have different next tasks part. A task that comes after others is moved behind
+    them in `order`, so that nobody waits for what waits for them.
     """
 
     order: tuple[int, ...] = ()  # open tasks

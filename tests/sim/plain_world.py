@@ -223,23 +223,21 @@ class PlainWorld:
         return apart_squared(one, other) <= self.here**2
 
     def release(self) -> None:
-        """Make known what appears now: its time has come, and all before it is over."""
-        over = {self.s.tasks[task].name for task in (*self.done, *self.cancelled)}
+        """Make known what appears now."""
         news = [
             k
             for k, task in enumerate(self.s.tasks)
-            if k not in self.known
-            and k not in self.cancelled
-            and set(task.after) <= over
-            and self.steps >= task.appears
+            if k not in self.known and k not in self.cancelled and self.steps >= task.appears
         ]
         self.known.update(news)
         self.open += news
 
     def has_opened(self, task: int) -> bool:
-        """Say whether the window of a task has begun."""
-        between = self.s.tasks[task].between
-        return between is None or self.steps >= between[0]
+        """Say whether the window of a task has begun, and all before it was over a step ago."""
+        between, after = self.s.tasks[task].between, self.s.tasks[task].after
+        has_begun = between is None or self.steps >= between[0]
+        over = {self.s.tasks[k].name: n for k, n in (self.done | self.cancelled).items()}
+        return has_begun and all(over.get(name, self.steps + 1) <= self.steps for name in after)
 
     def shared_out(self) -> set[int]:
         """Return the tasks that plans have, all known ones, or the order: those that may begin."""

@@ -78,24 +78,19 @@ class Tasks:
     def opens_after(self, task: int) -> int | None:
         """Return how many steps are made when a task may begin; None if it never may.
 
-        That is when it is known and its window begins.
+        That is when it is known, its window begins, and all that it comes after is over.
         """
-        known, window = self.known_after(task), self.scenario.tasks[task].between
-        if known is None or window is None:
-            return known
-        return self._unless_called_off(task, max(known, math.ceil(window[0])))
+        wanted, known = self.scenario.tasks[task], self.known_after(task)
+        before = [self.over_in(self._number[name]) for name in wanted.after]
+        if known is None or None in before:
+            return None
+        begins = 0 if wanted.between is None else math.ceil(wanted.between[0])
+        opens = max([known, begins, *(step for step in before if step is not None)])
+        return self._unless_called_off(task, opens)
 
     def known_after(self, task: int) -> int | None:
-        """Return how many steps are made when a task becomes known; None if it never does.
-
-        That is when it appears and all that it comes after is over.
-        """
-        wanted = self.scenario.tasks[task]
-        before = [self.over_in(self._number[name]) for name in wanted.after]
-        if None in before:
-            return None
-        known = max([wanted.appears, *(step for step in before if step is not None)])
-        return self._unless_called_off(task, known)
+        """Return how many steps are made when a task becomes known; None if it never does."""
+        return self._unless_called_off(task, self.scenario.tasks[task].appears)
 
     def _unless_called_off(self, task: int, steps: int) -> int | None:
         """Return `steps`, or None if the task is called off within that many steps."""

@@ -126,7 +126,7 @@ TASK = np.dtype(
         ("duration", np.int32),  # steps that it is expected to take
         ("longest", np.int32),  # steps that it takes at most
         ("takes", np.int32),  # steps that it really takes
-        ("appears", np.int32),  # steps made when it becomes known, if it awaits no other
+        ("appears", np.int32),  # steps made when it becomes known
         ("opens", np.int32),  # steps made when its window begins: it may begin in the next
         ("ordered_at", np.int32),  # steps made when it got its place in the order, or 0
         ("cancelled", np.int32),  # the step in which it is called off if it is not done, or NEVER

@@ -91,8 +91,8 @@ def _is_loaded(world: World, team: int, step: int) -> bool:
 @kernel
 def _is_free(world: World, task: int, step: int) -> bool:
     """Say whether a task may begin in a step."""
-    is_served = world.tasks[task].server != NOBODY
-    return world.tasks[task].is_open and world.tasks[task].opens < step and not is_served
+    may_begin = world.tasks[task].awaits == 0 and world.tasks[task].opens < step
+    return world.tasks[task].is_open and may_begin and world.tasks[task].server == NOBODY
 
 
 @kernel
@@ -196,10 +196,10 @@ def _close(world: World, task: int, step: int) -> None:
 
 @kernel
 def _await_one_less(world: World, task: int, step: int) -> None:
-    """Have a task appear as soon as it may, if that was the last one that it came after."""
+    """Let a task begin in the next step, if that was the last one that it came after."""
     world.tasks[task].awaits -= 1
     if world.tasks[task].awaits == 0:
-        world.tasks[task].appears = max(world.tasks[task].appears, step)
+        world.tasks[task].opens = max(world.tasks[task].opens, step)
 
 
 @kernel
@@ -238,7 +238,7 @@ def release_tasks(world: World, steps_made: int) -> bool:
     """Make known the tasks that appear now; say whether the order has new ones, at its end."""
     arrived = 0
     for task in range(world.rules.tasks):
-        is_due = world.tasks[task].appears == steps_made and world.tasks[task].awaits == 0
+        is_due = world.tasks[task].appears == steps_made
         if is_due and world.tasks[task].cancelled > steps_made:
             world.tasks[task].is_open = True
             for cap in range(world.has.shape[1]):
@@ -261,7 +261,9 @@ def _ordered_at(world: World, task: int) -> int:
     Coordinators share out what is known, the paper's allocator what may begin.
     """
     appears = world.tasks[task].appears
-    return appears if world.rules.is_coordinated else max(appears, world.tasks[task].opens)
+    if world.rules.is_coordinated:
+        return appears
+    return NEVER if world.tasks[task].awaits else max(appears, world.tasks[task].opens)
 
 
 @kernel

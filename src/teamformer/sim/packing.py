@@ -238,7 +238,7 @@ def _pack_tasks(
             record["is_load"], record["unload"] = True, task.unload
             record["to_x"], record["to_y"] = task.to
         record["region"] = scenario.world.region(place)
-        record["is_open"] = not task.after and task.appears == 0
+        record["is_open"] = task.appears == 0
         column, row = (int(along * cells_per_length) for along in place)
         cell = worlds.cells[w, min(row, height - 1) * width + min(column, width - 1)]
         record["next_here"], cell["first_task"] = cell["first_task"], k
@@ -257,7 +257,8 @@ def _pack_tasks(
                 worlds.may_need[w, k, cap_of[name]] = probability
     is_known = worlds.tasks["is_open"][w]
     worlds.demand[w] = (worlds.needs[w, is_known] > 0).sum(axis=0)
-    is_shared_out = is_known & (worlds.rules["is_coordinated"][w] | (worlds.tasks["opens"][w] == 0))
+    may_begin = (worlds.tasks["opens"][w] == 0) & (worlds.tasks["awaits"][w] == 0)
+    is_shared_out = is_known & (worlds.rules["is_coordinated"][w] | may_begin)
     order = np.flatnonzero(is_shared_out)
     worlds.order[w, : len(order)] = order
     worlds.count["open"][w] = worlds.count["arrived"][w] = len(order)

@@ -6,6 +6,7 @@ from teamformer.arrays import Array
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.graph import LAST, LATEST, Graph, is_in_steps
+from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.arcs.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
 from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
@@ -59,7 +60,8 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
         for other in problem.before[task]:
             if other == NOBODY:
                 break
-            if nodes[other].end == start:
+            is_next_step = is_in_steps(graph) and nodes[other].end // TICKS + 1 == start // TICKS
+            if is_next_step or nodes[other].end == start:
                 return NOBODY, int(other)
     if nodes[task].release == start:
         return NOBODY, NOBODY

@@ -169,15 +169,21 @@ def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bo
 @kernel
 def follow_on(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> None:
     """Have all timed that follows a task: where its robots go, and what it must come before."""
-    nodes, node = graph.nodes, graph.nodes[task]
+    node = graph.nodes[task]
     for seat in range(node.first, node.first + node.taken):
         follow(graph, trial, graph.seats[seat].next)
     if node.has_links:
-        for other in problem.after[task]:
-            if other == NOBODY:
-                break
-            if not nodes[other].is_waiting:
-                wait(graph, trial, other, nodes[other].key)
+        _follow_links(problem, graph, trial, task)
+
+
+@kernel
+def _follow_links(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> None:
+    """Have the tasks timed that a task must come before."""
+    for other in problem.after[task]:
+        if other == NOBODY:
+            break
+        if not graph.nodes[other].is_waiting:
+            wait(graph, trial, other, graph.nodes[other].key)
 
 
 @kernel
@@ -198,6 +204,8 @@ def _send_on(problem: ArcProblem, graph: Graph, trial: Trial, node: int) -> None
         elif to < len(nodes) - 1 and (nodes[to].end - nodes[to].duration) // TICKS > step:
             continue
         follow(graph, trial, head)
+    if record_of.has_links:
+        _follow_links(problem, graph, trial, node)
 
 
 @kernel

@@ -71,6 +71,8 @@ class Relaxed(NamedTuple):
     ready: Int32s  # (robots,) the step from which the robot is free; 0 at the start
     carry: Int32s  # (tasks,) cells that a load is carried; 0 for other tasks
     quickest: Int32s  # (tasks,) steps that this takes at least, which `duration` counts
+    before: Int32s  # (tasks, most) the tasks that must be done before each, then NOBODY; nothing
+    # that is relaxed counts them
     prices: Prices  # what plans in steps are searched by besides the makespan
 
 
@@ -156,8 +158,19 @@ def relax_ways(
         ready=ready,
         carry=carry,
         quickest=np.array(quickest, np.int32),
+        before=tasks_before(tasks),
         prices=prices_of(scenario, tasks),
     )
+
+
+def tasks_before(tasks: Sequence[Task]) -> Int32s:
+    """Return which of some tasks come before each, (tasks, most), then NOBODY."""
+    number = {task.name: index for index, task in enumerate(tasks)}
+    before = [[number[name] for name in task.after if name in number] for task in tasks]
+    table = np.full((len(tasks), 1 + max(map(len, before), default=0)), NOBODY, np.int32)
+    for row, numbers in zip(table, before, strict=True):
+        row[: len(numbers)] = numbers
+    return table
 
 
 def least_carried(counts: Int32s, takes: Array, need: Int32s) -> Any:

@@ -14,7 +14,7 @@ from teamformer.planning.continuous.schedule import empty_plan
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
-from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
+from teamformer.planning.steps.team_plan import TeamPlan, keep_order, pairs_before, plan_teams
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 from teamformer.rules.constants import FAR
 
@@ -97,7 +97,7 @@ class TeamArcs:
         problem, most = self.search.problem, int(self.search.arcs.most[0])
         laid = empty_plan(problem)
         number = np.argsort(self._robots, kind="stable")
-        laid.order[:] = plan.order
+        laid.order[:] = keep_order(self.situation.problem.before, plan.order.tolist())
         for task, size in enumerate(plan.size.tolist()):
             robots = number[plan.coalition[task, :size]].tolist()
             kept = without_spares(problem, task, robots, most)
@@ -159,6 +159,7 @@ def _pose(situation: Situation, robots: Ints) -> CoalitionProblem:
         needs=problem.needs,
         duration=problem.duration.astype(np.int64) * TICKS,
         release=(problem.appears.astype(np.int64) + 1) * TICKS,
+        precedence=pairs_before(problem.before),
         forming=situation.forming_steps,
         apart=problem.lost[robots],
     )

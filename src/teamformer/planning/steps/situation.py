@@ -10,7 +10,7 @@ from teamformer.arrays import Array
 from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid, Place
 from teamformer.mission.rules import opening_step
-from teamformer.model import Scenario
+from teamformer.model import Scenario, Task
 from teamformer.planning.relaxation.problem import (
     Future,
     Relaxed,
@@ -65,7 +65,7 @@ def situation_of(known: Known, in_table: bool = True) -> Situation:
         walked,
         speed,
         Future(
-            appears=np.array([max(known.step, opening_step(task)) for task in wanted], np.int32),
+            appears=np.array([_opens(known, task) for task in wanted], np.int32),
             lost=np.full(len(robots), FAR, np.int32),
         ),
         ready=np.array([known.free_at[robot] for robot in robots], np.int32),
@@ -77,6 +77,13 @@ def situation_of(known: Known, in_table: bool = True) -> Situation:
     if is_load.any():
         crossings = without_loads(crossings, is_load)
     return Situation(robots, tasks, problem, crossings, company, scenario.forming_steps)
+
+
+def _opens(known: Known, task: Task) -> int:
+    """Return how many steps are made when a task may begin, as far as services decide that."""
+    tasks = known.mission.tasks
+    ends = [until for before, until in known.under_way if tasks[before].name in task.after]
+    return max([known.step, opening_step(task), *ends])
 
 
 def situation_in_hindsight(scenario: Scenario) -> Situation:

@@ -9,6 +9,7 @@ import numpy as np
 
 from teamformer.arrays import Array
 from teamformer.rules.constants import NOBODY
+from teamformer.rules.precedence import keep_precedence
 
 
 class TeamPlan(NamedTuple):
@@ -31,6 +32,20 @@ def plan_teams(order: Sequence[int], coalitions: Sequence[Sequence[int]]) -> Tea
         plan.size[task] = len(coalition)
         plan.coalition[task, : len(coalition)] = coalition
     return plan
+
+
+def keep_order(before: Array, order: list[int]) -> list[int]:
+    """Return an order in which each task is behind those in its row of `before`."""
+    pairs = pairs_before(before)
+    rows: dict[int, list[int]] = {}
+    for other, task in pairs:
+        rows.setdefault(task, []).append(other)
+    return keep_precedence(order, rows) if rows else order
+
+
+def pairs_before(before: Array) -> list[tuple[int, int]]:
+    """Return pairs of tasks, the earlier one first; `before` (tasks, most) ends with NOBODY."""
+    return [(before[row, place], row) for row, place in np.argwhere(before != NOBODY).tolist()]
 
 
 def routes_of(plan: TeamPlan, robots: int) -> list[list[int]]:

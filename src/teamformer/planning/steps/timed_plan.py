@@ -8,7 +8,7 @@ from teamformer.arrays import Array
 from teamformer.planning.relaxation.problem import has_prices
 from teamformer.planning.steps.passing import settle
 from teamformer.planning.steps.situation import Situation
-from teamformer.planning.steps.team_plan import TeamPlan
+from teamformer.planning.steps.team_plan import TeamPlan, keep_order
 from teamformer.planning.steps.timing import empty_groups
 
 
@@ -54,10 +54,11 @@ def without_riders(situation: Situation, timed: TimedPlan) -> TimedPlan:
 
 
 def time_team_plan(situation: Situation, plan: TeamPlan) -> TimedPlan:
-    """Return a plan with its times; the plan given stays as it is."""
+    """Return a plan with its times, tasks behind those before them; that given stays as it is."""
     problem = situation.problem
     groups = empty_groups(problem, situation.company, situation.forming_steps)
     own = TeamPlan(*(array.copy() for array in plan))
+    own.order[:] = keep_order(problem.before, own.order.tolist())
     cost = settle(problem, situation.crossings, own, groups)
     ends = groups.end[: len(problem.appears)].copy()
     return TimedPlan(own, int(cost), ends, has_prices(problem))

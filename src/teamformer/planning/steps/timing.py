@@ -197,7 +197,7 @@ def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
         groups.arrive[gap], groups.touched[gap] = arrival, group
     if count > 1:
         _note_spare_group(problem, plan, groups, task, count)
-    start = max(pair_off(groups.arrive, count), problem.appears[task] + 1)
+    start = max(pair_off(groups.arrive, count), _opens(problem, groups, task))
     groups.start[task] = start
     groups.end[task] = start + problem.duration[task]
     if problem.carry[task] > 0:
@@ -210,6 +210,19 @@ def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
     if len(crossings.task) > 0:
         _do_what_is_here(problem, crossings, plan, groups, task)
     return walked
+
+
+@kernel
+def _opens(problem: Relaxed, groups: Groups, task: int) -> Any:
+    """Return the first step in which a task may start; FAR if one before it is not done yet."""
+    opens = problem.appears[task] + 1
+    for other in problem.before[task]:
+        if other == NOBODY:
+            break
+        if not groups.is_done[other]:
+            return FAR
+        opens = max(opens, groups.end[other] + 1)
+    return opens
 
 
 @kernel
@@ -290,7 +303,7 @@ def _walk(
             if away != here:
                 came = since + _steps_of(problem, crossings, rank, away - passed)
             is_late = groups.is_done[other] and groups.start[other] <= came
-            if is_late or came <= problem.appears[other]:
+            if is_late or came < _opens(problem, groups, other):
                 continue
             if away != cells and not _is_stop(crossings.speeds[rank], away - passed):
                 continue
@@ -351,7 +364,7 @@ def _do_what_is_here(
     for index in range(crossings.first[way], crossings.first[way + 1]):
         other = crossings.task[index]
         is_late = groups.is_done[other] and groups.start[other] <= start
-        if is_late or start <= problem.appears[other]:
+        if is_late or start < _opens(problem, groups, other):
             continue
         if not _can_do(problem, plan, groups, task, task, other):
             continue

@@ -23,13 +23,12 @@ from teamformer.planning.steps.solve import (
     from_coalitions,
     improve,
 )
-from teamformer.planning.steps.team_plan import TeamPlan, plan_teams, routes_of
+from teamformer.planning.steps.team_plan import TeamPlan, keep_order, plan_teams, routes_of
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 from teamformer.policies.central.plan_from_play import CoalitionLog, plan_from_play
 from teamformer.policies.central.plan_player import PlanPlayer
 from teamformer.policies.central.players import Player
 from teamformer.policies.central.plays import CentralPlan, Plays
-from teamformer.policies.central.precedence import plan_with_precedence
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.rules.constants import FAR
 
@@ -82,9 +81,6 @@ def plan_centrally(
     given = None if start is None else _team_plan(start)
     if given is not None:
         plays.add("start", _player(scenario, given))
-    if any(task.after for task in scenario.tasks):
-        plays.add_simple_rules()
-        return plan_with_precedence(scenario, plays, seed, workers)
     situation = situation_in_hindsight(scenario)
     first = _first_plan(scenario, situation)
     if first is not None:
@@ -102,9 +98,8 @@ def plan_centrally(
             _follow(name, scenario, followed, situation, best, plays)
         solution, bound, searched = _search(scenario, situation, best.plan, plays, seed, workers)
     if time_limit > 0 and solution.schedule is not None:
-        plays.add(
-            "schedule", PlanPlayer(scenario, solution.schedule.routes, solution.schedule.order)
-        )
+        order = keep_order(situation.problem.before, list(solution.schedule.order))
+        plays.add("schedule", _player(scenario, plan_teams(order, solution.schedule.coalitions)))
     return plays.report(solution, bound, searched, is_first=time_limit == 0)
 
 

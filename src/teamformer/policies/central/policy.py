@@ -12,7 +12,6 @@ from teamformer.errors import ScenarioError
 from teamformer.mission.rules import rules_not_known_beforehand
 from teamformer.model import Scenario
 from teamformer.planning.bounds.route_cover import raise_by_routes
-from teamformer.planning.continuous.rules import warm_up as warm_up_coalitions
 from teamformer.planning.relaxation.cp_sat import make_solver
 from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.steps.arc_search import TeamArcs
@@ -57,8 +56,6 @@ class Central:
             raise ScenarioError(problems)
         seed = int(rng.integers(2**31))
         _warm_up()
-        if any(task.after for scenario in everything for task in scenario.tasks):
-            warm_up_coalitions()
         believed = self.believed or everything
         self.plans = [
             plan_centrally(scenario, self.time_limit, seed, self.workers, own, self.start)

@@ -67,7 +67,10 @@ def _check_order(
     served: Mapping[int, Set[int]],
     notes: Notes,
 ) -> None:
-    """Check that what is served comes first, by who serves it, and what nobody does yet last."""
+    """Check that what is served comes first, by who serves it, and what nobody does yet last.
+
+    In between tasks are behind those that they come after.
+    """
     when = f"the plan made after {steps} steps"
     rows = dict(zip(order, plan.coalitions, strict=False))
     for task, robots in served.items():
@@ -78,6 +81,12 @@ def _check_order(
     first, last = list(order[: len(served)]), list(order[len(order) - len(waiting) :])
     if first != sorted(served) or last != waiting:
         notes.note(f"{when} does not begin with what is served and end with what has to wait")
+    planned = [replay.scenario.tasks[task] for task in order[: len(order) - len(waiting)]]
+    later = {task.name for task in planned}
+    for task in planned:
+        later.remove(task.name)
+        if not later.isdisjoint(task.after):
+            notes.note(f"{when} has task {task.name} before one that it comes after")
 
 
 def _is_in_order(numbers: Sequence[int]) -> bool:

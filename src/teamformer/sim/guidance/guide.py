@@ -16,6 +16,7 @@ from teamformer.errors import TeamformerError
 from teamformer.mission.reach import can_reach
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
+from teamformer.rules.precedence import keep_precedence
 from teamformer.sim.arrays import FOUND, RUNNING, START, Worlds
 from teamformer.sim.guidance.following import follow_plans
 from teamformer.sim.guidance.known import known_of
@@ -42,6 +43,7 @@ class Guide:
         self.parts = _make_parts(worlds, scenarios)
         self.plans: list[History] = [[] for _ in scenarios]
         self.seconds = 0.0
+        self._before = [_before(scenario) for scenario in scenarios]
         self._heeds = np.array([_bits_of(coordinator) for coordinator in coordinators], np.int32)
 
     def fork(self) -> Guide:
@@ -129,7 +131,7 @@ class Guide:
     def _install(self, worlds: Worlds, w: int, plan: Plan) -> None:
         """Put a plan into a world; what is being served comes first, with those who serve it.
 
-        Tasks that are not in it wait at the end.
+        Planned tasks are behind those that they come after. Tasks for nobody wait at the end.
         """
         tasks, teams = worlds.tasks[w], worlds.robots["team"][w]
         served = np.flatnonzero(tasks["is_open"] & (tasks["server"] != NOBODY)).tolist()
@@ -140,9 +142,10 @@ class Guide:
         for task in served:
             servers = np.flatnonzero(teams == tasks["server"][task]).tolist()
             robots_of[task] = tuple({*servers, *robots_of.get(task, ())})
-        planned = [*served, *(task for task in plan.order if task not in served)]
-        waiting = sorted(set(np.flatnonzero(tasks["is_open"]).tolist()) - set(planned))
-        order: Array = np.array(planned + waiting, np.int64)
+        planned = [task for task in plan.order if task not in served and robots_of[task]]
+        waiting = set(np.flatnonzero(tasks["is_open"]).tolist()).difference(served, planned)
+        rows = [*served, *keep_precedence(planned, self._before[w]), *sorted(waiting)]
+        order: Array = np.array(rows, np.int64)
         worlds.order[w, : len(order)] = order
         tasks["rank"][order] = np.arange(len(order))
         worlds.count["orders"][w] += 1
@@ -222,6 +225,13 @@ def _of_open_tasks(plan: Plan, known: Known) -> Plan:
     order, coalitions = tuple(zip(*rows, strict=True)) or ((), ())
     scouts = tuple(pair for pair in plan.scouts if pair[1] in known.open_tasks)
     return replace(plan, order=order, coalitions=coalitions, ends=(), scouts=scouts)
+
+
+def _before(scenario: Scenario) -> dict[int, list[int]]:
+    """Return the tasks that come before each, where there are any."""
+    number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
+    tasks = enumerate(scenario.tasks)
+    return {k: [number_of[name] for name in task.after] for k, task in tasks if task.after}
 
 
 def _bits_of(coordinator: Coordinator | None) -> int:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from teamformer.arrays import Array
 from teamformer.coordination import NEWS, Known
 from teamformer.grid import Grid
 from teamformer.model import Scenario
@@ -17,6 +20,7 @@ def known_of(worlds: Worlds, w: int, scenario: Scenario, news: int) -> Known:
     robots, tasks, teams = worlds.robots[w], worlds.tasks[w], worlds.teams[w]
     step = int(worlds.count["steps"][w])
     free_at = np.full(len(teams), step)  # (slots,)
+    under_way: list[tuple[int, int]] = []
     x, y = teams["x"].copy(), teams["y"].copy()  # where teams are once they are free
     for task in np.flatnonzero(tasks["server"] != NOBODY).tolist():
         server = int(tasks["server"][task])
@@ -25,18 +29,20 @@ def known_of(worlds: Worlds, w: int, scenario: Scenario, news: int) -> Known:
             rest += tasks["expected"][task] - tasks["served"][task]
         until = step + int(rest)
         free_at[server] = max(int(free_at[server]), until)
+        under_way.append((task, until))
         if tasks["is_load"][task]:
             x[server], y[server] = tasks["to_x"][task], tasks["to_y"][task]
     slots = robots["team"][: len(scenario.robots)]
     along = int if isinstance(scenario.world, Grid) else float
     members = {slot: np.flatnonzero(slots == slot) for slot in np.unique(slots[slots != NOBODY])}
     return Known(
-        mission=_believed(worlds, w, scenario),
+        mission=_with_what_is_not_over(_believed(worlds, w, scenario), tasks, step),
         step=step,
         open_tasks=tuple(np.flatnonzero(tasks["is_open"] & (tasks["server"] == NOBODY)).tolist()),
         places=tuple((along(x[slot]), along(y[slot])) for slot in slots),
         teams=tuple(tuple(members[slot].tolist()) for slot in sorted(members)),
         free_at=tuple(free_at[slots].tolist()),
+        under_way=tuple(under_way),
         unseen_needs=frozenset(np.flatnonzero(tasks["hides_needs"]).tolist()),
         unseen_places=frozenset(np.flatnonzero(tasks["hides_place"]).tolist()),
         news=words_of(news),
@@ -61,6 +67,17 @@ def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
     unsure = [task for task in tasks if scenario.tasks[task].within or _is_left(worlds, w, task)]
     places = {task: (along(at["x"][task]), along(at["y"][task])) for task in unsure}
     return believed_mission(scenario, needs, places)
+
+
+def _with_what_is_not_over(mission: Scenario, tasks: Array, step: int) -> Scenario:
+    """Return a mission whose tasks are `after` those only that are not over; (tasks,) records."""
+    if not any(task.after for task in mission.tasks):
+        return mission
+    is_over = (tasks["done_at"] != NOBODY) | (tasks["cancelled"] <= step)
+    over = {task.name for task, gone in zip(mission.tasks, is_over.tolist(), strict=False) if gone}
+    left = (tuple(name for name in task.after if name not in over) for task in mission.tasks)
+    shorter = zip(mission.tasks, left, strict=True)
+    return replace(mission, tasks=tuple(replace(task, after=names) for task, names in shorter))
 
 
 def _is_left(worlds: Worlds, w: int, task: int) -> bool:

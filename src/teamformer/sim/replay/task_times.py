@@ -34,24 +34,22 @@ def over_steps(replay: Replay) -> dict[int, int]:
 
 def known_steps(replay: Replay) -> list[int]:
     """Return how many steps were made when each task became known; NEVER if it did not."""
-    tasks, over = replay.scenario.tasks, over_steps(replay)
-    number_of = {task.name: number for number, task in enumerate(tasks)}
-    known = [
-        max([task.appears, *(over.get(number_of[name], NEVER) for name in task.after)])
-        for task in tasks
-    ]
     return [
-        NEVER if task.cancelled is not None and task.cancelled <= steps else steps
-        for task, steps in zip(tasks, known, strict=True)
+        NEVER if task.cancelled is not None and task.cancelled <= task.appears else task.appears
+        for task in replay.scenario.tasks
     ]
 
 
 def opening_steps(replay: Replay) -> list[int]:
-    """Return how many steps were made when each task could begin; NEVER if it did not get known."""
-    known = known_steps(replay)
+    """Return how many steps were made when each task could begin; NEVER if it never could.
+
+    It is known then, its window has begun, and every task that it comes after is over.
+    """
+    tasks, over = replay.scenario.tasks, over_steps(replay)
+    number_of = {task.name: number for number, task in enumerate(tasks)}
     return [
-        max(steps, window_opens(task))
-        for task, steps in zip(replay.scenario.tasks, known, strict=True)
+        max([steps, window_opens(task), *(over.get(number_of[name], NEVER) for name in task.after)])
+        for task, steps in zip(tasks, known_steps(replay), strict=True)
     ]
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
+from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.constants import FAR
 from teamformer.rules.pairing import pair_off
 
@@ -46,7 +47,7 @@ def start_in_steps(problem: ArcProblem, graph: Graph, task: int, first_seat: int
                 place -= 1
             there[place] = graph.comes[tail]
             count += 1
-    step = max(nodes[task].release // TICKS, pair_off(there, count))
+    step = max(_opens(problem, graph, task), pair_off(there, count))
     for seat in range(first_seat, first_seat + taken):
         if step + nodes[task].duration // TICKS >= problem.kinds[seats[seat].kind].lost:
             step = max(step, FAR)
@@ -98,10 +99,22 @@ def _walked(problem: ArcProblem, graph: Graph, node: int, way: int, leaves: int)
             other = problem.passes[place]
             there = leaves + delay + problem.ways[pace, node, other] // TICKS
             start = (nodes[other].end - nodes[other].duration) // TICKS
-            is_open = nodes[other].release // TICKS <= there + 1
+            is_open = _opens(problem, graph, other) <= there + 1
             if is_open and there < start and _can_do(problem, graph, node, to, nodes[other].need):
                 delay += nodes[other].duration // TICKS
     return delay + problem.ways[pace, node, to] // TICKS
+
+
+@kernel
+def _opens(problem: ArcProblem, graph: Graph, task: int) -> int:
+    """Return the first step in which a task may start."""
+    opens = graph.nodes[task].release // TICKS
+    if graph.nodes[task].has_links:
+        for other in problem.before[task]:
+            if other == NOBODY:
+                break
+            opens = max(opens, graph.nodes[other].end // TICKS + 1)
+    return opens
 
 
 @kernel

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
-from teamformer.planning.arcs.draws import draw_near
+from teamformer.planning.arcs.draws import draw_near, keeps_order
 from teamformer.planning.arcs.in_steps.members import covers_with
 from teamformer.planning.arcs.judging import begin_trial, connect, propagate
 from teamformer.planning.arcs.task_moves import Moved, remember
@@ -66,6 +66,10 @@ def move_stretch(
         if not _put_beside(graph, trial, node, edge, key, is_after):
             return False
         edge = node
+    for place in range(count):
+        node = moved.task[place]
+        if nodes[node].has_links and not keeps_order(problem, graph, node, nodes[node].key):
+            return False
     return propagate(problem, graph, trial, limit)
 
 

@@ -67,10 +67,9 @@ def told_by_record(tree: Tree) -> list[Line]:
             lines.append(Line(cancelled, "cancelled", "", task["name"]))
             ends[task["name"]] = cancelled
     for task in tasks:
-        before = (ends.get(name, math.inf) for name in task.get("after", ()))
-        known = max([task.get("appears", 0), *before])
-        if 0 < known <= len(tree["steps"]) and known < task.get("cancelled", math.inf):
-            lines.append(Line(int(known), "appears", "", task["name"]))
+        appears = task.get("appears", 0)
+        if 0 < appears <= len(tree["steps"]) and appears < task.get("cancelled", math.inf):
+            lines.append(Line(int(appears), "appears", "", task["name"]))
     return sorted(lines)
 
 

@@ -17,7 +17,10 @@ tasks are not better."""
 
 @dataclass(frozen=True)
 class Crews:
-    """Deals robots out into crews, and tasks to their lists; sooner than a shared plan is made."""
+    """Deals robots out into crews, and tasks to their lists; sooner than a shared plan is made.
+
+    Tasks that come after others are dealt when these are over.
+    """
 
     rounds: int = ROUNDS
 
@@ -25,9 +28,11 @@ class Crews:
         """Return what crews do that are dealt out now, or what is left of the plan if it is over
         sooner, with new tasks at its end.
         """
-        if not known.possible_tasks:
+        tasks = known.mission.tasks
+        ready = tuple(task for task in known.possible_tasks if not tasks[task].after)
+        if not ready:
             return Plan(made_from="nothing")
-        situation = situation_of(replace(known, open_tasks=known.possible_tasks), in_table=False)
+        situation = situation_of(replace(known, open_tasks=ready), in_table=False)
         rounds = min(self.rounds * len(situation.tasks), MOST_ROUNDS)
         dealt = plan_from_crews(situation.problem, situation.company, rounds)
         crews = time_team_plan(situation, dealt)

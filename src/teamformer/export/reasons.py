@@ -106,6 +106,9 @@ class _Narrator:
         """Return why the robot does it; nothing where that goes without saying."""
         phase, task = moment.phase[self._robot], moment.pursued[self._robot]
         if phase == WAITING:
+            before = self._waits_for(task)
+            if before:
+                return f"the task comes after {', '.join(before)}"
             if moment.step <= self._opens[task] < NEVER:
                 return f"the task may not begin before step {self._opens[task] + 1}"
             return _why_waiting(self._replay.mission, moment, self._robot, task)
@@ -116,6 +119,11 @@ class _Narrator:
         if phase in (LOST, FORMING) or task == NOBODY:
             return ""
         return "; ".join(filter(None, (self._why_task(moment, task), self._why_now())))
+
+    def _waits_for(self, task: int) -> list[str]:
+        """Return the tasks that a task comes after and that are not over."""
+        over = {self._scenario.tasks[other].name for other in self._over}
+        return [name for name in self._scenario.tasks[task].after if name not in over]
 
     def _why_idle(self, moment: Moment) -> str:
         is_open = [

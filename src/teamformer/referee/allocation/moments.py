@@ -69,11 +69,26 @@ def _compare(made: Set[int], due: Set[int], notes: Notes) -> None:
         notes.note(f"there is a plan from after {steps} steps, when nothing happened to plan for")
 
 
+def _left_out(replay: Replay, tasks: Tasks) -> set[int]:
+    """Return after how many steps a task may begin that the plan of the time has nobody do."""
+    orders, left_out = dict(replay.orders), set[int]()
+    for task in range(len(replay.scenario.tasks)):
+        opens = tasks.opens_after(task)
+        made = [row for row in replay.plans if opens is not None and row[0] < opens]
+        if opens is None or not made:
+            continue
+        steps, plan = made[-1]
+        robots_of = dict(zip(orders.get(steps, ()), plan.coalitions, strict=False))
+        if not robots_of.get(task):
+            left_out.add(opens)
+    return left_out
+
+
 def _plan_reasons(
     replay: Replay, tasks: Tasks, news: Sequence[News], told: Sequence[int]
 ) -> dict[int, tuple[str, ...]]:
     """Return why a plan is made after each of the steps after which one is."""
-    opened = tasks.arrivals()
+    opened = tasks.arrivals() | _left_out(replay, tasks)
     due = {}
     for steps in told:
         first = (START,) if steps == 0 else (APPEARED,) if steps in opened else ()

@@ -82,11 +82,11 @@ def _check_order(
     if first != sorted(served) or last != waiting:
         notes.note(f"{when} does not begin with what is served and end with what has to wait")
     planned = [replay.scenario.tasks[task] for task in order[: len(order) - len(waiting)]]
-    later = {task.name for task in planned}
-    for task in planned:
-        later.remove(task.name)
-        if not later.isdisjoint(task.after):
-            notes.note(f"{when} has task {task.name} before one that it comes after")
+    later = {wanted.name for wanted in planned}
+    for wanted in planned:
+        later.discard(wanted.name)
+        if not later.isdisjoint(wanted.after):
+            notes.note(f"{when} has task {wanted.name} before one that it comes after")
 
 
 def _is_in_order(numbers: Sequence[int]) -> bool:

@@ -17,7 +17,7 @@ from teamformer.mission.reach import can_reach
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
 from teamformer.rules.precedence import keep_precedence
-from teamformer.sim.arrays import FOUND, RUNNING, START, Worlds
+from teamformer.sim.arrays import APPEARED, FOUND, RUNNING, START, Worlds
 from teamformer.sim.guidance.following import follow_plans
 from teamformer.sim.guidance.known import known_of
 from teamformer.sim.guidance.parts import Parts
@@ -44,6 +44,8 @@ class Guide:
         self.plans: list[History] = [[] for _ in scenarios]
         self.seconds = 0.0
         self._before = [_before(scenario) for scenario in scenarios]
+        tasks = (task for scenario in scenarios for task in scenario.tasks)
+        self._has_closed_tasks = any(task.after or task.between for task in tasks)
         self._heeds = np.array([_bits_of(coordinator) for coordinator in coordinators], np.int32)
 
     def fork(self) -> Guide:
@@ -55,6 +57,9 @@ class Guide:
 
     def update(self, worlds: Worlds) -> None:
         """Have plans made where there is news, and write what every team is to do next."""
+        if self._has_closed_tasks:
+            for w in np.flatnonzero(_may_begin_now(worlds).any(axis=1)).tolist():
+                worlds.count["news"][w] |= APPEARED if self._leaves_out(worlds, w) else 0
         news = worlds.count["news"] & self._heeds
         worlds.count["news"][self._heeds > 0] = 0
         news[worlds.count["status"] != RUNNING] = 0
@@ -127,6 +132,12 @@ class Guide:
             ):
                 news &= ~FOUND
         return news
+
+    def _leaves_out(self, worlds: Worlds, w: int) -> bool:
+        """Say whether a task may begin now that the plan of a world has nobody do."""
+        planned = self.parts.task[w, : self.parts.first[w, -1]]
+        tasks = np.flatnonzero(_may_begin_now(worlds)[w])
+        return bool(self.plans[w]) and not np.isin(tasks, planned).all()
 
     def _install(self, worlds: Worlds, w: int, plan: Plan) -> None:
         """Put a plan into a world; what is being served comes first, with those who serve it.
@@ -225,6 +236,14 @@ def _of_open_tasks(plan: Plan, known: Known) -> Plan:
     order, coalitions = tuple(zip(*rows, strict=True)) or ((), ())
     scouts = tuple(pair for pair in plan.scouts if pair[1] in known.open_tasks)
     return replace(plan, order=order, coalitions=coalitions, ends=(), scouts=scouts)
+
+
+def _may_begin_now(worlds: Worlds) -> Array:
+    """Return which known tasks may begin from now on, (worlds, tasks)."""
+    tasks = worlds.tasks
+    opens_now = tasks["opens"] == worlds.count["steps"][:, None]
+    begins: Array = tasks["is_open"] & (tasks["awaits"] == 0) & opens_now
+    return begins
 
 
 def _before(scenario: Scenario) -> dict[int, list[int]]:

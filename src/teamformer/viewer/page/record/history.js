@@ -178,7 +178,7 @@ function stepTaker(history) {
     recordCompletions(history, state, change, step);
     const cancelled = cancelledIn(history, step);
     for (const task of cancelled) history.events.push({ step, kind: "cancelled", task });
-    if (change.done || cancelled.length) openNextTasks(history, arrivals, step);
+    if (change.done || cancelled.length) openNextTasks(history, step);
     for (const task of arrivals.get(step) ?? []) {
       history.events.push({ step, kind: "appears", task });
     }
@@ -189,21 +189,16 @@ function stepTaker(history) {
 function arrivalsByStep(scenario) {
   const arrivals = new Map();
   scenario.tasks.forEach(({ appears, cancelled }, task) => {
-    if (appears > 0 && appears < cancelled) addArrival(arrivals, appears, task);
+    if (appears > 0 && appears < cancelled) arrivals.set(appears, [...(arrivals.get(appears) ?? []), task]);
   });
   return arrivals;
 }
 
-function addArrival(arrivals, step, task) {
-  arrivals.set(step, [...(arrivals.get(step) ?? []), task]);
-}
-
-// Tasks become known when the last task that they are after is over.
-function openNextTasks({ scenario, replay, overAt }, arrivals, step) {
+// Tasks may begin when the last task that they are after is over.
+function openNextTasks({ scenario, replay, overAt }, step) {
   scenario.tasks.forEach((task, number) => {
-    if (task.appears < Infinity || task.after.some((other) => overAt[other] > step)) return;
-    task.appears = Math.max(replay.scenario.tasks[number].appears ?? 0, step);
-    if (task.appears < task.cancelled) addArrival(arrivals, task.appears, number);
+    if (task.opens < Infinity || task.after.some((other) => overAt[other] > step)) return;
+    task.opens = Math.max(windowOpens(replay.scenario.tasks[number].between), step);
   });
 }
 

@@ -31,7 +31,8 @@ function readScenario(tree, truth, foresight = "scouting") {
   return scenario;
 }
 
-// `appears` is when a task becomes known, in steps made; Infinity until all that it is after is over.
+// `appears` is when a task becomes known and `opens` when it may begin, in steps made; the latter is
+// Infinity until all that it is after is over.
 // `needs` and `duration` are what they really are, `sure`, `believed` and `lasts` what is known
 // before; `mayNeed` has pairs of a capability and the probability that one more is needed. It is at
 // `at`, known to be `within` a distance of `around`, and `first` believed to be in the nearest place.
@@ -56,8 +57,8 @@ function readTask(
     mayNeed,
     lasts,
     duration: truth?.duration ?? took,
-    opens: Math.ceil(between?.[0] ?? 0), // steps made when its window begins
-    appears: after?.length ? Infinity : appears ?? 0,
+    opens: after?.length ? Infinity : windowOpens(between),
+    appears: appears ?? 0,
     cancelled: cancelled ?? Infinity, // the step in which it is called off if it is not done by then
     after: after ?? [],
     to: to ?? null, // where a load is brought, and how long it takes there
@@ -65,6 +66,11 @@ function readTask(
     due: between?.[1] ?? Infinity,
     weight: weight ?? 1,
   };
+}
+
+// How many steps are made when a window begins.
+function windowOpens(between) {
+  return Math.ceil(between?.[0] ?? 0);
 }
 
 // The free cell that is nearest to where a task may be; of equals the lowest, then the leftmost.

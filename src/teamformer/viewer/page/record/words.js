@@ -156,9 +156,7 @@ function describeStanding(history, task, scene) {
   if (goesOn && cancelled === step + 1 && standing !== "done") return "called off with the next step";
   switch (standing) {
     case "hidden":
-      return after.length
-        ? `comes after ${after.map((other) => scenario.tasks[other].name).join(", ")}`
-        : `appears after ${describeMoment(scenario.world, appears)}`;
+      return `appears after ${describeMoment(scenario.world, appears)}`;
     case "done":
       return `done ${describeWhen(scenario.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "cancelled":
@@ -173,7 +171,9 @@ function describeStanding(history, task, scene) {
       return "can never be done";
     default: {
       const assigned = scene.assignedTo.get(task)?.length ?? 0;
-      const when = opens > step ? `may begin after ${describeMoment(scenario.world, opens)}` : "open";
+      const before = after.filter((other) => !isOver(history, other, step));
+      let when = opens > step ? `may begin after ${describeMoment(scenario.world, opens)}` : "open";
+      if (before.length) when = `comes after ${before.map((it) => taskName(scenario, it)).join(", ")}`;
       if (assigned) return `${when}, ${plural(assigned, "team")} assigned`;
       const isToBeTold = [...scene.teams.values()].some(({ activity }) => activity === "told");
       return `${when}, ${isToBeTold ? "teams are told next" : "nobody assigned"}`;

@@ -115,13 +115,15 @@ def with_loads(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     return replace(scenario, tasks=tuple(tasks), step_limit=0)
 
 
-def with_precedence_and_windows(scenario: Scenario, rng: np.random.Generator) -> Scenario:
-    """Return a scenario in which some tasks come after others, and some have to wait."""
+def with_precedence_and_windows(
+    scenario: Scenario, rng: np.random.Generator, windows: float = 0.4
+) -> Scenario:
+    """Return a scenario in which some tasks come after others, and a share have windows."""
     tasks: list[Task] = []
     for task in scenario.tasks:
         after = tuple(other.name for other in tasks if rng.random() < 0.3)
         begin, length = (int(n) for n in rng.integers(0, 25, size=2))
-        between = (begin, begin + task.duration + length + 1) if rng.random() < 0.4 else None
+        between = (begin, begin + task.duration + length + 1) if rng.random() < windows else None
         tasks.append(replace(task, after=after, between=between))
     turned = rng.permutation(len(tasks))  # so that tasks come after later ones in the file, too
     return replace(scenario, tasks=tuple(tasks[k] for k in turned), step_limit=0)

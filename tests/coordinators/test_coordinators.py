@@ -18,6 +18,7 @@ from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.model import Absence, Scenario
 from teamformer.policies.scripted.joining import JoinAll
+from teamformer.referee import judge
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.trials.trial import run_trial, run_trials
@@ -61,6 +62,72 @@ def test_a_coordinator_is_told_what_happened_and_what_everybody_knows() -> None:
     done = [known.step for known in told.known if "task done" in known.news]
     ended = [n for n, step in enumerate(replay.steps, 1) if step.done]
     assert done == ended[:-1]  # after the last there is nothing to plan
+
+
+def chain() -> Scenario:
+    """
+    A T . U . V . . .    A begins there; U comes after T, V after U, and T takes two steps
+    """
+    tasks = [task("a", 1, duration=2), task("a", 3), task("a", 5)]
+    tasks[1] = replace(tasks[1], after=("t0",))
+    tasks[2] = replace(tasks[2], after=("t1",))
+    return make([robot("a", 0), robot("a", 8)], tasks)
+
+
+def test_a_coordinator_is_told_what_tasks_come_after_that_is_not_over() -> None:
+    told = Told()
+    replay = run_trial(chain(), told).replay
+    assert [known.step for known in told.known] == [0, 3, 5]
+    assert told.known[0].open_tasks == told.known[0].possible_tasks == (0, 1, 2)
+    assert [known.mission.tasks[2].after for known in told.known] == [("t1",), ("t1",), ()]
+    assert [known.mission.tasks[1].after for known in told.known] == [("t0",), (), ()]
+    assert replay.end.makespan == 6  # 1 to T, 2 there, 2 to U; the other waits at V by then
+
+
+def test_what_comes_after_others_is_possible_if_these_are_or_are_under_way() -> None:
+    mission = chain()
+    known = Known(mission, 0, (0, 1, 2), ((0, 0), (8, 0)), ((0,), (1,)), (0, 0))
+    assert known.possible_tasks == (0, 1, 2)
+    assert replace(known, open_tasks=(1, 2)).possible_tasks == ()  # the first has not appeared
+    assert replace(known, open_tasks=(1, 2), under_way=((0, 3),)).possible_tasks == (1, 2)
+    joint = replace(mission.tasks[1], needs={"a": 2})
+    mission = replace(mission, tasks=(mission.tasks[0], joint, mission.tasks[2]))
+    assert replace(known, mission=mission, teams=((0,),)).possible_tasks == (0,)
+
+
+@dataclass(frozen=True)
+class InThisOrder:
+    """Has everybody who is there do tasks together, in an order of its own."""
+
+    order: tuple[int, ...]
+    heeds: tuple[str, ...] = ("task appeared",)
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        order = tuple(task for task in self.order if task in known.open_tasks)
+        if plan is not None:
+            order = known.open_tasks
+        return Plan(order, (known.robots,) * len(order))
+
+
+def test_tasks_are_moved_behind_those_that_they_come_after() -> None:
+    replay = run_trial(chain(), InThisOrder((2, 1, 0))).replay
+    assert [order for _, order in replay.orders] == [(0, 1, 2)]
+    assert replay.end.status == "completed"
+    assert judge(replay).findings == ()
+
+
+def test_it_is_news_when_a_task_may_begin_that_the_plan_leaves_out() -> None:
+    """V may begin when U is done, and nobody is to do it."""
+    replay = run_trial(chain(), InThisOrder((1, 0))).replay
+    done = {task: n for n, step in enumerate(replay.steps, 1) for task, _ in step.done}
+    assert [(steps, plan.reasons) for steps, plan in replay.plans] == [
+        (0, ("start",)),
+        (done[1], ("task appeared",)),
+    ]
+    assert [order for _, order in replay.orders] == [(0, 1, 2), (2,)]
+    assert judge(replay).findings == ()
+    forged = replace(replay, plans=replay.plans[:1], orders=replay.orders[:1])
+    assert f"there is no plan from after {done[1]} steps" in str(judge(forged).findings)
 
 
 def test_a_coordinator_hears_only_of_what_it_heeds() -> None:

@@ -9,7 +9,7 @@ from teamformer.planning.steps.team_plan import TeamPlan
 
 def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]:
     """Time a plan with sets: each group is its robots, where they are, and since when."""
-    tasks = len(scenario.tasks)
+    tasks, names = len(scenario.tasks), [task.name for task in scenario.tasks]
     together = [
         {"robots": set(team), "at": tasks + min(team), "free": 0, "splits": 0}
         for team in scenario.starting_teams
@@ -36,7 +36,8 @@ def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]
             come = [a for a in arrivals if a <= step]
             teams += len(come)
             arrivals = [a for a in arrivals if a > step]
-        end[position] = max(step, int(problem.appears[position]) + 1)
+        before = [end[names.index(name)] for name in scenario.tasks[position].after]
+        end[position] = max([step, int(problem.appears[position]) + 1, *(n + 1 for n in before)])
         end[position] += int(problem.duration[position])
         together.append({"robots": crew, "at": position, "free": end[position], "splits": 0})
     return end

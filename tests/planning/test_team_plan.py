@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from plain_teams import slow_ends
-from random_worlds import random_world
+from random_worlds import random_world, with_precedence_and_windows
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import situation_in_hindsight
-from teamformer.planning.steps.team_plan import plan_teams, routes_of
+from teamformer.planning.steps.team_plan import keep_order, plan_teams, routes_of
+from teamformer.planning.steps.timed_plan import time_team_plan
 from teamformer.planning.steps.timing import (
     LATE,
     STEP,
@@ -107,6 +108,24 @@ def test_a_crew_stays_for_the_duration() -> None:
     assert ends(scenario, [0, 1], [[0], [0]]) == [7, 9]
 
 
+def test_a_task_starts_in_the_step_after_those_before_it_are_done() -> None:
+    """The first two steps to `t2` and three of service; the other is at `t4` long before."""
+    after = replace(task(4, 1), after=("t2",))
+    scenario = corridor([0, 4], [after, task(2, 1, duration=3)])
+    assert ends(scenario, [1, 0], [[1], [0]]) == [6, 5]
+
+
+def test_what_comes_after_others_is_not_done_in_passing_before_these() -> None:
+    """On its way to `t9` the robot passes `t4`, which comes after `t9`."""
+    scenario = corridor([0], [replace(task(4, 1), after=("t9",)), task(9, 1)])
+    timed_plan = time_team_plan(situation_in_hindsight(scenario), plan_teams([0, 1], [[0], [0]]))
+    assert timed_plan.plan.order.tolist() == [1, 0]
+    assert timed_plan.ends.tolist() == [14, 9]
+    free = corridor([0], [task(4, 1), task(9, 1)])
+    timed_plan = time_team_plan(situation_in_hindsight(free), plan_teams([1, 0], [[0], [0]]))
+    assert timed_plan.ends.tolist() == [4, 9]
+
+
 def test_routes_follow_the_order() -> None:
     assert routes_of(plan_teams([2, 0, 1], [[0], [1, 0], [1]]), 2) == [[0, 1], [2, 1]]
 
@@ -115,10 +134,12 @@ def test_routes_follow_the_order() -> None:
 def test_times_are_those_of_a_slow_twin(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scenario = random_world(rng, with_losses=False) if seed % 2 else generate(Spec(6, 9, 3), rng)
+    if seed % 3 == 0:
+        scenario = with_precedence_and_windows(scenario, rng, windows=0)
     problem = situation_in_hindsight(scenario).problem
     robots, tasks = len(scenario.robots), len(scenario.tasks)
     crews = [rng.permutation(robots)[: rng.integers(1, robots + 1)].tolist() for _ in range(tasks)]
-    order = rng.permutation(tasks).tolist()
+    order = keep_order(problem.before, rng.permutation(tasks).tolist())
     _, makespan, groups = timed(scenario, order, crews)
     slow = slow_ends(scenario, problem, plan_teams(order, crews))
     assert groups.end[:tasks].tolist() == slow

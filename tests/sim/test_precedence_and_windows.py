@@ -15,6 +15,7 @@ from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.export.events import events
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
+from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.central.policy import Central
 from teamformer.policies.scripted.heuristic import Heuristic
 from teamformer.referee import judge
@@ -155,7 +156,8 @@ def test_every_mission_ends_and_its_record_is_legal(player: Player, worlds: int)
         assert verdict.late == lateness(replay)
 
 
-def test_central_plans_what_comes_after_others() -> None:
+@pytest.mark.parametrize("player", [SharedPlan(), Central(0.5)], ids=["plan", "central"])
+def test_robots_wait_for_what_comes_before_their_task(player: Player) -> None:
     """`pair` takes both robots: `s` waits there, and `r` brings what comes before it first."""
     mission = Scenario(
         "before",
@@ -168,9 +170,25 @@ def test_central_plans_what_comes_after_others() -> None:
             Task("other", (7, 0), {"b": 1}),
         ),
     )
-    replay = run_trial(mission, Central(0.5)).replay
+    replay = run_trial(mission, player).replay
     assert judge(replay).is_legal
     assert replay.end.makespan == 2 + 2 + 4 + 1  # the way, the service, the way, joining
+
+
+def test_a_bound_counts_how_long_what_comes_before_takes() -> None:
+    """8 steps to `far` and one there; another robot, that stands at `near`, may start next."""
+    there = Robot("s", (2, 0), {"a": 1})
+    scenario = replace(CORRIDOR, robots=(*CORRIDOR.robots, there), tasks=CORRIDOR.tasks[:2])
+    near, far = scenario.tasks
+    assert lower_bound(scenario) == 6 + 1 + 1  # `s` can go to `far` as well
+    assert lower_bound(replace(scenario, tasks=(replace(near, after=()), far))) == 6 + 1
+
+
+def test_a_record_with_a_task_planned_before_what_it_comes_after_is_found() -> None:
+    replay = played(replace(CORRIDOR, tasks=CORRIDOR.tasks[:2]))
+    [(_, plan)] = replay.plans
+    forged = replace(replay, orders=((0, (0, 1)),), plans=((0, plan),))
+    assert "has task near before one that it comes after" in str(judge(forged).findings)
 
 
 def test_central_is_never_slower_than_the_shared_plan() -> None:

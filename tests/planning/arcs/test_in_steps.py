@@ -10,7 +10,7 @@ import pytest
 from test_arcs import run_script
 
 from plain_teams import slow_ends
-from random_worlds import random_world
+from random_worlds import random_world, with_precedence_and_windows
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.planning.arcs.graph import COST, END_SUM, MAKESPAN, Graph
@@ -27,9 +27,14 @@ SEEDS = range(12)
 
 
 def drawn(seed: int, forming_steps: int = 1) -> tuple[Scenario, Situation]:
-    """Draw a mission, and how it begins; nothing in it is done on the way."""
+    """Draw a mission, and how it begins; nothing in it is done on the way.
+
+    In every third one tasks come after others.
+    """
     rng = np.random.default_rng(seed)
     scenario = random_world(rng, with_losses=False) if seed % 2 else generate(Spec(6, 12, 3), rng)
+    if seed % 3 == 0:
+        scenario = with_precedence_and_windows(scenario, rng, windows=0)
     scenario = replace(scenario, forming_steps=forming_steps)
     return scenario, situation_in_hindsight(scenario)._replace(crossings=no_crossings())
 
@@ -184,6 +189,8 @@ for seed in range(4):
             to = graph.seats[seat].next
             assert graph.seats[to].prev == seat and graph.seats[to].kind == graph.seats[seat].kind
             assert node.key < graph.nodes[graph.seats[to].node].key
+    for task, row in enumerate(arcs.search.arcs.before):
+        assert (graph.nodes.key[row[row >= 0]] < graph.nodes.key[task]).all()
 names = ("replace_member", "ride", "move_task", "move_stretch")
 assert min(tried.get(name, 0) for name in names) > 5, tried
 """

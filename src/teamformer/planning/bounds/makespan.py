@@ -26,6 +26,7 @@ from teamformer.planning.relaxation.problem import (
     steps_from_starts,
     without_directions,
 )
+from teamformer.planning.steps.team_plan import keep_order
 from teamformer.rules.constants import FAR, NOBODY
 
 EFFORT = 4e7
@@ -48,12 +49,22 @@ def lower_bound(scenario: Scenario) -> int:
     scenario = _without_cancelled(scenario)
     if not may_set_down(scenario):
         problem = relax(scenario, in_table=False)
-        return bound_makespan(problem, earliest_formed(scenario, problem))
+        return bound_makespan(problem, _behind_others(problem, earliest_formed(scenario, problem)))
     robots = tuple(replace(robot, absences=()) for robot in scenario.robots)
     scenario = replace(scenario, robots=robots)
     problem = relax(scenario, in_table=False)
     is_whole = np.array([task.to is None for task in scenario.tasks])
-    return bound_makespan(problem, earliest_formed(scenario, problem), is_whole)
+    start = _behind_others(problem, earliest_formed(scenario, problem))
+    return bound_makespan(problem, start, is_whole)
+
+
+def _behind_others(problem: Relaxed, start: Array) -> Array:
+    """Return steps that no task starts before, (tasks,), raised by those that it comes after."""
+    for task in keep_order(problem.before, list(range(len(start)))):
+        before = problem.before[task][problem.before[task] != NOBODY]
+        ends = start[before] + problem.duration[before]
+        start[task] = max([start[task], *(ends + 1).tolist()])
+    return np.minimum(start, FAR)
 
 
 def _without_cancelled(scenario: Scenario) -> Scenario:

@@ -131,7 +131,7 @@ def test_tasks_after_others_are_open_when_those_are_done_and_may_be_late(scripts
     tree["scenario"]["tasks"] = [last | {"after": ["first"], "between": [0, 3]}, first]
     standings, appeared = scripts.evaluate(STANDINGS, tree)
     assert standings == [
-        "comes after first, nobody assigned",
+        "comes after first, teams are told next",
         "open, nobody assigned",
         "done in step 4, late by 1 step",
     ]

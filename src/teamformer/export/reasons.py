@@ -182,7 +182,7 @@ def _why_waiting(scenario: Scenario, moment: Moment, robot: int, task: int) -> s
         if goal == task and other not in mates and set(short) & set(scenario.robots[other].can)
     ]
     who = ", ".join(coming) or "nobody on the way"
-    return f"lacks {describe(short)}, which {who} brings"
+    return f"lacks {describe(short)}, which {who} {'bring' if len(coming) > 1 else 'brings'}"
 
 
 def _in_plan(scenario: Scenario, robots: tuple[int, ...]) -> str:

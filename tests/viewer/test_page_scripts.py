@@ -138,6 +138,24 @@ def test_tasks_after_others_are_open_when_those_are_done_and_may_be_late(scripts
     assert appeared == []
 
 
+def test_who_is_at_a_task_that_may_not_begin_is_told_why(scripts: Any) -> None:
+    tree = two_robots([{"teams": [[0, 3, 3, 0]]}, {}])
+    first = {"name": "first", "at": [9, 3], "needs": ["lift"]}
+    [last] = tree["scenario"]["tasks"]
+    tree["scenario"]["tasks"] = [
+        last | {"at": [3, 3], "needs": ["lift"], "after": ["first"]},
+        first,
+    ]
+    ask = """(tree) => { const history = frames(tree);
+      return describeDoing(history, sceneAt(history, 1).teams.get(0), 1); }"""
+    name = last["name"]
+    assert scripts.evaluate(ask, tree) == f"is at {name} with all it needs, which comes after first"
+    tree["scenario"]["tasks"][0].pop("after")
+    tree["scenario"]["tasks"][0]["between"] = [7, 9]
+    told = f"is at {name} with all it needs, which may begin after step 7"
+    assert scripts.evaluate(ask, tree) == told
+
+
 def test_a_task_is_called_off_with_the_next_step_if_there_is_one(scripts: Any) -> None:
     tree = two_robots([{}, {}])
     [task] = tree["scenario"]["tasks"]
@@ -328,7 +346,7 @@ FINDING = """(tree) => {
     at: steps.map((step) => sitesAt(history, step)[0].at),
     mates: steps.map((step) => sitesAt(history, step)[0].mates),
     found: found.map((event) => [event.step, describeEvent(history, event)]),
-    doing: [1, 2, 3].map((step) => describeDoing(scenario, teamAt(step), step)),
+    doing: [1, 2, 3].map((step) => describeDoing(history, teamAt(step), step)),
   };
 }"""
 

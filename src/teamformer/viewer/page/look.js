@@ -18,7 +18,7 @@ function lookInto(app) {
         place: [team.x, team.y],
         task: team.assigned === NOBODY ? null : team.assigned,
         ring: ringColour(team, app.map.isDark),
-        doing: describeDoing(app.history.scenario, team, app.player.step),
+        doing: describeDoing(app.history, team, app.player.step),
       })),
     taskColour: (task) => taskColour(task, app.map.isDark),
     robotSpot: (robot) => robotSpot(app.map.shown, robot),

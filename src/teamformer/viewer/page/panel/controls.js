@@ -211,5 +211,5 @@ function tipLines(app, { robot, task, group }) {
   const title = `${robotName(scenario, robot)} (${can})`;
   if (!team) return [title, describeLoss(history, robot, app.player.step)];
   const who = team.robots.length > 1 ? `in ${nameOfTeam(scenario, team)}, which ` : "";
-  return [title, who + describeDoing(scenario, team, app.player.step)];
+  return [title, who + describeDoing(history, team, app.player.step)];
 }

@@ -50,7 +50,7 @@ function teamDetails(app, team, robot) {
   const { scenario } = app.history;
   return [
     heading(app, teamMark(app, team), titleOfTeam(scenario, team)),
-    lead(capitalised(describeDoing(scenario, team, app.player.step))),
+    lead(capitalised(describeDoing(app.history, team, app.player.step))),
     whyText(app, team),
     ...(app.actionsFor?.(robot) ?? []),
     waitingFor(app, team.goal, team.missing, team),

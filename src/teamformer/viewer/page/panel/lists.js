@@ -145,7 +145,7 @@ function teamRow(app, team) {
     on: () => app.select({ robot: team.slot }),
     children: [
       teamMark(app, team),
-      twoLines(nameOfTeam(scenario, team) + size, describeDoing(scenario, team, app.player.step)),
+      twoLines(nameOfTeam(scenario, team) + size, describeDoing(app.history, team, app.player.step)),
     ],
   };
 }

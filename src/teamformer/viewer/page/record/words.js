@@ -50,7 +50,8 @@ function distanceTo(scenario, team) {
   return walkingDistance(scenario.world, [team.x, team.y], team.site.at, isFlying(scenario, team));
 }
 
-function describeDoing(scenario, team, step) {
+function describeDoing(history, team, step) {
+  const { scenario } = history;
   const name = team.goal === NOBODY ? "" : taskName(scenario, team.goal);
   const lack = describeCounts(scenario, team.missing, MANY);
   switch (team.activity) {
@@ -68,7 +69,8 @@ function describeDoing(scenario, team, step) {
     case "idle":
       return "has no assignment";
     case "waits":
-      return team.isMet ? `is at ${name} with all it needs` : `waits at ${name} for ${lack}`;
+      if (!team.isMet) return `waits at ${name} for ${lack}`;
+      return [`is at ${name} with all it needs`, whyClosed(history, team.goal, step)].filter(Boolean).join(", which ");
     default: {
       const away = distanceTo(scenario, team);
       const way = `${describeWay(scenario.world, away)} to go`;
@@ -78,6 +80,15 @@ function describeDoing(scenario, team, step) {
         : `${goes} to ${name}, ${way}; lacks ${lack}`;
     }
   }
+}
+
+// Why a known task may not begin in the next step; nothing if it may.
+function whyClosed(history, task, step) {
+  const { scenario } = history;
+  const { after, opens } = scenario.tasks[task];
+  const before = after.filter((other) => !isOver(history, other, step));
+  if (before.length) return `comes after ${before.map((other) => taskName(scenario, other)).join(", ")}`;
+  return opens > step ? `may begin after ${describeMoment(scenario.world, opens)}` : "";
 }
 
 // What a team does with its load.
@@ -150,7 +161,7 @@ function describeLateness({ scenario, doneAt }, task) {
 function describeStanding(history, task, scene) {
   const { scenario } = history;
   const { step } = scene;
-  const { after, appears, opens, cancelled } = scenario.tasks[task];
+  const { appears, cancelled } = scenario.tasks[task];
   const standing = standingOf(history, task, step);
   const goesOn = step < history.last || history.end.status === "running";
   if (goesOn && cancelled === step + 1 && standing !== "done") return "called off with the next step";
@@ -171,9 +182,7 @@ function describeStanding(history, task, scene) {
       return "can never be done";
     default: {
       const assigned = scene.assignedTo.get(task)?.length ?? 0;
-      const before = after.filter((other) => !isOver(history, other, step));
-      let when = opens > step ? `may begin after ${describeMoment(scenario.world, opens)}` : "open";
-      if (before.length) when = `comes after ${before.map((it) => taskName(scenario, it)).join(", ")}`;
+      const when = whyClosed(history, task, step) || "open";
       if (assigned) return `${when}, ${plural(assigned, "team")} assigned`;
       const isToBeTold = [...scene.teams.values()].some(({ activity }) => activity === "told");
       return `${when}, ${isToBeTold ? "teams are told next" : "nobody assigned"}`;

@@ -133,12 +133,9 @@ def believed_mission(
     return replace(scenario, arrivals=None, tasks=tuple(tasks), robots=tuple(robots))
 
 
-def expected_mission(scenario: Scenario, foresight: str = "scouting") -> Scenario:
-    """Return an uncertain mission as it is believed before it begins.
-
-    What is believed of needs that nobody knows is said by `foresight`: see `expected_needs`.
-    """
-    needs = (expected_needs(task, foresight) for task in scenario.tasks)
+def expected_mission(scenario: Scenario) -> Scenario:
+    """Return an uncertain mission as it is believed before it begins; see `expected_needs`."""
+    needs = (expected_needs(task, "scouting") for task in scenario.tasks)
     return believed_mission(scenario, dict(enumerate(needs)))
 
 

@@ -238,18 +238,18 @@ class TeamFormation:
         done_at = self.worlds.tasks["done_at"][w]
         return {task: int(done_at[task]) for task in np.flatnonzero(done_at != NOBODY).tolist()}
 
-    def exchanges(self, w: int = 0) -> Array:
-        """Return the robot whose part of the plan each has taken in the latest step, (robots,)."""
+    def exchanges(self) -> Array:
+        """Return the robot whose part of the first world's plan each has just taken, (robots,)."""
         if self._guide is None:
             return np.full(self.worlds.robots.shape[1], NOBODY)
-        return self._guide.parts.took[w]
+        return self._guide.parts.took[0]
 
-    def take_over_plan(self, plan: Plan, w: int = 0) -> None:
-        """Let the teams of a coordinated world go by a plan from the next step on.
+    def take_over_plan(self, plan: Plan) -> None:
+        """Let the teams of the first world, a coordinated one, go by a plan from now on.
 
         It holds until there is news after which the coordinator makes a new one.
         """
-        self._guided.take_over(self.worlds, w, plan)
+        self._guided.take_over(self.worlds, 0, plan)
 
     @property
     def _guided(self) -> Guide:

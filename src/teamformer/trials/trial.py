@@ -71,45 +71,63 @@ def run_trial(
     """
     method, begun, compiled = as_method(player), time.perf_counter(), compiling_seconds()
     refuse_too_large(mission, method)
-    planning = deciding = 0.0
-    is_interrupted = False
     truth = draw_truth(mission, seed) if truth is None else truth
-    env = recorder = None
+    play, is_interrupted = _Play(mission, method, truth), False
     try:
-        asked = working_seconds()
-        try:
-            begin(method, [mission], [truth], seed)
-        finally:
-            planning = working_seconds() - asked
-        env = _stage([mission], method, [truth])
-        recorder = Recorder(env)
-        while env.is_running[0]:
-            view = env.view()
-            asked = working_seconds()
-            decision = decide(env, method, view)
-            deciding += working_seconds() - asked
-            env.step(decision)
-            recorder.step()
-            if on_step is not None:
-                on_step(env.tally())
+        play.begin(seed)
+        play.go_on(on_step)
     except KeyboardInterrupt:
         if not keeps_interrupted:
             raise
         is_interrupted = True
-    if env is None or recorder is None:  # nothing was played: what there is, before the first step
-        env = TeamFormation([mission], truths=[truth])
-        recorder = Recorder(env)
+    env, recorder = play.stage or _recorded(TeamFormation([mission], truths=[truth]))
     plan = next(iter(method.policy.plans), None) if isinstance(method.policy, Planner) else None
-    replay = recorder.finish(method.name, seed, _best_bound(lower_bound, plan))
     return Trial(
-        replay,
-        planning_seconds=planning + env.planning_seconds,
-        decision_seconds=deciding,
+        recorder.finish(method.name, seed, _best_bound(lower_bound, plan)),
+        planning_seconds=play.planning + env.planning_seconds,
+        decision_seconds=play.deciding,
         total_seconds=time.perf_counter() - begun,
         compiling_seconds=compiling_seconds() - compiled,
         is_interrupted=is_interrupted,
         plan=plan,
     )
+
+
+class _Play:
+    """A trial as it is played, and the seconds that it has taken; Ctrl-C may break it off."""
+
+    def __init__(self, mission: Scenario, method: Method, truth: Scenario) -> None:
+        self._mission, self._method, self._truth = mission, method, truth
+        self.planning = self.deciding = 0.0
+        self.stage: tuple[TeamFormation, Recorder] | None = None  # None until the method has begun
+
+    def begin(self, seed: int) -> None:
+        """Have the method plan, and set the stage for it."""
+        asked = working_seconds()
+        try:
+            begin(self._method, [self._mission], [self._truth], seed)
+        finally:
+            self.planning = working_seconds() - asked
+        self.stage = _recorded(_stage([self._mission], self._method, [self._truth]))
+
+    def go_on(self, on_step: Callable[[Tally], None] | None) -> None:
+        """Play to the end."""
+        assert self.stage is not None, "it has begun"
+        env, recorder = self.stage
+        while env.is_running[0]:
+            view = env.view()
+            asked = working_seconds()
+            decision = decide(env, self._method, view)
+            self.deciding += working_seconds() - asked
+            env.step(decision)
+            recorder.step()
+            if on_step is not None:
+                on_step(env.tally())
+
+
+def _recorded(env: TeamFormation) -> tuple[TeamFormation, Recorder]:
+    """Return a stage, and who records what happens on it."""
+    return env, Recorder(env)
 
 
 def run_trials(

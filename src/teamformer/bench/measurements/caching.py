@@ -36,13 +36,13 @@ class Caching:
         return self.uncached / self.cached
 
 
-def measure_caching(name: str = NETWORK, trials: int = 10) -> Caching:
+def measure_caching(trials: int = 10) -> Caching:
     """Spell all counts of 100 robots with 100 capabilities, with and without kept memories.
 
     The views are those of trials, side by side, in which teams join all on the way: from a hundred
     teams of one to a team of a hundred.
     """
-    cached, uncached = shipped_speller(name), shipped_speller(name, keeps_memories=False)
+    cached, uncached = shipped_speller(NETWORK), shipped_speller(NETWORK, keeps_memories=False)
     views = _views_of_trials(cached.capabilities, trials)
     seconds, wanted = _time(cached, views)
     more_seconds, again = _time(uncached, views)

@@ -157,16 +157,14 @@ class Knowledge:
             self._news.popleft()
         return tuple(key for _, key in self._news)
 
-    def merge(self, note: FactsNote, now: float) -> bool:
-        """Take in all facts of another robot; say whether any was new."""
-        before = self.changes
+    def merge(self, note: FactsNote, now: float) -> None:
+        """Take in all facts of another robot."""
         for task in note.added:
             self.add_task(task)
         for key in note.done:
             self.mark_done(key, now)
         for load in note.loads:
             self.take_load(load)
-        return self.changes > before
 
     def note(self) -> FactsNote:
         """Return all facts, for who knows others."""

@@ -90,15 +90,13 @@ class PlanKeeper:
         self._looked_at = -1  # the changes after which it last looked for a reason
         self._next = 0
 
-    def take(self, note: PlanNote, now: float) -> bool:
-        """Take a plan if it is larger than the own; say whether it was."""
+    def take(self, note: PlanNote, now: float) -> None:
+        """Take a plan if it is larger than the own."""
         if (note.epoch, note.maker) < self.plan.version[:2]:
-            return False
+            return
         plan = FleetPlan(note)
-        if plan.version <= self.plan.version:
-            return False
-        self._follow(plan, now)
-        return True
+        if plan.version > self.plan.version:
+            self._follow(plan, now)
 
     def _follow(self, plan: FleetPlan, now: float) -> None:
         self.plan, self.since, self._next = plan, now, 0

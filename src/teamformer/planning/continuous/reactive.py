@@ -49,12 +49,12 @@ FARTHEST = 10**11
 """Ticks that no way takes; where there is none, it takes longer (`continuous_mission`)."""
 
 
-def react(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
+def react(problem: CoalitionProblem) -> Solution | None:
     """Return what comes of the rule; None if some task cannot be done by all robots together."""
     schedule, best, workspace = (
         empty_schedule(problem),
         empty_plan(problem),
-        empty_workspace(problem, seed),
+        empty_workspace(problem, seed=0),
     )
     leg = int(problem.duration.mean() + np.median(problem.ways))
     if not _react(problem, schedule, best, workspace, FUTURES, leg // 4):

@@ -36,9 +36,8 @@ class Safety:
 class Barrier:
     """Filters the velocities of some robots with a solver."""
 
-    def __init__(self, robots: int, solve: Solver, safety: Safety | None = None) -> None:
-        self._solve = solve
-        self._safety = safety or Safety()
+    def __init__(self, robots: int, solve: Solver) -> None:
+        self._solve, self._safety = solve, Safety()
         self._first, self._second = np.triu_indices(robots, 1)
         self._limits = _speed_rows(robots, self._safety)  # (4 robots, 2 robots)
 

@@ -32,7 +32,7 @@ RULES = ("forming_steps",)
 METHOD_SETTINGS = {"new_tasks": NEW_TASKS, "foresight": FORESIGHTS}
 AXES = ("robots", "tasks", "capabilities")
 FOLDER = ("bench", "suites")
-OTHERS = ("speed", "robotarium", "fleet", "others")
+OTHERS = ("speed", "size", "robotarium", "fleet", "others")
 """Measured by code of their own."""
 FIGURES = ("drawn", "none")
 

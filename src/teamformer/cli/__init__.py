@@ -68,7 +68,7 @@ def _run_verb() -> int:
         return 0
     except MemoryError:
         print("error: the memory ran out", file=sys.stderr)
-        hint = "fewer robots or tasks take less; so does `teamformer run MISSION --method crews`"
+        hint = "fewer robots or tasks take less; `run` takes less with --method crews"
         print(f"hint: {hint}", file=sys.stderr)
         return 1
     except OSError as error:  # a disk that fills up while we write, say

@@ -45,7 +45,7 @@ def bench(
     """Measure methods on a suite of settings; `speed` times the simulator, `size` large missions.
 
     Suites: fig3 fig4a fig4b fig5a fig5b fig6 fig9 table1, together `paper`; taught,
-    missions, uncertain, methods, scale, authors, others, robotarium, fleet.
+    missions, large, uncertain, methods, scale, authors, others, robotarium, fleet.
 
     Run it again with the same folder to go on after an interruption, or for more trials.
     """

@@ -30,13 +30,24 @@ def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
     }
     if scenario.teams:
         tree["teams"] = [[scenario.robots[r].name for r in team] for team in scenario.teams]
-    return tree | {
+    tree |= {
         "sensing_radius": _radius_to_tree(scenario.sensing_radius),
         "join_radius": _radius_to_tree(scenario.join_radius),
         "forming_steps": scenario.forming_steps,
         "step_limit": scenario.step_limit,
         **_mission_rules_to_tree(scenario),
     }
+    numbered: dict[str, Any] = _with_own_numbers(tree)
+    return numbered
+
+
+def _with_own_numbers(tree: Any) -> Any:
+    """Return a tree whose numbers are Python's own, not such as numpy's."""
+    if isinstance(tree, dict):
+        return {key: _with_own_numbers(part) for key, part in tree.items()}
+    if isinstance(tree, list):
+        return [_with_own_numbers(part) for part in tree]
+    return tree.item() if hasattr(tree, "item") else tree
 
 
 def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
@@ -130,31 +141,20 @@ def task_to_tree(task: Task, world: World) -> dict[str, Any]:
         "at": at_to_tree(task.at, world),
         "needs": counts_to_tree(task.needs),
     }
-    if task.within:
-        tree["within"] = task.within
-    if task.may_need:
-        tree["may_need"] = dict(task.may_need)
-    if task.lasts is not None:
-        tree["duration"] = list(task.lasts)
-    elif task.duration:
-        tree["duration"] = task.duration
-    if task.appears:
-        tree["appears"] = task.appears
-    if task.cancelled is not None:
-        tree["cancelled"] = task.cancelled
-    if task.after:
-        tree["after"] = list(task.after)
-    if task.between is not None:
-        tree["between"] = list(task.between)
-    if task.to is not None:
-        tree["to"] = list(task.to)
-    if task.unload:
-        tree["unload"] = task.unload
-    if task.weight != 1:
-        tree["weight"] = task.weight
-    if task.starts:
-        tree["starts"] = {name: list(gap) for name, gap in task.starts.items()}
-    return tree
+    more = {
+        "within": task.within,
+        "may_need": dict(task.may_need),
+        "duration": task.duration if task.lasts is None else list(task.lasts),
+        "appears": task.appears,
+        "cancelled": task.cancelled,
+        "after": list(task.after),
+        "between": list(task.between or ()),
+        "to": list(task.to or ()),
+        "unload": task.unload,
+        "starts": {name: list(gap) for name, gap in task.starts.items()},
+    }
+    tree |= {key: value for key, value in more.items() if value}
+    return tree | ({} if task.weight == 1 else {"weight": task.weight})
 
 
 def counts_to_tree(counts: Counts) -> list[str] | dict[str, float]:

@@ -10,6 +10,7 @@ from teamformer.capabilities import covers
 from teamformer.grid import Place
 from teamformer.mission.reach import totals_by_region
 from teamformer.model import Scenario
+from teamformer.rules.precedence import tasks_before
 
 NEWS = (
     "start",
@@ -69,16 +70,10 @@ class Known:
         able = {
             k for k in self.open_tasks if covers(have[world.region(tasks[k].at)], tasks[k].needs)
         }
-        while waiting := {k for k in able if not self._numbers(tasks[k].after) <= able | under_way}:
+        before = {task: set(others) for task, others in tasks_before(tasks).items()}
+        while waiting := {task for task in able & before.keys() if before[task] - able - under_way}:
             able -= waiting
         return tuple(k for k in self.open_tasks if k in able)
-
-    def _numbers(self, names: tuple[str, ...]) -> set[int]:
-        return {self._number_of[name] for name in names}
-
-    @cached_property
-    def _number_of(self) -> dict[str, int]:
-        return {task.name: number for number, task in enumerate(self.mission.tasks)}
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,23 @@
-"""Orders in which tasks stand behind those that they come after."""
+"""Which tasks come before others, and orders in which they stand behind those."""
 
 from __future__ import annotations
 
 import heapq
 from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from teamformer.model import Task
+
+
+def tasks_before(tasks: Sequence[Task]) -> dict[int, list[int]]:
+    """Return which of some tasks come before each, where any do; all by their place among them."""
+    number = {task.name: index for index, task in enumerate(tasks)}
+    before = (
+        [number[name] for name in task.after if name in number] if task.after else []
+        for task in tasks
+    )
+    return {index: numbers for index, numbers in enumerate(before) if numbers}
 
 
 def keep_precedence(order: Sequence[int], before: Mapping[int, Collection[int]]) -> list[int]:

@@ -21,6 +21,7 @@ from teamformer.plane import DECIMALS, Plane
 from teamformer.rules.chance import first_state
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.rules.distances import UNREACHABLE, blocked_cells, distance_fields
+from teamformer.rules.precedence import tasks_before
 from teamformer.sim.arrays import (
     ANYWHERE,
     CELL,
@@ -220,7 +221,8 @@ def _pack_tasks(
     worlds: Worlds, w: int, scenario: Scenario, truth: Scenario, foresight: str
 ) -> None:
     cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
-    number_of = {task.name: k for k, task in enumerate(scenario.tasks)}
+    for later, before in tasks_before(scenario.tasks).items():
+        worlds.precedes[w, before, later] = True
     width, height, cells_per_length = _cells_of(scenario)
     for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
         task, record = scenario.tasks[k], worlds.tasks[w, k]
@@ -232,8 +234,6 @@ def _pack_tasks(
         record["opens"] = window_opens(task)
         if task.cancelled is not None:
             record["cancelled"] = min(task.cancelled, LATEST)
-        for name in task.after:
-            worlds.precedes[w, number_of[name], k] = True
         if task.to is not None:
             record["is_load"], record["unload"] = True, task.unload
             record["to_x"], record["to_y"] = task.to

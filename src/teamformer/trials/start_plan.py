@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.mission.reach import can_reach
 from teamformer.model import Scenario
+from teamformer.rules.precedence import keep_precedence, tasks_before
 from teamformer.scenarios.file_access import read_text
 
 LARGEST = 100_000_000
@@ -69,9 +69,8 @@ def _plan_of(rows: list[Row], mission: Scenario) -> Plan:
             _refuse_unable(mission, number, coalition)
         else:
             coalition |= _able(mission, number)
-    follows = TopologicalSorter({task.name: task.after for task in mission.tasks})
-    turn = {name: turn for turn, name in enumerate(follows.static_order())}
-    order = sorted(task_of.values(), key=lambda it: (start[it], turn[mission.tasks[it].name]))
+    order = sorted(task_of.values(), key=start.__getitem__)
+    order = keep_precedence(order, tasks_before(mission.tasks))
     return Plan(tuple(order), tuple(tuple(sorted(robots[task])) for task in order))
 
 

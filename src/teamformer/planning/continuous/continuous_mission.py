@@ -40,6 +40,7 @@ from teamformer.planning.continuous.times import Clock
 from teamformer.planning.relaxation.problem import count_table, ends_of, least_carried
 from teamformer.roads import AIR, Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
+from teamformer.rules.precedence import tasks_before
 
 MOST_TICKS = 2 * 10**9
 """About how many ticks everything takes at most, one task after the other."""
@@ -136,7 +137,6 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         task.duration + carried(counts, carry[pace, number], needs[number]) + task.unload
         for number, task in enumerate(tasks)
     ]
-    number_of = {task.name: number for number, task in enumerate(tasks)}
     origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
     problem = pose_problem(
         ways=_ticks(ways, scale),
@@ -148,9 +148,7 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         duration=_ticks(takes, scale),
         release=_ticks([release_of(task) for task in tasks], scale),
         due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
-        precedence=[
-            (number_of[name], number) for number, task in enumerate(tasks) for name in task.after
-        ],
+        precedence=[(k, task) for task, before in tasks_before(tasks).items() for k in before],
         forming=round(scenario.forming * scale),
         site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
     )

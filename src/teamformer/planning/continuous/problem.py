@@ -86,16 +86,16 @@ def pose_problem(
         else np.asarray(site, np.int32),
         pace=pace,
         kind=kind,
-        like=_listed([np.flatnonzero(kind == which) for which in range(len(first))]),
+        like=listed([np.flatnonzero(kind == which) for which in range(len(first))]),
         origin=np.asarray(origin, np.int32),
         counts=counts,
         needs=needs,
-        able=_listed([np.flatnonzero(column) for column in counts.T]),
+        able=listed([np.flatnonzero(column) for column in counts.T]),
         duration=np.asarray(duration, np.int64),
         release=np.zeros(tasks, np.int64) if release is None else np.asarray(release, np.int64),
         due=np.full(tasks, NEVER) if due is None else np.asarray(due, np.int64),
-        before=_listed([[i for i, j in precedence if j == task] for task in range(tasks)]),
-        after=_listed([[j for i, j in precedence if i == task] for task in range(tasks)]),
+        before=listed([[i for i, j in precedence if j == task] for task in range(tasks)]),
+        after=listed([[j for i, j in precedence if i == task] for task in range(tasks)]),
         forming=np.array([forming]),
     )
 
@@ -110,7 +110,7 @@ def different_rows(rows: npt.NDArray[np.generic]) -> tuple[npt.NDArray[np.intp],
     return np.sort(first), np.argsort(np.argsort(first))[number.ravel()].astype(np.int32)
 
 
-def _listed(rows: Sequence[Sequence[int] | Ints]) -> Int32s:
+def listed(rows: Sequence[Sequence[int] | Ints]) -> Int32s:
     """Return lists of different lengths as one array, with NOBODY after each."""
     table = np.full((len(rows), 1 + max(map(len, rows), default=0)), NOBODY, np.int32)
     for row, listed in zip(table, rows, strict=True):

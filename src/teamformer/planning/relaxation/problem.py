@@ -31,6 +31,7 @@ from teamformer.jit import kernel
 from teamformer.mission.rules import opening_step
 from teamformer.model import Robot, Scenario, Task, World
 from teamformer.plane import Plane
+from teamformer.planning.continuous.problem import listed
 from teamformer.planning.prices import Prices, prices_of
 from teamformer.rules.constants import FAR, MICROMETRES, NOBODY, ROUNDING
 from teamformer.rules.distances import (
@@ -40,6 +41,7 @@ from teamformer.rules.distances import (
     travel_matrix,
     way_between,
 )
+from teamformer.rules.precedence import tasks_before
 
 SHORTEST_CELL = 1e-4  # metres
 MOST_CELLS = 200_000
@@ -141,6 +143,7 @@ def relax_ways(
         for way, need in zip(carry, needs, strict=True)
     ]
     duration = np.array([task.duration + task.unload for task in tasks], np.int32)
+    before = tasks_before(tasks)
     return Relaxed(
         cells=cells,
         spots=spots,
@@ -158,19 +161,9 @@ def relax_ways(
         ready=ready,
         carry=carry,
         quickest=np.array(quickest, np.int32),
-        before=tasks_before(tasks),
+        before=listed([before.get(task, []) for task in range(len(tasks))]),
         prices=prices_of(scenario, tasks),
     )
-
-
-def tasks_before(tasks: Sequence[Task]) -> Int32s:
-    """Return which of some tasks come before each, (tasks, most), then NOBODY."""
-    number = {task.name: index for index, task in enumerate(tasks)}
-    before = [[number[name] for name in task.after if name in number] for task in tasks]
-    table = np.full((len(tasks), 1 + max(map(len, before), default=0)), NOBODY, np.int32)
-    for row, numbers in zip(table, before, strict=True):
-        row[: len(numbers)] = numbers
-    return table
 
 
 def least_carried(counts: Int32s, takes: Array, need: Int32s) -> Any:

@@ -16,7 +16,7 @@ from teamformer.errors import TeamformerError
 from teamformer.mission.reach import can_reach
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
-from teamformer.rules.precedence import keep_precedence
+from teamformer.rules.precedence import keep_precedence, tasks_before
 from teamformer.sim.arrays import APPEARED, FOUND, RUNNING, START, Worlds
 from teamformer.sim.guidance.following import follow_plans
 from teamformer.sim.guidance.known import known_of
@@ -43,7 +43,7 @@ class Guide:
         self.parts = _make_parts(worlds, scenarios)
         self.plans: list[History] = [[] for _ in scenarios]
         self.seconds = 0.0
-        self._before = [_before(scenario) for scenario in scenarios]
+        self._before = [tasks_before(scenario.tasks) for scenario in scenarios]
         tasks = (task for scenario in scenarios for task in scenario.tasks)
         self._has_closed_tasks = any(task.after or task.between for task in tasks)
         self._heeds = np.array([_bits_of(coordinator) for coordinator in coordinators], np.int32)
@@ -244,13 +244,6 @@ def _may_begin_now(worlds: Worlds) -> Array:
     opens_now = tasks["opens"] == worlds.count["steps"][:, None]
     begins: Array = tasks["is_open"] & (tasks["awaits"] == 0) & opens_now
     return begins
-
-
-def _before(scenario: Scenario) -> dict[int, list[int]]:
-    """Return the tasks that come before each, where there are any."""
-    number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
-    tasks = enumerate(scenario.tasks)
-    return {k: [number_of[name] for name in task.after] for k, task in tasks if task.after}
 
 
 def _bits_of(coordinator: Coordinator | None) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from teamformer.mission.costs import cost_in_steps
 from teamformer.mission.rules import latest_end, window_opens
 from teamformer.rules.constants import NEVER
+from teamformer.rules.precedence import tasks_before
 from teamformer.sim.replay.record import Replay
 
 
@@ -46,10 +47,10 @@ def opening_steps(replay: Replay) -> list[int]:
     It is known then, its window has begun, and every task that it comes after is over.
     """
     tasks, over = replay.scenario.tasks, over_steps(replay)
-    number_of = {task.name: number for number, task in enumerate(tasks)}
+    before = tasks_before(tasks)
     return [
-        max([steps, window_opens(task), *(over.get(number_of[name], NEVER) for name in task.after)])
-        for task, steps in zip(tasks, known_steps(replay), strict=True)
+        max([known, window_opens(task), *(over.get(k, NEVER) for k in before.get(number, ()))])
+        for number, (task, known) in enumerate(zip(tasks, known_steps(replay), strict=True))
     ]
 
 

@@ -37,7 +37,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def broken(folder: Path) -> list[str]:
-    return sorted(path.name for path in folder.iterdir() if path.name != watching.RUNNING)
+    return sorted(path.name for path in folder.iterdir())
 
 
 def test_an_example_that_fails_is_kept_as_small_as_it_gets(
@@ -56,6 +56,17 @@ def test_an_example_that_fails_is_kept_as_small_as_it_gets(
     monkeypatch.setenv(watching.KNOWN, name)  # the next round
     watched(mission=MISSION, seed=77)
     assert broken(folder) == [name]
+
+
+def test_the_example_that_is_tried_is_a_file_while_it_is(folder: Path) -> None:
+    seen = []
+
+    def looks(mission: Any) -> None:
+        seen.append((folder / watching.RUNNING).read_text().splitlines()[0])
+
+    watching._watched(looks, "run FILE")(mission=MISSION)
+    assert seen == ["# teamformer run FILE: it ends the process"]
+    assert broken(folder) == []
 
 
 def test_another_failure_of_the_same_promise_is_another_file(folder: Path) -> None:

@@ -82,6 +82,9 @@ def _watched(test: Callable[..., None], command: str) -> Callable[..., None]:
             if name not in os.environ.get(KNOWN, "").split():
                 _keep(Path(folder, name), text)
                 raise
+        finally:
+            if folder:  # what comes next need not be an example, and may take long
+                Path(folder, RUNNING).unlink(missing_ok=True)
 
     return watched
 

@@ -35,6 +35,9 @@ FAMILIES = {
     ANY_FLEET: "`teamformer`",
 }
 T = TypeVar("T")
+MISSIONS, PLANNERS = ("missions", "large"), ("crews", "heuristic")
+"""The suites of missions, and the methods that stand there beside `plan`."""
+
 VERDICTS = {True: "holds", False: "**does not hold**", None: ""}
 
 
@@ -52,6 +55,7 @@ def write_results(file: Path, command: str, folders: Sequence[Path]) -> None:
         **_claims(evidence),
         **_weight(evidence),
         authors=_beside_the_authors(suites.get("authors", ())),
+        missions=_missions([row for name in MISSIONS for row in suites.get(name, ())]),
         figures=_figures(file, folders),
         table_1=_table_1(evidence),
         room=_room(evidence),
@@ -258,6 +262,31 @@ def _savings(evidence: Evidence) -> Iterator[str]:
         found = evidence.saving(setting, "join-all", "heuristic")
         if found:
             yield f"{found.value:.0%} on {setting}"
+
+
+def _missions(rows: Sequence[Row]) -> str:
+    """Return how methods do beside the shared plan, on missions."""
+    evidence = Evidence(rows)
+    settings = dict.fromkeys(summary.setting for summary in evidence.summaries)
+    table = [[setting, *_beside_the_plan(evidence, setting)] for setting in settings]
+    if not table:
+        return "Not measured: `teamformer bench missions` plays them.\n"
+    return markdown(["setting", "worlds", "`plan`", *map("`{}`".format, PLANNERS)], table, words=1)
+
+
+def _beside_the_plan(evidence: Evidence, setting: str) -> Iterator[str]:
+    plan = evidence.summary(setting, "plan")
+    yield "" if plan is None else str(plan.trials)
+    yield _with_cost(plan)
+    for method in PLANNERS:
+        saving = evidence.saving(setting, method, "plan")
+        more = "" if saving is None else f" ({-saving.value:+.0%})"
+        yield _with_cost(evidence.summary(setting, method)) + more
+
+
+def _with_cost(summary: Summary | None) -> str:
+    costs = summary is not None and summary.cost.count > 0
+    return _mean(summary) + (f", cost {number(summary.cost.value)}" if summary and costs else "")
 
 
 def _beside_the_authors(rows: Sequence[Row]) -> str:

@@ -58,7 +58,8 @@ def test_every_suite_that_ships_can_be_read() -> None:
 def test_missions_with_loads_flights_and_due_dates_are_measured_undisturbed_and_disturbed() -> None:
     settings = load_suite("missions").settings
     for family in ("carry", "air-ground", "deadlines"):
-        assert {family, f"{family}-lost", f"{family}-arrivals"} <= set(settings)
+        kinds = ("", "-lost", "-arrivals", "-ordered")
+        assert {f"{family}{kind}" for kind in kinds} <= set(settings)
 
 
 def test_the_paper_is_its_figures() -> None:

@@ -91,6 +91,16 @@ def test_a_fifth_of_the_tasks_appears_later(name: str) -> None:
         assert replace(world, tasks=tasks, name=plain.name) == plain
 
 
+@pytest.mark.parametrize("name", FAMILIES)
+def test_two_tasks_of_five_come_after_others(name: str) -> None:
+    after = [task.after for world in worlds(f"{name}-ordered") for task in world.tasks]
+    assert 0.25 < sum(map(bool, after)) / len(after) < 0.55
+    assert set(map(len, after)) == {0, 1, 2}
+    for plain, world in zip(worlds(name), worlds(f"{name}-ordered"), strict=True):
+        tasks = tuple(replace(task, after=()) for task in world.tasks)
+        assert replace(world, tasks=tasks, name=plain.name) == plain
+
+
 @pytest.mark.parametrize("name", [*FAMILIES, "4N20T-C4", "4N20+20T-C4-nn"])
 def test_what_is_uncertain_is_all_that_is_new(name: str) -> None:
     for seed in range(2):

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from teamformer.errors import TeamformerError
 from teamformer.scenarios.surprises import SURPRISES
 
-INCIDENTS = ("lost", "arrivals", *SURPRISES)
+INCIDENTS = ("lost", "arrivals", "ordered", *SURPRISES)
 
 
 @dataclass(frozen=True)

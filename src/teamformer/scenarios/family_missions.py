@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from teamformer.capabilities import exact, total
+from teamformer.errors import ScenarioError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.roads import AIR, GROUND
@@ -39,6 +40,10 @@ WEIGHTS = (1, 1, 1, 3, 5)
 ARRIVING = 5
 """A fifth of the tasks appear later."""
 
+BEHIND, MOST_BEHIND, AMONG = 0.4, 2, 8
+"""So many tasks come after others where they are ordered, each after so many at most, which are
+among the so many that were drawn before it."""
+
 
 def draw_mission(
     family: Family, rng: np.random.Generator, name: str, incident: str | None = None
@@ -46,8 +51,9 @@ def draw_mission(
     """Return a random mission; fleets in which nobody can be spared are drawn again.
 
     With `incident` "lost" one robot that the others can do without is lost at a random step, in the
-    first half of the mission; with "arrivals" a fifth of the tasks appear at random steps; with one
-    of `SURPRISES` not everything is known. The mission itself is the same.
+    first half of the mission; with "arrivals" a fifth of the tasks appear at random steps; with
+    "ordered" tasks come after others; with one of `SURPRISES` not everything is known. The mission
+    itself is the same.
     """
     for _ in count():
         mission, spare = _draw(family, rng, name)
@@ -57,6 +63,8 @@ def draw_mission(
         return _lose_one(mission, spare, rng)
     if incident is not None and incident in SURPRISES:
         return make_uncertain(mission, incident, rng)
+    if incident == "ordered":
+        return _put_in_order(mission, rng)
     return mission if incident is None else _let_arrive(mission, rng)
 
 
@@ -260,6 +268,24 @@ def _let_arrive(mission: Scenario, rng: np.random.Generator) -> Scenario:
     for number in rng.permutation(len(tasks))[: len(tasks) // ARRIVING].tolist():
         tasks[number] = replace(tasks[number], appears=_draw_step(rng))
     return replace(mission, tasks=tuple(tasks))
+
+
+def _put_in_order(mission: Scenario, rng: np.random.Generator) -> Scenario:
+    """Let tasks come after others; they are drawn again if one cannot keep its window then."""
+    names = [task.name for task in mission.tasks]
+    while True:
+        tasks, order = list(mission.tasks), rng.permutation(len(names)).tolist()
+        for place, number in enumerate(order):
+            if rng.random() >= BEHIND:
+                continue
+            among = order[max(0, place - AMONG) : place]
+            most = min(len(among), int(rng.integers(1, MOST_BEHIND + 1)))
+            before = sorted(rng.choice(among, most, replace=False).tolist()) if most else []
+            tasks[number] = replace(tasks[number], after=tuple(names[k] for k in before))
+        try:
+            return replace(mission, tasks=tuple(tasks))
+        except ScenarioError:
+            continue
 
 
 def _draw_step(rng: np.random.Generator) -> int:

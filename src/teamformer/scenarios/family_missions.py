@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from teamformer.capabilities import exact, total
-from teamformer.errors import ScenarioError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
+from teamformer.mission.windows import find_hopeless_windows
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.roads import AIR, GROUND
 from teamformer.scenarios.families import Amounts, Family
@@ -282,10 +282,9 @@ def _put_in_order(mission: Scenario, rng: np.random.Generator) -> Scenario:
             most = min(len(among), int(rng.integers(1, MOST_BEHIND + 1)))
             before = sorted(rng.choice(among, most, replace=False).tolist()) if most else []
             tasks[number] = replace(tasks[number], after=tuple(names[k] for k in before))
-        try:
-            return replace(mission, tasks=tuple(tasks))
-        except ScenarioError:
-            continue
+        ordered = replace(mission, tasks=tuple(tasks))
+        if not any(find_hopeless_windows(ordered)):
+            return ordered
 
 
 def _draw_step(rng: np.random.Generator) -> int:

@@ -128,7 +128,8 @@ def test_a_value_is_learned_from_many_sites_as_it_is() -> None:
     records = []
     for _ in range(10):
         with_b = [bool(rng.random() < (0.8 if x < 16 else 0.2)) for x, _ in places]
-        records.append(tf.run(past, truth=as_it_was(past, [2] * 40, with_b)).record)
+        truth = as_it_was(past, [2] * 40, with_b)
+        records.append(tf.run(past, method="crews", truth=truth).record)
     learned = tf.learn(past, records).mission.tasks
     for task in learned:
         if abs(task.at[0] - 16) > 4:

@@ -296,7 +296,7 @@ def test_each_method_of_a_suite_plays_by_its_own_coordination(tmp_path: Path) ->
 def test_what_a_suite_sets_of_a_method_counts(tmp_path: Path) -> None:
     suite = replace(
         SMALL,
-        settings=("4N20T-C4-needs",),
+        settings=("4N8T-C4-needs",),
         methods=("plan@needed", "plan@absent"),
         method_settings={name: {"foresight": name[5:]} for name in ("plan@needed", "plan@absent")},
     )
@@ -304,8 +304,8 @@ def test_what_a_suite_sets_of_a_method_counts(tmp_path: Path) -> None:
     for foresight in ("needed", "absent"):
         for seed in range(3):
             method = Method("plan", coordinator=SharedPlan(scouts=False), foresight=foresight)
-            alone = run_trial(world_of("4N20T-C4-needs", seed), method, seed).replay.end
-            assert rows["4N20T-C4-needs", f"plan@{foresight}", seed].makespan == alone.makespan
+            alone = run_trial(world_of("4N8T-C4-needs", seed), method, seed).replay.end
+            assert rows["4N8T-C4-needs", f"plan@{foresight}", seed].makespan == alone.makespan
 
 
 def test_late_tasks_are_inserted_as_the_setting_of_fig_9_says(tmp_path: Path) -> None:

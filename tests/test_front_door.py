@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,17 @@ def test_a_trial_is_saved_shown_and_checked(tmp_path: Path) -> None:
     frame = trial.show(height=400)._repr_html_()
     assert frame.startswith('<iframe height="400"')
     assert "<script" not in frame  # all of the page is inside the frame's attribute
+
+
+def test_numbers_of_numpy_are_saved(tmp_path: Path) -> None:
+    mission = tf.generate(robots=2, tasks=2)
+    robots = (replace(it, at=(np.int64(it.at[0]), np.int32(it.at[1]))) for it in mission.robots)
+    numpys = replace(mission, robots=tuple(robots))
+    for name in ("mission.yaml", "mission.json"):
+        tf.save(numpys, tmp_path / name)
+        assert tf.load(tmp_path / name) == mission
+    tf.run(numpys, method="join-all").save(tmp_path / "out")
+    assert tf.check(tmp_path / "out" / "replay.json").is_legal
 
 
 def test_a_plan_is_shown_and_explained() -> None:

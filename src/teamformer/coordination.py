@@ -38,8 +38,8 @@ class Known:
     """What everybody knows of a mission at a moment. Robots and tasks are given by number.
 
     `mission` is the mission as it is believed to be: uncertain needs and places have their believed
-    values, and a task is `after` those only that are not over. Places are in cells or metres, times
-    in steps.
+    values, and the `after` of a task names only tasks that are not over. Places are in cells or
+    metres, times in steps.
     """
 
     mission: Scenario
@@ -48,7 +48,7 @@ class Known:
     places: tuple[Place, ...]  # where each robot is once it is free; no meaning for lost robots
     teams: tuple[tuple[int, ...], ...]  # who is with whom; a robot in no team is lost
     free_at: tuple[int, ...]  # when each robot is free: `step`, or the end of its service
-    under_way: tuple[tuple[int, int], ...] = ()  # tasks being served, and the steps of their ends
+    under_way: tuple[tuple[int, int], ...] = ()  # tasks being served, and their expected ends
     unseen_needs: frozenset[int] = frozenset()  # tasks whose needs are not all known
     unseen_places: frozenset[int] = frozenset()  # tasks whose place is not known
     news: tuple[str, ...] = ("start",)  # what has happened since the latest plan, out of `NEWS`
@@ -62,7 +62,8 @@ class Known:
     def possible_tasks(self) -> tuple[int, ...]:
         """Return the open tasks that the present robots can do; others wait for a lost robot.
 
-        So do tasks that come after these, or after one that has not appeared.
+        A task is not possible either if it comes after such a task, or after one that has not
+        appeared.
         """
         world, tasks = self.mission.world, self.mission.tasks
         have = totals_by_region(world, (self.mission.robots[robot] for robot in self.robots))

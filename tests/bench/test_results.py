@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from hand_rows import rows_of
 from teamformer import __version__
-from teamformer.bench.report.results import template
+from teamformer.bench.report.results import _missions, template
 from teamformer.bench.runner import AUTHORS
 from teamformer.bench.store import folders_beside
 from teamformer.bench.suites import names_of_suites
@@ -40,6 +42,17 @@ def test_the_document_stands_on_the_rows(
         assert (document.parent / "images" / f"results-{image}.png").exists()
     room = next(line for line in text.splitlines() if line.startswith("| 4N4T-C4 |"))
     assert "3 of 3" in room  # all proven, long before time is up
+
+
+def test_missions_stand_beside_the_plan() -> None:
+    """With 10 and 20 steps `plan` takes 15 on average; what takes a third more says so."""
+    rows = [*rows_of("real", "plan", [10, 20]), *rows_of("real", "crews", [15, 25])]
+    rows += [replace(row, cost=3.0 + row.world_seed) for row in rows_of("sparse", "plan", [4, 6])]
+    table = _missions(rows).splitlines()[2:]
+    assert table == [
+        "| real | 2 | 15.0 ± 5.0 | 20.0 ± 5.0 (+33%) |  |",
+        "| sparse | 2 | 5.0 ± 1.0, cost 3.5 |  |  |",
+    ]
 
 
 DOCS = Path(__file__).parents[2] / "docs"

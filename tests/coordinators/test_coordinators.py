@@ -116,6 +116,23 @@ def test_tasks_are_moved_behind_those_that_they_come_after() -> None:
     assert judge(replay).findings == ()
 
 
+def test_so_they_are_where_a_task_between_them_is_left_out() -> None:
+    """V comes after T by way of U, which is for nobody until V could begin otherwise."""
+    replay = run_trial(chain(), InThisOrder((2, 0))).replay
+    assert replay.orders[0] == (0, (0, 2, 1))
+    assert replay.end.status == "completed"
+    assert judge(replay).findings == ()
+
+
+def test_crews_keep_what_may_not_begin_yet_for_nobody() -> None:
+    told = Told()
+    run_trial(chain(), told)
+    plan = Crews().update(told.known[0], None)
+    assert plan.order == (0, 1, 2)
+    assert plan.coalitions[1:] == ((), ())
+    assert len(plan.coalitions[0]) == 1
+
+
 def test_it_is_news_when_a_task_may_begin_that_the_plan_leaves_out() -> None:
     """V may begin when U is done, and nobody is to do it."""
     replay = run_trial(chain(), InThisOrder((1, 0))).replay

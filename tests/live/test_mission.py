@@ -25,7 +25,7 @@ from teamformer.live.incidents import (
     search_plan,
 )
 from teamformer.live.mission_with_past import Mission
-from teamformer.model import Absence, Breakdown, Delays, Task
+from teamformer.model import Absence, Breakdown, Delays, Robot, Scenario, Task
 from teamformer.policies.central.policy import Central
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
@@ -479,6 +479,35 @@ def test_a_weight_that_is_raised_makes_another_plan() -> None:
         "left": 19,
     }
     assert dict(record.plans)[2].reasons == ("taken over",)
+
+
+@pytest.mark.parametrize("later", [0, 1])
+def test_a_weight_counts_for_crews_also_where_tasks_come_after_others(later: int) -> None:
+    """`last` may begin when `near` is done; just then, or a step later, `far` becomes dear."""
+    tasks = (
+        Task("first", (10, 0), {"a": 1}),
+        Task("next", (8, 0), {"a": 1}, after=("first",)),
+        Task("near", (6, 0), {"a": 1}),
+        Task("far", (20, 0), {"a": 1}, between=(0, 15)),
+        Task("last", (0, 0), {"a": 1}, after=("near",)),
+    )
+    scenario = Scenario(
+        "order",
+        Grid(30, 1),
+        ("a",),
+        (Robot("r", (9, 0), {"a": 1}),),
+        tasks,
+        cost={"makespan": 1.0, "tardiness": 0.1},
+    )
+    run = Mission(scenario, lambda: load_method("crews"), seed=0)
+    for _ in range(3 + later):  # in the third step `near` is done: crews deal `last` out
+        run.step()
+    run.happen(NewWeight("far", 1000.0))
+    run_to_its_end(run)
+    record = run.record()
+    assert judge(record).findings == ()
+    assert dict(record.plans)[3 + later].reasons[-1] == "taken over"
+    assert dict(record.orders)[3 + later] == (0, 3, 4, 1)
 
 
 @pytest.mark.parametrize(

@@ -149,10 +149,10 @@ def test_who_is_at_a_task_that_may_not_begin_is_told_why(scripts: Any) -> None:
     ask = """(tree) => { const history = frames(tree);
       return describeDoing(history, sceneAt(history, 1).teams.get(0), 1); }"""
     name = last["name"]
-    assert scripts.evaluate(ask, tree) == f"is at {name} with all it needs, which comes after first"
+    assert scripts.evaluate(ask, tree) == f"is at {name} with all it needs; that comes after first"
     tree["scenario"]["tasks"][0].pop("after")
     tree["scenario"]["tasks"][0]["between"] = [7, 9]
-    told = f"is at {name} with all it needs, which may begin after step 7"
+    told = f"is at {name} with all it needs; that may begin after step 7"
     assert scripts.evaluate(ask, tree) == told
 
 

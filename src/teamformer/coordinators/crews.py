@@ -19,7 +19,7 @@ tasks are not better."""
 class Crews:
     """Deals robots out into crews, and tasks to their lists; sooner than a shared plan is made.
 
-    Tasks that come after others are dealt when these are over.
+    Tasks that come after others are dealt when these are over; until then nobody is to do them.
     """
 
     rounds: int = ROUNDS
@@ -30,8 +30,10 @@ class Crews:
         """
         tasks = known.mission.tasks
         ready = tuple(task for task in known.possible_tasks if not tasks[task].after)
+        waiting = tuple(task for task in known.possible_tasks if tasks[task].after)
+        nobody: tuple[tuple[int, ...], ...] = ((),) * len(waiting)
         if not ready:
-            return Plan(made_from="nothing")
+            return Plan(waiting, nobody, made_from="nothing")
         situation = situation_of(replace(known, open_tasks=ready), in_table=False)
         rounds = min(self.rounds * len(situation.tasks), MOST_ROUNDS)
         dealt = plan_from_crews(situation.problem, situation.company, rounds)
@@ -42,8 +44,11 @@ class Crews:
         if plan is not None and plan.order:
             kept = time_team_plan(situation, kept_plan(situation, plan))
             timed.insert(0, ("kept", kept))
-        best = min(timed, key=_what_counts)
-        return shared_plan_of(situation, *best)
+        made = shared_plan_of(situation, *min(timed, key=_what_counts))
+        if waiting:
+            order, coalitions = made.order + waiting, made.coalitions + nobody
+            return replace(made, order=order, coalitions=coalitions, ends=())
+        return made
 
 
 def _what_counts(named: tuple[str, TimedPlan]) -> int:

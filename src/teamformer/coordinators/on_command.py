@@ -8,6 +8,8 @@ from teamformer.coordination import Known, Plan
 class OnCommand:
     """Plans nothing: a team heads for the task that its decision names, or stays."""
 
+    heeds: tuple[str, ...] = ()
+
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return an empty plan."""
         return Plan()

@@ -325,7 +325,8 @@ class Tasks:
         if not self.may_begin(task, step):
             opens = self.opens_after(task)
             if opens is None:
-                return f"it comes after {', '.join(wanted.after)}"
+                before = [n for n in wanted.after if self.over_in(self._number[n]) is None]
+                return f"it comes after {', '.join(before)}" if before else "it is called off first"
             what = "appears" if opens == self.known_after(task) else "may begin"
             return f"it {what} after {opens} steps"
         team = fleet.teams.get(slot)

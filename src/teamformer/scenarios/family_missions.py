@@ -41,8 +41,8 @@ ARRIVING = 5
 """A fifth of the tasks appear later."""
 
 BEHIND, MOST_BEHIND, AMONG = 0.4, 2, 8
-"""So many tasks come after others where they are ordered, each after so many at most, which are
-among the so many that were drawn before it."""
+"""In an ordered mission this share of the tasks comes after others, each after `MOST_BEHIND` at
+most. These are among the `AMONG` tasks that were drawn just before it."""
 
 
 def draw_mission(

@@ -18,7 +18,7 @@ from teamformer.scenarios.trees.world import read_world
 from teamformer.scenarios.trees.writer import scenario_to_tree
 from teamformer.scenarios.yaml import reader, writer
 from teamformer.scenarios.yaml.reader import StopReadingError
-from teamformer.whole_files import write_whole
+from teamformer.whole_files import own_number, write_whole
 
 __all__ = [
     "read_scenario",
@@ -81,7 +81,8 @@ def write_scenario(scenario: Scenario, path: Path) -> None:
     """Write a scenario that needs no other file; JSON if the name ends so, else YAML."""
     tree = scenario_to_tree(scenario)
     if path.suffix.lower() == ".json":
-        text = json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        text = json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False, default=own_number)
+        text += "\n"
     else:
         text = writer.to_text(tree)
     try:

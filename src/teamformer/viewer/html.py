@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
-from teamformer.whole_files import write_whole
+from teamformer.whole_files import own_number, write_whole
 
 SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
@@ -130,7 +130,9 @@ def _fingerprint(text: str) -> str:
 
 def _json_for_html(tree: object) -> str:
     """Write JSON that no HTML reader takes for markup: `<` and friends only as escapes."""
-    text = json.dumps(_without_infinity(tree), separators=(",", ":"), allow_nan=False)
+    text = json.dumps(
+        _without_infinity(tree), separators=(",", ":"), allow_nan=False, default=own_number
+    )
     return text.replace("&", r"\u0026").replace("<", r"\u003c").replace(">", r"\u003e")
 
 

@@ -277,16 +277,13 @@ def _missions(rows: Sequence[Row]) -> str:
 def _beside_the_plan(evidence: Evidence, setting: str) -> Iterator[str]:
     plan = evidence.summary(setting, "plan")
     yield "" if plan is None else str(plan.trials)
-    yield _with_cost(plan)
-    for method in PLANNERS:
-        saving = evidence.saving(setting, method, "plan")
+    for method in ("plan", *PLANNERS):
+        summary = evidence.summary(setting, method)
+        saving = None if method == "plan" else evidence.saving(setting, method, "plan")
         more = "" if saving is None else f" ({-saving.value:+.0%})"
-        yield _with_cost(evidence.summary(setting, method)) + more
-
-
-def _with_cost(summary: Summary | None) -> str:
-    costs = summary is not None and summary.cost.count > 0
-    return _mean(summary) + (f", cost {number(summary.cost.value)}" if summary and costs else "")
+        has_cost = summary is not None and summary.cost.count > 0
+        cost = f", cost {number(summary.cost.value)}" if summary and has_cost else ""
+        yield _mean(summary) + more + cost
 
 
 def _beside_the_authors(rows: Sequence[Row]) -> str:

@@ -113,8 +113,8 @@ def different_rows(rows: npt.NDArray[np.generic]) -> tuple[npt.NDArray[np.intp],
 def listed(rows: Sequence[Sequence[int] | Ints]) -> Int32s:
     """Return lists of different lengths as one array, with NOBODY after each."""
     table = np.full((len(rows), 1 + max(map(len, rows), default=0)), NOBODY, np.int32)
-    for row, listed in zip(table, rows, strict=True):
-        row[: len(listed)] = listed
+    for row, numbers in zip(table, rows, strict=True):
+        row[: len(numbers)] = numbers
     return table
 
 

@@ -54,7 +54,10 @@ def without_riders(situation: Situation, timed: TimedPlan) -> TimedPlan:
 
 
 def time_team_plan(situation: Situation, plan: TeamPlan) -> TimedPlan:
-    """Return a plan with its times, tasks behind those before them; that given stays as it is."""
+    """Return a plan with its times, its tasks in an order that keeps precedence.
+
+    The given plan is not changed.
+    """
     problem = situation.problem
     groups = empty_groups(problem, situation.company, situation.forming_steps)
     own = TeamPlan(*(array.copy() for array in plan))

@@ -200,7 +200,7 @@ def _again(player: Player, env: TeamFormation) -> Coordinator | None:
     """Return the coordinator by which the script of a play is played again."""
     if isinstance(player, PlanPlayer):
         return OnCommand()
-    return Replayed(env.plans(), OnCommand()) if is_coordinator(player) else None
+    return Replayed(env.plans(), player) if is_coordinator(player) else None
 
 
 def _step(env: TeamFormation, player: Player) -> dict[int, tuple[Array, int]]:

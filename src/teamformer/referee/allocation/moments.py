@@ -70,10 +70,10 @@ def _compare(made: Set[int], due: Set[int], notes: Notes) -> None:
 
 
 def _left_out(replay: Replay, tasks: Tasks) -> set[int]:
-    """Return after how many steps a task may begin that the plan of the time has nobody do."""
+    """Return after how many steps a task may begin, after others, that nobody is planned to do."""
     orders, left_out = dict(replay.orders), set[int]()
-    for task in range(len(replay.scenario.tasks)):
-        opens = tasks.opens_after(task)
+    for task, wanted in enumerate(replay.scenario.tasks):
+        opens = tasks.opens_after(task) if wanted.after else None
         made = [row for row in replay.plans if opens is not None and row[0] < opens]
         if opens is None or not made:
             continue

@@ -37,17 +37,7 @@ def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
         "step_limit": scenario.step_limit,
         **_mission_rules_to_tree(scenario),
     }
-    numbered: dict[str, Any] = _with_own_numbers(tree)
-    return numbered
-
-
-def _with_own_numbers(tree: Any) -> Any:
-    """Return a tree whose numbers are Python's own, not such as numpy's."""
-    if isinstance(tree, dict):
-        return {key: _with_own_numbers(part) for key, part in tree.items()}
-    if isinstance(tree, list):
-        return [_with_own_numbers(part) for part in tree]
-    return tree.item() if hasattr(tree, "item") else tree
+    return tree
 
 
 def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
@@ -148,8 +138,8 @@ def task_to_tree(task: Task, world: World) -> dict[str, Any]:
         "appears": task.appears,
         "cancelled": task.cancelled,
         "after": list(task.after),
-        "between": list(task.between or ()),
-        "to": list(task.to or ()),
+        "between": [] if task.between is None else list(task.between),
+        "to": [] if task.to is None else list(task.to),
         "unload": task.unload,
         "starts": {name: list(gap) for name, gap in task.starts.items()},
     }

@@ -9,6 +9,7 @@ from typing import Any
 
 from teamformer.scenarios.trees.reader import INFINITE
 from teamformer.scenarios.yaml.words import scalar
+from teamformer.whole_files import own_number
 
 PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_-]*( [A-Za-z0-9_-]+)*")
 """Texts that never need quotes, but for the few that YAML takes for something else."""
@@ -56,7 +57,7 @@ def _flow(value: Any) -> str:
         return "[" + ", ".join(_flow(part) for part in value) + "]"
     if isinstance(value, str) and _is_plain(value):
         return value
-    return json.dumps(value, ensure_ascii=False)
+    return json.dumps(value, ensure_ascii=False, default=own_number)
 
 
 def _is_plain(text: str) -> bool:

@@ -44,8 +44,6 @@ class Guide:
         self.plans: list[History] = [[] for _ in scenarios]
         self.seconds = 0.0
         self._before = [tasks_before(scenario.tasks) for scenario in scenarios]
-        tasks = (task for scenario in scenarios for task in scenario.tasks)
-        self._has_closed_tasks = any(task.after or task.between for task in tasks)
         self._heeds = np.array([_bits_of(coordinator) for coordinator in coordinators], np.int32)
 
     def fork(self) -> Guide:
@@ -57,9 +55,9 @@ class Guide:
 
     def update(self, worlds: Worlds) -> None:
         """Have plans made where there is news, and write what every team is to do next."""
-        if self._has_closed_tasks:
-            for w in np.flatnonzero(_may_begin_now(worlds).any(axis=1)).tolist():
-                worlds.count["news"][w] |= APPEARED if self._leaves_out(worlds, w) else 0
+        for w, before in enumerate(self._before):
+            if before and self._leaves_out(worlds, w):
+                worlds.count["news"][w] |= APPEARED
         news = worlds.count["news"] & self._heeds
         worlds.count["news"][self._heeds > 0] = 0
         news[worlds.count["status"] != RUNNING] = 0
@@ -134,15 +132,18 @@ class Guide:
         return news
 
     def _leaves_out(self, worlds: Worlds, w: int) -> bool:
-        """Say whether a task may begin now that the plan of a world has nobody do."""
+        """Say whether a task that comes after others may begin now, and nobody is to do it."""
+        tasks, step = worlds.tasks[w], worlds.count["steps"][w]
+        begins = tasks["is_open"] & (tasks["awaits"] == 0) & (tasks["opens"] == step)
         planned = self.parts.task[w, : self.parts.first[w, -1]]
-        tasks = np.flatnonzero(_may_begin_now(worlds)[w])
-        return bool(self.plans[w]) and not np.isin(tasks, planned).all()
+        left_out = np.setdiff1d(np.flatnonzero(begins), planned).tolist()
+        return bool(self.plans[w]) and not self._before[w].keys().isdisjoint(left_out)
 
     def _install(self, worlds: Worlds, w: int, plan: Plan) -> None:
         """Put a plan into a world; what is being served comes first, with those who serve it.
 
-        Planned tasks are behind those that they come after. Tasks for nobody wait at the end.
+        Planned tasks are behind those that they come after, be it by way of tasks for nobody, which
+        wait at the end.
         """
         tasks, teams = worlds.tasks[w], worlds.robots["team"][w]
         served = np.flatnonzero(tasks["is_open"] & (tasks["server"] != NOBODY)).tolist()
@@ -155,7 +156,8 @@ class Guide:
             robots_of[task] = tuple({*servers, *robots_of.get(task, ())})
         planned = [task for task in plan.order if task not in served and robots_of[task]]
         waiting = set(np.flatnonzero(tasks["is_open"]).tolist()).difference(served, planned)
-        rows = [*served, *keep_precedence(planned, self._before[w]), *sorted(waiting)]
+        kept = keep_precedence([*planned, *sorted(waiting)], self._before[w])
+        rows = [*served, *(task for task in kept if task not in waiting), *sorted(waiting)]
         order: Array = np.array(rows, np.int64)
         worlds.order[w, : len(order)] = order
         tasks["rank"][order] = np.arange(len(order))
@@ -236,14 +238,6 @@ def _of_open_tasks(plan: Plan, known: Known) -> Plan:
     order, coalitions = tuple(zip(*rows, strict=True)) or ((), ())
     scouts = tuple(pair for pair in plan.scouts if pair[1] in known.open_tasks)
     return replace(plan, order=order, coalitions=coalitions, ends=(), scouts=scouts)
-
-
-def _may_begin_now(worlds: Worlds) -> Array:
-    """Return which known tasks may begin from now on, (worlds, tasks)."""
-    tasks = worlds.tasks
-    opens_now = tasks["opens"] == worlds.count["steps"][:, None]
-    begins: Array = tasks["is_open"] & (tasks["awaits"] == 0) & opens_now
-    return begins
 
 
 def _bits_of(coordinator: Coordinator | None) -> int:

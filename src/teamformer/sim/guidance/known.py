@@ -36,7 +36,7 @@ def known_of(worlds: Worlds, w: int, scenario: Scenario, news: int) -> Known:
     along = int if isinstance(scenario.world, Grid) else float
     members = {slot: np.flatnonzero(slots == slot) for slot in np.unique(slots[slots != NOBODY])}
     return Known(
-        mission=_with_what_is_not_over(_believed(worlds, w, scenario), tasks, step),
+        mission=_without_what_is_over(_believed(worlds, w, scenario), tasks, step),
         step=step,
         open_tasks=tuple(np.flatnonzero(tasks["is_open"] & (tasks["server"] == NOBODY)).tolist()),
         places=tuple((along(x[slot]), along(y[slot])) for slot in slots),
@@ -69,7 +69,7 @@ def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
     return believed_mission(scenario, needs, places)
 
 
-def _with_what_is_not_over(mission: Scenario, tasks: Array, step: int) -> Scenario:
+def _without_what_is_over(mission: Scenario, tasks: Array, step: int) -> Scenario:
     """Return a mission whose tasks are `after` those only that are not over; (tasks,) records."""
     if not any(task.after for task in mission.tasks):
         return mission
@@ -77,7 +77,10 @@ def _with_what_is_not_over(mission: Scenario, tasks: Array, step: int) -> Scenar
     over = {task.name for task, gone in zip(mission.tasks, is_over.tolist(), strict=False) if gone}
     left = (tuple(name for name in task.after if name not in over) for task in mission.tasks)
     shorter = zip(mission.tasks, left, strict=True)
-    return replace(mission, tasks=tuple(replace(task, after=names) for task, names in shorter))
+    tasks_left = (
+        task if names == task.after else replace(task, after=names) for task, names in shorter
+    )
+    return replace(mission, tasks=tuple(tasks_left))
 
 
 def _is_left(worlds: Worlds, w: int, task: int) -> bool:

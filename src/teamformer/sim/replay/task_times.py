@@ -42,9 +42,10 @@ def known_steps(replay: Replay) -> list[int]:
 
 
 def opening_steps(replay: Replay) -> list[int]:
-    """Return how many steps were made when each task could begin; NEVER if it never could.
+    """Return how many steps were made when each task could begin, had nobody called it off.
 
-    It is known then, its window has begun, and every task that it comes after is over.
+    It is known then, its window has begun, and every task that it comes after is over. NEVER if it
+    did not get known, or one of these was not over.
     """
     tasks, over = replay.scenario.tasks, over_steps(replay)
     before = tasks_before(tasks)

@@ -10,7 +10,7 @@ from typing import Any
 from teamformer.scenarios.files import scenario_to_tree
 from teamformer.sim.replay.record import VERSION, Replay, Step
 from teamformer.sim.replay.truths import truth_to_tree
-from teamformer.whole_files import write_whole
+from teamformer.whole_files import own_number, write_whole
 
 
 def replay_to_tree(replay: Replay) -> dict[str, Any]:
@@ -72,4 +72,4 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
 
 def _compact(value: Any) -> str:
     # ASCII: a name given to a policy on the command line need not be text that UTF-8 can hold.
-    return json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return json.dumps(value, separators=(",", ":"), allow_nan=False, default=own_number)

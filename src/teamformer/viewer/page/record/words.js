@@ -70,7 +70,7 @@ function describeDoing(history, team, step) {
       return "has no assignment";
     case "waits":
       if (!team.isMet) return `waits at ${name} for ${lack}`;
-      return [`is at ${name} with all it needs`, whyClosed(history, team.goal, step)].filter(Boolean).join(", which ");
+      return [`is at ${name} with all it needs`, whyClosed(history, team.goal, step)].filter(Boolean).join("; that ");
     default: {
       const away = distanceTo(scenario, team);
       const way = `${describeWay(scenario.world, away)} to go`;

@@ -38,6 +38,7 @@ MARKERS = {"c8": "s", "c100": "^"}  # of networks that differ in their number of
 OTHERS = ("#999999", "#7f6000", "#5e3c99", "#b2182b", "#1a9850", "#8073ac")
 RESOLUTION = 150  # dots an inch
 LETTERS_AN_INCH = 13  # of a title
+INCHES_A_NAME = 1.6  # of a legend
 _NOTE: dict[str, Any] = {"textcoords": "offset points", "fontsize": 6.5, "color": "#333333"}
 
 
@@ -165,7 +166,7 @@ def _curves(part: Suite, summaries: Sequence[Summary]) -> Figure:
             axes.set_xlabel(axis)
             axes.set_ylabel(label)
             if axes.lines:
-                axes.legend(fontsize=7, frameon=False)
+                axes.legend(fontsize=7, framealpha=0.85, edgecolor="none")
     return figure
 
 
@@ -217,7 +218,7 @@ def _finish(figure: Figure, axes: Axes) -> None:
         list(unique.values()),
         list(unique),
         loc="outside lower center",
-        ncols=4,
+        ncols=max(1, int(figure.get_figwidth() / INCHES_A_NAME)),
         fontsize=8,
         frameon=False,
     )

@@ -25,11 +25,12 @@ from teamformer.planning.steps.shared_plan import (
     search,
     shared_plan_of,
 )
-from teamformer.planning.steps.situation import situation_of
+from teamformer.planning.steps.situation import situation_in_hindsight, situation_of
 from teamformer.planning.steps.starts import plan_from_crews
 from teamformer.planning.steps.team_plan import plan_teams
 from teamformer.planning.steps.timed_plan import time_team_plan
 from teamformer.scenarios.generate import Spec, generate
+from teamformer.scenarios.named_settings import world_of
 
 
 def start_of(scenario: Scenario) -> Known:
@@ -236,3 +237,14 @@ def test_thousands_of_plans_are_the_same_in_other_processes() -> None:
     ours = hash_of(seed=5, worlds=2000)
     assert hash_elsewhere(5, 2000, NUMBA_NUM_THREADS="1") == ours
     assert hash_elsewhere(5, 2000, NUMBA_NUM_THREADS="2", OMP_NUM_THREADS="2") == ours
+
+
+def test_wide_coalitions_have_fewer_rounds_as_each_takes_longer() -> None:
+    """Of 30,000 rounds a start, a twenty-fifth where fifty robots do a task and not ten."""
+    for setting, rounds in (
+        ("8N20T-C8", 30_000),
+        ("100N20T-C100-R10", 30_000),
+        ("100N20T-C100-R50", 1_200),
+    ):
+        problem = situation_in_hindsight(world_of(setting, 0)).problem
+        assert rounds_for(problem, is_again=False).arcs == rounds

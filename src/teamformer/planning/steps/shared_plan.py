@@ -49,6 +49,9 @@ ARC_ROUNDS, ROUNDS_TIMES_TASKS = 900_000, 210_000_000
 ROUNDS_A_START, ROUNDS_A_PAIR = 30_000, 300
 """Rounds from each start at most, and for each pair of tasks."""
 
+WIDE = 10
+"""Robots of a coalition; where these are more on average, rounds take longer, by their square."""
+
 STARTS, STARTS_WITH_LOADS = 6, 24
 """How many coalitions are searched from; more at the start of a mission with loads, where one
 search ends far from another."""
@@ -84,6 +87,8 @@ def rounds_for(problem: Relaxed, is_again: bool) -> Rounds:
     else:
         arcs = min(ROUNDS_A_START, ROUNDS_A_PAIR * tasks * tasks)
         coalitions = STARTS_WITH_LOADS if problem.carry.any() and not is_again else STARTS
+    robots = max(WIDE, int(most_in_coalitions(problem).sum()) // tasks)
+    arcs = arcs * WIDE**2 // robots**2
     if is_again:
         return Rounds(crews // 5, 1 + coalition // 5, arcs // (5 if is_large else 3), coalitions)
     return Rounds(crews, coalition, arcs, coalitions)

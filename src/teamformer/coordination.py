@@ -8,9 +8,9 @@ from typing import Protocol
 
 from teamformer.capabilities import covers
 from teamformer.grid import Place
+from teamformer.mission.precedence import tasks_before
 from teamformer.mission.reach import totals_by_region
 from teamformer.model import Scenario
-from teamformer.rules.precedence import tasks_before
 
 NEWS = (
     "start",

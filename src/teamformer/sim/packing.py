@@ -10,6 +10,7 @@ import numpy as np
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid, Place
 from teamformer.mission.places import believed_place, possible_places
+from teamformer.mission.precedence import tasks_before
 from teamformer.mission.rules import (
     FORESIGHTS,
     NEW_TASKS,
@@ -21,7 +22,6 @@ from teamformer.plane import DECIMALS, Plane
 from teamformer.rules.chance import first_state
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.rules.distances import UNREACHABLE, blocked_cells, distance_fields
-from teamformer.rules.precedence import tasks_before
 from teamformer.sim.arrays import (
     ANYWHERE,
     CELL,

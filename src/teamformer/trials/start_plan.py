@@ -10,9 +10,9 @@ from typing import Any
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
+from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.mission.reach import can_reach
 from teamformer.model import Scenario
-from teamformer.rules.precedence import keep_precedence, tasks_before
 from teamformer.scenarios.file_access import read_text
 
 LARGEST = 100_000_000

@@ -14,6 +14,7 @@ from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
 from teamformer.mission.links import is_linked
+from teamformer.mission.precedence import tasks_before
 from teamformer.mission.rules import HOME as ENDS_HOME
 from teamformer.mission.windows import release_of
 from teamformer.model import Scenario
@@ -40,7 +41,6 @@ from teamformer.planning.continuous.times import Clock
 from teamformer.planning.relaxation.problem import count_table, ends_of, least_carried
 from teamformer.roads import AIR, Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
-from teamformer.rules.precedence import tasks_before
 
 MOST_TICKS = 2 * 10**9
 """About how many ticks everything takes at most, one task after the other."""

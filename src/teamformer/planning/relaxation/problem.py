@@ -28,6 +28,7 @@ from teamformer.arrays import Array, Floats, Int32s
 from teamformer.capabilities import Counts
 from teamformer.grid import Grid, Place
 from teamformer.jit import kernel
+from teamformer.mission.precedence import tasks_before
 from teamformer.mission.rules import opening_step
 from teamformer.model import Robot, Scenario, Task, World
 from teamformer.plane import Plane
@@ -41,7 +42,6 @@ from teamformer.rules.distances import (
     travel_matrix,
     way_between,
 )
-from teamformer.rules.precedence import tasks_before
 
 SHORTEST_CELL = 1e-4  # metres
 MOST_CELLS = 200_000

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.arrays import Array
+from teamformer.mission.precedence import keep_precedence
 from teamformer.rules.constants import NOBODY
-from teamformer.rules.precedence import keep_precedence
 
 
 class TeamPlan(NamedTuple):

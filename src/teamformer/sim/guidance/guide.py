@@ -13,10 +13,10 @@ from teamformer.arrays import Array
 from teamformer.capabilities import Counts, covers, describe, exact, total
 from teamformer.coordination import NEWS, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.errors import TeamformerError
+from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.mission.reach import can_reach
 from teamformer.model import Scenario
 from teamformer.rules.constants import NOBODY
-from teamformer.rules.precedence import keep_precedence, tasks_before
 from teamformer.sim.arrays import APPEARED, FOUND, RUNNING, START, Worlds
 from teamformer.sim.guidance.following import follow_plans
 from teamformer.sim.guidance.known import known_of

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from teamformer.mission.costs import cost_in_steps
+from teamformer.mission.precedence import tasks_before
 from teamformer.mission.rules import latest_end, window_opens
 from teamformer.rules.constants import NEVER
-from teamformer.rules.precedence import tasks_before
 from teamformer.sim.replay.record import Replay
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.rules.precedence import keep_precedence
+from teamformer.mission.precedence import keep_precedence
 
 
 @pytest.mark.parametrize(

@@ -96,7 +96,7 @@ class _Narrator:
         return f"{what}, {mates}" if mates and phase not in (LOST, FORMING) else what
 
     def _parting(self, moment: Moment) -> str:
-        """Say from whom the robot parts in a step; nothing if it stays."""
+        """Return the words for whom the robot parts from in a step; empty if it stays."""
         slot = moment.team[self._robot]
         left = [other for other in self._parts.get(moment.step, ()) if moment.team[other] != slot]
         names = ", ".join(self._scenario.robots[other].name for other in left)

@@ -20,7 +20,7 @@ SEARCHES = 4
 
 
 class _Told:
-    """Something that happens; the record tells it so many steps after the latest one."""
+    """Something that happens. Records have it `steps_later` steps after the latest step."""
 
     steps_later: ClassVar[int] = 0
 

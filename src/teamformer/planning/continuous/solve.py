@@ -28,7 +28,7 @@ PROOF, LARGE_PROOF = 0.3, 0.1
 tasks are not few, on bounds alone: they hardly rise."""
 
 MANY_TASKS, SECONDS_EACH = 120, 3.0
-"""With fewer tasks than this many, a search anneals again every so many seconds."""
+"""A search of fewer than `MANY_TASKS` tasks anneals again every `SECONDS_EACH` seconds."""
 
 COOLER = (2, 4)
 """A search of more tasks anneals twice. The heat of the shared plan is divided by these at the

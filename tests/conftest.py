@@ -1,4 +1,8 @@
-"""How every process of the suite runs: one thread each, stopped by Ctrl-C, one browser for all."""
+"""How every process of the suite runs: one thread each, stopped by Ctrl-C, one browser for all.
+
+There are three levels: what `make test` runs, what `make check` runs beside that, and what takes
+minutes and is run with `make test-all`.
+"""
 
 from __future__ import annotations
 
@@ -19,6 +23,18 @@ for library in ("OMP", "OPENBLAS", "MKL"):
 # A job of the background ignores Ctrl-C, as some CI does, and so would what its tests start.
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+THOROUGH = ("bench", "fuzz", "robotarium", "train", "viewer")
+"""Folders whose tests are all thorough: browsers, benchmarks, training, random missions."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests of these folders; elsewhere the mark stands beside a test that takes long."""
+    folders = [Path(__file__).parent / name for name in THOROUGH]
+    for item in items:
+        if any(folder in item.path.parents for folder in folders):
+            item.add_marker(pytest.mark.thorough)
 
 
 @pytest.fixture(scope="session")

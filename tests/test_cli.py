@@ -273,6 +273,7 @@ class Wrong:
 
 
 @pytest.mark.parametrize("words", [(), ("--json",)])
+@pytest.mark.thorough
 def test_names_that_the_terminal_cannot_show_and_narrow_pipes(
     words: tuple[str, ...], tmp_path: Path
 ) -> None:
@@ -338,6 +339,7 @@ def press_ctrl_c(
 
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize(("pause", "wait"), [(0.2, 0.05), (0.0, 0.001)])
+@pytest.mark.thorough
 def test_ctrl_c_leaves_a_legal_record_of_what_was_done(
     pause: float, wait: float, sent: int, tmp_path: Path
 ) -> None:
@@ -353,6 +355,7 @@ def test_ctrl_c_leaves_a_legal_record_of_what_was_done(
         assert f"interrupted at step {replay.end.steps}" in shown
 
 
+@pytest.mark.thorough
 def test_ctrl_c_ends_a_comparison_and_shows_what_was_done(tmp_path: Path) -> None:
     words = ("compare", FOUR, "--methods", "join-all,slow:Slow,heuristic", "--seeds", "2")
     process = start_slow(tmp_path, 0.2, *words)
@@ -379,6 +382,7 @@ ONE_BY_ONE = [pytest.param(closed, marks=pytest.mark.slow) for closed in (">&-",
 
 
 @pytest.mark.parametrize("closed", [">&- 2>&-", "<&-", *ONE_BY_ONE])
+@pytest.mark.thorough
 def test_closed_streams_are_no_fault(closed: str) -> None:
     command = f"{sys.executable} -m teamformer.cli run {FOUR} --method join-all {closed}"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
@@ -387,6 +391,7 @@ def test_closed_streams_are_no_fault(closed: str) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.thorough
 def test_in_a_narrow_terminal_nothing_is_left_out() -> None:
     environment = {"COLUMNS": "40", "PYTHONPATH": os.pathsep.join(sys.path)}
     for words in (["compare", FOUR, "--methods", "join-all"], ["methods"]):
@@ -489,6 +494,7 @@ def test_methods_are_listed_once_each_with_who_says_the_tasks(
 
 
 @pytest.mark.parametrize("command", ["methods", f"run {FOUR} --method join-all --out out"])
+@pytest.mark.thorough
 def test_a_reader_that_has_seen_enough_is_no_fault(command: str, tmp_path: Path) -> None:
     pipeline = f"set -o pipefail; {sys.executable} -m teamformer.cli {command} | true"
     done = subprocess.run(

@@ -26,6 +26,7 @@ def python_blocks() -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("name", "code"), python_blocks(), ids=lambda value: value[:24])
+@pytest.mark.thorough
 def test_python_in_the_documents_runs(
     name: str, code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

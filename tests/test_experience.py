@@ -91,6 +91,7 @@ def test_near_tasks_tell_more_where_places_differ() -> None:
     assert middle.may_need["b"] == pytest.approx(0.5, abs=0.1)
 
 
+@pytest.mark.thorough
 def test_tasks_of_the_same_kind_tell_more_where_kinds_differ() -> None:
     """Tasks that need b for sure take 8 steps, others 2, and both lie everywhere."""
     rng, records = np.random.default_rng(3), []

@@ -200,6 +200,7 @@ def test_the_reader_of_imports_finds_them(tmp_path: Path) -> None:
         ("methods", {"ortools", "torch", "matplotlib", "gymnasium", "pettingzoo"}),
     ],
 )
+@pytest.mark.thorough
 def test_a_verb_loads_only_what_it_needs(verb: str, unwanted: set[str]) -> None:
     code = (
         "import sys; from teamformer.cli import main; sys.argv = ['teamformer', sys.argv[1]]\n"

@@ -112,6 +112,7 @@ for part in ("rules", "planning", "sim", "policies"):
 """
 
 
+@pytest.mark.thorough
 def test_stamps_are_the_same_in_every_process() -> None:
     told = [
         subprocess.run(
@@ -267,6 +268,7 @@ def call_anew(folder: Path, kept: str, **environment: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.thorough
 def test_what_a_wheel_brings_is_not_compiled(tmp_path: Path) -> None:
     """Compiled for the baseline, then found by a process with an empty cache of its own."""
     (tmp_path / "oracle.py").write_text(

@@ -42,6 +42,7 @@ def write_large(path: Path, count: int) -> None:
     subprocess.run([*COMMAND, "generate", *size, *words], check=True, capture_output=True)
 
 
+@pytest.mark.thorough
 def test_a_mission_too_large_is_told_with_what_would_fit(tmp_path: Path) -> None:
     write_large(tmp_path / "m.yaml", 4000)
     ended = limited("run", str(tmp_path / "m.yaml"), "--method", "plan")

@@ -20,6 +20,7 @@ QUICK = "1-missions.ipynb"
     ],
 )
 @pytest.mark.filterwarnings("ignore")  # of the libraries that run notebooks
+@pytest.mark.thorough
 def test_a_notebook_runs(path: Path) -> None:
     pytest.importorskip("nbclient", reason="nbclient is not installed")
     pytest.importorskip("ipykernel", reason="ipykernel is not installed")

@@ -64,6 +64,7 @@ def test_the_reference_has_every_name() -> None:
 
 
 @pytest.mark.skipif(find_spec("mkdocs") is None, reason="no mkdocs: install the extra `docs`")
+@pytest.mark.thorough
 def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     """And its search knows names of the API, verbs and headings of pages."""
     words = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]

@@ -62,6 +62,7 @@ def newcomer(own_folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("page", pages())
+@pytest.mark.thorough
 def test_a_newcomer_can_do_what_a_page_says(
     page: Path, newcomer: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -88,6 +89,7 @@ def other_pages() -> list[Path]:
 
 
 @pytest.mark.parametrize("page", other_pages(), ids=lambda page: page.stem)
+@pytest.mark.thorough
 def test_commands_of_how_to_and_reference_pages_run(
     page: Path, newcomer: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -150,6 +150,7 @@ def test_gains_are_what_hand_arithmetic_says_and_running_confirms() -> None:
     assert {it.change for it in advice.helpful} >= {"without task t1", "r0 at double speed"}
 
 
+@pytest.mark.thorough
 def test_in_continuous_time_plans_are_compared_and_costs_where_there_are_any() -> None:
     """At 2.5 each of work t1 takes 12 and 2.5; as cost the ways count, 12 to t1 by t0 and 3."""
     mission = replace(two_far_tasks(), time="continuous")
@@ -229,6 +230,7 @@ def test_processes_find_the_same() -> None:
     assert found == {(job.about, job.order): search(job).value for job in jobs}
 
 
+@pytest.mark.thorough
 def test_the_command_prints_and_draws_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -250,6 +252,7 @@ def test_the_command_prints_and_draws_it(
     assert teamformer("advise", str(tmp_path / "none.yaml")) == 2
 
 
+@pytest.mark.thorough
 def test_the_command_advises_on_missions_whose_tasks_are_called_off(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

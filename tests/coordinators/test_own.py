@@ -50,6 +50,7 @@ def rows_of(capsys: pytest.CaptureFixture[str], *words: str) -> list[dict[str, o
     return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
 
 
+@pytest.mark.thorough
 def test_run_compare_and_a_fleet_take_it(capsys: pytest.CaptureFixture[str]) -> None:
     mission = str(WAREHOUSE)
     [row] = rows_of(capsys, "run", mission, "--method", NAME)

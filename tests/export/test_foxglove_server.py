@@ -152,6 +152,7 @@ def teamformer(words: list[str]) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("verb", ["run", "fleet rehearse --schedule 1"])
+@pytest.mark.thorough
 def test_the_command_line_serves_until_ctrl_c(verb: str) -> None:
     port = free_ports(1)[0]
     words = [*verb.split(), "examples/four-robots.yaml", "--foxglove", str(port), "--json"]

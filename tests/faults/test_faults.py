@@ -81,6 +81,7 @@ def test_a_small_weight_of_the_cost_counts(capsys: pytest.CaptureFixture[str]) -
     ("name", "seed"),
     [("central-infeasible", 1), ("central-slower-uncertain", 0), ("central-slower-sure", 0)],
 )
+@pytest.mark.thorough
 def test_central_is_not_worse_than_plan(name: str, seed: int) -> None:
     mission = tf.load(path_of(name))
     central, plan = (tf.run(mission, method, seed, 0.3) for method in ("central", "plan"))
@@ -111,6 +112,7 @@ def test_the_default_makes_no_illegal_decision() -> None:
 
 
 @pytest.mark.parametrize("words", [("export", "{record}", "{out}"), ("check", "{record}")])
+@pytest.mark.thorough
 def test_twice_the_steps_take_twice_the_calls(words: tuple[str, ...], tmp_path: Path) -> None:
     """Calls are counted, not seconds; with what is quadratic they would be fourfold.
 
@@ -202,6 +204,7 @@ def test_a_long_capability_that_stands_twice_is_named_once(
     assert max(map(len, told.splitlines())) < 400
 
 
+@pytest.mark.thorough
 def test_the_search_ends_though_a_task_takes_longer_than_anything() -> None:
     """What came after it was taken to begin before it ends, so that a graph of arcs had a circle.
 

@@ -23,6 +23,7 @@ def mission(tmp_path: Path) -> str:
     return str(tmp_path / "trio.yaml")
 
 
+@pytest.mark.thorough
 def test_rehearse_sums_up(mission: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert teamformer("fleet", "rehearse", mission, "--schedules", "4", "--json") == 0
     row = json.loads(capsys.readouterr().out)

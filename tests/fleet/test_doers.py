@@ -64,6 +64,7 @@ def test_over_a_perfect_network_it_is_who_does_it_in_the_simulator(mission: Miss
 
 
 @pytest.mark.parametrize("schedule", [12, 0, 1, 2, 3])
+@pytest.mark.thorough
 def test_under_faults_it_is_who_did_it(schedule: int) -> None:
     """Schedule 12 of seed 7 had robot 0 do 13 of 16 tasks, since the doers had gone on."""
     scenario = read_scenario(EXAMPLES / "warehouse.yaml")

@@ -137,6 +137,7 @@ def test_no_policy_breaks_a_promise_or_blocks_under_many_faults(name: str) -> No
         assert (violations, outcome.status == "blocked") == ([], False), seed
 
 
+@pytest.mark.thorough
 def test_the_learned_policy_decides_in_agents() -> None:
     """`teamformer` is asked with one team at a time, and the mission ends under losses too."""
     make = partial(policy_of, "teamformer")

@@ -323,6 +323,7 @@ def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+@pytest.mark.thorough
 def test_the_page_of_a_fleet_that_is_not_there_says_so(
     browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, width: int, height: int
 ) -> None:

@@ -222,6 +222,7 @@ def small_missions() -> list[Mission]:
     ]
 
 
+@pytest.mark.thorough
 def test_random_schedules_keep_every_promise() -> None:
     for number, mission in enumerate(small_missions()):
         stage = set_stage(mission)

@@ -34,6 +34,7 @@ def tokens(teams: int = 20) -> RelationTokens:
     )
 
 
+@pytest.mark.thorough
 def test_illegal_choices_are_refused_and_the_others_sum_to_one(network: RelationalPolicy) -> None:
     given = tokens()
     scores = network(*given)

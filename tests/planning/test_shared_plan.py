@@ -106,6 +106,7 @@ def test_robots_are_free_when_their_service_ends() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
+@pytest.mark.thorough
 def test_every_coalition_can_do_its_task(seed: int) -> None:
     rng = np.random.default_rng(seed)
     for number in range(30):

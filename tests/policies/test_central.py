@@ -71,6 +71,7 @@ def test_like_robots_exchange_their_routes() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
+@pytest.mark.thorough
 def test_never_slower_than_joining_all_and_never_faster_than_its_bound(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scenarios = [generate(Spec(), rng) for _ in range(5)]
@@ -95,6 +96,7 @@ def test_never_slower_than_the_shared_plan() -> None:
         assert tally.steps <= other.steps
 
 
+@pytest.mark.thorough
 def test_worlds_that_lose_robots_end_all_the_same() -> None:
     rng = np.random.default_rng(9)
     tallies = run_trials([random_world(rng) for _ in range(30)], Central(time_limit=0.1))

@@ -55,6 +55,7 @@ def sure(_: Path) -> tuple[Scenario, int]:
 
 
 @pytest.mark.parametrize("mission", [beliefs, as_seen, sure])
+@pytest.mark.thorough
 def test_what_the_default_does_better_is_played(
     mission: Callable[[Path], tuple[Scenario, int]], tmp_path: Path
 ) -> None:
@@ -70,6 +71,7 @@ def test_what_the_default_does_better_is_played(
     assert judge(trial.replay).findings == ()
 
 
+@pytest.mark.thorough
 def test_many_missions_at_once_are_played_each_as_is_best(tmp_path: Path) -> None:
     """As they are or as they are seen; also where somebody stands between with a clock."""
     pairs = [mission(tmp_path) for mission in (beliefs, as_seen, sure)]
@@ -84,6 +86,7 @@ def test_many_missions_at_once_are_played_each_as_is_best(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("seed", range(3))
+@pytest.mark.thorough
 def test_never_worse_than_the_default(seed: int) -> None:
     rng = np.random.default_rng(seed)
     worlds = [random_world(rng, is_plane=bool(n % 2)) for n in range(12)]

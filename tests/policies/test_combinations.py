@@ -140,6 +140,7 @@ def test_log_probabilities_are_those_of_the_same_actions_again(network: nn.Modul
 
 
 @pytest.mark.parametrize("name", [pytest.param("deepset", marks=pytest.mark.slow), "gnn"])
+@pytest.mark.thorough
 def test_onnx_decides_as_torch_over_a_thousand_views(name: str, tmp_path: Path) -> None:
     torch.manual_seed(1)
     network = ARCHITECTURES[name].make(4)

@@ -82,6 +82,7 @@ def test_decisions_have_a_row_for_each_team_and_are_legal(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.thorough
 def test_the_same_seed_gives_the_same_record(name: str) -> None:
     for scenario in worlds(2, 6):
         one, other = (run_trial(scenario, load(name), seed=4).replay for _ in range(2))

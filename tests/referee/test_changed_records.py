@@ -101,6 +101,7 @@ def real_records() -> list[Replay]:
 
 
 @pytest.mark.parametrize("name", FORGERIES)
+@pytest.mark.thorough
 def test_every_such_change_of_a_real_record_is_found(name: str, real_records: list[Replay]) -> None:
     rng = np.random.default_rng(13)
     forged = [FORGERIES[name](replay, rng) for replay in real_records]

@@ -115,6 +115,7 @@ def records() -> list[Replay]:
     return [replay for replays in zip(*play(24, COUNT), strict=True) for replay in replays]
 
 
+@pytest.mark.thorough
 def test_honest_records_are_legal(records: list[Replay]) -> None:
     assert [judge(replay).findings for replay in records] == [()] * len(records)
 

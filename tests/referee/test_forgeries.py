@@ -230,6 +230,7 @@ def test_a_completion_left_out_is_told_once() -> None:
     ]
 
 
+@pytest.mark.thorough
 def test_hundreds_of_robots_are_judged_in_seconds() -> None:
     """Three hundred robots walk side by side for 300 steps: 90,000 moves."""
     robots = tuple(Robot(f"r{i}", (i, 0), {"a": 1}) for i in range(300))

@@ -209,6 +209,7 @@ class Restless:
 @pytest.mark.parametrize(
     "policy", [JoinAll(), Heuristic(), Restless()], ids=["join-all", "heuristic", "restless"]
 )
+@pytest.mark.thorough
 def test_real_records_are_legal(policy: Policy) -> None:
     rng = np.random.default_rng(5)
     for seed in range(200):

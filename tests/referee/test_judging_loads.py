@@ -27,6 +27,7 @@ from teamformer.trials.trial import run_trial
 @pytest.mark.parametrize(
     "player", [JoinAll(), JoinFitting(), Crews(), SharedPlan(), RandomPlans(3)]
 )
+@pytest.mark.thorough
 def test_honest_records_with_loads_are_legal(player: object, is_plane: bool) -> None:
     rng = np.random.default_rng(5 + is_plane)
     taken = left = 0

@@ -71,6 +71,7 @@ def test_the_others_can_do_without_who_is_lost(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.thorough
 def test_a_robot_is_lost_in_the_first_half_of_what_the_shared_plan_takes(name: str) -> None:
     for seed in range(2):
         steps = run_trial(world_of(name, seed), load_method("plan"), 0, None).replay.end.makespan
@@ -82,6 +83,7 @@ def test_a_robot_is_lost_in_the_first_half_of_what_the_shared_plan_takes(name: s
 
 
 @pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.thorough
 def test_a_fifth_of_the_tasks_appears_later(name: str) -> None:
     for plain, world in zip(worlds(name), worlds(f"{name}-arrivals"), strict=True):
         late = [task.appears for task in world.tasks if task.appears > 0]
@@ -92,6 +94,7 @@ def test_a_fifth_of_the_tasks_appears_later(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.thorough
 def test_two_tasks_of_five_come_after_others(name: str) -> None:
     after = [task.after for world in worlds(f"{name}-ordered") for task in world.tasks]
     assert 0.25 < sum(map(bool, after)) / len(after) < 0.55

@@ -53,6 +53,7 @@ def played(scenario: Scenario, player: Player | None = None) -> Replay:
 
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
 @pytest.mark.parametrize("kind", ["sure", "unsure", "loads", "after"])
+@pytest.mark.thorough
 def test_step_with_cancelled_tasks_is_what_the_plain_twin_does(is_plane: bool, kind: str) -> None:
     rng = np.random.default_rng(31 + is_plane)
     cancelled = freed = 0

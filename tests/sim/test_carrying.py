@@ -26,6 +26,7 @@ from test_step import step_both
 
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
 @pytest.mark.parametrize("has_surprises", [False, True], ids=["sure", "unsure"])
+@pytest.mark.thorough
 def test_step_with_loads_is_what_the_plain_twin_does(is_plane: bool, has_surprises: bool) -> None:
     rng = np.random.default_rng(92 + is_plane)
     taken = left = done = 0
@@ -59,6 +60,7 @@ def test_step_with_loads_is_what_the_plain_twin_does(is_plane: bool, has_surpris
 @pytest.mark.parametrize(
     "player", [JoinAll(), Crews(), SharedPlan()], ids=["join", "crews", "plan"]
 )
+@pytest.mark.thorough
 def test_nothing_blocks_with_loads(player: Player, is_plane: bool) -> None:
     count = 12 if isinstance(player, SharedPlan) else 60
     assert blocked_worlds(player, count, seed=15, is_plane=is_plane, have_loads=True) == []

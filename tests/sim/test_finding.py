@@ -170,6 +170,7 @@ def test_missions_with_hidden_places_end_and_are_legal(coordination: str, tmp_pa
 
 
 @pytest.mark.parametrize("coordination", COORDINATIONS)
+@pytest.mark.thorough
 def test_nobody_knows_where_a_task_is_before_it_is_found(coordination: str) -> None:
     scenario, method = world_of("4N20T-C4-places", 0), method_of(coordination)
     truth = draw_truth(scenario, 5)

@@ -156,6 +156,7 @@ def with_flyers(rng: np.random.Generator) -> Scenario:
 
 
 @pytest.mark.parametrize("part", range(3))
+@pytest.mark.thorough
 def test_steps_with_flyers_are_what_the_plain_twin_does(part: int) -> None:
     rng = np.random.default_rng([part, 40])
     for number in range(40):
@@ -185,6 +186,7 @@ def test_missions_with_flyers_end_and_are_legal(method: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["", "-lost", "-arrivals", "-all"])
+@pytest.mark.thorough
 def test_the_family_is_played_legally(kind: str) -> None:
     scenario = world_of(f"air-ground{kind}", 3)
     assert any(robot.flies for robot in scenario.robots)

@@ -127,6 +127,7 @@ def test_the_shared_plan_is_made_anew_when_a_robot_is_back() -> None:
 
 @pytest.mark.parametrize("is_plane", [False, True])
 @pytest.mark.parametrize("method", ["join-fitting", "crews", "plan"])
+@pytest.mark.thorough
 def test_nothing_blocks_whoever_comes_back(method: str, is_plane: bool) -> None:
     rng, worlds = np.random.default_rng(11), []
     while len(worlds) < 12:

@@ -25,6 +25,7 @@ def corridor(tasks: list[Task], *robots: Robot) -> Scenario:
 
 
 @pytest.mark.parametrize("seed", range(20))
+@pytest.mark.thorough
 def test_what_is_planned_is_what_happens(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scenario = generate(Spec(robots=6, tasks=8, capabilities=4), rng)

@@ -263,7 +263,7 @@ def test_a_task_in_the_far_corner_is_done_there(side: float) -> None:
 
 @pytest.mark.parametrize("is_plane", [True, False], ids=["plane", "grid"])
 def test_random_worlds_with_things_on_edges_stay_in_their_arrays(is_plane: bool) -> None:
-    """Compiled code checks no index by itself; `make test` runs this where it does."""
+    """Compiled code checks no index by itself; `make check` runs this where it does."""
     rng = np.random.default_rng(8)
     for coordination in ("paper", "crews"):
         worlds = [random_world(rng, is_plane=is_plane) for _ in range(60)]

@@ -144,6 +144,7 @@ def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
     [(SharedPlan(), 20), (Crews(), 60), (Heuristic(), 60)],
     ids=["plan", "crews", "heuristic"],
 )
+@pytest.mark.thorough
 def test_every_mission_ends_and_its_record_is_legal(player: Player, worlds: int) -> None:
     rng = np.random.default_rng(3)
     for number in range(worlds):

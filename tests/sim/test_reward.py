@@ -61,6 +61,7 @@ def test_only_the_team_that_did_it_is_paid() -> None:
     assert env.rewards[0].tolist() == [8.0, -1.0]
 
 
+@pytest.mark.thorough
 def test_weights_are_settings() -> None:
     reward = Reward(done=10, step=0.5, fit=3)
     env = TeamFormation([two_robots_one_task(teams=((0, 1),))], reward)

@@ -228,6 +228,7 @@ def check_nobody_peeks(setting: str, method: Method) -> None:
 
 
 @pytest.mark.parametrize(("coordination", "foresight"), RULES)
+@pytest.mark.thorough
 def test_nobody_knows_the_truth_before_it_shows(coordination: str, foresight: str) -> None:
     check_nobody_peeks("4N20T-C4-mixed", method_of(coordination, foresight))
 
@@ -238,6 +239,7 @@ def test_no_policy_knows_the_truth_before_it_shows(method: str) -> None:
 
 
 @pytest.mark.parametrize(("coordination", "foresight"), RULES)
+@pytest.mark.thorough
 def test_surprised_missions_end_and_are_legal(
     coordination: str, foresight: str, tmp_path: Path
 ) -> None:
@@ -253,6 +255,7 @@ def test_surprised_missions_end_and_are_legal(
         assert read_replay(tmp_path / "replay.json") == replay
 
 
+@pytest.mark.thorough
 def test_random_surprised_missions_are_legal_under_every_rule() -> None:
     rng = np.random.default_rng(9)
     done = 0
@@ -417,6 +420,7 @@ def test_the_referee_finds_truths_that_cannot_be_and_what_is_shown_wrongly() -> 
         ),
     ],
 )
+@pytest.mark.thorough
 def test_damaged_truths_are_refused(damage: Any, words: str) -> None:
     tree = json.loads(json.dumps(replay_to_tree(recorded())))
     damage(tree["truth"])

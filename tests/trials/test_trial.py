@@ -124,6 +124,7 @@ class Interrupter:
     "coordination",
     ["paper", *(pytest.param(name, marks=pytest.mark.slow) for name in ("crews", "plan"))],
 )
+@pytest.mark.thorough
 def test_ctrl_c_at_any_line_leaves_a_legal_record(coordination: str) -> None:
     """Where there are plans, a task appears, so that one is made on the way too."""
     scenario = two_tasks_two_pairs(step_limit=6)

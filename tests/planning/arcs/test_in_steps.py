@@ -208,5 +208,6 @@ def test_a_change_that_is_refused_leaves_everything_as_it_was() -> None:
     run_script(UNDOING, NUMBA_DISABLE_JIT="1")
 
 
+@pytest.mark.thorough
 def test_the_plan_is_the_same_without_compiled_code() -> None:
     assert run_script(SEARCHING) == run_script(SEARCHING, NUMBA_DISABLE_JIT="1")

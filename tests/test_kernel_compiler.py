@@ -44,6 +44,14 @@ def test_an_entry_calls_what_calls_others() -> None:
     assert entry(sum_of_cubes)(4) == 0 + 1 + 8 + 27
 
 
+def test_only_indices_written_as_numbers_count_from_the_end() -> None:
+    numbers = np.arange(12).reshape(3, 4)
+    assert entry(lambda array: array[-1, -2])(numbers) == 10
+    assert entry(lambda array: array[1:][-1, 0])(numbers) == 8
+    rest = np.arange(5)[2:]
+    assert entry(lambda array, index: array[index])(rest, -1) == 1  # what lies before it
+
+
 def test_an_error_in_a_kernel_reaches_python() -> None:
     at_once = entry(lambda number: cube(number))
     assert at_once(2) == 8

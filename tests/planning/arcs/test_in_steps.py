@@ -18,7 +18,7 @@ from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
-from teamformer.planning.steps.solve import BestPlan, from_best, improve
+from teamformer.planning.steps.solve import begin_race, from_best, improve
 from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
 from teamformer.rules.constants import FAR
 from teamformer.scenarios.generate import Spec, generate
@@ -125,12 +125,14 @@ def test_searching_by_the_clock_begins_at_the_best_plan_and_offers_better_ones()
     situation = drawn(0)[1]
     first = TeamArcs(situation).plan_anew(rounds=1)
     assert first is not None
-    best = BestPlan(time.perf_counter(), first)
-    improve(best, situation, time.perf_counter() + 0.5, from_best(best), seed=0)
-    assert best.makespan < first.makespan
-    assert best.curve[-1][1] == best.makespan
-    best.stop()
-    improve(best, situation, time.perf_counter() + 600, from_best(best), seed=0)  # ends at once
+    begun = time.perf_counter()
+    race = begin_race(first, begun, begun + 0.5)
+    improve(race, situation, from_best(race), seed=0)
+    assert race.value == race.plan.makespan < first.makespan
+    assert race.curve[-1][1] == race.value
+    stopped = begin_race(first, begun, begun + 600)
+    stopped.stop()
+    improve(stopped, situation, from_best(stopped), seed=0)  # ends at once
 
 
 def test_nobody_is_planned_for_what_ends_after_it_is_lost() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,8 @@ from teamformer.planning.continuous.problem import CoalitionProblem, pose_proble
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
 from teamformer.planning.continuous.schedule import COST, MAKESPAN, empty_plan, schedule_of
-from teamformer.planning.continuous.solve import Solution, _Best, plan_together
+from teamformer.planning.continuous.solve import judge, plan_together
+from teamformer.planning.race import Race
 from teamformer.roads import Roads
 
 POLICIES = pytest.mark.parametrize("policy", PLANNERS)
@@ -197,10 +199,9 @@ def test_the_best_plan_is_over_first_however_early_robots_are_home_on_average() 
     assert first.total[MAKESPAN] < alone.total[MAKESPAN]
     assert first.total[COST] > alone.total[COST]
     for known, other in ((first, alone), (alone, first)):
-        best = _Best(problem, 0.0, Solution(known, 0), 0.0)
-        best.offer(other.plan)
-        assert best.makespan == 100
-        assert best.solution().makespan == 100
+        race = Race(partial(judge, problem), known.plan, begun=0.0, deadline=0.0)
+        race.offer(other.plan)
+        assert race.value == schedule_of(problem, race.plan).total[MAKESPAN] == 100
 
 
 def roads(**movers: list[list[float]]) -> Roads:

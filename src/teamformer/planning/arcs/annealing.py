@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import time
+import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -48,6 +49,7 @@ from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import Moved, empty_moved, move_task, take_back
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.continuous.schedule import CoalitionPlan
+from teamformer.planning.race import Race, search_by_clock
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
 HOT, COLD = 20, 800
@@ -59,12 +61,6 @@ of a small plan, so that more has to get worse before it gets better."""
 
 ROUNDS_EACH, FEW_ANNEALINGS = 9_000, 2
 """The shared plan of few tasks takes so many rounds for each task, so many times."""
-
-ENDLESS = 2**60
-"""More rounds than there is time for."""
-
-FEWEST_ROUNDS, SECONDS_AT_ONCE = 200, 0.05
-"""Rounds before the first look at the clock, and seconds between two looks."""
 
 
 def has_few_tasks(tasks: int) -> bool:
@@ -137,28 +133,23 @@ class ArcSearch:
     def anneal_until(
         self,
         deadline: float,
-        rounds: int,
-        heats: tuple[int, int],
-        is_over: Callable[[], bool],
+        race: Race[Any],
         offer: Callable[[], None],
+        heats: tuple[int, int],
+        rounds: float = math.inf,
     ) -> None:
-        """Anneal until so many rounds are made, or until `time.perf_counter` shows the deadline.
+        """Anneal from one heat to another until `time.perf_counter` shows the deadline.
 
-        `heats` is where it begins and ends; `offer` is called whenever a better plan is found.
+        It ends with the race, or after so many rounds; `offer` is called whenever a better plan is
+        found.
         """
-        (hot, cold), at_once, cost, made = heats, FEWEST_ROUNDS, self.cost, 0
-        begun = now = time.perf_counter()
-        while now < deadline and made < rounds and not is_over():
-            passed = max((now - begun) / (deadline - begun), made / rounds)
+        hot, cold = heats
+
+        def anneal(passed: float, rounds: int) -> None:
             heat = hot + int((cold - hot) * passed)
-            at_once = min(at_once, rounds - made)
-            self.anneal(heat, heat, 0, at_once, at_once)
-            made += at_once
-            if self.cost < cost:
-                cost = self.cost
-                offer()
-            took, now = time.perf_counter() - now, time.perf_counter()
-            at_once = max(1, min(2 * at_once, int(at_once * SECONDS_AT_ONCE / max(took, 1e-7))))
+            self.anneal(heat, heat, 0, rounds, rounds)
+
+        search_by_clock(anneal, lambda: self.cost, deadline, race, offer, rounds)
 
     @property
     def cost(self) -> int:

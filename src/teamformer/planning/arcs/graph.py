@@ -46,11 +46,17 @@ NODE = np.dtype(
         ("need", np.int32),  # which of the different needs
         ("is_waiting", np.int32),  # whether it is on the agenda: 0, or what is to be worked out
         ("has_links", np.int32),  # whether it comes before or after other tasks
+    ],
+    align=True,
+)
+"""64 bytes, which processors fetch at once; what is asked less often is in `WORTH`."""
+
+WORTH = np.dtype(
+    [
         ("due", np.int64),
         ("price", np.int64),  # of each tick until its end
         ("late_price", np.int64),  # of each tick that it is late
-    ],
-    align=True,
+    ]
 )
 
 SEAT = np.dtype([("prev", np.int32), ("next", np.int32), ("node", np.int32), ("kind", np.int32)])
@@ -68,6 +74,7 @@ class Graph(NamedTuple):
     """A plan with its times. Seats are those of the tasks, then depots, then homes."""
 
     nodes: Records  # (places + 1,) NODE: tasks, depots by place, and one for all homes
+    worth: Records  # (tasks,) WORTH
     seats: Records  # (tasks * most + 2 * robots,) SEAT
     back: Ints  # (robots,) when each home is reached
     total: Ints  # (6,)
@@ -86,13 +93,13 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     nodes = np.zeros(places + 1, NODE).view(np.recarray)
     nodes.key[tasks:places] = FIRST
     nodes.key[places:] = LAST
-    nodes.due[:] = NEVER
+    worth = np.zeros(tasks, WORTH).view(np.recarray)
     nodes.duration[:tasks] = np.maximum(problem.duration, 1 if steps is None else 0)
-    nodes.release[:tasks], nodes.due[:tasks] = problem.release, problem.due
-    nodes.price[:tasks] = nodes.late_price[:tasks] = 1
+    nodes.release[:tasks], worth.due[:] = problem.release, problem.due
+    worth.price[:] = worth.late_price[:] = 1
     if steps is not None and len(steps.prices.due) > 0:
-        nodes.due[:tasks] = np.minimum(steps.prices.due, FAR) * TICKS
-        nodes.price[:tasks], nodes.late_price[:tasks] = steps.prices.ends, steps.prices.late
+        worth.due[:] = np.minimum(steps.prices.due, FAR) * TICKS
+        worth.price[:], worth.late_price[:] = steps.prices.ends, steps.prices.late
     nodes.need[:tasks] = different_needs(problem)[1]
     linked = (problem.before[:, 0] != NOBODY) | (problem.after[:, 0] != NOBODY)
     nodes.has_links[:tasks] = linked
@@ -112,6 +119,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     widest = max(most, int(nodes.taken.max(initial=0))) + 1
     return Graph(
         nodes,
+        worth,
         seats,
         back=np.zeros(robots, np.int64),
         total=np.zeros(6, np.int64),
@@ -262,9 +270,9 @@ def sum_up(problem: ArcProblem, graph: Graph) -> None:
         if back[robot] > back[latest]:
             latest = robot
     for task in range(len(problem.near)):
-        node = graph.nodes[task]
-        late += node.late_price * max(0, node.end - node.due)
-        end_sum += node.price * node.end
+        end, worth = graph.nodes[task].end, graph.worth[task]
+        late += worth.late_price * max(0, end - worth.due)
+        end_sum += worth.price * end
     total[LATEST], total[MAKESPAN] = latest, back[latest]
     total[BACK_SUM], total[END_SUM], total[LATE] = back_sum, end_sum, late
     total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, late)

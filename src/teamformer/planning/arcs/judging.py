@@ -233,10 +233,10 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
             makespan = max(makespan, back[robot])
     for entry in range(number[LOGGED]):
         if trial.log[entry].what == END:
-            node = graph.nodes[trial.log[entry].index]
-            old_end = trial.log[entry].old
-            end_sum += node.price * (node.end - old_end)
-            late += node.late_price * (max(0, node.end - node.due) - max(0, old_end - node.due))
+            task, old_end = trial.log[entry].index, trial.log[entry].old
+            end, worth = graph.nodes[task].end, graph.worth[task]
+            end_sum += worth.price * (end - old_end)
+            late += worth.late_price * (max(0, end - worth.due) - max(0, old_end - worth.due))
     return cost_of(problem, graph, makespan, back_sum, end_sum, late)
 
 
@@ -279,10 +279,11 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
     for place in range(number[LOGGED]):
         index, old = trial.log[place].index, trial.log[place].old
         if trial.log[place].what == END:
-            node = nodes[index]
+            node, worth = nodes[index], graph.worth[index]
             node.key = 2 * (node.end - node.duration) + 1
-            total[END_SUM] += node.price * (node.end - old)
-            total[LATE] += node.late_price * (max(0, node.end - node.due) - max(0, old - node.due))
+            total[END_SUM] += worth.price * (node.end - old)
+            late, was_late = max(0, node.end - worth.due), max(0, old - worth.due)
+            total[LATE] += worth.late_price * (late - was_late)
         elif trial.log[place].what == BACK:
             total[BACK_SUM] += back[index] - old
             is_latest_changed |= index == total[LATEST]

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
-from teamformer.planning.arcs.annealing import ENDLESS, ArcSearch, has_few_tasks, shared_annealings
+from teamformer.planning.arcs.annealing import ArcSearch, has_few_tasks, shared_annealings
 from teamformer.planning.continuous.bounds.makespan import improving_bounds
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous.problem import CoalitionProblem
@@ -22,6 +20,7 @@ from teamformer.planning.continuous.schedule import (
     Schedule,
     schedule_of,
 )
+from teamformer.planning.race import Race
 
 PROOF, LARGE_PROOF = 0.3, 0.1
 """Share of the time that one thread spends on bounds at most, and on CP-SAT again; the latter where
@@ -95,117 +94,63 @@ def solve(
     shared = plan_together(problem, seed)
     if shared is None:
         return None
-    best = _Best(problem, begun, shared, begun + time_limit)
+    race = Race(partial(judge, problem), shared.plan, begun, begun + time_limit)
+    first = (time.perf_counter() - begun, shared.makespan)
     if start is not None:
-        best.offer(start)
-    jobs = [partial(_prove_and_search, problem, seed + 1, best)]
-    jobs += [partial(_search, problem, seed + n, best) for n in range(2, workers + 1)]
-    with ThreadPoolExecutor(len(jobs)) as pool:
-        running = [pool.submit(job) for job in jobs]
-        try:
-            for job in running:
-                job.result()
-        finally:
-            best.stop()
-    return best.solution()
+        race.offer(start)
+    jobs = [partial(_prove_and_search, problem, seed + 1, race)]
+    jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
+    race.run(jobs, workers)
+    schedule = schedule_of(problem, race.plan)
+    bound = min(race.bound, int(schedule.total[MAKESPAN]))
+    return Solution(schedule, bound, (first, *race.curve))
 
 
-class _Best:
-    """The best plan that any thread has found so far, and the highest bound."""
+def judge(problem: CoalitionProblem, plan: CoalitionPlan) -> tuple[tuple[float, ...], float]:
+    """Return the rank of a plan, and its makespan.
 
-    def __init__(
-        self, problem: CoalitionProblem, begun: float, first: Solution, deadline: float
-    ) -> None:
-        self.deadline, self.bound = deadline, 0
-        self._problem, self._begun = problem, begun
-        self._plan, self._rank = first.schedule.plan, _rank(first.schedule)
-        self.makespan, self._late = first.makespan, first.late
-        self._curve = [(time.perf_counter() - begun, first.makespan)]
-        self._lock = threading.Lock()
-        self._is_stopped = False
-
-    def offer(self, plan: CoalitionPlan) -> None:
-        """Take a plan if it is better."""
-        schedule = schedule_of(self._problem, plan)
-        with self._lock:
-            if _rank(schedule) >= self._rank:
-                return
-            self._plan, self._rank = plan, _rank(schedule)
-            self._late = int(schedule.total[LATE])
-            if schedule.total[MAKESPAN] != self.makespan:
-                self.makespan = int(schedule.total[MAKESPAN])
-                self._curve.append((time.perf_counter() - self._begun, self.makespan))
-
-    def stop(self) -> None:
-        """Let all searches come to their end."""
-        self._is_stopped = True
-
-    @property
-    def plan(self) -> CoalitionPlan:
-        """Return the best plan."""
-        return self._plan
-
-    @property
-    def seconds_left(self) -> float:
-        """Return the seconds until the searches are to end."""
-        return max(0.0, self.deadline - time.perf_counter())
-
-    @property
-    def is_over(self) -> bool:
-        """Say whether searches are to end: time is up, or nothing can be better."""
-        is_proven = self._late == 0 and self.makespan <= self.bound
-        return self._is_stopped or is_proven or self.seconds_left == 0.0
-
-    def solution(self) -> Solution:
-        """Return the plan with its times."""
-        schedule = schedule_of(self._problem, self._plan)
-        return Solution(schedule, min(self.bound, self.makespan), tuple(self._curve))
-
-
-def _rank(schedule: Schedule) -> tuple[int, int]:
-    """Return what plans are judged by: makespan and lateness, and only then what a search goes by.
-
-    To a search it also counts how early robots are home on average, which shows it the way.
+    It is ranked by makespan and lateness, and only then by what a search goes by: to that it also
+    counts how early robots are home on average, which shows it the way.
     """
-    makespan, late = int(schedule.total[MAKESPAN]), int(schedule.total[LATE])
-    return makespan + LATENESS * late, int(schedule.total[COST])
+    total = schedule_of(problem, plan).total
+    makespan, late = int(total[MAKESPAN]), int(total[LATE])
+    return (makespan + LATENESS * late, int(total[COST])), makespan
 
 
-def _search(problem: CoalitionProblem, seed: int, best: _Best) -> None:
+def _search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> None:
     """Anneal several times, from the best plan each time."""
     search = ArcSearch(problem, seed)
-    search.begin_at(best.plan)
+    search.begin_at(race.plan)
     coolings: Sequence[int] = COOLER
     if len(problem.needs) < MANY_TASKS:
-        coolings = [1] * max(1, round(best.seconds_left / SECONDS_EACH))
+        coolings = [1] * max(1, round(race.seconds_left / SECONDS_EACH))
     for number, cooler in enumerate(coolings):
         hot, cold = search.heats
         search.anneal_until(
-            time.perf_counter() + best.seconds_left / (len(coolings) - number),
-            ENDLESS,
+            time.perf_counter() + race.seconds_left / (len(coolings) - number),
+            race,
+            lambda: race.offer(search.best),
             (hot // cooler, cold),
-            lambda: best.is_over,
-            lambda: best.offer(search.best),
         )
         search.begin_at_best()
 
 
-def _prove_and_search(problem: CoalitionProblem, seed: int, best: _Best) -> None:
+def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> None:
     """Work out a bound, prove small problems, and search for the rest of the time."""
     is_provable = has_few_tasks(len(problem.needs))
     share = PROOF if is_provable else LARGE_PROOF
-    _raise_bound(problem, best, time.perf_counter() + share * best.seconds_left)
-    if is_provable and is_small(problem) and not best.is_over:
-        proof = solve_exactly(problem, best.plan, best.bound, share * best.seconds_left)
-        best.bound = max(best.bound, proof.bound)
+    _raise_bound(problem, race, time.perf_counter() + share * race.seconds_left)
+    if is_provable and is_small(problem) and not race.is_over:
+        proof = solve_exactly(problem, race.plan, race.bound, share * race.seconds_left)
+        race.raise_bound(proof.bound)
         if proof.plan is not None:
-            best.offer(proof.plan)
-    _search(problem, seed, best)
+            race.offer(proof.plan)
+    _search(problem, seed, race)
 
 
-def _raise_bound(problem: CoalitionProblem, best: _Best, deadline: float) -> None:
+def _raise_bound(problem: CoalitionProblem, race: Race[CoalitionPlan], deadline: float) -> None:
     """Raise the bound until a moment, or until it is over."""
-    for bound in improving_bounds(problem, lambda: best.makespan):
-        best.bound = bound
-        if best.is_over or time.perf_counter() > deadline:
+    for bound in improving_bounds(problem, lambda: int(race.value)):
+        race.raise_bound(bound)
+        if race.is_over or time.perf_counter() > deadline:
             break

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable
+from functools import partial
 from itertools import chain
 
 from teamformer.coordination import Plan
@@ -12,12 +13,13 @@ from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import earliest_starts, lower_bound
 from teamformer.planning.bounds.route_cover import raise_by_routes
+from teamformer.planning.race import Race
 from teamformer.planning.relaxation.problem import Relaxed, relax
 from teamformer.planning.relaxation.solve import Solution, solve
 from teamformer.planning.steps.shared_plan import is_too_large
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
 from teamformer.planning.steps.solve import (
-    BestPlan,
+    begin_race,
     first_plan,
     from_best,
     from_coalitions,
@@ -90,13 +92,13 @@ def plan_centrally(
         solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
         bound, searched = solution.bound, list[tuple[float, int]]()
     else:
-        best = BestPlan(plays.begun, first)
+        race = begin_race(first, plays.begun, plays.begun + plays.limit)
         for played in (shared.plan(), given):
             if played is not None:
-                best.offer(time_team_plan(situation, played))
+                race.offer(time_team_plan(situation, played))
         for name, followed in FOLLOWED:
-            _follow(name, scenario, followed, situation, best, plays)
-        solution, bound, searched = _search(scenario, situation, best.plan, plays, seed, workers)
+            _follow(name, scenario, followed, situation, race, plays)
+        solution, bound, searched = _search(scenario, situation, race.plan, plays, seed, workers)
     if time_limit > 0 and solution.schedule is not None:
         order = keep_order(situation.problem.before, list(solution.schedule.order))
         plays.add("schedule", _player(scenario, plan_teams(order, solution.schedule.coalitions)))
@@ -115,7 +117,7 @@ def _follow(
     scenario: Scenario,
     followed: Player,
     situation: Situation,
-    best: BestPlan,
+    race: Race[TimedPlan],
     plays: Plays,
 ) -> None:
     """Offer what a player does as a plan to begin at; leave it if time is short."""
@@ -124,7 +126,7 @@ def _follow(
         return
     plan = plan_from_play(scenario, followed, plays.begun + plays.limit)
     if plan is not None:
-        best.offer(time_team_plan(situation, plan))
+        race.offer(time_team_plan(situation, plan))
         plays.add(name, _player(scenario, plan))
 
 
@@ -141,15 +143,15 @@ def _search(
     A plan may promise what no plan beats, on planes above all, and its play not keep that; and
     searches in small worlds end early. Then it is searched again from another seed.
     """
-    solution, best = _improve(scenario, situation, first, plays, seed, workers)
-    plays.add("search", _player(scenario, best.plan.plan))
-    bound, curve = best.bound, best.curve
+    solution, race = _improve(scenario, situation, first, plays, seed, workers)
+    plays.add("search", _player(scenario, race.plan.plan))
+    bound, curve = race.bound, race.curve
     for number in range(1, SEARCHES):
         if plays.is_proven(bound) or plays.seconds_left == 0.0:
             break
-        _, best = _improve(scenario, situation, first, plays, seed + number, workers)
-        plays.add("search", _player(scenario, best.plan.plan))
-        bound, curve = max(bound, best.bound), curve + best.curve
+        _, race = _improve(scenario, situation, first, plays, seed + number, workers)
+        plays.add("search", _player(scenario, race.plan.plan))
+        bound, curve = max(bound, race.bound), curve + race.curve
     return solution, bound, curve
 
 
@@ -160,56 +162,46 @@ def _improve(
     plays: Plays,
     seed: int,
     workers: int,
-) -> tuple[Solution, BestPlan]:
+) -> tuple[Solution, Race[TimedPlan]]:
     """Search until it is time for the last plays, from coalitions on one thread.
 
-    The other proves a bound and then searches on from the best plan. The main thread only waits,
-    so that Ctrl-C reaches it.
+    The other proves a bound and then searches on from the best plan.
     """
-    best = BestPlan(plays.begun, first)
-    deadline = time.perf_counter() + plays.seconds_left
-    with ThreadPoolExecutor(min(workers, 2)) as pool:
-        bounding = pool.submit(_raise_bound, scenario, relax(scenario), best, deadline)
-        relaxing = pool.submit(_relax_and_search, scenario, situation, best, deadline, seed)
-        work: list[Future[None]] = [bounding]
-        if workers > 1:  # begins when the bound is through
-            starts = from_best(best)
-            work.append(pool.submit(improve, best, situation, deadline, starts, seed))
-        try:
-            solution = relaxing.result()
-            for done in work:
-                done.result()
-        finally:
-            best.stop()
-    return solution, best
+    race = begin_race(first, plays.begun, time.perf_counter() + plays.seconds_left)
+    jobs: list[Callable[[], Solution | None]] = [
+        partial(_relax_and_search, scenario, situation, race, seed),
+        partial(_raise_bound, scenario, relax(scenario), race),
+    ]
+    if workers > 1:  # begins when the bound is through
+        jobs.append(partial(improve, race, situation, from_best(race), seed))
+    solution, *_ = race.run(jobs, min(workers, 2))
+    return solution, race
 
 
-def _raise_bound(scenario: Scenario, problem: Relaxed, best: BestPlan, deadline: float) -> None:
+def _raise_bound(scenario: Scenario, problem: Relaxed, race: Race[TimedPlan]) -> None:
     """Prove what can be proven in a share of the time."""
-    begun = time.perf_counter()
-    seconds = BOUNDING * max(0.0, deadline - begun)
+    begun, seconds = time.perf_counter(), BOUNDING * race.seconds_left
 
     def is_over() -> bool:
-        return best.is_over or time.perf_counter() - begun >= seconds
+        return race.is_over or time.perf_counter() - begun >= seconds
 
-    best.raise_bound(lower_bound(scenario))
+    race.raise_bound(lower_bound(scenario))
     largest = AT_ONCE * seconds
-    raise_by_routes(scenario, problem, best.bound, best.raise_bound, is_over, largest)
+    raise_by_routes(scenario, problem, race.bound, race.raise_bound, is_over, largest)
 
 
 def _relax_and_search(
-    scenario: Scenario, situation: Situation, best: BestPlan, deadline: float, seed: int
+    scenario: Scenario, situation: Situation, race: Race[TimedPlan], seed: int
 ) -> Solution:
     """Solve the relaxed problem, then search from its coalitions and from others."""
-    seconds = RELAXING * max(0.0, deadline - time.perf_counter())
-    stopped = best.is_stopped
-    solution = solve(scenario, seconds, seed=seed, workers=1, is_stopped=stopped)
-    best.raise_bound(solution.bound)
-    starts = from_coalitions(situation.problem, best, seed)
+    seconds = RELAXING * race.seconds_left
+    solution = solve(scenario, seconds, seed=seed, workers=1, is_stopped=race.is_stopped)
+    race.raise_bound(solution.bound)
+    starts = from_coalitions(situation.problem, race, seed)
     if solution.schedule is not None:
         start = plan_teams(solution.schedule.order, solution.schedule.coalitions)
         starts = chain([start], starts)
-    improve(best, situation, deadline, starts, seed + 1)
+    improve(race, situation, starts, seed + 1)
     return solution
 
 

@@ -138,7 +138,7 @@ def _cost_of(
     node, weight, pace = graph.nodes[task], links.weight, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
     end = max(graph.nodes[place].end + way, node.release) + node.duration
-    late, push = max(0, end - node.due), 0
+    late, push = max(0, end - graph.worth[task].due), 0
     if to >= problem.ways.shape[1]:
         detour = way + problem.home[kind, task] - problem.home[kind, place]
     else:
@@ -146,7 +146,8 @@ def _cost_of(
         on = problem.ways[pace, task, to]
         detour = way + on - problem.ways[pace, place, to]
         push = max(0, end + on - (after.end - after.duration))
-        late += max(0, after.end + push - after.due) - max(0, after.end - after.due)
+        due = graph.worth[to].due
+        late += max(0, after.end + push - due) - max(0, after.end - due)
     waits = (weight[MAKESPAN] + weight[HOME]) * (end + push)
     return weight[TRAVEL] * detour + (weight[TARDINESS] + weight[MAX_TARDINESS]) * late + waits
 

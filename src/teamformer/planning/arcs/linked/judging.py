@@ -178,7 +178,8 @@ def _start(
     """Let a task start when the ledger says, and have all that follows it timed."""
     node, then = graph.nodes[task], ledger.then
     end = ledger.start[task] + node.duration
-    was_late, is_late = max(0, node.end - node.due), max(0, end - node.due)
+    due = graph.worth[task].due
+    was_late, is_late = max(0, node.end - due), max(0, end - due)
     weight = links.task_weight[task]
     then[TARDINESS] += np.int64(weight * is_late) - np.int64(weight * was_late)
     then[COMPLETION] += np.int64(weight * end) - np.int64(weight * node.end)
@@ -216,7 +217,7 @@ def sum_up_change(
     if ledger.is_less_late[0]:
         then[MAX_TARDINESS] = 0
         for task in range(len(problem.near)):
-            late = graph.nodes[task].end - graph.nodes[task].due
+            late = graph.nodes[task].end - graph.worth[task].due
             then[MAX_TARDINESS] = max(then[MAX_TARDINESS], late)
     ledger.cost[THEN] = 0.0
     for part in range(len(then)):
@@ -248,7 +249,7 @@ def time_links(
         ledger.part[part] = 0
     for task in range(tasks):
         node = graph.nodes[task]
-        late = max(0, node.end - node.due)
+        late = max(0, node.end - graph.worth[task].due)
         ledger.part[TARDINESS] += np.int64(links.task_weight[task] * late)
         ledger.part[COMPLETION] += np.int64(links.task_weight[task] * node.end)
         for seat in range(node.first, node.first + node.taken):

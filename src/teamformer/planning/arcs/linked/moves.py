@@ -100,7 +100,8 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
     node, draw = nodes[task], draw_below(random, 100)
     start = node.end - node.duration
     if draw < IN_WINDOW:
-        latest = node.due - node.duration if node.due < NEVER else start + 4 * leg
+        due = graph.worth[task].due
+        latest = due - node.duration if due < NEVER else start + 4 * leg
         return 2 * (node.release + draw_below(random, max(1, latest - node.release)))
     if draw < IN_WINDOW + IN_PLACE:
         return 2 * max(0, start - leg + draw_below(random, 2 * leg + 1))

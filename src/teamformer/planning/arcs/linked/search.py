@@ -6,15 +6,16 @@ that a plan is the same on every machine all the same.
 
 from __future__ import annotations
 
-import time
+import math
 from collections.abc import Callable
 from random import Random
+from typing import Any
 
 import numpy as np
 
 from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
-from teamformer.planning.arcs.annealing import FEWEST_ROUNDS, SECONDS_AT_ONCE, copy_graph
+from teamformer.planning.arcs.annealing import copy_graph
 from teamformer.planning.arcs.arc_problem import ArcProblem, pose_arcs
 from teamformer.planning.arcs.graph import Graph, empty_graph, lay, plan_of
 from teamformer.planning.arcs.judging import Trial, undo
@@ -41,6 +42,7 @@ from teamformer.planning.arcs.linked.judging import (
 from teamformer.planning.arcs.linked.moves import move
 from teamformer.planning.continuous.links import MAX_TARDINESS, TARDINESS, TRAVEL, LinkedProblem
 from teamformer.planning.continuous.schedule import CoalitionPlan
+from teamformer.planning.race import Race, search_by_clock
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
 NEAR = 60
@@ -127,19 +129,14 @@ class LinkedSearch:
         parts = (self.graph, self._best, self._trial, self._ledger, self._room, self.random)
         anneal_links(self.arcs, self._links, *parts, SLACKS, self.ticks, float(heat), rounds)
 
-    def anneal_for(
-        self, seconds: float, is_over: Callable[[], bool], offer: Callable[[], None]
-    ) -> None:
-        """Anneal for so many seconds, and call `offer` whenever a better plan is found."""
-        hot, at_once, cost = self.heat, FEWEST_ROUNDS, self.cost
-        begun = now = time.perf_counter()
-        while now < begun + seconds and not is_over():
-            self.anneal(hot * COOLER ** (COOLINGS * (now - begun) / seconds), at_once)
-            if self.cost < cost:
-                cost = self.cost
-                offer()
-            took, now = time.perf_counter() - now, time.perf_counter()
-            at_once = max(1, min(2 * at_once, int(at_once * SECONDS_AT_ONCE / max(took, 1e-7))))
+    def anneal_until(self, deadline: float, race: Race[Any], offer: Callable[[], None]) -> None:
+        """Anneal until a moment, or until a race is over; offer whatever is better."""
+        hot = self.heat
+
+        def anneal(passed: float, rounds: int) -> None:
+            self.anneal(hot * COOLER ** (COOLINGS * passed), rounds)
+
+        search_by_clock(anneal, lambda: self.cost, deadline, race, offer, math.inf)
 
     @property
     def cost(self) -> float:
@@ -211,7 +208,7 @@ def _draw_task(links: Links, graph: Graph, ledger: Ledger, random: Array) -> int
     if latest == 0 or not is_counted or draw_below(random, 100) >= LATE:
         return task
     for _ in range(tasks):
-        if nodes[task].end - nodes[task].due == latest:
+        if nodes[task].end - graph.worth[task].due == latest:
             break
         task = task + 1 if task + 1 < tasks else 0
     for _ in range(draw_below(random, BACKWARDS + 1)):

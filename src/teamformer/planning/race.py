@@ -1,0 +1,125 @@
+"""Searching by the clock: the best plan that several threads have found, and how they end."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from typing import Any, Generic, TypeVar
+
+Plan = TypeVar("Plan")
+
+LOOK = 0.1
+"""Seconds between two looks at whether anybody still waits."""
+
+FEWEST_ROUNDS, SECONDS_AT_ONCE = 200, 0.05
+"""Rounds before the first look at the clock, and seconds between two looks."""
+
+
+class Race(Generic[Plan]):
+    """The best plan that any thread has found so far, and when each better one was found.
+
+    `judge` returns the rank of a plan, least first, and the value that the `curve` tells of it.
+    Moments are what `time.perf_counter` shows.
+    """
+
+    def __init__(
+        self,
+        judge: Callable[[Plan], tuple[tuple[float, ...], float]],
+        first: Plan,
+        begun: float,
+        deadline: float,
+        is_bounded: bool = True,
+    ) -> None:
+        """`is_bounded` says that the first number of a rank is never less than the bound."""
+        self.plan, self.bound, self.deadline = first, 0, deadline
+        self.rank, self.value = judge(first)
+        self.curve: list[tuple[float, Any]] = []
+        self._judge, self._begun, self._is_bounded = judge, begun, is_bounded
+        self._is_stopped = False
+        self._lock = threading.Lock()
+
+    def offer(self, plan: Plan) -> None:
+        """Take a plan if it is better."""
+        rank, value = self._judge(plan)
+        with self._lock:
+            if rank >= self.rank:
+                return
+            self.plan, self.rank = plan, rank
+            if value != self.value:
+                self.value = value
+                self.curve.append((time.perf_counter() - self._begun, value))
+
+    def raise_bound(self, bound: int) -> None:
+        """Note that no plan is better than this."""
+        with self._lock:
+            self.bound = max(self.bound, bound)
+
+    def stop(self) -> None:
+        """Let all searches come to their end."""
+        self._is_stopped = True
+
+    def is_stopped(self) -> bool:
+        """Say whether somebody has stopped all searches."""
+        return self._is_stopped
+
+    @property
+    def seconds_left(self) -> float:
+        """Return the seconds until the searches are to end."""
+        return max(0.0, self.deadline - time.perf_counter())
+
+    @property
+    def is_over(self) -> bool:
+        """Say whether searches are to end: time is up, somebody stops them, or nothing is better.
+
+        A plan that is as good as the bound is the best.
+        """
+        is_proven = self._is_bounded and self.rank[0] <= self.bound
+        return self._is_stopped or is_proven or self.seconds_left == 0.0
+
+    def run(
+        self,
+        jobs: Sequence[Callable[[], Any]],
+        threads: int,
+        is_left: Callable[[], bool] = lambda: False,
+    ) -> list[Any]:
+        """Return what jobs return, run on so many threads; `is_left` says that nobody waits.
+
+        The main thread only waits, so that Ctrl-C reaches it.
+        """
+        with ThreadPoolExecutor(threads) as pool:
+            running = [pool.submit(job) for job in jobs]
+            try:
+                while wait(running, timeout=LOOK).not_done and not is_left():
+                    pass
+            finally:
+                self.stop()
+        return [job.result() for job in running]
+
+
+def search_by_clock(
+    search: Callable[[float, int], None],
+    cost: Callable[[], float],
+    deadline: float,
+    race: Race[Any],
+    offer: Callable[[], None],
+    rounds: float,
+) -> None:
+    """Search until the race is over, its deadline passes or so many rounds are made.
+
+    `search` makes rounds: it is told which part of all has passed, and how many to make. `offer`
+    is called whenever the cost has fallen.
+    """
+    at_once, least, made = FEWEST_ROUNDS, cost(), 0
+    begun = now = time.perf_counter()
+    while now < deadline and made < rounds and not race.is_over:
+        passed = max((now - begun) / (deadline - begun), made / rounds)
+        at_once = int(min(at_once, rounds - made))
+        search(passed, at_once)
+        made += at_once
+        if cost() < least:
+            least = cost()
+            offer()
+        took, now = time.perf_counter() - now, time.perf_counter()
+        at_once = max(1, min(2 * at_once, int(at_once * SECONDS_AT_ONCE / max(took, 1e-7))))

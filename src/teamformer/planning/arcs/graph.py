@@ -74,7 +74,6 @@ class Graph(NamedTuple):
     """A plan with its times. Seats are those of the tasks, then depots, then homes."""
 
     nodes: Records  # (places + 1,) NODE: tasks, depots by place, and one for all homes
-    worth: Records  # (tasks,) WORTH
     seats: Records  # (tasks * most + 2 * robots,) SEAT
     back: Ints  # (robots,) when each home is reached
     total: Ints  # (6,)
@@ -82,6 +81,7 @@ class Graph(NamedTuple):
     order: Int32s  # (tasks,) in steps: the tasks by their keys, when all was timed
     ways: Records  # (seats of a node,) WAY, room for the ways that lead from a node
     there: Ints  # (seats of a node,) room for the steps in which groups are there
+    worth: Records  # (tasks,) WORTH
 
 
 def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:
@@ -119,7 +119,6 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     widest = max(most, int(nodes.taken.max(initial=0))) + 1
     return Graph(
         nodes,
-        worth,
         seats,
         back=np.zeros(robots, np.int64),
         total=np.zeros(6, np.int64),
@@ -127,6 +126,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
         order=np.arange(tasks, dtype=np.int32),
         ways=np.zeros(widest, WAY).view(np.recarray),
         there=np.zeros(widest, np.int64),
+        worth=worth,
     )
 
 

@@ -5,6 +5,8 @@ MAKE_VENV = $(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3
 VENV := .venv
 BIN := $(VENV)/bin
 
+unexport PYTHONDONTWRITEBYTECODE  # hundreds of processes start in a test run, which else compile all they import
+
 .PHONY: run test check lint docs kernels types planes test-all fuzz test-real test-ros wheel wheel-of clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page

@@ -121,6 +121,7 @@ def test_what_has_not_shown_itself_is_not_learned() -> None:
     assert {lesson.weight for lesson in experience.lessons} == {0.0}
 
 
+@pytest.mark.thorough
 def test_a_value_is_learned_from_many_sites_as_it_is() -> None:
     """The rule of a random site is found again: chances by halves of the map, within 0.1."""
     rng = np.random.default_rng(5)

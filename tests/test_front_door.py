@@ -32,6 +32,7 @@ MODULES = [teamformer, missions, trials, advice, planned, notebook_page]
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: m.__name__)
+@pytest.mark.thorough
 def test_examples_of_docstrings_run(module: object) -> None:
     result = doctest.testmod(module, extraglobs={"tf": tf})  # type: ignore[arg-type]
     assert result.attempted > 1

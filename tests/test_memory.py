@@ -56,6 +56,7 @@ def test_a_mission_too_large_is_told_with_what_would_fit(tmp_path: Path) -> None
     assert ended.stdout == ""
 
 
+@pytest.mark.thorough
 def test_what_is_left_is_the_least_of_limit_and_machine() -> None:
     left = "from teamformer.trials.memory import bytes_left; print(bytes_left())"
     for limit in (LIMIT, LIMIT // 2):

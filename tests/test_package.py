@@ -96,6 +96,7 @@ def test_what_is_made_there_can_be_made(path: Path) -> None:
     assert asked
 
 
+@pytest.mark.thorough
 def test_a_first_run_that_takes_too_long_fails() -> None:
     """As `make wheel` measures it, in seconds of the processor: waiting does not count."""
 

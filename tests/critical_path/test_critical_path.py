@@ -238,6 +238,7 @@ def random_mission(seed: int) -> Scenario:
 
 
 @pytest.mark.parametrize("method", METHODS)
+@pytest.mark.thorough
 def test_the_stretches_add_up_and_tell_what_the_record_tells(method: str) -> None:
     """Held against `moments`, which goes through records in a way of its own."""
     completed = 0

@@ -45,6 +45,7 @@ def test_what_is_drawn_from_a_range_may_be_late_but_is_no_error(
         assert row["late"] == ({"t1": row["makespan"] - 4} if row["makespan"] > 4 else {})
 
 
+@pytest.mark.thorough
 def test_nothing_is_exchanged_once_all_is_done() -> None:
     """Two robots exchange their parts in the last step but one, and not again in the last."""
     record = tf.run(tf.load(path_of("exchange-at-the-end")), "central", seconds=0).record

@@ -296,6 +296,7 @@ def test_page_and_terminal_are_told_which_robots_are_not_heard(
     assert session.watch.steps == []  # no time passes before anybody is heard
 
 
+@pytest.mark.thorough
 def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
     """Nobody answers; whoever started the tests may have Ctrl-C ignored, the child may not."""
     write_scenario(MISSION.scenario, tmp_path / "small.yaml")

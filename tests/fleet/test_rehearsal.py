@@ -303,6 +303,7 @@ def test_a_robot_is_at_work_in_one_team_at_a_time() -> None:
     assert tasks == {-1, 0, 1, 2, 3, 4}
 
 
+@pytest.mark.thorough
 def test_the_benchmark_has_a_row_for_each_world() -> None:
     settings = ("4N20T-C4", "warehouse-lost")
     rows = list(bench_fleet(settings, range(5000, 5001)))

@@ -260,6 +260,7 @@ def test_a_plan_for_robots_that_go_by_none_is_refused(tmp_path: Path) -> None:
         assert "by this method robots go by no plan" in page.hear("refused")["text"]
 
 
+@pytest.mark.thorough
 def test_an_uncertain_mission_is_forecast_as_a_band(tmp_path: Path) -> None:
     mission = small_mission()
     tasks = tuple(replace(task, lasts=(1, 9)) for task in mission.tasks)

@@ -44,6 +44,7 @@ def test_illegal_choices_are_refused_and_the_others_sum_to_one(network: Relation
     torch.testing.assert_close((probabilities * given.is_legal).sum(dim=-1), torch.ones(20))
 
 
+@pytest.mark.thorough
 def test_what_stands_in_padding_changes_nothing(network: RelationalPolicy) -> None:
     given = tokens()
     legal = given.is_legal.clone()

@@ -26,6 +26,7 @@ def walking_bound(scenario: Scenario) -> int:
 
 
 @pytest.mark.parametrize("seed", range(5))
+@pytest.mark.thorough
 def test_no_schedule_is_faster(seed: int) -> None:
     rng = np.random.default_rng(seed)
     gaps = []
@@ -39,6 +40,7 @@ def test_no_schedule_is_faster(seed: int) -> None:
 
 
 @pytest.mark.parametrize("policy", [JoinAll(), Heuristic()])
+@pytest.mark.thorough
 def test_no_trial_is_faster(policy: Policy) -> None:
     """At uneven speeds too, where a team does tasks in passing, and with robots that are lost."""
     rng = np.random.default_rng(0)

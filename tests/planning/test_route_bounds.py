@@ -93,6 +93,7 @@ def test_no_schedule_is_faster(losses: float) -> None:
 
 @pytest.mark.parametrize("policy", [JoinAll(), Heuristic()])
 @pytest.mark.parametrize("is_plane", [False, True])
+@pytest.mark.thorough
 def test_no_trial_is_faster(policy: Policy, is_plane: bool) -> None:
     """At uneven speeds, with walls, losses and late tasks."""
     rng = np.random.default_rng(1)

@@ -228,6 +228,7 @@ def hash_elsewhere(seed: int, worlds: int, rounds: str = "None", **environment: 
     return told.stdout.strip()
 
 
+@pytest.mark.thorough
 def test_plans_are_the_same_without_the_compiler_and_in_another_process() -> None:
     ours = hash_of(seed=4, worlds=6, rounds=BRIEFLY)
     assert hash_elsewhere(4, 6, "BRIEFLY", NUMBA_DISABLE_JIT="1") == ours

@@ -109,6 +109,7 @@ def test_illegal_actions_have_no_probability(network: nn.Module) -> None:
     np.testing.assert_allclose(probability.sum(axis=1), 1.0, rtol=1e-5)
 
 
+@pytest.mark.thorough
 def test_padding_order_and_company_change_nothing(network: nn.Module) -> None:
     tokens = some_tokens()
     scores = run(network, tokens)

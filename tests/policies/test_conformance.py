@@ -110,6 +110,7 @@ def test_a_view_is_not_written_to(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", LISTED)
+@pytest.mark.thorough
 def test_company_changes_nothing(name: str) -> None:
     """A world beside larger ones, with padding in its views, goes as it does alone."""
     scenarios = worlds(6, 12)

@@ -62,6 +62,7 @@ def two_who_need_each_other() -> Scenario:
     )
 
 
+@pytest.mark.thorough
 def test_onnx_equals_torch_over_a_thousand_views(tmp_path: Path) -> None:
     learner = make_learner(TrainSettings(seed=5))
     with torch.no_grad():
@@ -183,6 +184,7 @@ def test_trials_do_not_depend_on_who_else_is_in_the_batch() -> None:
     assert together == [run_trials([world], teamformer())[0] for world in worlds]
 
 
+@pytest.mark.thorough
 def test_files_that_are_no_network_are_refused(tmp_path: Path) -> None:
     with pytest.raises(TeamformerError, match="holds no network that runs"):
         any_fleet(b"no network", "net.onnx")

@@ -468,6 +468,7 @@ def misses(forge: Forge, records: list[Replay], most: int) -> tuple[int, list[in
 
 
 @pytest.mark.parametrize("name", FORGERIES)
+@pytest.mark.thorough
 def test_a_forged_field_is_found(name: str, records: list[Replay]) -> None:
     tried, missed = misses(FORGERIES[name], records, most=20)
     assert missed == []

@@ -55,6 +55,7 @@ def test_shares_are_met_on_average() -> None:
 
 
 @pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.thorough
 def test_the_others_can_do_without_who_is_lost(name: str) -> None:
     for plain, world in zip(worlds(name), worlds(f"{name}-lost"), strict=True):
         lost = [robot for robot in world.robots if robot.absences]

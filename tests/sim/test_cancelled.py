@@ -93,6 +93,7 @@ def test_step_with_cancelled_tasks_is_what_the_plain_twin_does(is_plane: bool, k
 
 
 @pytest.mark.parametrize("player", [SharedPlan(), JoinAll()], ids=["plan", "join-all"])
+@pytest.mark.thorough
 def test_records_of_missions_with_cancelled_tasks_are_legal(player: Player) -> None:
     rng = np.random.default_rng(8)
     cancelled = 0

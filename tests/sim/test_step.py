@@ -144,6 +144,7 @@ PLAYERS = pytest.mark.parametrize(
 
 
 @PLAYERS
+@pytest.mark.thorough
 def test_nothing_blocks_whatever_happened_before(player: Player) -> None:
     """Many worlds, some in a state that random decisions have brought about."""
     count = 30 if isinstance(player, SharedPlan) else 150  # a plan takes a while

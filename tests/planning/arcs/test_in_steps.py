@@ -206,6 +206,7 @@ for seed in range(3):
 """
 
 
+@pytest.mark.thorough
 def test_a_change_that_is_refused_leaves_everything_as_it_was() -> None:
     run_script(UNDOING, NUMBA_DISABLE_JIT="1")
 

@@ -12,7 +12,7 @@ from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import are_ways_straight
+from teamformer.planning.relaxation.ways import are_ways_straight
 from teamformer.policies.protocol import Planner
 from teamformer.trials.methods import STAND_IN, Method
 

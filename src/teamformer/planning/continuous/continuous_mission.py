@@ -38,7 +38,8 @@ from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan, empty_plan
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.times import Clock
-from teamformer.planning.relaxation.problem import count_table, ends_of, least_carried
+from teamformer.planning.relaxation.problem import count_table, least_carried
+from teamformer.planning.relaxation.ways import ends_of
 from teamformer.roads import AIR, Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 

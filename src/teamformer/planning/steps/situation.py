@@ -11,14 +11,8 @@ from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid, Place
 from teamformer.mission.rules import opening_step
 from teamformer.model import Scenario, Task
-from teamformer.planning.relaxation.problem import (
-    Future,
-    Relaxed,
-    are_ways_straight,
-    ends_of,
-    future_of,
-    relax_ways,
-)
+from teamformer.planning.relaxation.problem import Future, Relaxed, future_of, relax_ways
+from teamformer.planning.relaxation.ways import are_ways_straight, ends_of
 from teamformer.planning.steps.crossings import Crossings, find_crossings, without_loads
 from teamformer.planning.steps.team_plan import TeamPlan
 from teamformer.rules.constants import FAR

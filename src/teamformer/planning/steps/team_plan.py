@@ -36,10 +36,8 @@ def plan_teams(order: Sequence[int], coalitions: Sequence[Sequence[int]]) -> Tea
 
 def keep_order(before: Array, order: list[int]) -> list[int]:
     """Return an order in which each task is behind those in its row of `before`."""
-    pairs = pairs_before(before)
-    rows: dict[int, list[int]] = {}
-    for other, task in pairs:
-        rows.setdefault(task, []).append(other)
+    listed = ([other for other in row if other != NOBODY] for row in before.tolist())
+    rows = {task: others for task, others in enumerate(listed) if others}
     return keep_precedence(order, rows) if rows else order
 
 

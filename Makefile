@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 
 unexport PYTHONDONTWRITEBYTECODE  # hundreds of processes start in a test run, which else compile all they import
 
-.PHONY: run test check lint docs kernels types planes test-all fuzz test-real test-ros wheel wheel-of clean
+.PHONY: run test check lint docs kernels types indices test-all fuzz test-real test-ros wheel wheel-of clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --out out/
@@ -17,7 +17,7 @@ test: $(VENV)/dev.stamp lint  ## before every commit: three minutes on two cores
 	$(BIN)/pytest -q -n 2 -m "not thorough and not slow"
 
 check: $(VENV)/dev.stamp lint  ## everything CI runs
-	$(MAKE) --jobs=2 --output-sync kernels types planes
+	$(MAKE) --jobs=2 --output-sync kernels types indices
 	$(BIN)/pytest -q -n 2 -m "not slow"
 
 lint: $(VENV)/dev.stamp
@@ -35,8 +35,9 @@ kernels: $(VENV)/dev.stamp  ## compiled once, before two processes of the suite 
 types: $(VENV)/dev.stamp
 	$(BIN)/mypy
 
-planes: $(VENV)/dev.stamp  ## every index checked, as it runs
-	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest -q -n 0 tests/sim/test_planes.py
+CHECKED := tests/sim/test_planes.py tests/planning/arcs tests/planning/test_crews.py tests/planning/continuous/test_reactive.py
+indices: $(VENV)/dev.stamp  ## every index of an array checked, as it runs
+	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest -q -n 0 -m "not thorough and not slow" $(CHECKED)
 
 test-all: $(VENV)/dev.stamp  ## the long tests too
 	$(BIN)/pytest -q -n 2

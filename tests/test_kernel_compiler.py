@@ -33,6 +33,10 @@ def first_numbers(count: int) -> Any:
     return numbers
 
 
+def write_last(numbers: Any, row: int) -> None:
+    numbers[row, -1] = -7
+
+
 def sum_of_cubes(count: int) -> int:
     total = 0
     for number in first_numbers(count):
@@ -47,7 +51,11 @@ def test_an_entry_calls_what_calls_others() -> None:
 def test_only_indices_written_as_numbers_count_from_the_end() -> None:
     numbers = np.arange(12).reshape(3, 4)
     assert entry(lambda array: array[-1, -2])(numbers) == 10
+    assert entry(lambda array, row: array[row, -1])(numbers, 2) == 11
     assert entry(lambda array: array[1:][-1, 0])(numbers) == 8
+    assert entry(lambda array, row: array[row, :].sum())(numbers, -1) == 8 + 9 + 10 + 11
+    entry(write_last)(numbers, 1)
+    assert numbers[1].tolist() == [4, 5, 6, -7]
     rest = np.arange(5)[2:]
     assert entry(lambda array, index: array[index])(rest, -1) == 1  # what lies before it
 

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import time
 
+import numpy as np
 import pytest
 
-from teamformer.planning.race import Race, search_by_clock
+from teamformer.planning.race import Judgement, Race, search_by_clock
+from teamformer.planning.steps.solve import begin_race
+from teamformer.planning.steps.team_plan import plan_teams
+from teamformer.planning.steps.timed_plan import TimedPlan
 
 
-def length(plan: str) -> tuple[tuple[float, ...], float]:
-    return (len(plan), plan.count("a")), len(plan)
+def judge(plan: str) -> Judgement:
+    bounded = math.inf if "u" in plan else len(plan)
+    return Judgement((10 * len(plan), plan.count("a")), len(plan), bounded)
 
 
-def begin(first: str, seconds: float = 60.0, is_bounded: bool = True) -> Race[str]:
+def begin(first: str, seconds: float = 60.0) -> Race[str]:
     now = time.perf_counter()
-    return Race(length, first, now, now + seconds, is_bounded)
+    return Race(judge, first, now, now + seconds)
 
 
 def test_better_plans_are_taken_and_told_where_their_value_changes() -> None:
@@ -26,15 +32,24 @@ def test_better_plans_are_taken_and_told_where_their_value_changes() -> None:
     assert [value for _, value in race.curve] == [2]
 
 
-def test_a_plan_as_good_as_the_bound_ends_it_if_the_bound_is_of_its_rank() -> None:
-    for is_bounded in (True, False):
-        race = begin("abc", is_bounded=is_bounded)
+def test_a_plan_as_good_as_the_bound_ends_it_if_the_bound_is_of_such_plans() -> None:
+    for better, is_over in (("xx", True), ("uu", False)):
+        race = begin("abc")
         race.raise_bound(2)
         race.raise_bound(1)
         assert race.bound == 2
         assert not race.is_over
-        race.offer("xx")
-        assert race.is_over == is_bounded
+        race.offer(better)
+        assert race.is_over == is_over
+
+
+def test_plans_in_steps_are_over_when_the_makespan_is_the_bound() -> None:
+    now, plan = time.perf_counter(), plan_teams([0], [[0]])
+    for has_prices in (False, True):
+        timed = TimedPlan(plan, 26_629, np.array([31]), has_prices)
+        race = begin_race(timed, now, now + 60)
+        race.raise_bound(31)
+        assert race.is_over != has_prices
 
 
 def test_jobs_run_to_their_end_and_what_they_raise_reaches_who_waits() -> None:
@@ -42,11 +57,19 @@ def test_jobs_run_to_their_end_and_what_they_raise_reaches_who_waits() -> None:
     assert race.run([lambda: 1, lambda: race.offer("x"), lambda: 3], threads=2) == [1, None, 3]
     assert (race.plan, race.is_over) == ("x", True)
 
+
+def test_what_a_job_raises_ends_the_others() -> None:
+    race = begin("abc", seconds=600.0)
+
     def fail() -> None:
         raise ValueError("no")
 
+    def wait() -> None:
+        while not race.is_over:
+            time.sleep(0.01)
+
     with pytest.raises(ValueError, match="no"):
-        begin("abc").run([fail], threads=1)
+        race.run([wait, fail], threads=2)
 
 
 def test_a_search_that_nobody_waits_for_ends() -> None:
@@ -58,7 +81,7 @@ def test_a_search_that_nobody_waits_for_ends() -> None:
     def fail() -> None:
         raise AssertionError("nothing was found")
 
-    race.run([search, search], threads=2, is_left=lambda: True)
+    race.run([search, search], threads=2, is_abandoned=lambda: True)
     assert race.is_over
 
 

@@ -24,6 +24,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
 from numba.core.compiler_machinery import LoweringPass, register_pass
 from numba.core.environment import lookup_environment
+from numba.core.ir_utils import find_const, get_definition, guard
 from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import AnnotateTypes, NativeLowering
 from numba.core.typing import signature
@@ -68,8 +69,8 @@ class _CountFromFirst(LoweringPass):
     """Let indices be whole numbers without a sign: none counts from the end of an array.
 
     Nobody asks at each access whether an index is negative then: a search makes a third more
-    rounds in the same time. An index that is written as a number, as -1, may still count from the
-    end. Where every index is checked, one that is negative is an error.
+    rounds in the same time. Only a number in the code, as -1, and an index beside a slice may still
+    count from the end. Where every index is checked, any other that is negative is an error.
     """
 
     _name = "teamformer_count_from_first"
@@ -82,11 +83,19 @@ class _CountFromFirst(LoweringPass):
             for access in [*block.find_exprs("getitem"), *block.find_insts(ir.SetItem)]:
                 kind = state.calltypes[access]
                 array, index, *value = kind.args
-                if isinstance(array, types.Array):
+                if isinstance(array, types.Array) and not _has_minus(state.func_ir, access.index):
                     index = _without_sign(index)
                     del state.calltypes[access]  # which takes each once only
                     state.calltypes[access] = signature(kind.return_type, array, index, *value)
         return True
+
+
+def _has_minus(code: Any, index: Any) -> bool:
+    """Say whether an index, or one of several, is a negative number in the code."""
+    meant = guard(get_definition, code, index)
+    parts = meant.items if getattr(meant, "op", None) == "build_tuple" else [index]
+    numbers = (guard(find_const, code, part) for part in parts)
+    return any(isinstance(number, int) and number < 0 for number in numbers)
 
 
 def _without_sign(index: Any) -> Any:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
-from typing import Any, Generic, TypeVar
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from typing import Any, Generic, NamedTuple, TypeVar
 
 Plan = TypeVar("Plan")
 
@@ -17,39 +17,39 @@ FEWEST_ROUNDS, SECONDS_AT_ONCE = 200, 0.05
 """Rounds before the first look at the clock, and seconds between two looks."""
 
 
+class Judgement(NamedTuple):
+    """What is thought of a plan."""
+
+    rank: tuple[float, ...]  # plans are compared by it, the least first
+    value: float  # what the curve tells
+    bounded: float  # what bounds are of, and infinite if they say nothing of such a plan
+
+
 class Race(Generic[Plan]):
     """The best plan that any thread has found so far, and when each better one was found.
 
-    `judge` returns the rank of a plan, least first, and the value that the `curve` tells of it.
     Moments are what `time.perf_counter` shows.
     """
 
     def __init__(
-        self,
-        judge: Callable[[Plan], tuple[tuple[float, ...], float]],
-        first: Plan,
-        begun: float,
-        deadline: float,
-        is_bounded: bool = True,
+        self, judge: Callable[[Plan], Judgement], first: Plan, begun: float, deadline: float
     ) -> None:
-        """`is_bounded` says that the first number of a rank is never less than the bound."""
         self.plan, self.bound, self.deadline = first, 0, deadline
-        self.rank, self.value = judge(first)
+        self.judgement = judge(first)
         self.curve: list[tuple[float, Any]] = []
-        self._judge, self._begun, self._is_bounded = judge, begun, is_bounded
+        self._judge, self._begun = judge, begun
         self._is_stopped = False
         self._lock = threading.Lock()
 
     def offer(self, plan: Plan) -> None:
         """Take a plan if it is better."""
-        rank, value = self._judge(plan)
+        judgement = self._judge(plan)
         with self._lock:
-            if rank >= self.rank:
+            if judgement.rank >= self.judgement.rank:
                 return
-            self.plan, self.rank = plan, rank
-            if value != self.value:
-                self.value = value
-                self.curve.append((time.perf_counter() - self._begun, value))
+            if judgement.value != self.judgement.value:
+                self.curve.append((time.perf_counter() - self._begun, judgement.value))
+            self.plan, self.judgement = plan, judgement
 
     def raise_bound(self, bound: int) -> None:
         """Note that no plan is better than this."""
@@ -75,24 +75,27 @@ class Race(Generic[Plan]):
 
         A plan that is as good as the bound is the best.
         """
-        is_proven = self._is_bounded and self.rank[0] <= self.bound
+        is_proven = self.judgement.bounded <= self.bound
         return self._is_stopped or is_proven or self.seconds_left == 0.0
 
     def run(
         self,
         jobs: Sequence[Callable[[], Any]],
         threads: int,
-        is_left: Callable[[], bool] = lambda: False,
+        is_abandoned: Callable[[], bool] = lambda: False,
     ) -> list[Any]:
-        """Return what jobs return, run on so many threads; `is_left` says that nobody waits.
+        """Return what jobs return that are run on so many threads.
 
-        The main thread only waits, so that Ctrl-C reaches it.
+        `is_abandoned` says whether nobody waits for them any more. What a job raises ends the
+        others. The calling thread only waits, so that Ctrl-C reaches it.
         """
         with ThreadPoolExecutor(threads) as pool:
             running = [pool.submit(job) for job in jobs]
             try:
-                while wait(running, timeout=LOOK).not_done and not is_left():
-                    pass
+                while not is_abandoned():
+                    done, left = wait(running, LOOK, FIRST_EXCEPTION)
+                    if not left or any(job.exception() for job in done):
+                        break
             finally:
                 self.stop()
         return [job.result() for job in running]
@@ -106,7 +109,7 @@ def search_by_clock(
     offer: Callable[[], None],
     rounds: float,
 ) -> None:
-    """Search until the race is over, its deadline passes or so many rounds are made.
+    """Search until a deadline, or until the race is over or so many rounds are made.
 
     `search` makes rounds: it is told which part of all has passed, and how many to make. `offer`
     is called whenever the cost has fallen.

@@ -128,8 +128,8 @@ def test_searching_by_the_clock_begins_at_the_best_plan_and_offers_better_ones()
     begun = time.perf_counter()
     race = begin_race(first, begun, begun + 0.5)
     improve(race, situation, from_best(race), seed=0)
-    assert race.value == race.plan.makespan < first.makespan
-    assert race.curve[-1][1] == race.value
+    assert race.judgement.value == race.plan.makespan < first.makespan
+    assert race.curve[-1][1] == race.plan.makespan
     stopped = begin_race(first, begun, begun + 600)
     stopped.stop()
     improve(stopped, situation, from_best(stopped), seed=0)  # ends at once

@@ -201,7 +201,7 @@ def test_the_best_plan_is_over_first_however_early_robots_are_home_on_average() 
     for known, other in ((first, alone), (alone, first)):
         race = Race(partial(judge, problem), known.plan, begun=0.0, deadline=0.0)
         race.offer(other.plan)
-        assert race.value == schedule_of(problem, race.plan).total[MAKESPAN] == 100
+        assert race.judgement.value == schedule_of(problem, race.plan).total[MAKESPAN] == 100
 
 
 def roads(**movers: list[list[float]]) -> Roads:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.problem import pose_problem
+from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.scenarios.files import scenario_from_tree
 
@@ -19,6 +21,19 @@ ISLANDS = {
     ],
 }
 """A robot on each side of a wall. The one below has nothing to do any more before the other."""
+
+
+def test_what_all_robots_together_cannot_do_is_not_planned() -> None:
+    problem = pose_problem(
+        ways=[[[0, 0]] * 3],
+        home=[[0, 0, 0]],
+        pace=[0],
+        origin=[2],
+        counts=[[1, 0]],
+        needs=[[1, 0], [0, 1]],
+        duration=[1, 1],
+    )
+    assert react(problem) is None
 
 
 def test_whoever_is_on_the_other_side_of_a_wall_is_not_sent() -> None:

@@ -49,7 +49,7 @@ NODE = np.dtype(
     ],
     align=True,
 )
-"""64 bytes, which processors fetch at once; what is asked less often is in `WORTH`."""
+"""64 bytes; what is asked less often is in `WORTH`."""
 
 WORTH = np.dtype(
     [

@@ -181,6 +181,8 @@ def _play_out(
     tasks = len(schedule.rank)
     for position in range(begin, tasks):
         robot = _first_free(problem, schedule, position)
+        if robot == NOBODY:
+            return NEVER
         best, least = NOBODY, NEVER
         for task in range(tasks):
             if _helps(problem, schedule, robot, task):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ from teamformer.planning.continuous.schedule import (
     Schedule,
     schedule_of,
 )
-from teamformer.planning.race import Race
+from teamformer.planning.race import Judgement, Race
 
 PROOF, LARGE_PROOF = 0.3, 0.1
 """Share of the time that one thread spends on bounds at most, and on CP-SAT again; the latter where
@@ -100,21 +101,21 @@ def solve(
         race.offer(start)
     jobs = [partial(_prove_and_search, problem, seed + 1, race)]
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
-    race.run(jobs, workers)
+    race.run(jobs, len(jobs))
     schedule = schedule_of(problem, race.plan)
     bound = min(race.bound, int(schedule.total[MAKESPAN]))
     return Solution(schedule, bound, (first, *race.curve))
 
 
-def judge(problem: CoalitionProblem, plan: CoalitionPlan) -> tuple[tuple[float, ...], float]:
-    """Return the rank of a plan, and its makespan.
+def judge(problem: CoalitionProblem, plan: CoalitionPlan) -> Judgement:
+    """Compare plans by makespan and lateness, and only then by what a search goes by.
 
-    It is ranked by makespan and lateness, and only then by what a search goes by: to that it also
-    counts how early robots are home on average, which shows it the way.
+    To that it also counts how early robots are home on average, which shows it the way.
     """
     total = schedule_of(problem, plan).total
     makespan, late = int(total[MAKESPAN]), int(total[LATE])
-    return (makespan + LATENESS * late, int(total[COST])), makespan
+    rank = makespan + LATENESS * late, int(total[COST])
+    return Judgement(rank, makespan, math.inf if late > 0 else makespan)
 
 
 def _search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> None:
@@ -150,7 +151,7 @@ def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[Coalition
 
 def _raise_bound(problem: CoalitionProblem, race: Race[CoalitionPlan], deadline: float) -> None:
     """Raise the bound until a moment, or until it is over."""
-    for bound in improving_bounds(problem, lambda: int(race.value)):
+    for bound in improving_bounds(problem, lambda: int(race.judgement.value)):
         race.raise_bound(bound)
         if race.is_over or time.perf_counter() > deadline:
             break

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from teamformer.planning.race import Race
+from teamformer.planning.race import Judgement, Race
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.steps.arc_search import COLD, COOL, LARGE, LESS_HOT, TeamArcs, cost_of
 from teamformer.planning.steps.initial import crew_plans
@@ -26,15 +26,14 @@ ROUNDS = 3000
 
 
 def begin_race(first: TimedPlan, begun: float, deadline: float) -> Race[TimedPlan]:
-    """Return a race that a plan leads so far, over costs; the curve tells of makespans.
-
-    A bound says nothing of plans whose tasks have prices.
-    """
-    return Race(_judge, first, begun, deadline, is_bounded=not first.has_prices)
+    """Return a race of plans in steps that a first one leads."""
+    return Race(_judge, first, begun, deadline)
 
 
-def _judge(plan: TimedPlan) -> tuple[tuple[float, ...], float]:
-    return (plan.cost,), plan.makespan
+def _judge(plan: TimedPlan) -> Judgement:
+    """Compare plans by their costs; where tasks have prices the makespan is not all that counts."""
+    bounded = math.inf if plan.has_prices else plan.makespan
+    return Judgement((plan.cost,), plan.makespan, bounded)
 
 
 def first_plan(situation: Situation) -> TimedPlan | None:
@@ -73,11 +72,13 @@ def improve(race: Race[TimedPlan], situation: Situation, starts: Starts, seed: i
     Small worlds end earlier. Of a large mission there is one long annealing, from the first start.
     """
     arcs, tasks = TeamArcs(situation, seed), len(situation.tasks)
-    left, at_once = math.inf, math.inf
+    rounds, times = math.inf, 1
     if tasks < LARGE:
-        left = ROUNDS * tasks**2
-        at_once = LONGER * rounds_for(situation.problem, is_again=False).arcs
-    while left > 0 and not race.is_over:
+        rounds = LONGER * rounds_for(situation.problem, is_again=False).arcs
+        times = math.ceil(ROUNDS * tasks**2 / rounds)
+    for _ in range(times):
+        if race.is_over:
+            break
         arcs.begin_at(next(starts))
         hot = arcs.search.leg // COOL if tasks < LARGE else arcs.heats[0] // LESS_HOT
         arcs.search.anneal_until(
@@ -85,6 +86,5 @@ def improve(race: Race[TimedPlan], situation: Situation, starts: Starts, seed: i
             race,
             lambda: race.offer(arcs.best),
             (hot, hot // COLD),
-            min(at_once, left),
+            rounds,
         )
-        left -= at_once

@@ -169,12 +169,12 @@ def _improve(
     """
     race = begin_race(first, plays.begun, time.perf_counter() + plays.seconds_left)
     jobs: list[Callable[[], Solution | None]] = [
-        partial(_relax_and_search, scenario, situation, race, seed),
         partial(_raise_bound, scenario, relax(scenario), race),
+        partial(_relax_and_search, scenario, situation, race, seed),
     ]
     if workers > 1:  # begins when the bound is through
         jobs.append(partial(improve, race, situation, from_best(race), seed))
-    solution, *_ = race.run(jobs, min(workers, 2))
+    _, solution, *_ = race.run(jobs, min(workers, 2))
     return solution, race
 
 

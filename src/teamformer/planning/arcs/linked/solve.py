@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,7 +10,7 @@ from functools import partial
 from teamformer.planning.arcs.linked.search import COOLER, COOLINGS, LinkedSearch
 from teamformer.planning.continuous.links import LinkedProblem
 from teamformer.planning.continuous.schedule import CoalitionPlan
-from teamformer.planning.race import Race
+from teamformer.planning.race import Judgement, Race
 
 ROUNDS_EACH, MOST_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task, and so many at most: about a second."""
@@ -70,8 +71,8 @@ def solve_linked(
     return replace(race.plan, curve=(first, *race.curve))
 
 
-def _judge(solution: LinkedSolution) -> tuple[tuple[float, ...], float]:
-    return (solution.cost,), solution.cost
+def _judge(solution: LinkedSolution) -> Judgement:
+    return Judgement((solution.cost,), solution.cost, math.inf)  # no bound is known
 
 
 def _solution(search: LinkedSearch) -> LinkedSolution:

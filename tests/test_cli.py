@@ -391,6 +391,16 @@ def test_closed_streams_are_no_fault(closed: str) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_what_cannot_be_printed_is_told() -> None:
+    command = [sys.executable, "-m", "teamformer.cli", "methods"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, env=environment)
+    assert done.returncode == 1
+    assert done.stderr == b"error: the output cannot be written: No space left on device\n"
+
+
 @pytest.mark.thorough
 def test_in_a_narrow_terminal_nothing_is_left_out() -> None:
     environment = {"COLUMNS": "40", "PYTHONPATH": os.pathsep.join(sys.path)}

@@ -50,6 +50,12 @@ def test_what_is_no_facts_file_is_refused(tmp_path: Path, content: bytes) -> Non
         FactsFile(tmp_path / "facts", 42, 1).read()
 
 
+def test_a_folder_is_no_facts_file(tmp_path: Path) -> None:
+    with pytest.raises(TeamformerError, match="cannot be read: Is a directory") as refused:
+        FactsFile(tmp_path, 42, 1).read()
+    assert "name a file" in refused.value.hint
+
+
 def test_facts_of_another_robot_are_refused(tmp_path: Path) -> None:
     FactsFile(tmp_path / "facts", 42, 1).write(KEPT)
     with pytest.raises(TeamformerError, match="another mission or robot"):

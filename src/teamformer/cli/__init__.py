@@ -72,7 +72,7 @@ def _run_verb() -> int:
         print(f"hint: {hint}", file=sys.stderr)
         return 1
     except OSError as error:  # a disk that fills up while we write, say
-        where = f"{error.filename}: " if error.filename else ""
-        print(f"error: {where}{error.strerror or error}", file=sys.stderr)
+        where = error.filename or "the output cannot be written"
+        print(f"error: {where}: {error.strerror or error}", file=sys.stderr)
         return 1
     return 0

@@ -38,7 +38,8 @@ class FactsFile:
         except FileNotFoundError:
             return None
         except OSError as error:
-            raise TeamformerError(f"{self._path}: cannot be read: {error.strerror}") from None
+            reason = f"{self._path}: cannot be read: {error.strerror}"
+            raise TeamformerError(reason, "name a file; it is written if there is none") from None
         try:
             saved = decode(data, type=Saved)
         except (ValidationError, DecodeError):

@@ -12,7 +12,7 @@ unexport PYTHONDONTWRITEBYTECODE  # hundreds of processes start in a test run, w
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --out out/
 
-test: $(VENV)/dev.stamp lint  ## before every commit: three minutes on two cores
+test: $(VENV)/dev.stamp lint  ## before every commit: three to four minutes on two cores
 	$(MAKE) --jobs=2 --output-sync kernels types
 	$(BIN)/pytest -q -n 2 -m "not thorough and not slow"
 

@@ -84,10 +84,11 @@ class Race(Generic[Plan]):
         threads: int,
         is_abandoned: Callable[[], bool] = lambda: False,
     ) -> list[Any]:
-        """Return what jobs return that are run on so many threads.
+        """Run jobs on so many threads, and return what each returns.
 
-        `is_abandoned` says whether nobody waits for them any more. What a job raises ends the
-        others. The calling thread only waits, so that Ctrl-C reaches it.
+        `is_abandoned` says whether nobody waits for them any more. If a job raises an error, the
+        others end too, and the error is raised here. The calling thread only waits, so that Ctrl-C
+        reaches it.
         """
         with ThreadPoolExecutor(threads) as pool:
             running = [pool.submit(job) for job in jobs]
@@ -109,10 +110,10 @@ def search_by_clock(
     offer: Callable[[], None],
     rounds: float,
 ) -> None:
-    """Search until a deadline, or until the race is over or so many rounds are made.
+    """Search until one of three things happens: a deadline, the end of the race, enough rounds.
 
-    `search` makes rounds: it is told which part of all has passed, and how many to make. `offer`
-    is called whenever the cost has fallen.
+    `search` makes rounds. It is told how much of the time or of the rounds is over, from 0 to 1,
+    and how many rounds to make. `offer` is called whenever the cost has fallen.
     """
     at_once, least, made = FEWEST_ROUNDS, cost(), 0
     begun = now = time.perf_counter()

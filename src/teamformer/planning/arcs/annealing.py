@@ -140,8 +140,7 @@ class ArcSearch:
     ) -> None:
         """Anneal from one heat to another until `time.perf_counter` shows the deadline.
 
-        It ends with the race, or after so many rounds; `offer` is called whenever a better plan is
-        found.
+        The end of the race or so many rounds end it sooner. Each better plan is offered.
         """
         hot, cold = heats
 

@@ -12,7 +12,8 @@ from teamformer.coordination import Known
 from teamformer.grid import Grid
 from teamformer.jit import entry
 from teamformer.model import Robot, Scenario, Task
-from teamformer.planning.bounds.makespan import bound_makespan, earliest_formed
+from teamformer.planning.bounds.earliest import earliest_formed
+from teamformer.planning.bounds.makespan import bound_makespan
 from teamformer.planning.crews.deal import _quick_tour, deal_crews
 from teamformer.planning.crews.evaluation import empty_room, walk_list
 from teamformer.planning.crews.routes import Shared, bits_of, empty_parties, gather_parties

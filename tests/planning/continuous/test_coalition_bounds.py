@@ -9,10 +9,9 @@ import pytest
 
 from random_coalitions import all_plans, plain_times, random_problem
 from teamformer.arrays import Ints
-from teamformer.planning.continuous.bounds.makespan import improving_bounds
-from teamformer.planning.continuous.bounds.refutation import Refuter
+from teamformer.planning.bounds.tours import empty_tables, narrow_starts
+from teamformer.planning.continuous.bounds.makespan import improving_bounds, refuter_of
 from teamformer.planning.continuous.bounds.relaxations import bound_by_chains_and_work, relax
-from teamformer.planning.continuous.bounds.tours import empty_tables, narrow_starts
 from teamformer.planning.continuous.cp_sat import solve_exactly
 from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.solve import plan_together, solve
@@ -46,8 +45,8 @@ def test_precedence_raises_the_bound() -> None:
     linked = CoalitionProblem(**(problem._asdict() | {"before": before, "after": after}))
     assert bound_by_chains_and_work(linked, relax(linked)) >= problem.duration.sum()
     free = problem.duration.max() + 200  # a chain of all tasks is longer than any one of them
-    assert not Refuter(problem, relax(problem)).refutes(free, 0)
-    assert Refuter(linked, relax(linked)).refutes(free, 0)
+    assert not refuter_of(problem, relax(problem)).refutes(free, 0)
+    assert refuter_of(linked, relax(linked)).refutes(free, 0)
 
 
 Span = tuple[int, int]
@@ -115,7 +114,7 @@ def test_starts_are_narrowed_as_by_trying_all(seed: int, robots: int) -> None:
 
 @pytest.mark.parametrize("problem", TINY)
 def test_nothing_that_can_be_done_is_refuted(problem: CoalitionProblem) -> None:
-    best, refuter = best_of_all(problem), Refuter(problem, relax(problem))
+    best, refuter = best_of_all(problem), refuter_of(problem, relax(problem))
     assert not any(refuter.refutes(makespan, 200) for makespan in (best, best + 1, 2 * best))
     bounds = list(itertools.islice(improving_bounds(problem, lambda: best), 60))
     assert bounds == sorted(bounds)
@@ -143,7 +142,7 @@ def depots(seed: int, tasks: int, caps: int) -> CoalitionProblem:
 
 def test_halving_windows_refutes_more() -> None:
     problem = depots(6, tasks=9, caps=3)
-    refuter = Refuter(problem, relax(problem))
+    refuter = refuter_of(problem, relax(problem))
     assert not refuter.refutes(285, 0)
     assert refuter.refutes(285, 30)
     plan = plan_together(problem)

@@ -2,7 +2,8 @@
 
 Each bound looks at one capability alone. Those of a relaxed problem hold for the step rules too,
 whatever `forming_steps` is: forming never brings a robot nearer to a task. `lower_bound` adds the
-steps that forming costs before a task can start at all.
+steps that forming costs before a task can start at all, and that tasks of several capabilities
+start when all of these are there.
 """
 
 from __future__ import annotations
@@ -15,22 +16,23 @@ import numpy.typing as npt
 
 from teamformer.arrays import Array, Floats
 from teamformer.model import Scenario
-from teamformer.planning.bounds.forming import raise_for_forming
+from teamformer.planning.bounds.earliest import earliest_in_order, earliest_starts
+from teamformer.planning.bounds.legs import least_legs, one_for_each_place
 from teamformer.planning.bounds.open_paths import LARGEST_EXACT, bound_paths, shortest_path, span
+from teamformer.planning.bounds.start_windows import refuter_in_steps
 from teamformer.planning.relaxation.problem import (
     Relaxed,
-    cells_between,
-    in_blocks,
     may_set_down,
     relax,
-    steps_from_starts,
     without_directions,
 )
-from teamformer.planning.steps.team_plan import keep_order
 from teamformer.rules.constants import FAR, NOBODY
 
 EFFORT = 4e7
 """Legs looked at in all; about a tenth of a second."""
+
+FEW_TASKS_A_TOUR = 12
+"""Tours of so few tasks narrow their starts in about a hundredth of a second."""
 
 MOST_ROUNDS = 150
 """More rounds of raising the penalties gain nothing."""
@@ -49,22 +51,14 @@ def lower_bound(scenario: Scenario) -> int:
     scenario = _without_cancelled(scenario)
     if not may_set_down(scenario):
         problem = relax(scenario, in_table=False)
-        return bound_makespan(problem, _behind_others(problem, earliest_formed(scenario, problem)))
+        start = earliest_in_order(scenario, problem)
+        bound = bound_makespan(problem, start)
+        return refuter_in_steps(problem, start, FEW_TASKS_A_TOUR).raised(bound)
     robots = tuple(replace(robot, absences=()) for robot in scenario.robots)
     scenario = replace(scenario, robots=robots)
     problem = relax(scenario, in_table=False)
     is_whole = np.array([task.to is None for task in scenario.tasks])
-    start = _behind_others(problem, earliest_formed(scenario, problem))
-    return bound_makespan(problem, start, is_whole)
-
-
-def _behind_others(problem: Relaxed, start: Array) -> Array:
-    """Return steps that no task starts before, (tasks,), raised by those that it comes after."""
-    for task in keep_order(problem.before, list(range(len(start)))):
-        before = problem.before[task][problem.before[task] != NOBODY]
-        ends = start[before] + problem.duration[before]
-        start[task] = max([start[task], *(ends + 1).tolist()])
-    return np.minimum(start, FAR)
+    return bound_makespan(problem, earliest_in_order(scenario, problem), is_whole)
 
 
 def _without_cancelled(scenario: Scenario) -> Scenario:
@@ -103,46 +97,6 @@ def bound_makespan(
     return max(bounds, default=0)
 
 
-def earliest_formed(scenario: Scenario, problem: Relaxed) -> Array:
-    """Return the first step in which a team that can do it can be at each task, as (tasks,).
-
-    Like `earliest_starts`, with what forming costs.
-    """
-    walked = earliest_starts(problem._replace(appears=np.full_like(problem.appears, -1)))
-    formed = raise_for_forming(scenario, problem, walked)
-    return np.maximum(earliest_starts(problem), formed)
-
-
-def earliest_starts(problem: Relaxed) -> Array:
-    """Return the first step in which enough of each capability can be at each task, as (tasks,).
-
-    FAR where there will never be enough. Sound because a robot takes at least the steps of the
-    direct way from its start, and is missing from the step it is lost.
-    """
-    start = problem.appears.astype(np.int64) + 1
-    for tasks in in_blocks(np.arange(len(start)), len(problem.pace)):
-        start[tasks] = _starts_of(problem, tasks)
-    return start
-
-
-def _starts_of(problem: Relaxed, tasks: Array) -> Array:
-    """Return the same of some tasks."""
-    start, needs = problem.appears[tasks].astype(np.int64) + 1, problem.needs[tasks]
-    arrive = np.maximum(steps_from_starts(problem, tasks), start[:, None])  # (tasks, robots)
-    arrive[arrive + problem.duration[tasks, None] >= problem.lost] = FAR
-    for cap, robots in enumerate(problem.able):
-        able = robots[robots != NOBODY]
-        if len(able) == 0:
-            continue  # nobody has it, so nobody needs it
-        queue = np.argsort(arrive[:, able], axis=1)  # (tasks, able)
-        brought = problem.counts[able, cap][queue].cumsum(axis=1)  # (tasks, able)
-        last = (brought < needs[:, [cap]]).sum(axis=1)  # (tasks,) place in the queue
-        in_turn = np.take_along_axis(arrive[:, able], queue, axis=1)  # (tasks, able)
-        is_needed = needs[:, cap] > 0
-        start[is_needed] = np.maximum(start, in_turn[np.arange(len(start)), last])[is_needed]
-    return start
-
-
 def _bound_capability(problem: Relaxed, cap: int, tasks: Array, start: Array, effort: float) -> int:
     """Bound the makespan by what the robots with one capability have to walk.
 
@@ -154,7 +108,7 @@ def _bound_capability(problem: Relaxed, cap: int, tasks: Array, start: Array, ef
     """
     tasks = one_for_each_place(problem, tasks, start)
     able = problem.able[cap][problem.able[cap] != NOBODY]
-    legs, gained = _legs(problem, able, tasks)
+    legs, gained = least_legs(problem, able, tasks)
     ready = start[tasks].astype(np.float64) - gained
     duration = problem.duration[tasks].astype(np.float64)
     if len(able) == 1 and len(tasks) <= LARGEST_EXACT:
@@ -182,45 +136,6 @@ def _bound_visits(legs: Floats, ready: Floats, duration: Floats, visits: Array, 
     nearest = np.minimum(apart.min(axis=1), ready)  # (places,)
     walked = span(legs, ready) + ((visits - 1) * nearest).sum()
     return _whole((walked + (visits * duration).sum()) / robots)
-
-
-def one_for_each_place(problem: Relaxed, tasks: Array, start: Array) -> Array:
-    """Keep the task that ends last of those in one place, or whose places touch on a plane."""
-    by_end = tasks[np.argsort(-(start + problem.duration)[tasks], kind="stable")]
-    is_same = cells_between(problem, by_end, by_end) == 0  # (tasks, tasks)
-    kept: Array = by_end[_are_apart(is_same)]
-    return kept
-
-
-def _are_apart(is_same: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Choose, in turn, what is not in the same place as anything chosen before, as (tasks,) bool.
-
-    On a plane one place may touch two that do not touch each other.
-    """
-    is_chosen = np.zeros(len(is_same), np.bool_)
-    for task in range(len(is_same)):
-        is_chosen[task] = not (is_same[task] & is_chosen).any()
-    return is_chosen
-
-
-def _legs(problem: Relaxed, robots: Array, tasks: Array) -> tuple[Floats, float]:
-    """Return times that the legs of these robots are not shorter than, as (tasks, tasks).
-
-    At whole speeds, the steps of the fastest robot, on the ground or in the air. Else the shorter
-    way's cells over the highest speed: a robot may do a task in passing, with up to a cell walked
-    of the next leg; the steps that gains come second. Where no way is, any time is sound, and the
-    longest leg does.
-    """
-    cells = cells_between(problem, tasks, tasks)
-    speed = float(problem.speed[robots].max())
-    legs: Floats = problem.steps[np.unique(problem.pace[robots])][:, cells].min(axis=0)
-    legs = legs.astype(np.float64)
-    is_way, gained = legs < FAR, 0.0
-    if (problem.speed[robots] % 1 != 0).any():
-        legs[is_way] = problem.lengths[:, cells[is_way]].min(axis=0) / speed
-        gained = 1 / speed
-    legs[~is_way] = legs[is_way].max()
-    return legs, gained
 
 
 def _fewest_robots(counts: Array, needs: Array) -> Array:

@@ -11,14 +11,15 @@ in whole numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from teamformer.arrays import Array
 from teamformer.grid import Grid
 from teamformer.model import Scenario
-from teamformer.planning.bounds.makespan import earliest_formed, one_for_each_place
+from teamformer.planning.bounds.earliest import earliest_formed
+from teamformer.planning.bounds.legs import one_for_each_place
 from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look_ahead
 from teamformer.planning.bounds.robot_kinds import robot_kinds, size_of_kinds
 from teamformer.planning.bounds.route_mix import RouteMix
@@ -69,15 +70,16 @@ def raise_by_routes(
     kinds, legs = size_of_kinds(problem)
     if BUILDING * kinds + legs * 2 ** MEMORIES[0] * bound > largest:
         return bound
-    cover = RouteCover(scenario, problem)
+    covers = list(_covers(scenario, problem))
     for memory in MEMORIES:
         effort = legs * 2**memory * bound
         if is_over() or effort > largest:
             break
         if memory < MEMORIES[-2] and GROWTH * effort <= min(QUICK, largest):
             continue  # to remember more is quick as well, and proves more
-        cover.remember(memory)
-        bound = _raise(cover, bound, offer, is_over, largest)
+        for cover in sorted(covers, key=lambda cover: -cover.margin):
+            cover.remember(memory)
+            bound = _raise(cover, bound, offer, is_over, largest)
     return bound
 
 
@@ -99,16 +101,38 @@ def _raise(
             return bound
 
 
+def _covers(scenario: Scenario, problem: Relaxed) -> Iterator[RouteCover]:
+    """Yield what has to be covered, apart for capabilities that no robot links."""
+    start = earliest_formed(scenario, problem)
+    tasks: Array = np.flatnonzero(start < FAR)
+    if not isinstance(scenario.world, Grid):
+        tasks = one_for_each_place(problem, tasks, start)  # to touch is not to be in one place
+    is_need = np.zeros_like(problem.needs, dtype=bool)
+    is_need[tasks] = problem.needs[tasks] > 0
+    for caps in linked_capabilities(problem.counts):
+        if is_need[:, caps].any():
+            is_theirs = np.zeros(is_need.shape[1], dtype=bool)
+            is_theirs[caps] = True
+            yield RouteCover(scenario, problem, start, is_need & is_theirs)
+
+
+def linked_capabilities(counts: Array) -> list[list[int]]:
+    """Return capabilities in groups such that no robot has some of two groups.
+
+    `counts` (robots, caps) says what each robot has.
+    """
+    groups: list[set[int]] = []
+    for caps in (set(np.flatnonzero(row).tolist()) for row in counts):
+        touched = [group for group in groups if group & caps]
+        groups = [group for group in groups if not group & caps]
+        groups.append(caps.union(*touched))
+    return [sorted(group) for group in groups if group]
+
+
 class RouteCover:
     """What tasks need, the robots by kind, and the prizes that have proven most so far."""
 
-    def __init__(self, scenario: Scenario, problem: Relaxed) -> None:
-        start = earliest_formed(scenario, problem)
-        tasks: Array = np.flatnonzero(start < FAR)
-        if not isinstance(scenario.world, Grid):
-            tasks = one_for_each_place(problem, tasks, start)  # to touch is not to be in one place
-        is_need = np.zeros_like(problem.needs, dtype=bool)
-        is_need[tasks] = problem.needs[tasks] > 0
+    def __init__(self, scenario: Scenario, problem: Relaxed, start: Array, is_need: Array) -> None:
         needs = np.argwhere(is_need)  # (needs, 2) task and capability
         self.amount = problem.needs[is_need].astype(np.int64)  # (needs,)
         self.margin = 0.0  # share of all prizes that the last proof had to spare

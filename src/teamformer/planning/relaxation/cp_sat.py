@@ -18,7 +18,7 @@ import numpy as np
 
 from teamformer.arrays import Int32s
 from teamformer.import_apart import import_apart
-from teamformer.planning.bounds.makespan import earliest_starts
+from teamformer.planning.bounds.earliest import earliest_starts
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
 from teamformer.rules.constants import FAR

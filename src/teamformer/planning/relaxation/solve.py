@@ -13,7 +13,8 @@ from typing import Literal
 
 from teamformer.grid import Grid
 from teamformer.model import Robot, Scenario, Task
-from teamformer.planning.bounds.makespan import bound_makespan, earliest_starts
+from teamformer.planning.bounds.earliest import earliest_starts
+from teamformer.planning.bounds.makespan import bound_makespan
 from teamformer.planning.relaxation.cp_sat import (
     build_circuits,
     count_arcs,

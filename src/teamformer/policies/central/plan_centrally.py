@@ -11,8 +11,10 @@ from teamformer.coordination import Plan
 from teamformer.coordinators.crews import Crews
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.model import Scenario
-from teamformer.planning.bounds.makespan import earliest_starts, lower_bound
+from teamformer.planning.bounds.earliest import earliest_starts
+from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.bounds.route_cover import raise_by_routes
+from teamformer.planning.bounds.start_windows import raise_by_windows
 from teamformer.planning.race import Race
 from teamformer.planning.relaxation.problem import Relaxed, relax
 from teamformer.planning.relaxation.solve import Solution, solve
@@ -41,7 +43,7 @@ RELAXING = 0.3
 """Share of the time for the relaxed schedule and its proof, on one thread."""
 
 BOUNDING = 0.2
-"""Share of the time for a bound by routes, on the other."""
+"""Share of the time for bounds by routes and by windows, on the other."""
 
 AT_ONCE = 5e7
 """What a bound may look at in one go for each second that it has: a tenth of them."""
@@ -187,7 +189,8 @@ def _raise_bound(scenario: Scenario, problem: Relaxed, race: Race[TimedPlan]) ->
 
     race.raise_bound(lower_bound(scenario))
     largest = AT_ONCE * seconds
-    raise_by_routes(scenario, problem, race.bound, race.raise_bound, is_over, largest)
+    bound = raise_by_routes(scenario, problem, race.bound, race.raise_bound, is_over, largest)
+    raise_by_windows(scenario, problem, bound, race.raise_bound, is_over)
 
 
 def _relax_and_search(

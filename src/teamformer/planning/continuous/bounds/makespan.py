@@ -4,8 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from teamformer.planning.continuous.bounds.refutation import Refuter
-from teamformer.planning.continuous.bounds.relaxations import bound_by_chains_and_work, relax
+import numpy as np
+
+from teamformer.planning.bounds.refutation import (
+    MOST_TASKS_A_TOUR,
+    Chains,
+    Refuter,
+    Tours,
+    tours_through,
+)
+from teamformer.planning.continuous.bounds.relaxations import (
+    Relaxation,
+    bound_by_chains_and_work,
+    relax,
+)
 from teamformer.planning.continuous.problem import CoalitionProblem
 
 MORE_NODES = 4
@@ -25,7 +37,7 @@ def improving_bounds(problem: CoalitionProblem, upper: Callable[[], int]) -> Ite
     relaxation = relax(problem)
     bound = min(upper(), bound_by_chains_and_work(problem, relaxation))
     yield bound
-    refuter = Refuter(problem, relaxation)
+    refuter = refuter_of(problem, relaxation)
     nodes, open_from = 0, upper()  # so many nodes have not refuted `open_from`, if it is less
     while bound < (most := upper()):
         open_from = min(open_from, most)
@@ -41,3 +53,20 @@ def improving_bounds(problem: CoalitionProblem, upper: Callable[[], int]) -> Ite
         else:
             open_from = makespan
         yield bound
+
+
+def refuter_of(problem: CoalitionProblem, relaxation: Relaxation) -> Refuter:
+    """Return a refuter of makespans in ticks."""
+    caps = range(problem.needs.shape[1])
+    tours = (_tours(problem, relaxation, cap) for cap in caps)
+    chains = Chains(relaxation.head, problem.duration, relaxation.tail, problem.before)
+    return Refuter(chains, [some for some in tours if len(some.tasks) > 1])
+
+
+def _tours(problem: CoalitionProblem, relaxation: Relaxation, cap: int) -> Tours:
+    """Return the tours of the robots with a capability."""
+    able = np.flatnonzero(problem.counts[:, cap])
+    tasks = np.flatnonzero(problem.needs[:, cap])
+    between = relaxation.ways[np.unique(problem.pace[able])][:, tasks][:, :, tasks].min(axis=0)
+    urgent = problem.duration + relaxation.head + relaxation.tail
+    return tours_through(urgent, tasks, between, problem.duration, len(able), MOST_TASKS_A_TOUR)

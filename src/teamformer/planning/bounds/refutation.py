@@ -4,19 +4,19 @@ A makespan gives each task a window in which it starts: after its head, before i
 the robots with each capability narrow the windows, and a task that needs several capabilities
 carries what one of them says over to the others. Where that ends, a window is halved and both
 halves are looked at. A makespan for which no windows are left is refuted; all else says nothing.
+Times are in any unit: ticks where time is continuous, else steps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Ints
-from teamformer.planning.continuous.bounds.relaxations import Relaxation
-from teamformer.planning.continuous.bounds.tours import empty_tables, narrow_starts
-from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem
+from teamformer.arrays import Int32s, Ints
+from teamformer.planning.bounds.tours import empty_tables, narrow_starts
+from teamformer.rules.constants import NOBODY
 
 MOST_TASKS_A_TOUR = 17
 """Sets of more tasks are too many; the tours of those that need most time are looked at instead."""
@@ -30,8 +30,17 @@ GRAIN = 2000
 smaller gains to one another would go on for thousands of rounds."""
 
 
+class Chains(NamedTuple):
+    """What takes time before and after each task starts."""
+
+    head: Ints  # (tasks,) it starts no earlier
+    duration: Ints  # (tasks,)
+    tail: Ints  # (tasks,) what is left at least when it has ended
+    before: Int32s  # (tasks, most) the tasks that must have ended before each, then NOBODY
+
+
 class Starts(NamedTuple):
-    """Between which ticks each task starts, (tasks,)."""
+    """Between which times each task starts, (tasks,)."""
 
     first: Ints
     last: Ints
@@ -43,7 +52,10 @@ class Starts(NamedTuple):
 
 
 class Tours(NamedTuple):
-    """The tours of the robots with a capability: through which tasks they have to go."""
+    """The tours of the robots with a capability: through which tasks they have to go.
+
+    Ways between tasks are no longer than a detour by others of them.
+    """
 
     tasks: Ints  # (visited,) task numbers
     between: Ints  # (visited, visited)
@@ -52,37 +64,60 @@ class Tours(NamedTuple):
 
 
 class Refuter:
-    """Looks for reasons why a problem's tasks cannot all be done by a time."""
+    """Looks for reasons why tasks cannot all be done by a time.
 
-    def __init__(self, problem: CoalitionProblem, relaxation: Relaxation) -> None:
-        self._problem, self._relaxation = problem, relaxation
-        caps = range(problem.needs.shape[1])
-        found = [_tours(problem, relaxation, cap) for cap in caps]
-        self._tours = sorted((t for t in found if t is not None), key=lambda t: len(t.tasks))
+    It gives up, and refutes nothing, as soon as `is_over` says that nobody waits any more.
+    """
+
+    def __init__(
+        self,
+        chains: Chains,
+        tours: Sequence[Tours],
+        is_over: Callable[[], bool] = lambda: False,
+    ) -> None:
+        self._chains, self._is_over = chains, is_over
+        self._tours = sorted(tours, key=lambda tours: len(tours.tasks))
         self._grain = 0
         self._tables = empty_tables(max((len(t.tasks) for t in self._tours), default=0))
         self._visits = [  # by task, the tours that it is in
             [n for n, tours in enumerate(self._tours) if task in tours.tasks]
-            for task in range(len(problem.needs))
+            for task in range(len(chains.head))
         ]
 
     def refutes(self, makespan: int, nodes: int) -> bool:
         """Say whether no plan takes a makespan or less, after halving windows so many times."""
-        head, tail = self._relaxation.head, self._relaxation.tail
         self._grain = makespan // GRAIN
-        starts = Starts(head.copy(), makespan - tail - self._problem.duration)
+        latest = makespan - self._chains.tail - self._chains.duration
+        starts = Starts(self._chains.head.copy(), latest)
         if not self._narrow(starts, range(len(self._tours))):
             return True
         waiting = [starts]
-        while waiting and nodes > 0:
+        while waiting and nodes > 0 and not self._is_over():
             nodes -= 1
             waiting += self._branch(waiting.pop())
         return not waiting
 
+    def raised(self, bound: int, nodes: int = 0) -> int:
+        """Return a bound raised for as long as makespans are refuted.
+
+        Leaps are doubled until one is too far, then halved.
+        """
+        if not self._tours:
+            return bound
+        leap = 1
+        while self.refutes(bound + leap - 1, nodes):
+            bound += leap
+            leap *= 2
+        while leap > 1:
+            leap //= 2
+            if self.refutes(bound + leap - 1, nodes):
+                bound += leap
+        return bound
+
     def _narrow(self, starts: Starts, changed: Iterable[int]) -> bool:
         """Narrow windows until nothing changes; False if nothing is left for some task."""
         waiting = set(changed)
-        while waiting:
+        while waiting and not self._is_over():
             number = min(waiting)  # the smallest tours, which take least time
             waiting.remove(number)
             tours = self._tours[number]
@@ -101,11 +136,11 @@ class Refuter:
 
     def _chain(self, starts: Starts) -> set[int]:
         """Have tasks wait for those that they come after; return the tasks that this narrows."""
-        problem, narrowed = self._problem, set()
-        for task in np.flatnonzero(problem.before[:, 0] != NOBODY).tolist():
-            for other in problem.before[task][problem.before[task] != NOBODY].tolist():
-                begin = starts.first[other] + problem.duration[other]
-                finish = starts.last[task] - problem.duration[other]
+        before, duration, narrowed = self._chains.before, self._chains.duration, set()
+        for task in np.flatnonzero((before != NOBODY).any(axis=1)).tolist():
+            for other in before[task][before[task] != NOBODY].tolist():
+                begin = starts.first[other] + duration[other]
+                finish = starts.last[task] - duration[other]
                 if begin > starts.first[task]:
                     starts.first[task] = begin
                     narrowed.add(task)
@@ -138,16 +173,16 @@ class Refuter:
         return [half for half in (earlier, later) if self._narrow(half, self._visits[task])]
 
 
-def _tours(problem: CoalitionProblem, relaxation: Relaxation, cap: int) -> Tours | None:
-    """Return the tours of the robots with a capability; None if there is nothing to go through."""
-    able = np.flatnonzero(problem.counts[:, cap])
-    tasks = np.flatnonzero(problem.needs[:, cap])
-    if len(tasks) < 2:
-        return None
-    urgent = problem.duration + relaxation.head + relaxation.tail
-    tasks = tasks[np.argsort(-urgent[tasks], kind="stable")][:MOST_TASKS_A_TOUR]
-    paces = np.unique(problem.pace[able])
-    between = relaxation.ways[paces][:, tasks][:, :, tasks].min(axis=0)
-    for by in range(len(tasks)):  # the fastest of several paces may be none that is fastest
-        np.minimum(between, between[:, by, None] + between[None, by, :], out=between)
-    return Tours(tasks, np.ascontiguousarray(between), problem.duration[tasks], len(able))
+def tours_through(
+    urgent: Ints, tasks: Ints, between: Ints, duration: Ints, robots: int, most: int
+) -> Tours:
+    """Return tours through the tasks that are most urgent, so many at most.
+
+    `urgent` (all tasks,) says how urgent each is; `between` (tasks, tasks) are ways between tasks.
+    """
+    by_urgency = np.argsort(-urgent[tasks], kind="stable")[:most]
+    ways = between[np.ix_(by_urgency, by_urgency)]
+    for by in range(len(ways)):  # the fastest of several paces may be none that is fastest
+        np.minimum(ways, ways[:, by, None] + ways[None, by, :], out=ways)
+    tasks = tasks[by_urgency]
+    return Tours(tasks, ways, duration[tasks], robots)

@@ -1,0 +1,82 @@
+"""Lower bounds by when tasks can start, for missions in steps.
+
+Tours of the robots with a capability narrow the steps in which tasks start. A task that needs
+several capabilities starts when all of these are there, so each narrows the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from teamformer.arrays import Array
+from teamformer.model import Scenario
+from teamformer.planning.bounds.earliest import earliest_in_order
+from teamformer.planning.bounds.legs import least_legs, one_for_each_place
+from teamformer.planning.bounds.refutation import (
+    MOST_TASKS_A_TOUR,
+    Chains,
+    Refuter,
+    Tours,
+    tours_through,
+)
+from teamformer.planning.relaxation.problem import Relaxed, may_set_down, without_directions
+from teamformer.rules.constants import FAR, NOBODY
+
+HALVINGS = (0, 1, 4, 16)
+"""How many windows are halved to refute a makespan, in turn; more hardly refute more."""
+
+
+def raise_by_windows(
+    scenario: Scenario,
+    problem: Relaxed,
+    bound: int,
+    offer: Callable[[int], None],
+    is_over: Callable[[], bool],
+) -> int:
+    """Raise a lower bound on the makespan of any policy until nothing more can be proven so.
+
+    Every better bound is offered. `problem` is the scenario's. Returns the best bound.
+    """
+    if may_set_down(scenario):
+        return bound
+    start = earliest_in_order(scenario, problem)
+    refuter = refuter_in_steps(problem, start, MOST_TASKS_A_TOUR, is_over)
+    for halvings in HALVINGS:
+        bound = refuter.raised(bound, halvings)
+        offer(bound)
+    return bound
+
+
+def refuter_in_steps(
+    problem: Relaxed,
+    start: Array,
+    most: int,
+    is_over: Callable[[], bool] = lambda: False,
+) -> Refuter:
+    """Return a refuter of makespans in steps, by tours of so many tasks at most.
+
+    No task starts before `start` (tasks,); what can never be done refutes nothing.
+    """
+    is_possible = start < FAR
+    head = np.where(is_possible, start, 0).astype(np.int64)
+    duration = np.where(is_possible, problem.duration, 0).astype(np.int64)
+    chains = Chains(head, duration, np.zeros_like(head), problem.before)
+    return Refuter(chains, list(_tours(problem, start, duration, most)), is_over)
+
+
+def _tours(problem: Relaxed, start: Array, duration: Array, most: int) -> Iterator[Tours]:
+    """Yield the tours of robots with each capability.
+
+    A robot that does not walk whole cells in every step may do a task in passing, and so be sooner
+    at the next one than the way takes: its capabilities are left out.
+    """
+    problem = without_directions(problem)
+    for cap, robots in enumerate(problem.able):
+        able = robots[robots != NOBODY]
+        tasks = np.flatnonzero((start < FAR) & (problem.needs[:, cap] > 0))
+        if len(tasks) > 1 and (problem.speed[able] % 1 == 0).all():
+            tasks = one_for_each_place(problem, tasks, start)
+            legs = least_legs(problem, able, tasks)[0].astype(np.int64)
+            yield tours_through(start + duration, tasks, legs, duration, len(able), most)

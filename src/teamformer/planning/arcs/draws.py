@@ -5,21 +5,27 @@ from __future__ import annotations
 from teamformer.arrays import Array
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem
-from teamformer.planning.arcs.graph import LAST, LATEST, Graph, is_in_steps
+from teamformer.planning.arcs.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.arcs.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
 from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
 
+ON_CHAIN = 65  # percent
+"""How often a change begins with a task that the makespan hangs on."""
+
+MOST_DRAWS = 30
+"""How many robots are drawn at most to find one that has room for a task."""
+
 
 @kernel
 def draw_task(problem: ArcProblem, graph: Graph, trial: Trial, random: Array) -> int:
-    """Draw a task, every other time one that the makespan hangs on.
+    """Draw a task, often one that the makespan hangs on.
 
     Of such a task it is noted by which of its seats what the makespan hangs on comes and leaves.
     """
     number = trial.number
-    if draw_below(random, 2) == 0:
+    if draw_below(random, 100) < ON_CHAIN:
         if number[CHAINED] == NOBODY:
             _find_chain(problem, graph, trial)
         if number[CHAINED] > 0:
@@ -88,19 +94,44 @@ def draw_near(problem: ArcProblem, random: Array, task: int) -> int:
 
 
 @kernel
-def cut_beside_near(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int) -> int:
-    """Draw a moment just before or after a task that is near to another, on a robot's way."""
+def cut_beside_near(
+    problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int, limit: int
+) -> int:
+    """Draw a moment on the way of a robot from or to a near task.
+
+    Robots are drawn until one is of use and has room for the task: no chain through it is longer
+    than the limit then. The moment is one at which it can start the task.
+    """
     nodes, seats = graph.nodes, graph.seats
-    other = draw_near(problem, random, task)
-    seat = nodes[other].first + draw_below(random, nodes[other].taken)
-    start = nodes[other].end - nodes[other].duration
-    if draw_below(random, 2) == 0:
-        key = nodes[seats[seats[seat].next].node].key
-        least, past = start, nodes[other].end + leg if key == LAST else (key - 1) // 2
-    else:
-        key = nodes[seats[seats[seat].prev].node].key
-        least, past = (key - 1) // 2, start  # -1 for depots
+    least, past = 0, 1
+    for _ in range(MOST_DRAWS):
+        tail, head = _draw_arc(problem, graph, random, task)
+        kind, place, key = seats[tail].kind, seats[tail].node, nodes[seats[head].node].key
+        least = (nodes[place].key - 1) // 2  # -1 for depots
+        past = nodes[place].end + leg if key == LAST else (key - 1) // 2
+        if problem.useful[nodes[task].need, problem.kinds[kind].type] == 0:
+            continue
+        comes = nodes[place].end + problem.ways_to[problem.kinds[kind].pace, task, place]
+        latest = limit - nodes[task].duration - leave(problem, graph, kind, task, head)
+        if comes <= latest:
+            least, past = max(least, min(comes, past - 1)), min(past, latest + 1)
+            break
     return 2 * (least + 1 + draw_below(random, max(1, past - least)))
+
+
+@kernel
+def _draw_arc(problem: ArcProblem, graph: Graph, random: Array, task: int) -> tuple[int, int]:
+    """Draw an arc from or to a near task, as if the task at hand were nowhere: tail and head."""
+    seats, other = graph.seats, draw_near(problem, random, task)
+    seat = graph.nodes[other].first + draw_below(random, graph.nodes[other].taken)
+    tail, head = seat, seats[seat].next
+    if draw_below(random, 2) == 0:
+        tail, head = seats[seat].prev, seat
+    if seats[head].node == task:
+        head = seats[head].next
+    if seats[tail].node == task:
+        tail = seats[tail].prev
+    return tail, head
 
 
 @kernel

@@ -26,7 +26,7 @@ from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, conne
 from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below
 
-NEAR_ITS_START = 45  # percent
+NEAR_ITS_START = 20  # percent
 """How many tasks are moved near to their start; the others beside a near task or to any moment."""
 
 NEAR = 2
@@ -77,7 +77,7 @@ def move_task(
         cut = draw_group(problem, graph, choice, random, task)
     is_picked = cut != NOBODY and pick_group(problem, graph, choice, task)
     if cut == NOBODY:
-        cut = _draw_cut(problem, graph, random, task, leg)
+        cut = _draw_cut(problem, graph, random, task, leg, limit)
     if node.has_links and not keeps_order(problem, graph, task, cut):
         return False
     if not is_picked:
@@ -94,7 +94,9 @@ def move_task(
 
 
 @kernel
-def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int) -> int:
+def _draw_cut(
+    problem: ArcProblem, graph: Graph, random: Array, task: int, leg: int, limit: int
+) -> int:
     """Draw a moment: beside a near task, near its own start, now and then any."""
     nodes = graph.nodes
     draw, habits = draw_below(random, 100), problem.habits
@@ -106,7 +108,7 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
         start = nodes[task].end - nodes[task].duration
         spread = NEAR * leg + 1
         return 2 * max(1, start - spread + draw_below(random, 2 * spread))
-    return cut_beside_near(problem, graph, random, task, leg)
+    return cut_beside_near(problem, graph, random, task, leg, limit)
 
 
 @kernel

@@ -25,14 +25,15 @@ from teamformer.planning.race import Judgement, Race
 
 PROOF, LARGE_PROOF = 0.3, 0.1
 """Share of the time that one thread spends on bounds at most, and on CP-SAT again; the latter where
-tasks are not few, on bounds alone: they hardly rise."""
+tasks are not few, on bounds alone: they hardly rise. With many tasks it takes only the first bound,
+as the others are no better."""
 
 MANY_TASKS, SECONDS_EACH = 120, 3.0
 """A search of fewer than `MANY_TASKS` tasks anneals again every `SECONDS_EACH` seconds."""
 
-COOLER = (2, 4)
+COOLER = (1, 3)
 """A search of more tasks anneals twice. The heat of the shared plan is divided by these at the
-beginning: a search begins at a good plan, and much heat would leave little of it."""
+beginning: the second time it begins at a good plan, and much heat would leave little of it."""
 
 
 @dataclass(frozen=True)
@@ -138,8 +139,9 @@ def _search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> 
 
 def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> None:
     """Work out a bound, prove small problems, and search for the rest of the time."""
-    is_provable = has_few_tasks(len(problem.needs))
-    share = PROOF if is_provable else LARGE_PROOF
+    tasks = len(problem.needs)
+    is_provable = has_few_tasks(tasks)
+    share = PROOF if is_provable else LARGE_PROOF if tasks < MANY_TASKS else 0.0
     _raise_bound(problem, race, time.perf_counter() + share * race.seconds_left)
     if is_provable and is_small(problem) and not race.is_over:
         proof = solve_exactly(problem, race.plan, race.bound, share * race.seconds_left)

@@ -70,7 +70,7 @@ class Ledger(NamedTuple):
     then: Ints  # (PARTS,)
     cost: Floats  # (3,)
     start: Ints  # (tasks,) room for the starts of a group
-    is_less_late: Int32s  # (1,) whether the task that was the latest is late by less
+    is_less_late: Int32s  # (1,) whether a task that was the latest is late by less
 
 
 def links_of(problem: LinkedProblem) -> Links:
@@ -184,7 +184,7 @@ def _start(
     then[TARDINESS] += np.int64(weight * is_late) - np.int64(weight * was_late)
     then[COMPLETION] += np.int64(weight * end) - np.int64(weight * node.end)
     then[MAX_TARDINESS] = max(then[MAX_TARDINESS], is_late)
-    if is_late < was_late and was_late == ledger.part[MAX_TARDINESS]:
+    if is_late < was_late and was_late == then[MAX_TARDINESS]:
         ledger.is_less_late[0] = 1
     record(trial, END, task, node.end)
     node.end = end

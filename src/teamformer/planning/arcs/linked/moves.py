@@ -105,7 +105,7 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
         return 2 * (node.release + draw_below(random, max(1, latest - node.release)))
     if draw < IN_WINDOW + IN_PLACE:
         return 2 * max(0, start - leg + draw_below(random, 2 * leg + 1))
-    return cut_beside_near(problem, graph, random, task, leg)
+    return cut_beside_near(problem, graph, random, task, leg, NEVER)
 
 
 @kernel

@@ -76,13 +76,13 @@ class Refuter:
         is_over: Callable[[], bool] = lambda: False,
     ) -> None:
         self._chains, self._is_over = chains, is_over
-        self._tours = sorted(tours, key=lambda tours: len(tours.tasks))
+        self._tours = sorted(tours, key=lambda one: len(one.tasks))
         self._grain = 0
-        self._tables = empty_tables(max((len(t.tasks) for t in self._tours), default=0))
-        self._visits = [  # by task, the tours that it is in
-            [n for n, tours in enumerate(self._tours) if task in tours.tasks]
-            for task in range(len(chains.head))
-        ]
+        self._tables = empty_tables(max((len(one.tasks) for one in self._tours), default=0))
+        self._visits: list[list[int]] = [[] for _ in chains.head]  # by task, the tours it is in
+        for number, one in enumerate(self._tours):
+            for task in one.tasks.tolist():
+                self._visits[task].append(number)
 
     def refutes(self, makespan: int, nodes: int) -> bool:
         """Say whether no plan takes a makespan or less, after halving windows so many times."""

@@ -24,6 +24,9 @@ from teamformer.planning.bounds.refutation import (
 from teamformer.planning.relaxation.problem import Relaxed, may_set_down, without_directions
 from teamformer.rules.constants import FAR, NOBODY
 
+IN_ONE_PLACE = 4
+"""So many times the tasks of a tour are looked at to find enough that are not in one place."""
+
 HALVINGS = (0, 1, 4, 16)
 """How many windows are halved to refute a makespan, in turn; more hardly refute more."""
 
@@ -77,6 +80,7 @@ def _tours(problem: Relaxed, start: Array, duration: Array, most: int) -> Iterat
         able = robots[robots != NOBODY]
         tasks = np.flatnonzero((start < FAR) & (problem.needs[:, cap] > 0))
         if len(tasks) > 1 and (problem.speed[able] % 1 == 0).all():
-            tasks = one_for_each_place(problem, tasks, start)
+            urgent = np.argsort(-(start + duration)[tasks], kind="stable")[: IN_ONE_PLACE * most]
+            tasks = one_for_each_place(problem, tasks[urgent], start)
             legs = least_legs(problem, able, tasks)[0].astype(np.int64)
             yield tours_through(start + duration, tasks, legs, duration, len(able), most)

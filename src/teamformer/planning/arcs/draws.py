@@ -99,11 +99,12 @@ def cut_beside_near(
 ) -> int:
     """Draw a moment on the way of a robot from or to a near task.
 
-    Robots are drawn until one is of use and has room for the task: no chain through it is longer
-    than the limit then. The moment is one at which it can start the task.
+    Robots are drawn until one is of use and has room for the task: no chain through it would be
+    longer than the limit, as far as can be told before. The moment is one at which it can start the
+    task. If none of those drawn has room, it is any on the way of the last.
     """
     nodes, seats = graph.nodes, graph.seats
-    least, past = 0, 1
+    least, past = 0, 1  # of the robot at hand
     for _ in range(MOST_DRAWS):
         tail, head = _draw_arc(problem, graph, random, task)
         kind, place, key = seats[tail].kind, seats[tail].node, nodes[seats[head].node].key

@@ -24,7 +24,6 @@ MOST_TASKS_A_TOUR = 17
 HALVED = 6
 """So many of the widest windows are halved for a try; what narrows most is taken."""
 
-
 GRAIN = 2000
 """Windows that narrow by less than this share of the makespan wake nobody: tours that pass ever
 smaller gains to one another would go on for thousands of rounds."""
@@ -135,18 +134,18 @@ class Refuter:
         return bool((starts.first <= starts.last).all())
 
     def _chain(self, starts: Starts) -> set[int]:
-        """Have tasks wait for those that they come after; return the tasks that this narrows."""
+        """Have tasks wait for those that they come after; return those that this narrows much."""
         before, duration, narrowed = self._chains.before, self._chains.duration, set()
         for task in np.flatnonzero((before != NOBODY).any(axis=1)).tolist():
             for other in before[task][before[task] != NOBODY].tolist():
                 begin = starts.first[other] + duration[other]
                 finish = starts.last[task] - duration[other]
-                if begin > starts.first[task]:
-                    starts.first[task] = begin
+                if begin > starts.first[task] + self._grain:
                     narrowed.add(task)
-                if finish < starts.last[other]:
-                    starts.last[other] = finish
+                if finish < starts.last[other] - self._grain:
                     narrowed.add(other)
+                starts.first[task] = max(starts.first[task], begin)
+                starts.last[other] = min(starts.last[other], finish)
         return narrowed
 
     def _branch(self, starts: Starts) -> list[Starts]:

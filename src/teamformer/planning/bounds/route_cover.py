@@ -61,9 +61,9 @@ def raise_by_routes(
 ) -> int:
     """Raise a lower bound on the makespan of any policy until nothing more can be proven so.
 
-    Every better bound is offered as it is proven. `problem` is the scenario's. Nothing is tried
-    that has more to look at in one go than `largest`, nor for loads, which end elsewhere than they
-    begin. Returns the best bound.
+    Every better bound is offered as it is proven. `problem` is the scenario's, of which no task is
+    called off. Nothing is tried that has more to look at in one go than `largest`, nor for loads,
+    which end elsewhere than they begin. Returns the best bound.
     """
     if problem.carry.any():
         return bound
@@ -77,7 +77,8 @@ def raise_by_routes(
             break
         if memory < MEMORIES[-2] and GROWTH * effort <= min(QUICK, largest):
             continue  # to remember more is quick as well, and proves more
-        for cover in sorted(covers, key=lambda cover: -cover.margin):
+        covers.sort(key=lambda one: one.margin, reverse=True)  # those that have proven most
+        for cover in covers:
             cover.remember(memory)
             bound = _raise(cover, bound, offer, is_over, largest)
     return bound

@@ -38,11 +38,12 @@ def raise_by_windows(
     offer: Callable[[int], None],
     is_over: Callable[[], bool],
 ) -> int:
-    """Raise a lower bound on the makespan of any policy until nothing more can be proven so.
+    """Raise a lower bound on the makespan of any policy, and return the best one.
 
-    Every better bound is offered. `problem` is the scenario's. Returns the best bound.
+    `problem` is the scenario's, of which no task is called off. Bounds are offered as they are
+    proven.
     """
-    if may_set_down(scenario):
+    if may_set_down(scenario) or is_over():
         return bound
     start = earliest_in_order(scenario, problem)
     refuter = refuter_in_steps(problem, start, MOST_TASKS_A_TOUR, is_over)
@@ -82,5 +83,6 @@ def _tours(problem: Relaxed, start: Array, duration: Array, most: int) -> Iterat
         if len(tasks) > 1 and (problem.speed[able] % 1 == 0).all():
             urgent = np.argsort(-(start + duration)[tasks], kind="stable")[: IN_ONE_PLACE * most]
             tasks = one_for_each_place(problem, tasks[urgent], start)
-            legs = least_legs(problem, able, tasks)[0].astype(np.int64)
-            yield tours_through(start + duration, tasks, legs, duration, len(able), most)
+            legs, _ = least_legs(problem, able, tasks)  # nobody gains steps in passing
+            between = legs.astype(np.int64)
+            yield tours_through(start + duration, tasks, between, duration, len(able), most)

@@ -24,9 +24,9 @@ from teamformer.planning.continuous.schedule import (
 from teamformer.planning.race import Judgement, Race
 
 PROOF, LARGE_PROOF = 0.3, 0.1
-"""Share of the time that one thread spends on bounds at most, and on CP-SAT again; the latter where
-tasks are not few, on bounds alone: they hardly rise. With many tasks it takes only the first bound,
-as the others are no better."""
+"""Share of the time that one thread spends on bounds at most, with few tasks and with more. With
+few, CP-SAT gets as much again. With many tasks only the first bound is asked for: later ones were
+no better."""
 
 MANY_TASKS, SECONDS_EACH = 120, 3.0
 """A search of fewer than `MANY_TASKS` tasks anneals again every `SECONDS_EACH` seconds."""
@@ -141,7 +141,9 @@ def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[Coalition
     """Work out a bound, prove small problems, and search for the rest of the time."""
     tasks = len(problem.needs)
     is_provable = has_few_tasks(tasks)
-    share = PROOF if is_provable else LARGE_PROOF if tasks < MANY_TASKS else 0.0
+    share = PROOF if is_provable else LARGE_PROOF
+    if tasks >= MANY_TASKS:
+        share = 0.0
     _raise_bound(problem, race, time.perf_counter() + share * race.seconds_left)
     if is_provable and is_small(problem) and not race.is_over:
         proof = solve_exactly(problem, race.plan, race.bound, share * race.seconds_left)

@@ -104,7 +104,7 @@ def test_in_steps_the_plan_is_played_and_kept_if_it_is_the_best() -> None:
 @pytest.mark.thorough
 def test_in_continuous_time_a_better_plan_is_begun_with() -> None:
     """The shared plans of other seeds differ: the best one is handed in, and is not lost."""
-    problem = pose_mission(_continuous(world_of("real", 3))).problem
+    problem = pose_mission(_continuous(world_of("real", 5))).problem
     assert isinstance(problem, CoalitionProblem)
     own, *others = [plan_together(problem, seed) for seed in range(6)]
     best = min((it for it in others if it is not None), key=lambda it: it.makespan)

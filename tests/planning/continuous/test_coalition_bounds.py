@@ -148,3 +148,19 @@ def test_halving_windows_refutes_more() -> None:
     plan = plan_together(problem)
     assert plan is not None
     assert plan.makespan > 285
+
+
+def test_a_capability_that_nobody_needs_or_has_bounds_nothing() -> None:
+    """A robot at 0 goes to 4, stays 3 and goes home: 11, whatever else there might be."""
+    ways = np.array([[0], [4]])  # from the task and from the start
+    problem = pose_problem(
+        ways=[ways],
+        home=[[4, 0]],
+        pace=[0],
+        origin=[1],
+        counts=[[1, 0]],
+        needs=[[1, 0]],
+        duration=[3],
+    )
+    assert list(improving_bounds(problem, lambda: 11)) == [11]
+    assert list(itertools.islice(improving_bounds(problem, lambda: 12), 3)) == [11, 11, 11]

@@ -57,10 +57,10 @@ def improving_bounds(problem: CoalitionProblem, upper: Callable[[], int]) -> Ite
 
 def refuter_of(problem: CoalitionProblem, relaxation: Relaxation) -> Refuter:
     """Return a refuter of makespans in ticks."""
-    caps = range(problem.needs.shape[1])
-    tours = (_tours(problem, relaxation, cap) for cap in caps)
+    caps = np.flatnonzero((problem.needs > 0).sum(axis=0) > 1).tolist()
+    tours = [_tours(problem, relaxation, cap) for cap in caps]
     chains = Chains(relaxation.head, problem.duration, relaxation.tail, problem.before)
-    return Refuter(chains, [some for some in tours if len(some.tasks) > 1])
+    return Refuter(chains, tours)
 
 
 def _tours(problem: CoalitionProblem, relaxation: Relaxation, cap: int) -> Tours:

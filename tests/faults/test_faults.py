@@ -29,7 +29,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[Any]:
 def test_every_file_has_its_test() -> None:
     names = {path.stem for path in FILES.glob("*.yaml")}
     tested = Path(__file__).read_text()
-    assert len(names) == 24
+    assert len(names) == 25
     assert [name for name in sorted(names) if f'"{name}"' not in tested] == []
 
 
@@ -214,3 +214,9 @@ def test_the_search_ends_though_a_task_takes_longer_than_anything() -> None:
     end = tf.run(tf.load(path_of("far-and-farther")), seed=26).record.end
     assert (end.status, end.steps) == ("step limit", 7)
     assert end.tasks_done == 2
+
+
+def test_what_came_after_a_task_that_is_called_off_comes_after_nothing(tmp_path: Path) -> None:
+    """The second task is called off in step 1, so the third need not wait for the first."""
+    assert teamformer("run", path_of("after-called-off"), "--out", str(tmp_path)) == 0
+    assert teamformer("check", str(tmp_path / "replay.json")) == 0

@@ -82,16 +82,21 @@ def _check_order(
     if first != sorted(served) or last != waiting:
         notes.note(f"{when} does not begin with what is served and end with what has to wait")
     planned = [replay.scenario.tasks[task] for task in order[: len(order) - len(waiting)]]
-    later, before = {wanted.name for wanted in planned}, _all_before(replay.scenario)
+    later, before = {wanted.name for wanted in planned}, _all_before(replay.scenario, steps)
     for wanted in planned:
         later.discard(wanted.name)
         if later & before[wanted.name]:
             notes.note(f"{when} has task {wanted.name} before one that it comes after")
 
 
-def _all_before(scenario: Scenario) -> dict[str, set[str]]:
-    """Return the tasks that come before each, by name, those before these included."""
-    before = {task.name: set(task.after) for task in scenario.tasks}
+def _all_before(scenario: Scenario, steps: int) -> dict[str, set[str]]:
+    """Return the tasks that come before each, by name, those before these included.
+
+    Tasks that have been called off after so many steps come before nothing.
+    """
+    cancelled = {task.name: task.cancelled for task in scenario.tasks}
+    called_off = {name for name, step in cancelled.items() if step is not None and step <= steps}
+    before = {task.name: set(task.after) - called_off for task in scenario.tasks}
     is_longer = True
     while is_longer:
         longer = {name: names.union(*(before[n] for n in names)) for name, names in before.items()}

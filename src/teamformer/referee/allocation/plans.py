@@ -92,7 +92,7 @@ def _check_order(
 def _all_before(scenario: Scenario, steps: int) -> dict[str, set[str]]:
     """Return the tasks that come before each, by name, those before these included.
 
-    Tasks that have been called off after so many steps come before nothing.
+    A task that is called off in one of the first `steps` steps comes before none.
     """
     cancelled = {task.name: task.cancelled for task in scenario.tasks}
     called_off = {name for name, step in cancelled.items() if step is not None and step <= steps}

@@ -1,8 +1,8 @@
 """Lower bounds by when tasks can start, for missions in steps.
 
 Tours of the robots with a capability narrow the steps in which tasks start. A task that needs
-several capabilities starts when all of these are there, so each narrows the others. Missions in continuous time have the same in
-`continuous/bounds/makespan.py`.
+several capabilities starts when all of these are there, so each narrows the others. For missions
+in continuous time `continuous/bounds/makespan.py` does the same.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 
 unexport PYTHONDONTWRITEBYTECODE  # hundreds of processes start in a test run, which else compile all they import
 
-.PHONY: run test check lint docs kernels types indices test-all fuzz test-real test-ros wheel wheel-of clean
+.PHONY: run test check lint docs kernels types indices test-all behaviour fuzz test-real test-ros wheel wheel-of clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its replay page
 	$(BIN)/teamformer run examples/warehouse.yaml --out out/
@@ -41,6 +41,10 @@ indices: $(VENV)/dev.stamp  ## every index of an array checked, as it runs
 
 test-all: $(VENV)/dev.stamp  ## the long tests too
 	$(BIN)/pytest -q -n 2
+
+behaviour: $(VENV)/dev.stamp kernels  ## what must not change while code moves, in tests/behaviour/behaviour.txt
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/behaviour/behaviour.py
+	git diff --stat tests/behaviour/behaviour.txt
 
 MINUTES ?= 10
 fuzz: $(VENV)/dev.stamp kernels  ## other random examples of every property, for so many minutes

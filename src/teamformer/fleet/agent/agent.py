@@ -226,8 +226,9 @@ class Agent:
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
         if wants_to_move:
             self._wanted = place
-        moves = (wants_to_move, self._waits(now), self._report.is_unfit)
-        self.membership.judge_myself(now, *self._place, *moves)
+        x, y = self._place
+        is_unable = self._report.is_unfit
+        self.membership.judge_myself(now, x, y, wants_to_move, self._waits(now), is_unable)
 
     def _waits(self, now: float) -> float:
         """Return for how many seconds it may stand in one place though it gets on."""

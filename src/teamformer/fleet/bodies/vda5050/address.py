@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from urllib.parse import SplitResult, parse_qsl, unquote, urlsplit
@@ -31,7 +31,7 @@ class Address:
     manufacturer: str
     serial: str
     user: str | None = None
-    password: str | None = None
+    password: str | None = field(default=None, repr=False)
     is_encrypted: bool = False
     map: str = "map"
     version: str = VERSIONS[0]

@@ -73,15 +73,11 @@ class Vda5050Body:
             self._pursue()
 
     def report(self) -> Report | None:
-        """Return what the newest state says; None before the first, or while it is off line.
-
-        Who is not heard for long is unfit, where it was last.
-        """
+        """Return what the newest state says; None before the first, or while it is off line."""
         with self._lock:
             at = self._watch.place()
             if at is None:
-                is_unfit = self._report is not None and self._watch.is_away
-                return self._report._replace(is_unfit=True) if self._report and is_unfit else None
+                return self._absent()
             self._pursue()
             leg = self._command.leg if self._is_on_it() else -1
             taken = self._watch.taken
@@ -91,6 +87,12 @@ class Vda5050Body:
                 report = report._replace(carries=has, load=self._lies)
             self._report = report._replace(is_unfit=self._tries.rests(time.monotonic()))
             return self._report
+
+    def _absent(self) -> Report | None:
+        """Return the last report, as of an unfit vehicle, once it has been away for long."""
+        if self._report is None or not self._watch.is_away:
+            return None
+        return self._report._replace(is_unfit=True)
 
     def close(self) -> None:
         """Cancel what the vehicle has to do, and leave the broker."""

@@ -143,8 +143,9 @@ def test_an_encrypted_broker_has_to_show_who_it_is(tmp_path: Path) -> None:
         with pytest.raises(TeamformerError, match="CERTIFICATE_VERIFY_FAILED") as caught:
             Vda5050Body(url, two_vehicles(), 0)
         assert "?ca=FILE" in caught.value.hint
-        with pytest.raises(TeamformerError, match=f"the broker at 127.0.0.1:{port}"):
+        with pytest.raises(TeamformerError, match=f"the broker at 127.0.0.1:{port}") as caught:
             Vda5050Body(f"{url}?ca={ca}", two_vehicles(), 0)
+        assert "certificate=FILE" in caught.value.hint
         with pytest.raises(TeamformerError, match=f"the broker at 127.0.0.1:{port}") as caught:
             Vda5050Body(url.replace("mqtts", "mqtt"), two_vehicles(), 0)
         assert "mqtts://" in caught.value.hint

@@ -48,7 +48,7 @@ class Vda5050Body:
         self._map, self._dialect = address.map, address.dialect
         self._name = mission.scenario.robots[robot].name
         self._tasks = {task.key: task for task in mission.tasks}
-        self._lock = threading.RLock()
+        self._lock = threading.Lock()
         self._watch = Watch(address, self._say)
         self._report: Report | None = None
         self._command = Command()

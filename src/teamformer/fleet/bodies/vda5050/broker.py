@@ -19,10 +19,14 @@ from teamformer.fleet.bodies.vda5050.address import Address
 
 KEEPALIVE = 15  # seconds
 
+REFUSES = "refuses this end"
+
 PATIENCE = 10.0
 """Seconds in which a broker has to answer who connects to it."""
 
 LOGIN = "the address begins mqtt://USER:PASSWORD@HOST; is that the user, and may it connect?"
+ENCRYPTED = "is it one of MQTT? one that wants TLS is named mqtts://"
+CERTIFICATE = "does it want a certificate of this end? name it: ?certificate=FILE&key=FILE"
 AUTHORITY = "name the file of the authority that signed its certificate: ?ca=FILE"
 
 Take = Callable[[str, Mapping[str, Any]], None]
@@ -65,8 +69,8 @@ class Broker:
             self._fault = "does not answer"
         if self._fault:
             self.close()
-            encrypted = "one that wants TLS is named mqtts://"
-            hint = LOGIN if self._fault.startswith("refuses") else f"is it one of MQTT? {encrypted}"
+            hint = CERTIFICATE if self._address.is_encrypted else ENCRYPTED
+            hint = LOGIN if self._fault.startswith(REFUSES) else hint
             raise TeamformerError(f"the broker at {self._address.broker} {self._fault}", hint)
 
     def publish(self, topic: str, content: Mapping[str, Any]) -> None:
@@ -94,7 +98,7 @@ class Broker:
         self, client: mqtt.Client, _data: Any, _flags: Any, reason: ReasonCode, _: Any
     ) -> None:
         if reason.is_failure:
-            self._note(f"refuses this end: {reason}")
+            self._note(f"{REFUSES}: {reason}")
             return
         for topic in ("state", "connection"):
             client.subscribe(self._address.topic(topic), qos=1)

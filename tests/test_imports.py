@@ -83,7 +83,7 @@ HOMES = {
     "rich": ("cli/", "commands/", "bench/"),
     "yaml": ("scenarios/",),
     "msgspec": ("fleet/",),
-    "paho": ("fleet/bodies/vda5050.py",),
+    "paho": ("fleet/bodies/vda5050/broker.py",),
     "zenoh": ("fleet/transports/zenoh_mesh.py",),
     **dict.fromkeys(
         (

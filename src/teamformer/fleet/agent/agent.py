@@ -226,7 +226,9 @@ class Agent:
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
         if wants_to_move:
             self._wanted = place
-        self.membership.judge_myself(now, *self._place, wants_to_move, self._waits(now))
+        x, y = self._place
+        is_unable = self._report.is_unfit
+        self.membership.judge_myself(now, x, y, wants_to_move, self._waits(now), is_unable)
 
     def _waits(self, now: float) -> float:
         """Return for how many seconds it may stand in one place though it gets on."""
@@ -264,6 +266,7 @@ class Agent:
                 service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
         is_there = is_for_it and (self.carries or self._is_at(service.goal))
+        is_there = is_there and not report.is_unfit
         if is_there and self._has_load(service.goal):
             is_on_its_way = self.command.place not in (None, self.knowledge.place_of(service.goal))
             is_there = not (is_on_its_way or report.is_gone or self.membership.is_stuck)

@@ -9,7 +9,7 @@ import re
 import threading
 import time
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +22,10 @@ from teamformer.commands.addresses import Address, address_of
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.mcap_file import write_mcap
+from teamformer.live.incidents import Incident
 from teamformer.live.mission_with_past import Mission
+from teamformer.live.page_trees import Tree
+from teamformer.live.what_if import what_if
 from teamformer.live.workshop import Draft, Workshop
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
@@ -203,6 +206,7 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
             page.hear("step")
         page.ask(do="what_if", lost="r2")
         guess = page.hear("what_if")
+        assert guess["at"] == 4
         assert guess["without"] == {"status": "completed", "steps": 13}
         assert guess["text"] == "robot r2 lost"
         page.ask(do="happen", lost="r2")
@@ -218,6 +222,111 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
     assert record.end.status == "completed"
     assert guess["steps"] <= record.end.steps
     assert [task.name for task in record.scenario.tasks] == ["a", "b", "c", "extra"]
+
+
+class Long:
+    """Work that goes on until a test lets it end, or nobody wants to know any more."""
+
+    def __init__(self) -> None:
+        self.is_begun, self.may_end = threading.Event(), threading.Event()
+        self.was_given_up = threading.Event()
+
+    def __call__(self, now: Mission, incident: Incident, is_over: Callable[[], bool]) -> Tree:
+        self.is_begun.set()
+        while not self.may_end.wait(0.01):
+            if is_over():
+                self.was_given_up.set()
+                break
+        return what_if(now, incident, is_over)
+
+    def clear(self) -> None:
+        self.is_begun.clear()
+        self.was_given_up.clear()
+
+
+@pytest.fixture
+def long(monkeypatch: pytest.MonkeyPatch) -> Long:
+    """What the playing ahead of an incident takes until a test lets it end."""
+    work = Long()
+    monkeypatch.setattr("teamformer.live.session.what_if", work)
+    return work
+
+
+def test_a_page_is_heard_while_what_it_weighs_is_worked_out(served: Served, long: Long) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        page.ask(do="step")
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+        page.ask(do="play")
+        page.hear("step")
+        page.ask(do="pause")
+        while page.hear("state")["is_playing"]:
+            pass
+        page.ask(do="save")
+        page.hear("saved")
+        assert not long.may_end.is_set()
+        long.may_end.set()
+        assert page.hear("what_if")["at"] == 1  # the step that it was asked in
+        assert served.session.mission.steps > 1
+
+
+def test_what_is_weighed_ends_when_one_stops_it_leaves_or_something_happens(
+    served: Served, long: Long
+) -> None:
+    with Page(served) as other, Page(served) as page:
+        page.hear("mission")
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+        page.ask(do="stop")
+        page.hear("stopped")
+        assert long.was_given_up.wait(20)
+        long.clear()
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+        other.ask(do="happen", lost="r1")
+        told = page.hear("refused")
+        assert told["text"] == "something else has happened meanwhile; ask again"
+        assert told["is_weighed"]
+        assert long.was_given_up.wait(20)
+        page.ask(do="undo")
+        assert page.hear("mission")["incidents"] == []
+        long.clear()
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+    assert long.was_given_up.wait(20)
+
+
+def test_what_is_asked_in_one_go_is_done_in_that_order(served: Served) -> None:
+    """Two tasks without a name get one each, the second beside the first."""
+    with Page(served) as page:
+        page.hear("mission")
+        for at in ([1, 1], [2, 1]):
+            page.ask(do="happen", task={"at": at, "needs": ["lift"]})
+        page.ask(do="step")
+        page.ask(do="undo")
+        page.hear("incident")
+        assert [text for _, text in page.hear("incident")["incidents"]] == [
+            "task t4 at [1, 1] that needs lift",
+            "task t5 at [2, 1] that needs lift",
+        ]
+        assert page.hear("step")["at"] == 1
+        told = page.hear("mission")
+        assert (len(told["incidents"]), told["record"]["steps"]) == (1, [])
+
+
+def test_a_search_for_a_plan_can_be_stopped(tmp_path: Path) -> None:
+    with (
+        serving(small_mission(), tmp_path, method="plan") as server,
+        Page(server) as page,
+        Page(server) as other,
+    ):
+        page.ask(do="replan", seconds=120)
+        other.hear("searching")
+        other.ask(do="stop")
+        page.hear("stopped")
+        page.ask(do="take_over")
+        assert "there is no plan to take over" in page.hear("refused")["text"]
 
 
 def test_a_plan_is_searched_for_offered_and_taken_over(tmp_path: Path) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from browsers import Opened
 from live_server import Served, serving, serving_session, small_mission
 from small_worlds import late_pair
 from teamformer.errors import TeamformerError
+from teamformer.live.incidents import Incident
 from teamformer.live.mission_with_past import Mission
 from teamformer.live.session import Session
 from teamformer.model import Absence
@@ -80,7 +82,7 @@ def test_what_was_worked_out_before_an_incident_is_not_shown_after_it(opened: Op
     page.click("#tab-robots")
     page.click(".row >> text=r1")
     page.click("text=What would that cost?")
-    wait_for(opened, "#answer", "With robot r1 lost: all done at step")
+    wait_for(opened, "#answer", "As of step 4, with robot r1 lost: all done at step")
     page.click("text=Lose r1 …")
     page.evaluate(WATCH_OUTLOOK)
     page.click("text=Yes, lose r1")
@@ -111,7 +113,8 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     page.fill("[name='cap 1']", "1")
     page.fill("[name=title]", "extra")
     page.click("#new-task >> text=What would that cost?")
-    wait_for(opened, "#answer", "With task extra at [3, 2] that needs scan: all done at step")
+    weighed = "As of step 4, with task extra at [3, 2] that needs scan: all done at step"
+    wait_for(opened, "#answer", weighed)
     page.click("text=Add task")
     wait_for(opened, "#incidents", "4: task extra at [3, 2] that needs scan")
     page.click("#tab-robots")
@@ -137,6 +140,33 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     assert record.scenario.tasks[-1].name == "extra"
     assert record.scenario.robots[0].absences == (Absence(5, 7),)
     assert page.inner_text("#figures").split("\n")[1] == "4 of 4"
+
+
+def test_what_is_weighed_can_be_stopped_and_the_mission_paused_meanwhile(
+    opened: Opened, served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def forever(now: Mission, incident: Incident, is_over: Callable[[], bool]) -> Tree:
+        while not is_over():
+            time.sleep(0.01)
+        return {}
+
+    monkeypatch.setattr("teamformer.live.session.what_if", forever)
+    page = opened.page
+    step_to(opened, 1)
+    page.click("#tab-robots")
+    page.click(".row >> text=r1")
+    page.click("text=What would that cost?")
+    wait_for(opened, "#answer", "Playing it ahead")
+    page.keyboard.press(" ")
+    opened.wait_until("window.teamformer.isPlaying")
+    page.keyboard.press(" ")
+    opened.wait_until("!window.teamformer.isPlaying")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "replay.json")
+    assert page.inner_text("#answer").startswith("Playing it ahead")
+    page.click("#offer >> text=Stop")
+    opened.wait_until("document.querySelector('#answer').textContent === ''")
+    assert page.inner_text("#offer") == ""
 
 
 def test_after_an_incident_the_page_says_what_is_so(browser: Any, tmp_path: Path) -> None:
@@ -377,7 +407,7 @@ def test_a_task_is_called_off_in_the_page(opened: Opened, served: Served) -> Non
     page.click(f".row >> text={name}")
     assert page.locator("text=Set weight").count() == 0  # the mission has no cost
     page.click("text=What would that gain?")
-    wait_for(opened, "#answer", f"With task {name} called off: all done at step")
+    wait_for(opened, "#answer", f"with task {name} called off: all done at step")
     page.click(f"text=Call {name} off …")
     page.click("text=Keep it")
     page.click(f"text=Call {name} off …")

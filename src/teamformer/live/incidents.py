@@ -197,9 +197,12 @@ def search_plan(
         for seed in range(searches)
         if seed == 0 or not is_over()
     ]
-    found = [PlanTakenOver(plan, forecast(past.with_plan(plan)), Forecast(0, ())) for plan in plans]
+    ends = [forecast(past.with_plan(plan), is_over) for plan in plans]
+    found = [
+        PlanTakenOver(plan, end, Forecast(0, ())) for plan, end in zip(plans, ends, strict=True)
+    ]
     best = min(found, key=lambda it: it.forecast.rank)
-    return replace(best, without=forecast(past))
+    return replace(best, without=forecast(past, is_over))
 
 
 def _number_of(those: Sequence[Robot | Task], name: str, what: str) -> int:

@@ -15,6 +15,7 @@ Before each incident the mission is kept as it stands, so that the latest incide
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -152,6 +153,16 @@ class Mission:
     def record(self) -> Replay:
         """Return the record so far; that of a mission that still runs is of an interrupted one."""
         return self._recorder.finish(self.method_name, self.seed, self._bound)
+
+    def as_it_stands(self) -> Mission:
+        """Return the mission as it is now, to be asked about while it goes on itself.
+
+        It makes no steps and nothing happens to it.
+        """
+        now = copy.copy(self)
+        now.incidents, now._decisions = list(self.incidents), list(self._decisions)
+        now._env, now._recorder = self._env.fork(), copy.copy(self._recorder)
+        return now
 
     def past(self) -> Past:
         """Return the present and how it came about, to play it ahead while the mission goes on."""

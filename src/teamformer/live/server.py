@@ -23,6 +23,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from teamformer.errors import TeamformerError
 from teamformer.live.downloads import DOWNLOADS, make_download
+from teamformer.live.errands import Conversation
 from teamformer.live.messages import LARGEST
 from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
@@ -104,9 +105,10 @@ def make_app(
         await connection.accept()
         watcher = session.join()
         sending = asyncio.create_task(_send(connection, watcher))
+        conversation = Conversation(session.act, watcher)
         try:
             async for text in connection.iter_text():
-                await session.act(watcher, text)
+                await conversation.hear(text)
         except (WebSocketDisconnect, KeyError):  # KeyError: bytes where text belongs
             pass
         finally:

@@ -9,16 +9,16 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from teamformer.errors import TeamformerError
+from teamformer.live.errands import Errands, apart
 from teamformer.live.forecasts import forecast
 from teamformer.live.incidents import (
     Happening,
-    Incident,
     LostRobot,
     PlanTakenOver,
     plan_of,
@@ -26,7 +26,6 @@ from teamformer.live.incidents import (
 )
 from teamformer.live.messages import (
     Message,
-    TaskRefusedError,
     read_incident,
     read_message,
     read_search,
@@ -40,7 +39,9 @@ from teamformer.live.page_trees import (
     news_of_step,
     record_so_far,
 )
+from teamformer.live.refusals import or_refuse, refusal
 from teamformer.live.watchers import Watcher
+from teamformer.live.what_if import what_if
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import write_replay
@@ -50,6 +51,9 @@ AT_ONCE = 0.3
 
 Moment = tuple[int, int]
 """Steps made, and how often the mission has been changed."""
+
+FORECAST, BOUND, SEARCH = "forecast", "bound", "search"
+"""What is worked out beside the conversation for all pages; what one has weighed is its own."""
 
 
 class Session:
@@ -64,13 +68,11 @@ class Session:
         self.watchers: set[Watcher] = set()
         self.lock = asyncio.Lock()
         self._wake = asyncio.Event()
-        self._forecast: asyncio.Task[None] | None = None
+        self._errands = Errands()
         self._outlook: Tree | None = None  # what the latest forecast said
         self._is_outdated = False  # since more was shown
-        self._bound: asyncio.Task[None] | None = None
         self._planning = ""  # after what a plan is being made, for as long as it is
         self._happening: Happening | None = None  # what that is, where it is an incident
-        self._search: asyncio.Task[None] | None = None
         self._offer: tuple[Moment, PlanTakenOver] | None = None
 
     async def run(self) -> None:
@@ -95,25 +97,21 @@ class Session:
         self._tell_all("state", self._state())
         if self._outlook is not None:
             watcher.tell(json.dumps({"kind": "forecast"} | self._outlook))
-        elif self._forecast is None:
+        elif not self._errands.is_under_way(FORECAST):
             self._predict()
-        if self._bound is None:
+        if not self._errands.is_under_way(BOUND):
             self._work_out_bound()
         return watcher
 
     def leave(self, watcher: Watcher) -> None:
-        """Let a page go."""
+        """Let a page go, and what it has weighed."""
+        self._errands.end(watcher)
         self.watchers.discard(watcher)
         self._tell_all("state", self._state())
 
     async def act(self, watcher: Watcher, text: str) -> None:
         """Do what a page asks for, or tell it why not."""
-        try:
-            message = read_message(text)
-            await self._do(watcher, message)
-        except TeamformerError as error:
-            keys = error.keys if isinstance(error, TaskRefusedError) else ()
-            watcher.tell(json.dumps({"kind": "refused", "text": str(error), "keys": keys}))
+        await or_refuse(watcher, self._do(watcher, text))
 
     async def step(self) -> None:
         """Make one step, if there is one, and tell everybody."""
@@ -138,35 +136,29 @@ class Session:
             self._pause()
         elif self.mission.has_shown_more:
             self._is_outdated = True
-            if self._forecast is None or self._forecast.done():
+            if not self._errands.is_under_way(FORECAST):
                 self._predict()
 
-    async def happen(self, incident: Happening, moment: Moment | None = None) -> None:
+    async def happen(self, incident: Happening) -> None:
         """Let an incident happen and tell everybody; TeamformerError says why it cannot.
 
-        That it has happened is told before robots have planned for it. With a `moment` it can
-        happen at no other.
+        The lock is held meanwhile. That it has happened is told before robots have planned for it.
         """
-        async with self.lock:
-            if moment not in (None, self._moment()):
-                raise TeamformerError("the mission has gone on since then; plan anew")
-            self.mission.scenario_with(incident)
-            text = f"step {self.mission.steps + incident.steps_later}: {incident.text()}"
-            self._happening = incident
-            self._tell_planning(text)
-            try:
-                await asyncio.to_thread(self.mission.happen, incident)
-                self._changes += 1
-                self._planning = ""
-                record = self._record()
-                record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
-                news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
-                self._tell_all("incident", news | self._state())
-            finally:
-                self._happening = None
-                self._planning_is_over()
-        self._predict()
-        self._work_out_bound()
+        self.mission.scenario_with(incident)
+        text = f"step {self.mission.steps + incident.steps_later}: {incident.text()}"
+        self._happening = incident
+        self._tell_planning(text)
+        try:
+            await asyncio.to_thread(self.mission.happen, incident)
+            self._planning = ""
+            record = self._record()
+            record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
+            news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
+            self._tell_all("incident", news | self._state())
+        finally:
+            self._happening = None
+            self._planning_is_over()
+        self._have_changed()
 
     async def undo(self) -> None:
         """Go back to just before the latest incident, and tell everybody."""
@@ -191,9 +183,7 @@ class Session:
 
     def close(self) -> None:
         """Let everything end that goes on in the background."""
-        for task in (self._forecast, self._bound, self._search):
-            if task is not None:
-                task.cancel()
+        self._errands.close()
 
     async def record(self) -> Replay:
         """Return the record so far, with the bound."""
@@ -218,7 +208,8 @@ class Session:
             "`run` makes plans of its own, so that its mission may end at another step"
         )
 
-    async def _do(self, watcher: Watcher, message: Message) -> None:
+    async def _do(self, watcher: Watcher, text: str) -> None:
+        message = read_message(text)
         actions: dict[str, Callable[[], None]] = {"play": self._play, "pause": self._pause}
         command = message["do"]
         if command in actions:
@@ -231,10 +222,13 @@ class Session:
             self._wake.set()
             self._tell_all("state", self._state())
         elif command == "happen":
-            await self.happen(read_incident(message, self.mission.scenario))
+            async with self.lock:
+                await self.happen(read_incident(message, self.mission.scenario))
         elif command == "what_if":
-            incident = read_incident(message, self.mission.scenario)
-            watcher.tell(json.dumps(await self._what_if(incident)))
+            work = self._weigh(watcher, message)
+            self._errands.begin(watcher, or_refuse(watcher, work, is_weighed=True))
+        elif command == "stop":
+            self._stop(watcher)
         elif command == "replan":
             self._search_plan(read_search(message))
         elif command == "take_over":
@@ -253,8 +247,15 @@ class Session:
 
     def _tell_another_past(self, text: str) -> None:
         """Tell everybody the mission whole, for its past is another, and why."""
-        self._changes += 1
         self._tell_all("mission", {"record": self._record(), "text": text} | self._state())
+        self._have_changed()
+
+    def _have_changed(self) -> None:
+        """Have everything worked out again, for the mission is another now."""
+        self._changes += 1
+        for watcher in self.watchers:
+            if self._errands.end(watcher):
+                watcher.tell(refusal("something else has happened meanwhile; ask again", True))
         self._predict()
         self._work_out_bound()
 
@@ -269,36 +270,38 @@ class Session:
         self.is_playing = False
         self._tell_all("state", self._state())
 
-    async def _what_if(self, incident: Incident) -> Tree:
+    async def _weigh(self, watcher: Watcher, message: Message) -> None:
+        """Tell a page what an incident would cost or gain if it happened now."""
         async with self.lock:
-            changes, past = self._changes, self.mission.past()
-            changed = await asyncio.to_thread(self.mission.past_with, incident)
-        without = await asyncio.to_thread(forecast, past)
-        found = await asyncio.to_thread(forecast, changed)
-        if changes != self._changes:
-            raise TeamformerError("something else has happened meanwhile; ask again")
-        ends = forecast_to_tree(found) | {"without": forecast_to_tree(without)}
-        return {"kind": "what_if", **ends, "text": incident.text()}
+            now = self.mission.as_it_stands()
+        incident = read_incident(message, now.scenario)
+        found = await apart(lambda is_over: what_if(now, incident, is_over))
+        watcher.tell(json.dumps({"kind": "what_if", "at": now.steps} | found))
+
+    def _stop(self, watcher: Watcher) -> None:
+        """End what a page has weighed, and the search for a plan."""
+        if self._errands.end(watcher):
+            watcher.tell(json.dumps({"kind": "stopped"}))
+        if self._errands.end(SEARCH):
+            self._tell_all("stopped", {})
 
     def _search_plan(self, seconds: float) -> None:
         """Begin to search for a better plan; the mission pauses, as the plan is for now."""
-        if self._search is not None and not self._search.done():
+        if self._errands.is_under_way(SEARCH):
             raise TeamformerError("a plan is being searched for already")
         self._pause()
-        self._search = asyncio.create_task(self._offer_plan(seconds))
+        self._errands.begin(SEARCH, self._offer_plan(seconds))
 
     async def _offer_plan(self, seconds: float) -> None:
         async with self.lock:
             past, moment = self.mission.past(), self._moment()
         self._tell_all("searching", {"seconds": seconds})
-        is_over = threading.Event()
         try:
-            found = await asyncio.to_thread(search_plan, past, seconds, is_over.is_set)
+            found = await apart(lambda is_over: search_plan(past, seconds, is_over))
         except TeamformerError as error:
-            self._tell_all("refused", {"text": str(error)})
+            for watcher in self.watchers:
+                watcher.tell(refusal(str(error), is_weighed=True))
             return
-        finally:
-            is_over.set()
         self._offer = (moment, found)
         ends = forecast_to_tree(found.forecast) | {"without": forecast_to_tree(found.without)}
         self._tell_all("offer", ends | {"text": "a plan of central", "at": moment[0]})
@@ -308,17 +311,18 @@ class Session:
             raise TeamformerError("there is no plan to take over; plan anew")
         moment, plan = self._offer
         self._offer = None
-        await self.happen(plan, moment)
+        async with self.lock:
+            if moment != self._moment():
+                raise TeamformerError("the mission has gone on since then; plan anew")
+            await self.happen(plan)
 
     def _moment(self) -> Moment:
         return self.mission.steps, self._changes
 
     def _predict(self) -> None:
         """Work out the mission's end in the background; only incidents change it."""
-        if self._forecast is not None and not self._forecast.done():
-            self._forecast.cancel()
         self._outlook = None
-        self._forecast = asyncio.create_task(self._tell_forecast())
+        self._errands.begin(FORECAST, self._tell_forecast())
 
     async def _tell_forecast(self) -> None:
         self._is_outdated = True
@@ -326,21 +330,16 @@ class Session:
             self._is_outdated = False
             async with self.lock:
                 past = self.mission.past()
-            is_over = threading.Event()
             try:
-                found = await asyncio.to_thread(forecast, past, is_over.is_set)
+                found = await apart(partial(forecast, past))
             except TeamformerError:  # of a policy; its step will tell more
                 self._tell_all("forecast", {"status": "failed"})
                 return
-            finally:
-                is_over.set()
             self._outlook = forecast_to_tree(found) | {"done_at": done_at_to_tree(found)}
             self._tell_all("forecast", self._outlook)
 
     def _work_out_bound(self) -> None:
-        if self._bound is not None:
-            self._bound.cancel()
-        self._bound = asyncio.create_task(self._tell_bound())
+        self._errands.begin(BOUND, self._tell_bound())
 
     async def _tell_bound(self) -> None:
         """Work out in the background what no plan can beat; incidents change it."""

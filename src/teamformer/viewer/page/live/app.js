@@ -40,6 +40,7 @@ class LiveApp extends App {
     if ("is_playing" in message) this.takeState(message);
     if (["forecast", "what_if", "offer"].includes(kind)) this.panel.tell(message);
     if (kind === "searching") this.panel.searching(message);
+    if (kind === "stopped") this.panel.weighingIsOver();
     if (kind === "saved") notify(savedText(message), "good");
     if (kind === "refused") this.refuse(message);
   }
@@ -58,8 +59,9 @@ class LiveApp extends App {
     return task < this.history.scenario.tasks.length;
   }
 
-  refuse({ text, keys = [] }) {
+  refuse({ text, keys = [], is_weighed: isWeighed = false }) {
     notify(`Not done: ${text}.`);
+    if (isWeighed) this.panel.weighingIsOver();
     this.panel.keepForm(keys);
   }
 

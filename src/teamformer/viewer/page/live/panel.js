@@ -102,8 +102,7 @@ class MissionPanel {
 
   // Another past, or an incident: what was worked out before holds no more.
   forget() {
-    stopWork(this.answer);
-    for (const box of [this.answer, this.offer]) box.replaceChildren();
+    this.weighingIsOver();
     this.ahead = null;
     this.question.hidden = true;
     this.showOutlook();
@@ -132,18 +131,36 @@ class MissionPanel {
       return;
     }
     const end = describeOutcome(world, message);
+    this.isWeighing = false;
     const more = message.steps - message.without.steps;
     stopWork(this.answer);
     const mean = message.band ? " on average" : "";
     const change = more === 0 ? "no later" : `${describeSpan(world, Number(Math.abs(more).toFixed(1)))} ${more > 0 ? "later" : "earlier"}${mean}`;
-    this.answer.textContent = `With ${message.text}: ${end}, ${change}.`;
+    this.answer.textContent = `As of ${describeMoment(world, message.at)}, with ${message.text}: ${end}, ${change}.`;
+    this.offer.replaceChildren();
     if (message.kind === "offer") this.propose(more);
     this.answer.scrollIntoView({ block: "nearest" });
   }
 
   searching({ seconds }) {
-    this.offer.replaceChildren();
-    showWork(this.answer, `Searching for a better plan for ${seconds} s; the mission waits …`);
+    this.showWeighing(`Searching for a better plan for ${seconds} s; the mission waits …`);
+  }
+
+  // What the server works out beside the mission, for as long as nobody stops it.
+  showWeighing(text) {
+    this.isWeighing = true;
+    showWork(this.answer, text);
+    this.offer.replaceChildren(act("Stop", () => this.app.ask({ do: "stop" })));
+  }
+
+  weighingIsOver() {
+    this.isWeighing = false;
+    this.clear();
+  }
+
+  clear() {
+    stopWork(this.answer);
+    for (const box of [this.answer, this.offer]) box.replaceChildren();
   }
 
   // A plan that would end the mission sooner can be taken over, for as long as nothing goes on.
@@ -161,7 +178,7 @@ class MissionPanel {
   }
 
   weigh(incident) {
-    showWork(this.answer, "Playing it ahead …");
+    this.showWeighing("Playing it ahead …");
     this.app.ask({ do: "what_if", ...incident });
   }
 
@@ -241,8 +258,6 @@ class MissionPanel {
   // A task that is refused can be mended; the fields of the file's keys that are wrong are marked.
   keepForm(keys) {
     this.isAdding = false;
-    stopWork(this.answer);
-    this.answer.textContent = "";
     if (this.form.hidden) return;
     for (const field of this.form.elements) field.removeAttribute("aria-invalid");
     const wrong = keys.map((key) => FIELDS_OF_KEYS[key] ?? "none").join() || "none";
@@ -255,8 +270,7 @@ class MissionPanel {
     this.isAdding = false;
     this.form.hidden = true;
     this.form.replaceChildren();
-    stopWork(this.answer);
-    this.answer.textContent = "";
+    if (!this.isWeighing) this.clear();
     this.app.select({});
     this.app.map.canvas.focus({ preventScroll: true });
   }

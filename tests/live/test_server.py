@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from live_server import Served, serving, serving_session, small_mission
+from live_server import Served, serving, serving_editor, serving_session, small_mission
 from teamformer.commands.addresses import Address, address_of
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
@@ -592,6 +592,45 @@ def test_pages_are_served_before_the_first_plan_is_made(tmp_path: Path) -> None:
             page.hear("begun")
         with Page(server) as page:
             assert page.hear("mission")["record"]["steps"] == []
+
+
+@pytest.fixture
+def editor(tmp_path: Path) -> Iterator[Served]:
+    with serving_editor(tmp_path / "out") as server:
+        yield server
+
+
+def test_what_one_page_draws_all_pages_show(editor: Served) -> None:
+    with Page(editor) as one, Page(editor) as other:
+        tree, first = one.hear("editor")["scenario"], other.hear("editor")["id"]
+        drawn = tree | {"name": "drawn"}
+        one.ask(do="check", scenario=drawn, id="a1", after=first)
+        assert one.hear("checked") == {"kind": "checked", "problems": [], "id": "a1"}
+        told = other.hear("editor")
+        assert (told["scenario"], told["id"]) == (drawn, "a1")
+        other.ask(do="check", scenario=tree, id="b1", after="a1")
+        assert one.hear("editor")["scenario"] == tree
+        one.ask(do="new")
+        assert other.hear("editor")["scenario"]["robots"] == []
+
+
+@pytest.mark.parametrize("command", ["check", "save", "run"])
+def test_no_page_draws_over_what_it_has_not_seen(
+    editor: Served, command: str, tmp_path: Path
+) -> None:
+    """Whoever is late is shown the drawing of the other; what follows its own is late too."""
+    with Page(editor) as one, Page(editor) as other:
+        tree, first = one.hear("editor")["scenario"], other.hear("editor")["id"]
+        mine, yours = tree | {"name": "mine"}, tree | {"name": "yours"}
+        one.ask(do="check", scenario=mine, id="a1", after=first)
+        one.hear("checked")
+        for own, after in (("b1", first), ("b2", "b1")):
+            other.ask(do=command, scenario=yours, id=own, after=after, name="it.yaml")
+            assert other.hear("editor")["scenario"] == mine
+            assert "another page has drawn meanwhile" in other.hear("refused")["text"]
+        other.ask(do="check", scenario=yours, id="b3", after="a1")
+        assert one.hear("editor")["scenario"] == yours
+    assert list(tmp_path.rglob("*.yaml")) == []
 
 
 def test_a_server_ends_while_a_first_plan_is_made(tmp_path: Path) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import secrets
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,11 +35,15 @@ StartMission = Callable[[Scenario], Mission]
 
 @dataclass(frozen=True)
 class Draft:
-    """What is drawn: the tree of a scenario file, the name of its file, and its text if YAML."""
+    """What is drawn: the tree of a scenario file, the name of its file, and its text if YAML.
+
+    `id` is the drawing's own: pages say by it on what they have drawn.
+    """
 
     tree: Any
     file: str = "mission.yaml"
     text: str = ""
+    id: str = field(default_factory=lambda: secrets.token_hex(8))
 
 
 class Workshop:
@@ -132,10 +137,9 @@ class Workshop:
     async def _do(self, watcher: Watcher, message: Message) -> None:
         command = message["do"]
         if command == "check":
-            draft = message.get("scenario")
-            problems = await asyncio.to_thread(problems_of, draft)
-            self._keep(draft)
-            watcher.tell(json.dumps({"kind": "checked", "problems": problems}))
+            problems = await asyncio.to_thread(problems_of, self._take(watcher, message))
+            checked = {"kind": "checked", "problems": problems, "id": message.get("id")}
+            watcher.tell(json.dumps(checked))
         elif command == "open":
             name, text = message.get("name"), message.get("text")
             if not isinstance(name, str) or not isinstance(text, str):
@@ -144,29 +148,43 @@ class Workshop:
             is_yaml = name.lower().endswith((".yaml", ".yml"))
             file = str(Path(name).with_suffix(".yaml")) if name.endswith(".map") else name
             self._draft = Draft(tree, file, text if is_yaml else "")
-            self._tell_draft(watcher)
+            self._tell_draft(*self._watchers)
         elif command == "new":
             self._draft = Draft(EMPTY)
-            self._tell_draft(watcher)
+            self._tell_draft(*self._watchers)
         elif command == "save":
-            draft, name = message.get("scenario") or {}, message.get("name")
+            draft, name = self._take(watcher, message) or {}, message.get("name")
             path = write_draft(draft, name, self._folder, self._draft.text)
             watcher.tell(json.dumps({"kind": "saved", "paths": [str(path)]}))
         elif command == "run":
-            scenario = read_draft(message.get("scenario"))
-            self._keep(message.get("scenario"))
-            await self._run(scenario)
+            await self._run(read_draft(self._take(watcher, message)))
         else:
             raise TeamformerError("no mission runs yet; draw one and run it")
 
-    def _keep(self, tree: object) -> None:
-        """Keep what is drawn, for pages that come later and for the way back from its mission."""
-        if can_be_drawn(tree):
-            self._draft = Draft(tree, self._draft.file, self._draft.text)
+    def _take(self, watcher: Watcher, message: Message) -> Any:
+        """Return what a page has drawn; it is kept, and all other pages are shown it.
 
-    def _tell_draft(self, watcher: Watcher) -> None:
-        draft = {"scenario": self._draft.tree, "file": self._draft.file}
-        watcher.tell(json.dumps({"kind": "editor"} | draft))
+        What was drawn on another drawing than the one that is kept is refused, and the page is
+        shown that: so no page draws over what it has not seen.
+        """
+        tree, own, after = (message.get(key) for key in ("scenario", "id", "after"))
+        if own == self._draft.id:
+            return tree
+        if after not in (None, self._draft.id):
+            self._tell_draft(watcher)
+            raise TeamformerError(
+                "another page has drawn meanwhile, and this is its drawing; Undo goes back to yours"
+            )
+        if can_be_drawn(tree):
+            self._draft = replace(self._draft, tree=tree, id=str(own or secrets.token_hex(8)))
+            if not self._is_starting:
+                self._tell_draft(*self._watchers - {watcher})
+        return tree
+
+    def _tell_draft(self, *watchers: Watcher) -> None:
+        draft = {"scenario": self._draft.tree, "file": self._draft.file, "id": self._draft.id}
+        for watcher in watchers:
+            watcher.tell(json.dumps({"kind": "editor"} | draft))
 
     async def _run(self, scenario: Scenario) -> None:
         """Begin a mission, and have all pages come to it; or tell them why it cannot be run."""

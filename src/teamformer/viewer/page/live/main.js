@@ -3,7 +3,7 @@
 // What each first word of the server makes of the page.
 const APPS = {
   mission: (message) => new LiveApp(message.record, server),
-  editor: (message) => new EditorApp(message.scenario, server),
+  editor: (message) => new EditorApp(message, server),
   starting: (message) => new StartingApp(message.scenario),
 };
 
@@ -12,6 +12,7 @@ let opening = null; // the word that the page was opened by
 const server = new Link(hearServer, (isOpen) => {
   if (!app) return;
   app.isCutOff = !isOpen;
+  app.isBehind ||= !isOpen;
   app.panel?.show?.();
 });
 

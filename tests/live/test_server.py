@@ -22,11 +22,12 @@ from teamformer.commands.addresses import Address, address_of
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.mcap_file import write_mcap
+from teamformer.live.drafts import Draft
 from teamformer.live.incidents import Incident
 from teamformer.live.mission_with_past import Mission
 from teamformer.live.page_trees import Tree
 from teamformer.live.what_if import what_if
-from teamformer.live.workshop import Draft, Workshop
+from teamformer.live.workshop import Workshop
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge

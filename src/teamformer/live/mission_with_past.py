@@ -17,9 +17,11 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from teamformer.coordination import Coordinator, Plan
+from teamformer.coordinators.replayed import Replayed
 from teamformer.errors import TeamformerError
 from teamformer.live.forecasts import Past, replayed
 from teamformer.live.incidents import Happening, Incident, NewWeight, plan_of
@@ -48,18 +50,28 @@ class _Standing(NamedTuple):
 class Mission:
     """One mission that runs by one method; `incidents` are what happened so far, with steps.
 
-    `make_method` makes the method anew: forecasts play with one of their own. Under a method that
-    knows everything the mission is what an uncertain one really is.
+    `plans` were made before, with the steps made then; they are not made again. `make_method`
+    makes the method anew: forecasts play with one of their own. Under a method that knows
+    everything the mission is what an uncertain one really is.
     """
 
-    def __init__(self, scenario: Scenario, make_method: MakeMethod, seed: int) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        make_method: MakeMethod,
+        seed: int,
+        plans: Sequence[tuple[int, Plan]] = (),
+    ) -> None:
         if make_method().needs_everything:
             scenario = draw_truth(scenario, seed)
         self.scenario, self.seed = scenario, seed
         self.incidents: list[tuple[int, Happening]] = []
-        self._drawn = scenario
+        self.drawn = scenario  # before anything happened
         self._make_method = make_method
         self._method = self._begin()
+        if self._method.coordinator is not None:
+            coordinator = Replayed(plans, self._method.coordinator)
+            self._method = replace(self._method, coordinator=coordinator)
         self.method_name = self._method.name
         self._decisions: list[Decision] = []
         self._env = self._stage(scenario, self._method.coordinator)
@@ -69,7 +81,7 @@ class Mission:
 
     def anew(self) -> Mission:
         """Return the same mission before its first step, to which nothing has happened."""
-        return Mission(self._drawn, self._make_method, self.seed)
+        return Mission(self.drawn, self._make_method, self.seed)
 
     @property
     def steps(self) -> int:
@@ -80,6 +92,16 @@ class Mission:
     def is_running(self) -> bool:
         """Say whether there is a next step."""
         return bool(self._env.is_running[0])
+
+    @property
+    def latest(self) -> Step:
+        """Return what the latest step changed."""
+        return self._recorder.latest
+
+    @property
+    def latest_plans(self) -> list[Plan]:
+        """Return the plans that were made since the step before the latest."""
+        return [plan for made, plan in self._env.plans() if made == self.steps]
 
     def tally(self) -> Tally:
         """Return how the mission stands."""
@@ -94,7 +116,7 @@ class Mission:
         """Say whether the latest step has told something of an uncertain mission."""
         if not self.scenario.has_surprises:
             return False
-        latest = self._recorder.latest
+        latest = self.latest
         shown = latest.shown or latest.found or latest.moved or latest.done
         return bool(shown or latest.lost or latest.back)
 
@@ -104,7 +126,7 @@ class Mission:
         self._env.step(decision)
         self._decisions.append(decision)
         self._recorder.step()
-        return self._recorder.latest
+        return self.latest
 
     def happen(self, incident: Happening) -> None:
         """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""
@@ -191,7 +213,7 @@ class Mission:
     def _changed(self, happening: Happening) -> tuple[Happening, TeamFormation, Recorder, Scenario]:
         """Return what happens, with its plan, and the mission as it would stand if it did now."""
         scenario = self.scenario_with(happening)
-        if isinstance(happening, NewWeight):
+        if isinstance(happening, NewWeight) and happening.plan is None:
             assert self._method.coordinator is not None, "refused where robots go by no plan"
             happening = happening.planned(self._env, self._method.coordinator)
         env = self._stage(scenario, replayed(self._env, self._method.coordinator))

@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 
 from teamformer.errors import TeamformerError
+from teamformer.live.autosave import Autosave
 from teamformer.live.errands import Errands, apart
 from teamformer.live.forecasts import forecast
 from teamformer.live.incidents import (
@@ -38,6 +39,7 @@ from teamformer.live.page_trees import (
     forecast_to_tree,
     news_of_step,
     record_so_far,
+    what_happened,
 )
 from teamformer.live.refusals import or_refuse, refusal
 from teamformer.live.watchers import Watcher
@@ -60,10 +62,18 @@ class Session:
     """Steps a mission at its speed and tells everybody; `act` is what a page asks for."""
 
     def __init__(
-        self, mission: Mission, folder: Path, speed: float, has_editor: bool = False
+        self,
+        mission: Mission,
+        folder: Path,
+        speed: float,
+        has_editor: bool = False,
+        autosave: Autosave | None = None,
     ) -> None:
         self.mission, self.folder = mission, folder
         self.speed, self.is_playing, self.has_editor = speed, False, has_editor
+        self._autosave = autosave or Autosave()
+        self._autosave.warn = lambda text: self._tell_all("warning", {"text": text})
+        self._saved: Moment | None = None  # when that was done last
         self._changes = 0
         self.watchers: set[Watcher] = set()
         self.lock = asyncio.Lock()
@@ -131,6 +141,7 @@ class Session:
             finally:
                 telling.cancel()
                 self._planning_is_over()
+            self._autosave.step(self.mission)
             self._tell_all("step", news_of_step(self.mission.record(), self.mission.is_running))
         if not self.mission.is_running:
             self._pause()
@@ -150,6 +161,7 @@ class Session:
         self._tell_planning(text)
         try:
             await asyncio.to_thread(self.mission.happen, incident)
+            self._autosave.happen(self.mission)
             self._planning = ""
             record = self._record()
             record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
@@ -165,6 +177,7 @@ class Session:
         self._pause()
         async with self.lock:
             incident = self.mission.undo()
+            self._autosave.undo()
             back = f"Undone: {incident.text()}. The mission is back at step {self.mission.steps}."
             self._tell_another_past(back)
 
@@ -175,6 +188,7 @@ class Session:
             self._tell_planning("the mission begins anew")
             try:
                 self.mission = await asyncio.to_thread(self.mission.anew)
+                self._autosave.begin(self.mission)
                 self._planning = ""
                 back = "The mission is back at its start; nothing has happened to it."
                 self._tell_another_past(back)
@@ -182,8 +196,9 @@ class Session:
                 self._planning_is_over()
 
     def close(self) -> None:
-        """Let everything end that goes on in the background."""
+        """Let everything end that goes on in the background, and the autosave."""
         self._errands.close()
+        self._autosave.close()
 
     async def record(self) -> Replay:
         """Return the record so far, with the bound."""
@@ -240,8 +255,10 @@ class Session:
         elif command == "save":
             async with self.lock:
                 paths = await asyncio.to_thread(self.save)
+                self._saved = self._moment()
             saved = {"kind": "saved", "paths": [str(path) for path in paths], "note": self.note}
             watcher.tell(json.dumps(saved))
+            self._tell_all("state", self._state())
         else:
             raise TeamformerError(f"a mission under way cannot '{command}'")
 
@@ -366,27 +383,16 @@ class Session:
         return record_so_far(self.mission.record(), self.mission.is_running)
 
     def _state(self) -> Tree:
-        incidents = self.mission.incidents
         return {
+            "id": self._autosave.id,
             "is_playing": self.is_playing,
             "speed": self.speed,
             "watchers": len(self.watchers),
-            "incidents": [[steps + it.steps_later, it.text()] for steps, it in incidents],
-            "undo_to": incidents[-1][0] if incidents else None,
-            "leaving": self._leaving(),
+            **what_happened(self.mission, self._happening),
+            "saved_at": self._saved[0] if self._saved and self._saved[1] == self._changes else None,
             "planning": self._planning,
             "has_editor": self.has_editor,
         }
-
-    def _leaving(self) -> list[str]:
-        """Return the robots that are lost since the latest step, and count for nothing any more.
-
-        That is so already while the others plan for it.
-        """
-        now = self.mission.steps
-        latest = [incident for step, incident in self.mission.incidents if step == now]
-        latest += [] if self._happening is None else [self._happening]
-        return list(dict.fromkeys(it.robot for it in latest if isinstance(it, LostRobot)))
 
     def _tell_all(self, kind: str, news: Tree) -> None:
         text = json.dumps({"kind": kind} | news, separators=(",", ":"))

@@ -9,14 +9,16 @@ import secrets
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import TeamformerError
+from teamformer.live.autosave import NAME, Autosave, Identity
 from teamformer.live.drafts import (
     EMPTY,
     EXAMPLE,
+    Draft,
     can_be_drawn,
     open_draft,
     problems_of,
@@ -25,33 +27,20 @@ from teamformer.live.drafts import (
 )
 from teamformer.live.messages import Message, read_files, read_message
 from teamformer.live.mission_with_past import Mission
+from teamformer.live.resuming import Kept, StartMission, play_again
 from teamformer.live.session import AT_ONCE, Session
 from teamformer.live.watchers import Watcher
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
-
-StartMission = Callable[[Scenario], Mission]
-
-
-@dataclass(frozen=True)
-class Draft:
-    """What is drawn: the tree of a scenario file, the name of its file, and its text if YAML.
-
-    `id` is the drawing's own: pages say by it on what they have drawn.
-    """
-
-    tree: Any
-    file: str = "mission.yaml"
-    text: str = ""
-    id: str = field(default_factory=lambda: secrets.token_hex(8))
 
 
 class Workshop:
     """What pages speak to: an editor, or the session of a mission while one runs.
 
     It offers what a `Session` does, so that the server need not know which of them it has. With a
-    `mission`, that of the draft, it begins with running it. `say` tells the person who started it
-    how long the first plan of a mission takes.
+    `mission`, that of the draft, it begins with running it; with `kept` it goes on with the mission
+    of an autosave. `say` tells the person who started it how long the first plan of a mission
+    takes.
     """
 
     def __init__(
@@ -62,22 +51,26 @@ class Workshop:
         draft: Draft | None = None,
         mission: Scenario | None = None,
         say: Callable[[str], None] = lambda _: None,
+        kept: Kept | None = None,
     ) -> None:
         self.session: Session | None = None
         self._lock = asyncio.Lock()
         self._start, self._folder, self._speed = start, folder, speed
-        self._draft = draft or Draft(EXAMPLE)
-        self._mission = mission
+        self._draft = draft or (Draft(EXAMPLE) if kept is None else kept.identity.draft)
+        self._mission, self._kept = mission, kept
         self._say = say
-        self._is_starting = mission is not None
+        self._is_starting = mission is not None or kept is not None
         self._refusal = ""  # why the latest mission could not be started
+        self._doing = "making the first plan"  # while one is made
         self._watchers: set[Watcher] = set()
         self._clock: asyncio.Task[None] | None = None
 
     async def run(self) -> None:
         """Begin the mission that there is from the start, and let time pass until cancelled."""
         try:
-            if self._mission is not None:
+            if self._kept is not None:
+                await self._go_on(self._kept)
+            elif self._mission is not None:
                 await self._run(self._mission)
             await asyncio.Event().wait()
         finally:
@@ -90,7 +83,7 @@ class Workshop:
         watcher = Watcher()
         self._watchers.add(watcher)
         if self._is_starting:
-            watcher.tell(json.dumps({"kind": "starting", "scenario": self._draft.tree}))
+            self._tell_starting(watcher)
         else:
             self._tell_draft(watcher)
             if self._refusal:
@@ -186,18 +179,44 @@ class Workshop:
         for watcher in watchers:
             watcher.tell(json.dumps({"kind": "editor"} | draft))
 
+    def _tell_starting(self, *watchers: Watcher) -> None:
+        starting = {"kind": "starting", "scenario": self._draft.tree, "text": self._doing}
+        for watcher in watchers:
+            watcher.tell(json.dumps(starting))
+
     async def _run(self, scenario: Scenario) -> None:
         """Begin a mission, and have all pages come to it; or tell them why it cannot be run."""
+
+        def start() -> Mission:
+            mission = self._start(scenario)
+            autosave.begin(mission)
+            return mission
+
+        identity = Identity(secrets.token_hex(8), self._draft)
+        autosave = Autosave(self._folder / NAME, identity)
+        await self._have_run(start, autosave, "making the first plan")
+
+    async def _go_on(self, kept: Kept) -> None:
+        """Go on with the mission of an autosave, as it stood when it was cut off."""
+
+        def start() -> Mission:
+            mission = play_again(kept, self._start)
+            autosave.go_on()
+            return mission
+
+        autosave = Autosave(kept.path, kept.identity)
+        await self._have_run(start, autosave, "playing the mission again up to where it was")
+
+    async def _have_run(self, start: Callable[[], Mission], autosave: Autosave, doing: str) -> None:
         async with self._lock:
             if self.session is not None:
                 raise TeamformerError("another page has run a mission already")
-            self._is_starting, self._refusal = True, ""
+            self._is_starting, self._refusal, self._doing = True, "", doing
             begun, loop = time.monotonic(), asyncio.get_running_loop()
-            telling = loop.call_later(AT_ONCE, self._say, "making the first plan ...")
-            for watcher in self._watchers:
-                watcher.tell(json.dumps({"kind": "starting", "scenario": self._draft.tree}))
+            telling = loop.call_later(AT_ONCE, self._say, f"{doing} ...")
+            self._tell_starting(*self._watchers)
             try:
-                mission = await _start_apart(self._start, scenario)
+                mission = await _start_apart(start)
             except TeamformerError as error:
                 self._refuse(str(error))
                 return
@@ -207,7 +226,7 @@ class Workshop:
             took = time.monotonic() - begun
             if took > AT_ONCE:
                 self._say(f"the mission is ready after {took:.1f} s; the page starts it")
-            self.session = Session(mission, self._folder, self._speed, has_editor=True)
+            self.session = Session(mission, self._folder, self._speed, True, autosave)
             self._clock = asyncio.create_task(self.session.run())
         self._have_all_come_again()
 
@@ -242,7 +261,7 @@ class Workshop:
         self._watchers.clear()
 
 
-async def _start_apart(start: StartMission, scenario: Scenario) -> Mission:
+async def _start_apart(start: Callable[[], Mission]) -> Mission:
     """Make a mission, with its first plan, in a thread that does not keep Ctrl-C waiting."""
     loop = asyncio.get_running_loop()
     made: asyncio.Future[Mission] = loop.create_future()
@@ -259,7 +278,7 @@ async def _start_apart(start: StartMission, scenario: Scenario) -> Mission:
         mission: Mission | None = None
         error: BaseException | None = None
         try:
-            mission = start(scenario)
+            mission = start()
         except BaseException as raised:
             error = raised
         with contextlib.suppress(RuntimeError):  # the server has ended meanwhile

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +16,19 @@ from browsers import Opened
 from live_server import Served, serving, serving_session, small_mission
 from small_worlds import late_pair
 from teamformer.errors import TeamformerError
+from teamformer.live.autosave import Autosave, Identity
+from teamformer.live.drafts import Draft
 from teamformer.live.incidents import Incident
 from teamformer.live.mission_with_past import Mission
 from teamformer.live.session import Session
+from teamformer.live.workshop import Workshop
 from teamformer.model import Absence
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
 from teamformer.sim.env import Decision
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.view import View
-from teamformer.trials.methods import Method
+from teamformer.trials.methods import Method, load_method
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
 
@@ -371,7 +374,85 @@ def test_a_server_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
     wait_for(opened, "#mission h2", "connection lost")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "The server is not there; nothing was done")
+    wait_for(opened, "#cut-off", "Cut off: the connection to the server was lost ")
+    for width, height in ((1400, 900), (820, 1180), (390, 844)):
+        page.set_viewport_size({"width": width, "height": height})
+        box = page.locator("#cut-off").bounding_box()
+        assert (box["x"], box["y"], box["width"]) == (0, 0, width)
+        assert page.evaluate("document.body.scrollWidth") == width
+        assert page.locator(".transport").bounding_box()["y"] < height
     page.close()
+
+
+def kept_session(folder: Path, name: str) -> Session:
+    run = Mission(small_mission(), lambda: load_method("join-fitting"), 0)
+    autosave = Autosave(folder / "autosave.jsonl", Identity(name, Draft({})))
+    return Session(run, folder, 20.0, autosave=autosave)
+
+
+@pytest.mark.parametrize("name", ["the same", "another"])
+def test_a_page_that_comes_to_another_mission_says_so(
+    browser: Any, tmp_path: Path, name: str
+) -> None:
+    page = browser.new_page()
+    with serving_session(kept_session(tmp_path, "the same")) as server:
+        page.goto(f"http://{server.address}/")
+        opened = Opened(page)
+        opened.wait_until("window.teamformer !== undefined")
+        wait_for(opened, "#outlook", "all done")
+    opened.wait_until("!document.querySelector('#cut-off').hidden")
+    with serving_session(kept_session(tmp_path, name), port=server.port):
+        opened.wait_until("document.querySelector('#cut-off').hidden")
+        wait_for(opened, "#outlook", "all done")
+        told = "This is another mission than before; the server was started anew."
+        assert (told in page.inner_text("#notice")) == (name == "another")
+        if name == "another":
+            assert "`teamformer live --resume` goes on with" in page.inner_text("#notice")
+        page.close()
+
+
+def test_a_page_whose_mission_is_gone_says_so(browser: Any, tmp_path: Path) -> None:
+    page = browser.new_page()
+    with serving(small_mission(), tmp_path) as server:
+        page.goto(f"http://{server.address}/")
+        opened = Opened(page)
+        opened.wait_until("window.teamformer !== undefined")
+    shop = Workshop(lambda scenario: pytest.fail("started"), tmp_path, 20.0)
+    with ExitStack() as stack:
+        with page.expect_event("load", timeout=60_000):
+            stack.enter_context(serving_session(shop, port=server.port))
+        opened.wait_until("document.title === 'example, live'")
+        wait_for(opened, "#notice", "The mission that was here has ended or was cut off.")
+        page.close()
+
+
+def test_what_is_saved_is_not_asked_about(opened: Opened) -> None:
+    """Until something more is done: then it is."""
+    page = opened.page
+    step_to(opened, 2)
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "replay.json")
+    opened.page.click("text=Restart …")
+    opened.wait_until("window.teamformer.last === 0")
+    step_to(opened, 1)
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "replay.json")
+    step_to(opened, 2, begun=1)
+    page.click("text=Restart …")
+    assert "since it was saved last is gone" in page.inner_text("#mission .question")
+
+
+def test_a_silent_server_is_no_server(browser: Any, tmp_path: Path) -> None:
+    """Its process is there, and the line too, but nothing is said on it any more."""
+    with serving(small_mission(), tmp_path) as server:
+        page = browser.new_page()
+        page.clock.install()
+        page.goto(f"http://{server.address}/")
+        opened = Opened(page)
+        page.evaluate("() => void (window.WebSocket = class {})")  # for later lines
+        page.clock.run_for(20_000)
+        wait_for(opened, "#cut-off", "Cut off")
+        page.close()
 
 
 def test_an_incident_is_undone_in_the_page(opened: Opened, served: Served) -> None:

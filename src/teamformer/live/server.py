@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hmac
+import json
 import socket
 from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass
@@ -27,6 +28,9 @@ from teamformer.live.errands import Conversation
 from teamformer.live.messages import LARGEST
 from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
+
+SIGN_OF_LIFE = 5.0
+"""Seconds after which a page is told that the server is there, if it is told nothing else."""
 
 POLICY_VIOLATION = 1008  # a close code of WebSockets
 
@@ -177,6 +181,14 @@ def serve(app: Starlette, host: str, port: int, on_start: Callable[[], None]) ->
 async def _send(connection: WebSocket, watcher: Watcher) -> None:
     """Send a page what it is told; one that is too far behind is let go, and may come again."""
     with contextlib.suppress(RuntimeError, WebSocketDisconnect):
-        while (text := await watcher.outbox.get()) is not None:
+        while (text := await _next_word(watcher)) is not None:
             await connection.send_text(text)
         await connection.close()
+
+
+async def _next_word(watcher: Watcher) -> str | None:
+    """Return what a page is told next; if it is not told anything for a while, that we are here."""
+    try:
+        return await asyncio.wait_for(watcher.outbox.get(), SIGN_OF_LIFE)
+    except TimeoutError:
+        return json.dumps({"kind": "here"})

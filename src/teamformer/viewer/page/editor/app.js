@@ -40,7 +40,7 @@ class EditorApp extends App {
     if (message.kind === "editor") this.replace(message);
     if (message.kind === "checked" && message.id === this.id) this.panel.tell((this.problems = message.problems));
     if (message.kind === "saved") notify(`Saved: ${message.paths.join(", ")}`, "good");
-    if (message.kind === "starting") notifyWork("Making the first plan …");
+    if (message.kind === "starting") notifyWork(`${capitalised(message.text)} …`);
     if (message.kind === "refused") this.refuse(message);
   }
 

@@ -65,13 +65,13 @@ class MissionPanel {
   askToRestart() {
     const go = () => this.app.ask({ do: "restart" });
     if (this.hasNothingToLose()) return go();
-    this.doubt("What was done and what happened is gone, unless it is saved.", "Restart", go);
+    this.doubt("What was done and what happened since it was saved last is gone.", "Restart", go);
   }
 
   askToEdit() {
     const go = () => this.app.ask({ do: "edit" });
     if (this.hasNothingToLose()) return go();
-    this.doubt("This mission ends; what was done is gone, unless it is saved.", "Back to the drawing", go);
+    this.doubt("This mission ends; what was done since it was saved last is gone.", "Back to the drawing", go);
   }
 
   // What is asked, or else the form, goes away; with neither, the selection does.
@@ -83,7 +83,8 @@ class MissionPanel {
   }
 
   hasNothingToLose() {
-    return this.app.history.last === 0 && !this.app.state.incidents.length;
+    const { history, state } = this.app;
+    return state.savedAt === history.last || (history.last === 0 && !state.incidents.length);
   }
 
   // A question before what cannot be taken back; the answer that changes nothing comes first.

@@ -9,7 +9,7 @@ import re
 import threading
 import time
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -25,8 +25,7 @@ from teamformer.export.mcap_file import write_mcap
 from teamformer.live.drafts import Draft
 from teamformer.live.incidents import Incident
 from teamformer.live.mission_with_past import Mission
-from teamformer.live.page_trees import Tree
-from teamformer.live.what_if import what_if
+from teamformer.live.what_if import IsOver, WhatIf, what_if
 from teamformer.live.workshop import Workshop
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
@@ -232,7 +231,7 @@ class Long:
         self.is_begun, self.may_end = threading.Event(), threading.Event()
         self.was_given_up = threading.Event()
 
-    def __call__(self, now: Mission, incident: Incident, is_over: Callable[[], bool]) -> Tree:
+    def __call__(self, now: Mission, incident: Incident, is_over: IsOver) -> WhatIf:
         self.is_begun.set()
         while not self.may_end.wait(0.01):
             if is_over():
@@ -328,6 +327,19 @@ def test_a_search_for_a_plan_can_be_stopped(tmp_path: Path) -> None:
         page.hear("stopped")
         page.ask(do="take_over")
         assert "there is no plan to take over" in page.hear("refused")["text"]
+
+
+@pytest.mark.parametrize("method", ["plan", "join-fitting"])
+def test_who_asks_what_a_loss_costs_is_told_how_much_is_luck_where_there_are_plans(
+    tmp_path: Path, method: str
+) -> None:
+    with serving(small_mission(), tmp_path, method=method) as server, Page(server) as page:
+        page.hear("mission")
+        page.ask(do="what_if", lost="r1")
+        told = page.hear("what_if")
+        assert told["is_planned"] == (method == "plan")
+        if told["is_planned"]:  # a mission so small is planned alike in any order
+            assert page.hear("luck") == {"kind": "luck", "steps": 0.0, "is_luck": False}
 
 
 def test_a_plan_is_searched_for_offered_and_taken_over(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,15 @@ from toy_replays import Tree
 
 from browsers import Opened
 from live_server import Served, serving, serving_session, small_mission
-from small_worlds import late_pair
+from small_worlds import late_pair, make, robot, task
+from teamformer.coordination import Known, Plan
 from teamformer.errors import TeamformerError
 from teamformer.live.autosave import Autosave, Identity
 from teamformer.live.drafts import Draft
 from teamformer.live.incidents import Incident
 from teamformer.live.mission_with_past import Mission
 from teamformer.live.session import Session
+from teamformer.live.what_if import IsOver, WhatIf, what_if
 from teamformer.live.workshop import Workshop
 from teamformer.model import Absence
 from teamformer.policies.scripted.join_fitting import JoinFitting
@@ -148,10 +150,10 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
 def test_what_is_weighed_can_be_stopped_and_the_mission_paused_meanwhile(
     opened: Opened, served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def forever(now: Mission, incident: Incident, is_over: Callable[[], bool]) -> Tree:
+    def forever(now: Mission, incident: Incident, is_over: IsOver) -> WhatIf:
         while not is_over():
             time.sleep(0.01)
-        return {}
+        return what_if(now, incident, is_over)
 
     monkeypatch.setattr("teamformer.live.session.what_if", forever)
     page = opened.page
@@ -170,6 +172,35 @@ def test_what_is_weighed_can_be_stopped_and_the_mission_paused_meanwhile(
     page.click("#offer >> text=Stop")
     opened.wait_until("document.querySelector('#answer').textContent === ''")
     assert page.inner_text("#offer") == ""
+
+
+class WrittenFirst:
+    """Gives each task to the robot that is written first: in what order they are is luck."""
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        return Plan(known.open_tasks, (known.robots[:1],) * len(known.open_tasks))
+
+
+def test_what_is_luck_is_said_to_be(browser: Any, tmp_path: Path) -> None:
+    """The far robot takes 9 steps; once it is lost, the near one takes 3, from the next step on."""
+    far_and_near = make([robot("a", 0), robot("a", 7)], [task("a", 9)])
+    run = Mission(far_and_near, lambda: Method("own", coordinator=WrittenFirst()), seed=0)
+    with serving_session(Session(run, tmp_path, 20.0)) as server:
+        opened = Opened(browser.new_page())
+        page = opened.page
+        page.goto(f"http://{server.address}/")
+        opened.wait_until("window.teamformer !== undefined")
+        page.click("#tab-robots")
+        page.click(".row >> text=r0")
+        page.click("text=What would that cost?")
+        wait_for(opened, "#luck", "This is luck of the search: the mission could end as soon")
+        assert "steps earlier." in page.inner_text("#answer")
+        assert "Other searches for plans differ by up to " in page.inner_text("#luck")
+        assert page.inner_text("#offer") == ""
+        page.click(".row >> text=r1")
+        page.click("text=What would that cost?")
+        wait_for(opened, "#luck", "Other searches")
+        page.close()
 
 
 def test_after_an_incident_the_page_says_what_is_so(browser: Any, tmp_path: Path) -> None:

@@ -20,14 +20,22 @@ SEARCHES = 4
 
 
 class _Told:
-    """Something that happens. Records have it `steps_later` steps after the latest step."""
+    """Something that happens. Records have it `steps_later` steps after the latest step.
+
+    If all is planned as well as can be, a mission ends no sooner by what `can_only_delay` it, and
+    no later by what `can_only_hasten` it.
+    """
 
     steps_later: ClassVar[int] = 0
+    can_only_delay: ClassVar[bool] = False
+    can_only_hasten: ClassVar[bool] = False
 
 
 @dataclass(frozen=True)
 class NewTask(_Told):
     """A task that everybody learns of now."""
+
+    can_only_delay: ClassVar[bool] = True
 
     at: Place
     needs: Counts
@@ -50,6 +58,7 @@ class LostRobot(_Told):
     """A robot that counts for nothing from the next step on."""
 
     steps_later: ClassVar[int] = 1
+    can_only_delay: ClassVar[bool] = True
 
     robot: str
 
@@ -74,6 +83,7 @@ class RobotBack(_Told):
     """A lost robot that is there again from the next step on, where it was lost."""
 
     steps_later: ClassVar[int] = 1
+    can_only_hasten: ClassVar[bool] = True
 
     robot: str
 
@@ -100,6 +110,7 @@ class CancelledTask(_Told):
     """A task that nobody is to do any more, from the next step on."""
 
     steps_later: ClassVar[int] = 1
+    can_only_hasten: ClassVar[bool] = True
 
     task: str
 

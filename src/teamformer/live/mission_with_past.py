@@ -21,6 +21,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from teamformer.coordination import Coordinator, Plan
+from teamformer.coordinators.reordered import Reordered
 from teamformer.coordinators.replayed import Replayed
 from teamformer.errors import TeamformerError
 from teamformer.live.forecasts import Past, replayed
@@ -191,9 +192,23 @@ class Mission:
         plans = _plans_of(self.incidents)
         return Past(self.scenario, self._env.fork(), self._begin, tuple(self._decisions), plans)
 
-    def past_with(self, incident: Incident) -> Past:
-        """Return the same as it would be if an incident happened now."""
-        happening, env, _, scenario = self._changed(incident)
+    @property
+    def is_planned(self) -> bool:
+        """Say whether robots go by plans of a coordinator, which searches for them."""
+        return self._method.coordinator is not None
+
+    def past_planned_anew(self, order: int) -> Past:
+        """Return the present with a plan that is made now, in another order of robots and tasks."""
+        known = replace(self._env.known(), news=("task appeared",))
+        plan = self._coordinator(order).update(known, self._env.plan())
+        return self.past().with_plan(plan)
+
+    def past_with(self, incident: Incident, order: int = 0) -> Past:
+        """Return the present as it would be if an incident happened now.
+
+        What then follows is planned in an order of robots and tasks.
+        """
+        happening, env, _, scenario = self._changed(incident, order)
         plans = _plans_of([*self.incidents, (self.steps, happening)])
         return Past(scenario, env, self._begin, tuple(self._decisions), plans)
 
@@ -210,13 +225,20 @@ class Mission:
         truth = draw_truth(scenario, self.seed)
         return TeamFormation([scenario], truths=[truth], coordinator=coordinator)
 
-    def _changed(self, happening: Happening) -> tuple[Happening, TeamFormation, Recorder, Scenario]:
+    def _coordinator(self, order: int = 0) -> Coordinator:
+        assert self._method.coordinator is not None, "refused where robots go by no plan"
+        coordinator = self._method.coordinator
+        return Reordered(coordinator, order) if order else coordinator
+
+    def _changed(
+        self, happening: Happening, order: int = 0
+    ) -> tuple[Happening, TeamFormation, Recorder, Scenario]:
         """Return what happens, with its plan, and the mission as it would stand if it did now."""
         scenario = self.scenario_with(happening)
         if isinstance(happening, NewWeight) and happening.plan is None:
-            assert self._method.coordinator is not None, "refused where robots go by no plan"
-            happening = happening.planned(self._env, self._method.coordinator)
-        env = self._stage(scenario, replayed(self._env, self._method.coordinator))
+            happening = happening.planned(self._env, self._coordinator(order))
+        coordinator = self._coordinator(order) if self.is_planned else None
+        env = self._stage(scenario, replayed(self._env, coordinator))
         recorder = Recorder(env)
         plans = _plans_of([*self.incidents, (self.steps, happening)])
         for made, decision in enumerate([*self._decisions, None]):

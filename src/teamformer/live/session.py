@@ -43,7 +43,7 @@ from teamformer.live.page_trees import (
 )
 from teamformer.live.refusals import or_refuse, refusal
 from teamformer.live.watchers import Watcher
-from teamformer.live.what_if import what_if
+from teamformer.live.what_if import luck_of, what_if
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import write_replay
@@ -292,8 +292,11 @@ class Session:
         async with self.lock:
             now = self.mission.as_it_stands()
         incident = read_incident(message, now.scenario)
-        found = await apart(lambda is_over: what_if(now, incident, is_over))
-        watcher.tell(json.dumps({"kind": "what_if", "at": now.steps} | found))
+        weighed = await apart(partial(what_if, now, incident))
+        watcher.tell(json.dumps({"kind": "what_if"} | weighed.to_tree()))
+        if now.is_planned:
+            luck = {"steps": await apart(partial(luck_of, weighed)), "is_luck": weighed.is_luck}
+            watcher.tell(json.dumps({"kind": "luck"} | luck))
 
     def _stop(self, watcher: Watcher) -> None:
         """End what a page has weighed, and the search for a plan."""
@@ -314,7 +317,7 @@ class Session:
             past, moment = self.mission.past(), self._moment()
         self._tell_all("searching", {"seconds": seconds})
         try:
-            found = await apart(lambda is_over: search_plan(past, seconds, is_over))
+            found = await apart(partial(search_plan, past, seconds))
         except TeamformerError as error:
             for watcher in self.watchers:
                 watcher.tell(refusal(str(error), is_weighed=True))

@@ -40,7 +40,8 @@ class LiveApp extends App {
     if ("is_playing" in message) this.takeState(message);
     if (["forecast", "what_if", "offer"].includes(kind)) this.panel.tell(message);
     if (kind === "searching") this.panel.searching(message);
-    if (kind === "stopped") this.panel.weighingIsOver();
+    if (kind === "stopped") this.panel.stopWeighing();
+    if (kind === "luck") this.panel.tellLuck(message);
     if (kind === "warning") notify(`${capitalised(message.text)}.`);
     if (kind === "saved") notify(savedText(message), "good");
     if (kind === "refused") this.refuse(message);
@@ -64,7 +65,7 @@ class LiveApp extends App {
 
   refuse({ text, keys = [], is_weighed: isWeighed = false }) {
     notify(`Not done: ${text}.`);
-    if (isWeighed) this.panel.weighingIsOver();
+    if (isWeighed) this.panel.clear();
     this.panel.keepForm(keys);
   }
 

@@ -9,6 +9,7 @@ class MissionPanel {
     this.head = element("h2", {});
     this.outlook = element("p", { role: "status", id: "outlook" });
     this.answer = element("p", { role: "status", id: "answer" });
+    this.luck = element("p", { role: "status", id: "luck" });
     this.offer = element("div", { class: "acts", id: "offer" });
     this.planAnew = act("Plan anew, 10 s", () => app.ask({ do: "replan", seconds: 10 }));
     this.incidents = element("ul", { id: "incidents", "aria-label": "Incidents" });
@@ -27,7 +28,7 @@ class MissionPanel {
       this.restart,
       this.edit,
     );
-    box.replaceChildren(this.head, this.outlook, acts, this.question, this.form, this.answer, this.offer, this.incidents);
+    box.replaceChildren(this.head, this.outlook, acts, this.question, this.form, this.answer, this.luck, this.offer, this.incidents);
     box.hidden = false;
   }
 
@@ -103,7 +104,7 @@ class MissionPanel {
 
   // Another past, or an incident: what was worked out before holds no more.
   forget() {
-    this.weighingIsOver();
+    this.clear();
     this.ahead = null;
     this.question.hidden = true;
     this.showOutlook();
@@ -140,6 +141,7 @@ class MissionPanel {
     this.answer.textContent = `As of ${describeMoment(world, message.at)}, with ${message.text}: ${end}, ${change}.`;
     this.offer.replaceChildren();
     if (message.kind === "offer") this.propose(more);
+    else if (message.is_planned) this.weighLuck(more);
     this.answer.scrollIntoView({ block: "nearest" });
   }
 
@@ -147,21 +149,45 @@ class MissionPanel {
     this.showWeighing(`Searching for a better plan for ${seconds} s; the mission waits …`);
   }
 
+  // Plans are searched for, so that a mission may end sooner though a robot is lost.
+  weighLuck(more) {
+    this.more = more;
+    this.showWeighing("Working out how much of this is luck of the search …", this.luck);
+  }
+
+  // An incident that can only delay a mission, or only hasten it, does nothing else but by luck.
+  tellLuck({ steps, is_luck: isLuck }) {
+    this.stopWeighing();
+    const by = steps && describeSpan(this.app.history.scenario.world, Number(steps.toFixed(1)));
+    const others = by ? `Other searches for plans differ by up to ${by}` : "Other searches find plans that end alike";
+    const isSure = Math.abs(this.more) > steps;
+    const so = isLuck || this.more === 0 ? "" : isSure ? ": this is more than luck" : ": this may be luck";
+    const ownLuck = this.more < 0 ? "the mission could end as soon without it" : "the mission need not end later by it";
+    const parts = [isLuck ? `This is luck of the search: ${ownLuck}.` : "", steps === null ? "" : `${others}${so}.`];
+    this.luck.textContent = parts.filter(Boolean).join(" ");
+  }
+
   // What the server works out beside the mission, for as long as nobody stops it.
-  showWeighing(text) {
+  showWeighing(text, box = this.answer) {
+    if (box === this.answer) this.clear();
     this.isWeighing = true;
-    showWork(this.answer, text);
+    showWork(box, text);
     this.offer.replaceChildren(act("Stop", () => this.app.ask({ do: "stop" })));
   }
 
-  weighingIsOver() {
+  // An answer that is there stays when what it says of luck is stopped.
+  stopWeighing() {
     this.isWeighing = false;
-    this.clear();
+    const hasAnswer = ticking.has(this.luck);
+    if (!hasAnswer) return this.clear();
+    stopWork(this.luck);
+    for (const box of [this.luck, this.offer]) box.replaceChildren();
   }
 
   clear() {
-    stopWork(this.answer);
-    for (const box of [this.answer, this.offer]) box.replaceChildren();
+    this.isWeighing = false;
+    for (const box of [this.answer, this.luck]) stopWork(box);
+    for (const box of [this.answer, this.luck, this.offer]) box.replaceChildren();
   }
 
   // A plan that would end the mission sooner can be taken over, for as long as nothing goes on.
@@ -171,8 +197,7 @@ class MissionPanel {
       return;
     }
     const decide = (take) => () => {
-      this.offer.replaceChildren();
-      this.answer.textContent = "";
+      this.clear();
       if (take) this.app.ask({ do: "take_over" });
     };
     this.offer.replaceChildren(act("Take it over", decide(true)), act("Leave it", decide(false)));

@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,10 @@ from teamformer.live.session import AT_ONCE, Session
 from teamformer.live.watchers import Watcher
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
+
+FIRST_PLAN = "making the first plan"
+PLAYED_AGAIN = "playing the mission again up to where it was"
+"""What is being done before a mission is there."""
 
 
 class Workshop:
@@ -61,7 +66,7 @@ class Workshop:
         self._say = say
         self._is_starting = mission is not None or kept is not None
         self._refusal = ""  # why the latest mission could not be started
-        self._doing = "making the first plan"  # while one is made
+        self._doing = FIRST_PLAN  # while there is no mission yet
         self._watchers: set[Watcher] = set()
         self._clock: asyncio.Task[None] | None = None
 
@@ -186,48 +191,47 @@ class Workshop:
 
     async def _run(self, scenario: Scenario) -> None:
         """Begin a mission, and have all pages come to it; or tell them why it cannot be run."""
-
-        def start() -> Mission:
-            mission = self._start(scenario)
-            autosave.begin(mission)
-            return mission
-
-        identity = Identity(secrets.token_hex(8), self._draft)
-        autosave = Autosave(self._folder / NAME, identity)
-        await self._have_run(start, autosave, "making the first plan")
+        async with self._lock:
+            autosave = Autosave(self._folder / NAME, Identity(secrets.token_hex(8), self._draft))
+            mission = await self._made(lambda: self._start(scenario), FIRST_PLAN)
+            if mission is not None:
+                autosave.begin(mission)
+                self._have_run(mission, autosave)
 
     async def _go_on(self, kept: Kept) -> None:
         """Go on with the mission of an autosave, as it stood when it was cut off."""
-
-        def start() -> Mission:
-            mission = play_again(kept, self._start)
-            autosave.go_on()
-            return mission
-
-        autosave = Autosave(kept.path, kept.identity)
-        await self._have_run(start, autosave, "playing the mission again up to where it was")
-
-    async def _have_run(self, start: Callable[[], Mission], autosave: Autosave, doing: str) -> None:
         async with self._lock:
-            if self.session is not None:
-                raise TeamformerError("another page has run a mission already")
-            self._is_starting, self._refusal, self._doing = True, "", doing
-            begun, loop = time.monotonic(), asyncio.get_running_loop()
-            telling = loop.call_later(AT_ONCE, self._say, f"{doing} ...")
-            self._tell_starting(*self._watchers)
-            try:
-                mission = await _start_apart(start)
-            except TeamformerError as error:
-                self._refuse(str(error))
-                return
-            finally:
-                telling.cancel()
-                self._is_starting = False
-            took = time.monotonic() - begun
-            if took > AT_ONCE:
-                self._say(f"the mission is ready after {took:.1f} s; the page starts it")
-            self.session = Session(mission, self._folder, self._speed, True, autosave)
-            self._clock = asyncio.create_task(self.session.run())
+            autosave = Autosave(kept.path, kept.identity)
+            mission = await self._made(partial(play_again, kept, self._start), PLAYED_AGAIN)
+            if mission is not None:
+                autosave.go_on()
+                self._have_run(mission, autosave)
+
+    async def _made(self, start: Callable[[], Mission], doing: str) -> Mission | None:
+        """Return a mission once it is made; or tell all pages why it cannot be, and return None."""
+        if self.session is not None:
+            raise TeamformerError("another page has run a mission already")
+        self._is_starting, self._refusal, self._doing = True, "", doing
+        begun, loop = time.monotonic(), asyncio.get_running_loop()
+        telling = loop.call_later(AT_ONCE, self._say, f"{doing} ...")
+        self._tell_starting(*self._watchers)
+        try:
+            mission = await _start_apart(start)
+        except TeamformerError as error:
+            self._refuse(str(error))
+            return None
+        finally:
+            telling.cancel()
+            self._is_starting = False
+        took = time.monotonic() - begun
+        if took > AT_ONCE:
+            self._say(f"the mission is ready after {took:.1f} s; the page starts it")
+        return mission
+
+    def _have_run(self, mission: Mission, autosave: Autosave) -> None:
+        """Let time pass for a mission, and have all pages come to it."""
+        self.session = Session(mission, self._folder, self._speed, True, autosave)
+        self._clock = asyncio.create_task(self.session.run())
         self._have_all_come_again()
 
     async def _edit(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -187,6 +187,16 @@ Happening = Incident | PlanTakenOver
 def plan_of(happening: Happening) -> Plan | None:
     """Return the plan by which the robots go from now on, if it brings one."""
     return happening.plan if isinstance(happening, NewWeight | PlanTakenOver) else None
+
+
+def note_of_plans(happenings: Iterable[Happening]) -> str:
+    """Return what there is to know of a scenario if plans were brought; empty if none was."""
+    if all(plan_of(happening) is None for happening in happenings):
+        return ""
+    return (
+        "a scenario holds no plans: those that an operator had made are in the record, and "
+        "`run` makes plans of its own, so that its mission may end at another step"
+    )
 
 
 def search_plan(

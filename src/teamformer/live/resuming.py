@@ -26,6 +26,8 @@ from teamformer.whole_files import own_number, write_whole
 StartMission = Callable[..., Mission]
 """Makes a mission of a scenario, and of the plans that were made for it before, if any were."""
 
+NOT_FOUND = "name the file that a live mission kept: OUT/autosave.jsonl"
+
 PUT_ASIDE = re.compile(r"autosave-(\d+)\.jsonl")
 
 
@@ -50,8 +52,10 @@ class Kept:
     def text(self) -> str:
         """Return what there is to go on with, as words."""
         happened = len(self.entries) - self.steps
-        incidents = f" and {happened} incident{'s' * (happened > 1)}" if happened else ""
-        return f"mission '{self.scenario.name}', {self.steps} steps{incidents}"
+        what = f"{self.steps} step{'s' * (self.steps != 1)}"
+        if happened:
+            what += f" and {happened} incident{'s' * (happened != 1)}"
+        return f"mission '{self.scenario.name}', {what}"
 
 
 def read_autosave(path: Path) -> Kept:
@@ -101,9 +105,6 @@ def _refusing_other_content(path: Path) -> Iterator[None]:
         yield
     except (AttributeError, KeyError, TypeError, ValueError):
         raise TeamformerError(f"{path}: the file holds what no autosave has", NOT_FOUND) from None
-
-
-NOT_FOUND = "name the file that a live mission kept: OUT/autosave.jsonl"
 
 
 def _read_line(path: Path, number: int, line: str) -> Tree:

@@ -22,7 +22,7 @@ from teamformer.live.incidents import (
     Happening,
     LostRobot,
     PlanTakenOver,
-    plan_of,
+    note_of_plans,
     search_plan,
 )
 from teamformer.live.messages import (
@@ -216,12 +216,7 @@ class Session:
     @property
     def note(self) -> str:
         """Return what there is to know of what is saved; empty if nothing."""
-        if all(plan_of(incident) is None for _, incident in self.mission.incidents):
-            return ""
-        return (
-            "a scenario holds no plans: those that an operator had made are in the record, and "
-            "`run` makes plans of its own, so that its mission may end at another step"
-        )
+        return note_of_plans(happening for _, happening in self.mission.incidents)
 
     async def _do(self, watcher: Watcher, text: str) -> None:
         message = read_message(text)

@@ -163,8 +163,10 @@ class MissionPanel {
     const isSure = Math.abs(this.more) > steps;
     const so = isLuck || this.more === 0 ? "" : isSure ? ": this is more than luck" : ": this may be luck";
     const ownLuck = this.more < 0 ? "the mission could end as soon without it" : "the mission need not end later by it";
-    const parts = [isLuck ? `This is luck of the search: ${ownLuck}.` : "", steps === null ? "" : `${others}${so}.`];
-    this.luck.textContent = parts.filter(Boolean).join(" ");
+    const parts = [];
+    if (isLuck) parts.push(`This is luck of the search: ${ownLuck}.`);
+    if (by || (steps === 0 && !isLuck)) parts.push(`${others}${so}.`);
+    this.luck.textContent = parts.join(" ");
   }
 
   // What the server works out beside the mission, for as long as nobody stops it.

@@ -80,14 +80,17 @@ def serving_editor(folder: Path, speed: float = 20.0) -> Iterator[Served]:
 
 
 @contextmanager
-def serving_session(session: Session | Workshop, token: str | None = None) -> Iterator[Served]:
-    """Serve what pages speak to while the block runs."""
+def serving_session(
+    session: Session | Workshop, token: str | None = None, port: int = 0
+) -> Iterator[Served]:
+    """Serve what pages speak to while the block runs, at a port that is free if none is given."""
     import uvicorn
 
     from teamformer.live.server import Doors, configure, make_app
 
     with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        probe.bind(("127.0.0.1", port))
         port = int(probe.getsockname()[1])
     doors = Doors(frozenset({f"127.0.0.1:{port}"}), token)
     app = make_app(session, lambda: live_page("test"), doors, session.save)

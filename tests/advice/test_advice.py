@@ -13,12 +13,14 @@ import teamformer as tf
 from small_worlds import make, robot, task
 from teamformer.advice.advise import advise_on
 from teamformer.advice.changes import changes_of
-from teamformer.advice.measuring import Noise, Search, in_order, search, searched
+from teamformer.advice.measuring import Search, search, searched
 from teamformer.advice.suggestions import Advice
 from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import TeamformerError
+from teamformer.mission.orders import in_order
 from teamformer.model import Absence, Scenario
 from teamformer.scenarios.files import write_scenario
+from teamformer.trials.noise import Noise
 from teamformer.viewer.advice_page import advice_page
 from typed import teamformer
 

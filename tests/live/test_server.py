@@ -17,13 +17,16 @@ from typing import Any
 
 import pytest
 
-from live_server import Served, serving, serving_session, small_mission
+from live_server import Served, serving, serving_editor, serving_session, small_mission
 from teamformer.commands.addresses import Address, address_of
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.mcap_file import write_mcap
+from teamformer.live.drafts import Draft
+from teamformer.live.incidents import Incident
 from teamformer.live.mission_with_past import Mission
-from teamformer.live.workshop import Draft, Workshop
+from teamformer.live.what_if import IsOver, WhatIf, what_if
+from teamformer.live.workshop import Workshop
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge
@@ -203,6 +206,7 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
             page.hear("step")
         page.ask(do="what_if", lost="r2")
         guess = page.hear("what_if")
+        assert guess["at"] == 4
         assert guess["without"] == {"status": "completed", "steps": 13}
         assert guess["text"] == "robot r2 lost"
         page.ask(do="happen", lost="r2")
@@ -218,6 +222,124 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
     assert record.end.status == "completed"
     assert guess["steps"] <= record.end.steps
     assert [task.name for task in record.scenario.tasks] == ["a", "b", "c", "extra"]
+
+
+class Long:
+    """Work that goes on until a test lets it end, or nobody wants to know any more."""
+
+    def __init__(self) -> None:
+        self.is_begun, self.may_end = threading.Event(), threading.Event()
+        self.was_given_up = threading.Event()
+
+    def __call__(self, now: Mission, incident: Incident, is_over: IsOver) -> WhatIf:
+        self.is_begun.set()
+        while not self.may_end.wait(0.01):
+            if is_over():
+                self.was_given_up.set()
+                break
+        return what_if(now, incident, is_over)
+
+    def clear(self) -> None:
+        self.is_begun.clear()
+        self.was_given_up.clear()
+
+
+@pytest.fixture
+def long(monkeypatch: pytest.MonkeyPatch) -> Long:
+    """What the playing ahead of an incident takes until a test lets it end."""
+    work = Long()
+    monkeypatch.setattr("teamformer.live.session.what_if", work)
+    return work
+
+
+def test_a_page_is_heard_while_what_it_weighs_is_worked_out(served: Served, long: Long) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        page.ask(do="step")
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+        page.ask(do="play")
+        page.hear("step")
+        page.ask(do="pause")
+        while page.hear("state")["is_playing"]:
+            pass
+        page.ask(do="save")
+        page.hear("saved")
+        assert not long.may_end.is_set()
+        long.may_end.set()
+        assert page.hear("what_if")["at"] == 1  # the step that it was asked in
+        assert served.session.mission.steps > 1
+
+
+def test_what_is_weighed_ends_when_one_stops_it_leaves_or_something_happens(
+    served: Served, long: Long
+) -> None:
+    with Page(served) as other, Page(served) as page:
+        page.hear("mission")
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+        page.ask(do="stop")
+        page.hear("stopped")
+        assert long.was_given_up.wait(20)
+        long.clear()
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+        other.ask(do="happen", lost="r1")
+        told = page.hear("refused")
+        assert told["text"] == "something else has happened meanwhile; ask again"
+        assert told["is_weighed"]
+        assert long.was_given_up.wait(20)
+        page.ask(do="undo")
+        assert page.hear("mission")["incidents"] == []
+        long.clear()
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+    assert long.was_given_up.wait(20)
+
+
+def test_what_is_asked_in_one_go_is_done_in_that_order(served: Served) -> None:
+    """Two tasks without a name get one each, the second beside the first."""
+    with Page(served) as page:
+        page.hear("mission")
+        for at in ([1, 1], [2, 1]):
+            page.ask(do="happen", task={"at": at, "needs": ["lift"]})
+        page.ask(do="step")
+        page.ask(do="undo")
+        page.hear("incident")
+        assert [text for _, text in page.hear("incident")["incidents"]] == [
+            "task t4 at [1, 1] that needs lift",
+            "task t5 at [2, 1] that needs lift",
+        ]
+        assert page.hear("step")["at"] == 1
+        told = page.hear("mission")
+        assert (len(told["incidents"]), told["record"]["steps"]) == (1, [])
+
+
+def test_a_search_for_a_plan_can_be_stopped(tmp_path: Path) -> None:
+    with (
+        serving(small_mission(), tmp_path, method="plan") as server,
+        Page(server) as page,
+        Page(server) as other,
+    ):
+        page.ask(do="replan", seconds=120)
+        other.hear("searching")
+        other.ask(do="stop")
+        page.hear("stopped")
+        page.ask(do="take_over")
+        assert "there is no plan to take over" in page.hear("refused")["text"]
+
+
+@pytest.mark.parametrize("method", ["plan", "join-fitting"])
+def test_who_asks_what_a_loss_costs_is_told_how_much_is_luck_where_there_are_plans(
+    tmp_path: Path, method: str
+) -> None:
+    with serving(small_mission(), tmp_path, method=method) as server, Page(server) as page:
+        page.hear("mission")
+        page.ask(do="what_if", lost="r1")
+        told = page.hear("what_if")
+        assert told["is_planned"] == (method == "plan")
+        if told["is_planned"]:  # a mission so small is planned alike in any order
+            assert page.hear("luck") == {"kind": "luck", "steps": 0.0, "is_luck": False}
 
 
 def test_a_plan_is_searched_for_offered_and_taken_over(tmp_path: Path) -> None:
@@ -483,6 +605,45 @@ def test_pages_are_served_before_the_first_plan_is_made(tmp_path: Path) -> None:
             page.hear("begun")
         with Page(server) as page:
             assert page.hear("mission")["record"]["steps"] == []
+
+
+@pytest.fixture
+def editor(tmp_path: Path) -> Iterator[Served]:
+    with serving_editor(tmp_path / "out") as server:
+        yield server
+
+
+def test_what_one_page_draws_all_pages_show(editor: Served) -> None:
+    with Page(editor) as one, Page(editor) as other:
+        tree, first = one.hear("editor")["scenario"], other.hear("editor")["id"]
+        drawn = tree | {"name": "drawn"}
+        one.ask(do="check", scenario=drawn, id="a1", after=first)
+        assert one.hear("checked") == {"kind": "checked", "problems": [], "id": "a1"}
+        told = other.hear("editor")
+        assert (told["scenario"], told["id"]) == (drawn, "a1")
+        other.ask(do="check", scenario=tree, id="b1", after="a1")
+        assert one.hear("editor")["scenario"] == tree
+        one.ask(do="new")
+        assert other.hear("editor")["scenario"]["robots"] == []
+
+
+@pytest.mark.parametrize("command", ["check", "save", "run"])
+def test_no_page_draws_over_what_it_has_not_seen(
+    editor: Served, command: str, tmp_path: Path
+) -> None:
+    """Whoever is late is shown the drawing of the other; what follows its own is late too."""
+    with Page(editor) as one, Page(editor) as other:
+        tree, first = one.hear("editor")["scenario"], other.hear("editor")["id"]
+        mine, yours = tree | {"name": "mine"}, tree | {"name": "yours"}
+        one.ask(do="check", scenario=mine, id="a1", after=first)
+        one.hear("checked")
+        for own, after in (("b1", first), ("b2", "b1")):
+            other.ask(do=command, scenario=yours, id=own, after=after, name="it.yaml")
+            assert other.hear("editor")["scenario"] == mine
+            assert "another page has drawn meanwhile" in other.hear("refused")["text"]
+        other.ask(do="check", scenario=yours, id="b3", after="a1")
+        assert one.hear("editor")["scenario"] == yours
+    assert list(tmp_path.rglob("*.yaml")) == []
 
 
 def test_a_server_ends_while_a_first_plan_is_made(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from itertools import islice
 from statistics import median_low
 
 from teamformer.advice.changes import changes_of
-from teamformer.advice.measuring import Found, Noise, Progress, Search, searched
+from teamformer.advice.measuring import Found, Progress, Search, searched
 from teamformer.advice.suggestions import Advice, Suggestion
 from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import TeamformerError
@@ -17,6 +17,7 @@ from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
 from teamformer.planning.continuous.rules import warm_up
 from teamformer.trials.methods import DEFAULT, default_for
+from teamformer.trials.noise import Noise
 
 ROUNDS = 7
 """So many times every change is searched if there is time."""

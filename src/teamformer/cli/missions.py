@@ -155,6 +155,10 @@ def live(
     seed: Seed = 0,
     port: Port = "8765",
     out: Folder = Path("out/live"),
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="go on with one that was cut off; MISSION: its autosave"),
+    ] = False,
 ) -> None:
     """Draw a mission in the browser and run it: watch it, add tasks, lose robots.
 
@@ -164,4 +168,4 @@ def live(
     from teamformer.commands.missions.live import Options
     from teamformer.commands.missions.live import live as command
 
-    raise typer.Exit(command(mission, Options(method, seed, address_of(port), out)))
+    raise typer.Exit(command(mission, Options(method, seed, address_of(port), out, resume)))

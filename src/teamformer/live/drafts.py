@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import math
 import re
+import secrets
 import tempfile
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +46,20 @@ EXAMPLE: Tree = EMPTY | {
     ],
 }
 """What the editor begins with: a mission that runs, to be changed."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What is drawn: the tree of a scenario file, the name of its file, and its text if YAML.
+
+    `id` is the drawing's own: pages say by it on what they have drawn.
+    """
+
+    tree: Any
+    file: str = "mission.yaml"
+    text: str = ""
+    id: str = field(default_factory=lambda: secrets.token_hex(8))
+
 
 FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
 

@@ -102,9 +102,11 @@ def replayed(env: TeamFormation, coordinator: Coordinator | None) -> Coordinator
     return None if coordinator is None else Replayed(env.plans(), coordinator)
 
 
-def play_ahead(env: TeamFormation, method: Method) -> Played:
-    """Play an environment to its end; return how that is."""
-    while env.is_running[0]:
+def play_ahead(
+    env: TeamFormation, method: Method, is_over: Callable[[], bool] = lambda: False
+) -> Played:
+    """Play an environment to its end, or until nobody wants to know any more; return how it is."""
+    while env.is_running[0] and not is_over():
         env.step(decide(env, method, env.view()))
     return Played(env.tally(), env.worlds.tasks["done_at"][0].tolist())
 
@@ -114,13 +116,13 @@ def forecast(
 ) -> Forecast:
     """Return how the mission ends; `is_over` says that nobody wants to know any more."""
     if not past.scenario.has_surprises:
-        return _summed_up([play_ahead(past.env.fork(), past.begin())])
+        return _summed_up([play_ahead(past.env.fork(), past.begin(), is_over)])
     until = time.monotonic() + seconds
     played: list[Played] = []
     for seed in range(SAMPLES):
         env = _future(past, seed)
         if env is not None:
-            played.append(play_ahead(env, past.begin()))
+            played.append(play_ahead(env, past.begin(), is_over))
         if played and (is_over() or time.monotonic() > until):
             break
     return _summed_up(played or [play_ahead(past.env.fork(), past.begin())])

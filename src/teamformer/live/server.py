@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hmac
+import json
 import socket
 from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass
@@ -23,9 +24,13 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from teamformer.errors import TeamformerError
 from teamformer.live.downloads import DOWNLOADS, make_download
+from teamformer.live.errands import Conversation
 from teamformer.live.messages import LARGEST
 from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
+
+SIGN_OF_LIFE = 5.0
+"""Seconds after which a page is told that the server is there, if it is told nothing else."""
 
 POLICY_VIOLATION = 1008  # a close code of WebSockets
 
@@ -104,9 +109,10 @@ def make_app(
         await connection.accept()
         watcher = session.join()
         sending = asyncio.create_task(_send(connection, watcher))
+        conversation = Conversation(session.act, watcher)
         try:
             async for text in connection.iter_text():
-                await session.act(watcher, text)
+                await conversation.hear(text)
         except (WebSocketDisconnect, KeyError):  # KeyError: bytes where text belongs
             pass
         finally:
@@ -175,6 +181,14 @@ def serve(app: Starlette, host: str, port: int, on_start: Callable[[], None]) ->
 async def _send(connection: WebSocket, watcher: Watcher) -> None:
     """Send a page what it is told; one that is too far behind is let go, and may come again."""
     with contextlib.suppress(RuntimeError, WebSocketDisconnect):
-        while (text := await watcher.outbox.get()) is not None:
+        while (text := await _next_word(watcher)) is not None:
             await connection.send_text(text)
         await connection.close()
+
+
+async def _next_word(watcher: Watcher) -> str | None:
+    """Return what a page is told next; if it is not told anything for a while, that we are here."""
+    try:
+        return await asyncio.wait_for(watcher.outbox.get(), SIGN_OF_LIFE)
+    except TimeoutError:
+        return json.dumps({"kind": "here"})

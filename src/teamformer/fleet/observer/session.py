@@ -22,8 +22,9 @@ from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.transports.transport import Transport
 from teamformer.live.incidents import NewTask
-from teamformer.live.messages import Message, read_incident, read_message
+from teamformer.live.messages import read_incident, read_message
 from teamformer.live.page_trees import Tree, record_so_far
+from teamformer.live.refusals import or_refuse
 from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import step_to_tree, write_replay
@@ -89,10 +90,7 @@ class ObserverSession:
 
     async def act(self, watcher: Watcher, text: str) -> None:
         """Do what a page asks for, or tell it why not."""
-        try:
-            await self._do(watcher, read_message(text))
-        except TeamformerError as error:
-            watcher.tell(json.dumps({"kind": "refused", "text": str(error)}))
+        await or_refuse(watcher, self._do(watcher, text))
 
     async def record(self) -> Replay:
         """Return what has been seen so far."""
@@ -109,7 +107,8 @@ class ObserverSession:
         """Hear no more."""
         self._transport.close()
 
-    async def _do(self, watcher: Watcher, message: Message) -> None:
+    async def _do(self, watcher: Watcher, text: str) -> None:
+        message = read_message(text)
         command = message["do"]
         if command == "happen":
             incident = read_incident(message, self.watch.scenario)

@@ -40,26 +40,32 @@ class LiveApp extends App {
     if ("is_playing" in message) this.takeState(message);
     if (["forecast", "what_if", "offer"].includes(kind)) this.panel.tell(message);
     if (kind === "searching") this.panel.searching(message);
+    if (kind === "stopped") this.panel.stopWeighing();
+    if (kind === "luck") this.panel.tellLuck(message);
+    if (kind === "warning") notify(`${capitalised(message.text)}.`);
     if (kind === "saved") notify(savedText(message), "good");
     if (kind === "refused") this.refuse(message);
   }
 
   // The whole mission so far: the line was down, it begins anew, or an incident was undone.
-  reopen({ record, text }) {
+  reopen({ record, text, id }) {
     const { selection, options } = this;
+    const isOther = this.state.id !== undefined && this.state.id !== id;
     this.load(record);
     Object.assign(this, { selection: this.knows(selection) ? selection : {}, options });
     this.showAll();
     this.panel?.forget();
     if (text) notify(text, "plain");
+    if (isOther) notify(`This is another mission than before; the server was started anew. ${HOW_TO_RESUME}`);
   }
 
   knows({ task = 0 }) {
     return task < this.history.scenario.tasks.length;
   }
 
-  refuse({ text, keys = [] }) {
+  refuse({ text, keys = [], is_weighed: isWeighed = false }) {
     notify(`Not done: ${text}.`);
+    if (isWeighed) this.panel.clear();
     this.panel.keepForm(keys);
   }
 
@@ -109,10 +115,10 @@ class LiveApp extends App {
 
   takeState(state) {
     const { is_playing, speed, watchers, incidents, leaving = [], planning = "" } = state;
-    const { is_fleet = false, has_editor = false, undo_to = null } = state;
+    const { is_fleet = false, has_editor = false, undo_to = null, saved_at = null, id } = state;
     const { warning = null, is_heard = true, is_over = false } = state; // of a fleet
     this.tellSilence(warning);
-    this.state = { watchers, incidents, planning, hasEditor: has_editor, undoTo: undo_to };
+    this.state = { watchers, incidents, planning, hasEditor: has_editor, undoTo: undo_to, savedAt: saved_at, id };
     Object.assign(this.state, { isFleet: is_fleet, warning, isHeard: is_heard, isOver: is_over });
     document.body.classList.toggle("of-fleet", is_fleet);
     const { robots } = this.history.scenario;
@@ -283,6 +289,8 @@ const WORK = {
   take_over: "Taking it over",
   save: "Saving",
 };
+
+const HOW_TO_RESUME = "`teamformer live --resume` goes on with a mission that was cut off.";
 
 const FILES = {
   "mission.yaml": "Mission (YAML)",

@@ -54,4 +54,5 @@ function showSeconds(box, { before, seconds, after }) {
 
 function stopWork(box) {
   clearInterval(ticking.get(box));
+  ticking.delete(box);
 }

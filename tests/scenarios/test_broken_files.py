@@ -275,9 +275,21 @@ CASES = [
             ("bay, 5, 0", "bay, 5, 0\n    x, 1, 2", "4: the table is not square: the row of 'x' "),
             ("bay, 5, 0", "bay, -1, 0", "3: the time from 'bay' to 'dock' is -1; write 0 to 1e9"),
             ("bay, 5, 0", "bay, nan, 0", "3: the time from 'bay' to 'dock' is nan; write 0 to"),
-            ("bay, 5, 0", "bay, , 0", "3: the time from 'bay' to 'dock' is missing; write a num"),
-            ("bay, 5, 0", "bay, far, 0", "3: the time from 'bay' to 'dock' is 'far'; write a num"),
+            ("bay, 5, 0", "bay, -inf, 0", "3: the time from 'bay' to 'dock' is -inf; write 0 to"),
+            ("bay, 5, 0", "bay, far, 0", "3: the time from 'bay' to 'dock' is 'far'; write 0 to"),
         )
+    ),
+    (
+        FROM_WORLD,
+        ON_ROADS.replace("dock, 0, 4", "dock, 0, inf"),
+        13,
+        "task 'x' cannot be reached by robots that bring lift; move it, give such a way a time",
+    ),
+    (
+        FROM_WORLD,
+        ON_ROADS.replace("bay, 5", "bay, ").replace("at: dock", "at: bay") + "ends: dock\n",
+        11,
+        "robot 'a' has no way to where the mission ends; move it, give such a way a time under",
     ),
     (FROM_WORLD, ON_ROADS.replace("at: dock", "at: docc"), 11, "at of robot 1 is 'docc', which"),
     (FROM_WORLD, ON_ROADS.replace("at: dock", "at: [0, 1]"), 11, "is a list; on roads name a"),

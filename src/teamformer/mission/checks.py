@@ -22,7 +22,7 @@ from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP, Grid, Place
 from teamformer.mission.loads import find_load_problems
 from teamformer.mission.places import believed_place, busiest_part, find_region_problems
-from teamformer.mission.reach import totals_by_region
+from teamformer.mission.reach import totals_by_region, totals_there, way_for
 from teamformer.mission.rules import find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
 from teamformer.plane import Plane
@@ -273,7 +273,7 @@ def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
 
 def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Problem]:
     everybody = total(robot.can for robot in scenario.robots)
-    near = totals_by_region(scenario.world, scenario.robots if places_are_good else ())
+    near = totals_there(scenario.world, scenario.robots if places_are_good else ())
     for number, task in enumerate(scenario.tasks):
         where, what = ("tasks", number), f"task '{task.name}'"
         yield from _problems_of_counts(
@@ -294,15 +294,15 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
         if not covers(everybody, known):
             yield Problem((*where, "needs"), _impossible(what, everybody, known))
         elif places_are_good:
-            have = near[scenario.world.region(believed_place(scenario.world, task))]
+            have = near(believed_place(scenario.world, task))
             worst = {name: n for name, n in task.worst_needs.items() if name in everybody}
             need = known if not covers(everybody, worst) else worst
             if not covers(have, need):
                 yield Problem(
                     (*where, "at"),
                     f"{what} cannot be reached by robots that bring "
-                    f"{describe(missing(have, need))}; move it, open the map, or let such robots "
-                    "fly with moves: air",
+                    f"{describe(missing(have, need))}; "
+                    f"move it, {way_for(scenario.world, 'such robots')}",
                 )
 
 

@@ -10,7 +10,7 @@ from teamformer.errors import Problem
 from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.links import find_link_problems, find_links
 from teamformer.mission.loads import find_flown_loads
-from teamformer.mission.reach import can_reach
+from teamformer.mission.reach import can_reach, way_for
 from teamformer.roads import AIR, GROUND, Roads
 
 if TYPE_CHECKING:
@@ -161,11 +161,12 @@ def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
     elif not world.is_inside(ends) or not world.is_free(ends):
         where = "inside an obstacle" if world.is_inside(ends) else "outside the map"
         yield Problem(("ends",), f"the mission ends at [{ends[0]}, {ends[1]}], {where}; move it")
-    elif world.rows:
+    elif world.rows or (isinstance(world, Roads) and not any(world.problems())):
         for number, robot in enumerate(scenario.robots):
             is_there = world.is_inside(robot.at) and world.is_free(robot.at)
             if is_there and not can_reach(world, robot, ends):
-                message = f"robot '{robot.name}' has no way to where the mission ends; move it"
+                message = f"robot '{robot.name}' has no way to where the mission ends"
+                message = f"{message}; move it, {way_for(world, 'it')}"
                 yield Problem(("robots", number, "at"), message)
 
 

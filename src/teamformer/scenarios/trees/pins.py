@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.mission.places import possible_places
-from teamformer.mission.reach import can_reach
+from teamformer.mission.reach import can_reach, way_for
 from teamformer.model import Robot, Task, World
 from teamformer.scenarios.trees.reader import LONGEST_TEXT, Reader
 from teamformer.scenarios.yaml.reader import Where
@@ -136,7 +136,7 @@ def _refuse_impossible(
     for robot in pin.having:
         if not can_reach(world, robots[robot], places[0]):
             message = f"{what} is with '{robots[robot].name}', which no way leads there"
-            remedy = "move one of them, open the map, or let it fly with moves: air"
+            remedy = f"move one of them, {way_for(world, 'it')}"
             reader.refuse((*where, "with"), f"{message}; {remedy}")
     coming = [robots[robot] for robot in pin.only if can_reach(world, robots[robot], places[0])]
     have = total(robot.can for robot in coming)

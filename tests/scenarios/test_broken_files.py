@@ -164,7 +164,7 @@ CASES = [
     ("sensing_radius: 1", "foresight: absent", 10, "'foresight' says how to solve the mission, "
      "not what it is; delete it; suites of bench can set it, under method_settings"),
     ("speed: 0.5", "lost: 1000000001", 7,
-     "lost of robot 2 is 1000000001; write a number up to 1,000,000,000"),
+     "lost of robot 2 is 1000000001; write a number up to 1,000,000,000, counted from the"),
     ("speed: 0.5", "lost: 9, back: 2000000001", 7,
      "back of robot 2 is 2000000001; write a number up to 2,000,000,000"),
     # unknown, repeated, missing and misplaced keys
@@ -202,6 +202,12 @@ CASES = [
     ("at: [0, 0]", "at: [0, 0, 0]", 6, "at of robot 1 has 3 numbers instead of 2; write a cell"),
     ("sensing_radius: 1", "ends: [0]", 10, "ends lacks one number; write a cell as [x, y]"),
     ("at: [0, 0]", "at: 3", 6, "at of robot 1 is 3; write a cell as [x, y]"),
+    ("at: [3, 2]", "at: [3, 2], appears: 1738915200", 9,
+     "appears of task 1 is 1738915200; write a number up to 1,000,000,000, counted from the mission"
+     "'s start"),
+    ("at: [3, 2]", "at: [3, 2], between: [1738915200, 1738918800]", 9,
+     "entry 1 of between of task 1 is 1738915200; write a number up to 1,000,000,000, counted from "
+     "the mission's start"),
     ("at: [0, 0]", "at: [0, 99999999999]", 6, "write a number up to 1,000,000,000"),
     ("can: [scan]", "can: {scan: 1.0005}", 7, "scan of can of robot 2 is 1.0005; round it to 3"),
     ("can: [scan]", "can: {scan: 100000.5}", 7, "write a number up to 100,000"),

@@ -23,7 +23,7 @@ from teamformer.grid import LARGEST_MAP, Grid, Place
 from teamformer.mission.loads import find_load_problems
 from teamformer.mission.places import believed_place, busiest_part, find_region_problems
 from teamformer.mission.reach import totals_by_region, totals_there, way_for
-from teamformer.mission.rules import find_rule_problems
+from teamformer.mission.rules import counted_from, find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
 from teamformer.plane import Plane
 from teamformer.roads import Roads
@@ -244,7 +244,8 @@ def _problems_of_steps(
     if not steps >= least:  # NaN too
         yield Problem(where, f"{what} {steps}; {advice}")
     elif not is_whole(steps) or steps > most:
-        yield Problem(where, f"{what} {steps}; use a whole number up to {most:,}")
+        start = counted_from(where) if steps > most else ""
+        yield Problem(where, f"{what} {steps}; use a whole number up to {most:,}{start}")
 
 
 def is_whole(number: float) -> bool:

@@ -28,6 +28,15 @@ LONGEST_TIME = 1e9
 """In the unit of time of a mission in continuous time."""
 
 
+MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until"})
+"""Keys of a file whose values are moments of a mission."""
+
+
+def counted_from(where: tuple[str | int, ...]) -> str:
+    """Return what to say of the largest number that may stand somewhere: moments have a start."""
+    return "" if MOMENTS.isdisjoint(where) else ", counted from the mission's start"
+
+
 def is_time(value: float) -> bool:
     """Say whether a number can be a time."""
     return 0 <= value <= LONGEST_TIME
@@ -213,7 +222,10 @@ def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
         begin, end = task.between
         if not (is_time(begin) and is_time(end) and begin < end):
             message = f"{what} is to be done between {begin:g} and {end:g}; use [begin, end]"
-            yield Problem((*where, "between"), f"{message}, 0 or more and in this order")
+            rule = "0 or more and in this order"
+            if max(begin, end) > LONGEST_TIME:
+                rule = f"up to 1e9{counted_from(('between',))}"
+            yield Problem((*where, "between"), f"{message}, {rule}")
         elif scenario.time == "continuous" and is_too_short(task):
             message = f"{what} takes {task.duration:g} but has only {end - begin:g} between"
             yield Problem(

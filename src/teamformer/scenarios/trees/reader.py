@@ -10,6 +10,7 @@ from typing import Any
 from teamformer.capabilities import PLACES, exact, is_exact
 from teamformer.grid import Place
 from teamformer.mission.checks import LARGEST_NUMBER
+from teamformer.mission.rules import counted_from
 from teamformer.scenarios.yaml.reader import Tree, Where
 from teamformer.scenarios.yaml.words import Misread, describe, kind_of, misread, shorten
 
@@ -95,7 +96,7 @@ class Reader:
         if not _is_number(value):
             self.refuse(where, f"{name_of(where)} is {describe(value)}; write a number")
         elif not abs(value) <= LARGEST_NUMBER:  # nan too
-            most = f"write a number up to {LARGEST_NUMBER:,}"
+            most = f"write a number up to {LARGEST_NUMBER:,}{counted_from(where)}"
             self.refuse(where, f"{name_of(where)} is {describe(value)}; {most}")
         else:
             return float(value)
@@ -109,7 +110,7 @@ class Reader:
         if not isinstance(value, int) or isinstance(value, bool):
             self.refuse(where, f"{what}; write a whole number")
         elif abs(value) > most:
-            self.refuse(where, f"{what}; write a number up to {most:,}")
+            self.refuse(where, f"{what}; write a number up to {most:,}{counted_from(where)}")
         elif least is not None and value < least:
             self.refuse(where, f"{what}; write {least} or more")
         else:

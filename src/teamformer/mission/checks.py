@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -224,7 +225,10 @@ def _problems_of_counts(
         yield Problem(where, f"{what} nothing; name at least one capability")
     for name, count in counts.items():
         if name not in known:
-            yield Problem(where, f"{what} '{name}', which is not under capabilities; add it there")
+            near = difflib.get_close_matches(name.casefold(), [cap.casefold() for cap in known], 1)
+            meant = [cap for cap in known if near and cap.casefold() == near[0]]
+            remedy = f"add it there, or write '{meant[0]}'" if meant else "add it there"
+            yield Problem(where, f"{what} '{name}', which is not under capabilities; {remedy}")
         if not 0 < count < math.inf:  # NaN too
             yield Problem((*where, name), f"{what} '{name}' {count} times; use more than 0")
         elif not is_exact(count):

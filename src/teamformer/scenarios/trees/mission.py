@@ -23,6 +23,9 @@ from teamformer.scenarios.yaml.reader import Where
 
 VERSION = 1
 
+RECORD = "teamformer_replay"
+"""The key that only records have."""
+
 TOP_KEYS = {
     "teamformer": True,  # required
     "name": False,
@@ -63,6 +66,10 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
 
     `name` is for a scenario without one; map files are looked for in `folder`.
     """
+    if isinstance(reader.tree.value, dict) and RECORD in reader.tree.value:
+        what = "this is the record of a run, and no mission"
+        reader.refuse((RECORD,), f"{what}; name a mission, or use `view`, `check` or `export`")
+        return None
     top = reader.mapping((), _without_methods(reader), TOP_KEYS)
     if not _knows_version(reader, top):
         return None
@@ -91,8 +98,11 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
     try:
         return Scenario(**parts)
     except ScenarioError as error:
+        told: dict[Where, Where] = {}
         for problem in error.problems:
-            reader.refuse(_in_file(problem.where, fleet.entries), problem.message)
+            where = _in_file(problem.where, fleet.entries)
+            if told.setdefault(where, problem.where) == problem.where:  # of robots alike, of one
+                reader.refuse(where, problem.message)
         return None
 
 

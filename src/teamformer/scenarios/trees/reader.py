@@ -192,8 +192,28 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
+MEANT = {
+    **dict.fromkeys(("deadline", "due", "due_date", "window", "time_window"), "between"),
+    **dict.fromkeys(("priority", "importance"), "weight"),
+    **dict.fromkeys(("depends_on", "predecessors"), "after"),
+    **dict.fromkeys(("position", "location", "pose", "start"), "at"),
+    **dict.fromkeys(("skills", "abilities"), "can"),
+    **dict.fromkeys(("requires", "requirements"), "needs"),
+}
+"""Keys by the words that others have for them."""
+
+HOW = {
+    "between": "between: [0, 20] if it is late after 20",
+    "weight": "weight: 2 if its end and lateness count twice in the mission's cost",
+}
+"""What helps with a key besides its name."""
+
+
 def _suggest(key: Any, keys: Mapping[str, bool]) -> str:
     shown = shorten(str(key))
+    meant = MEANT.get(shown.lower())
+    if meant is not None and meant in keys:
+        return f"'{shown}'; write {HOW.get(meant, meant)}"
     near = difflib.get_close_matches(shown, list(keys), 1)
     return f"'{shown}'; " + (f"did you mean '{near[0]}'?" if near else f"known are {_list(keys)}")
 

@@ -477,3 +477,20 @@ EMPTY_PART = """() => {
   for (let at = 0; at < data.length; at += 4) empty += data[at] > 200 && data[at + 2] > 200;
   return empty / (right - left);
 }"""
+
+
+def test_what_cannot_be_drawn_is_left_out_and_told_once(open_page: Opener) -> None:
+    """The order names a task that is not there. All else is drawn, in frame after frame."""
+    record = three_in_one_cell()
+    record["orders"][0][1].append(99)
+    opened = open_page(record)
+    opened.page.click("#order")
+    for step in (1, 2, 3):
+        frames = opened.page.evaluate("window.teamformer.framesDrawn()")
+        opened.page.keyboard.press("ArrowRight")
+        opened.wait_until(f"window.teamformer.framesDrawn() > {frames}")
+        assert opened.shown_step() == step
+    told = opened.page.inner_text("#notice")
+    assert told.startswith("Not all of the order can be shown: ")
+    assert told.endswith(". Please report it with this record.")
+    assert [error.split(":")[0] for error in opened.errors] == ["TypeError"]

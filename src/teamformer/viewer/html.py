@@ -22,7 +22,7 @@ SCRIPTS = (
     *("draw/teams", "draw/groups", "draw/legend", "draw/extras", "draw/names", "draw/map"),
     *("views/time_canvas", "views/bars", "views/critical_path", "views/gantt"),
     *("views/plots", "views/columns", "views/table", "panel/dom", "panel/notice"),
-    *("panel/chips", "panel/waiting"),
+    *("panel/attempt", "panel/chips", "panel/waiting"),
     *("panel/inspector", "panel/rows", "panel/lists", "panel/header", "panel/playback"),
     *("panel/timeline", "panel/files", "panel/controls"),
     *("compared/curves", "compared/panel", "compared/companion"),

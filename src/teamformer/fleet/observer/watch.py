@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -113,16 +114,13 @@ class Watch:
         lost, back = sorted(gone - self._lost), sorted(self._lost - gone)
         self._lost = gone
         lifted = {robot: lay for robot, lay in self._lifted().items() if robot not in gone}
-        at = {robot: self._as_place(lay.x, lay.y) for robot, lay in lifted.items()}
         said = {
-            robot: (
-                NOBODY - robot if robot in back else self._team_of(robot),
-                at.get(robot, self._place(robot)),
-            )
+            robot: (NOBODY - robot if robot in back else self._team_of(robot), self._place(robot))
             for robot in range(self.mission.robots)
             if robot not in gone  # who is back is alone at first
         }
-        places, teams, doers = teams_shown(said, [deed for deed in deeds if deed.robots])
+        doing, taking = [deed for deed in deeds if deed.robots], self._taking(lifted)
+        places, teams, doers = teams_shown(said, doing, taking)
         before = self._teams | {robot: (robot,) for robot in back}
         splits, joins = team_changes(before, teams, lost)
         self._teams = teams
@@ -202,6 +200,12 @@ class Watch:
             if not self.mission.is_same_place(word.x, word.y, lay.x, lay.y):
                 found[robot] = lay
         return found
+
+    def _taking(self, lifted: Mapping[int, TaskFact | LoadFact]) -> list[Deed]:
+        """Return each load that robots say they have taken up, where it lay, with all of them."""
+        loads = {lay.key: self._as_place(lay.x, lay.y) for lay in lifted.values()}
+        robots = {key: tuple(r for r, lay in lifted.items() if lay.key == key) for key in loads}
+        return [Deed(self._number[key], at, robots[key]) for key, at in loads.items()]
 
     def _note_done(self, key: int) -> None:
         if key in self.tasks and key not in self._done:

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from browsers import Opened
+from fleets import plan_of, trio
 from live_server import serving_session
 from loops import run_apart
 from small_worlds import make, robot, task
@@ -26,6 +27,7 @@ from teamformer.fleet.messages import (
     SERVE,
     Beat,
     Body,
+    DeedFact,
     FactsNote,
     Message,
     Notice,
@@ -35,18 +37,21 @@ from teamformer.fleet.messages import (
     TaskFact,
     Word,
 )
+from teamformer.fleet.observer.mission_clock import MissionClock
 from teamformer.fleet.observer.session import ObserverSession
 from teamformer.fleet.observer.silence import Silence
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.process.fleet import free_ports
+from teamformer.fleet.rehearsal.faults import Faults
+from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.rules.constants import NOBODY
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.replay.record import FLEET, TeamAt
 
-MISSION = Mission(
-    make([robot("a", 0), robot("a", 1), robot("b", 9)], [task("a", 3), task("ab", 7)])
-)
+SMALL = make([robot("a", 0), robot("a", 1), robot("b", 9)], [task("a", 3), task("ab", 7)])
+MISSION = Mission(SMALL)
+FAST = Mission(SMALL, step=0.1)
 EXTRA = TaskFact(7 << 24, "extra", 5.0, 0.0, (1, 0, 0))
 
 
@@ -66,14 +71,15 @@ def test_words_become_steps_of_a_record() -> None:
     assert first.joins == ((1, 0),)
     assert first.teams == (TeamAt(0, 1, 0, 0), TeamAt(2, 9, 0, None))
     watch.hear(message(Beat(word(0, 1, 0, 0))))  # late: an older one
-    watch.hear(message(Beat(word(2, LIFE + LOST + 1, 9, 2), news=(0,)), sender=2))
+    serving = (Word(0, 3, 1, 0.0, 0, 0, SERVE), Word(1, 3, 1, 0.0, 0, 0, SERVE))
+    watch.hear(message(Beat(word(2, LIFE + LOST + 1, 9, 2), serving, news=(0,)), sender=2))
     second = watch.step()
     assert (second.lost, second.done, second.joins) == ((2,), ((0, 0),), ())
     watch.hear(message(Beat(word(2, 2 * LIFE, 8, 2), news=(0,)), sender=2))
     third = watch.step()
     assert (third.back, third.done) == ((2,), ())
     assert TeamAt(2, 8, 0, None) in third.teams
-    assert TeamAt(0, 1, 0, None) in second.teams  # what is done is headed for no more
+    assert TeamAt(0, 3, 0, None) in second.teams  # what is done is headed for no more
 
 
 def test_who_did_a_task_is_told_once_those_are_heard_who_have_what_it_needs() -> None:
@@ -87,48 +93,116 @@ def test_who_did_a_task_is_told_once_those_are_heard_who_have_what_it_needs() ->
 
 
 def test_who_is_never_heard_is_not_waited_for_long() -> None:
+    """Task 1 needs b too, and nobody said that it does task 0: nobody knows by whom they are."""
     watch = Watch(MISSION)
     watch.hear(message(Beat(Word(0, 1, 7, 0.0, 0, 1, phase=SERVE), news=(1,))))
-    assert [watch.step().done for _ in range(3)] == [(), (), ((1, 0),)]
+    assert watch.wonders
+    assert [watch.step().done for _ in range(3)] == [(), (), ((1, None),)]
     watch.hear(message(Beat(word(0, 2, 7, 0), news=(0,))))
     assert not watch.is_over
-    assert watch.step().done == ((0, 1),)  # by the nearest, as nobody said that it did it
-    assert watch.is_over
+    assert [watch.step().done for _ in range(3)] == [(), (), ((0, None),)]
+    assert (watch.is_over, watch.wonders) == (True, False)
+    told = [event.text(watch.scenario) for event in events(watch.record()) if event.kind == "done"]
+    assert told == [f"t{k} done by then, nobody heard by whom" for k in (1, 0)]
 
 
 def test_facts_tell_what_was_done_before_and_what_operators_added() -> None:
     watch = Watch(MISSION)
-    assert not watch.has_facts
+    assert not watch.is_told
     assert watch.hear(message(FactsNote((0, EXTRA.key), (EXTRA,)))) == [EXTRA]
     assert watch.hear(message(FactsNote((0, EXTRA.key), (EXTRA,)))) == []
-    assert watch.has_facts
-    assert {number for number, _ in watch.step().done} == {0, 2}
+    assert watch.is_told
+    assert [{number for number, _ in watch.step().done} for _ in range(3)] == [set(), set(), {0, 2}]
     assert watch.scenario.tasks[2].needs == {"a": 1}
     watch.hear(message(FactsNote((99,), (TaskFact(8 << 24, "wall", 99.0, 0.0, (1, 0, 0)),))))
     assert len(watch.tasks) == 3  # what makes no sense is left out
     assert watch.record().end.tasks_done == 2
 
 
-def test_who_does_the_last_task_and_leaves_at_once_has_done_it() -> None:
-    """All leave in the step in which it is heard that 2 did t1; they are lost in the next."""
+def test_who_comes_late_is_told_who_did_what_and_when() -> None:
+    """Robots 0 and 2 tell of t1, each a part; 1 does, alone, of t0. Nobody tells of the extra."""
     watch = Watch(MISSION)
-    serving = Word(2, 1, 7, 0.0, 2, 1, phase=SERVE)
-    watch.hear(message(Beat(serving, (word(0, 1, 0, 0), word(1, 1, 1, 1))), sender=2))
+    watch.hear(message(Beat(word(2, 9, 7, 2), (word(0, 9, 4, 0), word(1, 9, 3, 1)), age=50.4)))
+    watch.hear(message(FactsNote((0, 1, EXTRA.key), (EXTRA,), 0, (), (DeedFact(1, 20.4, (0,)),))))
+    assert not watch.is_told
+    watch.hear(message(FactsNote((0, 1), deeds=(DeedFact(1, 20.2, (2,)),)), sender=2))
+    watch.hear(message(FactsNote((0,), deeds=(DeedFact(0, 10.0, (1,)),)), sender=1))
+    assert watch.is_told
+    watch.begin(50.4)
+    assert len(watch.steps) == 50
+    assert [(n, step.done) for n, step in enumerate(watch.steps, 1) if step.done] == [
+        (10, ((0, 1),)),
+        (21, ((1, 0),)),
+    ]
+    assert [watch.step().done for _ in range(3)] == [(), (), ((2, None),)]
+    told = [event for event in events(watch.record()) if event.kind == "done"]
+    assert [(event.step, event.robots) for event in told] == [(10, (1,)), (21, (0, 2)), (53, ())]
+    assert watch.steps[50].teams == (TeamAt(0, 4, 0, None), TeamAt(2, 7, 0, None))
+
+
+def test_who_did_a_task_by_its_own_word_and_cannot_have_is_not_believed() -> None:
+    """Robot 0 lacks the b that t1 needs."""
+    watch = Watch(MISSION)
+    watch.hear(message(FactsNote((1,), deeds=(DeedFact(1, 2.0, (0,)),))))
+    watch.begin(9.0)
+    assert [step.done for step in watch.steps] == [()] * 9
+    assert [watch.step().done for _ in range(3)] == [(), (), ((1, None),)]
+
+
+def test_who_comes_after_all_was_done_is_told_who_did_what_and_when() -> None:
+    """The agents of a rehearsal that is over tell of every task, and the record says as they do."""
+    mission = trio()
+    rehearsal, outcome, _ = play(mission, plan_of(mission), Faults())
+    watch = Watch(mission)
+    for me, agent in enumerate(rehearsal.agents):
+        assert agent is not None
+        note = agent.knowledge.note_for_onlookers()
+        watch.hear(Message(1, mission.number, me, OPERATOR, note))
+    watch.begin(outcome.end + 5.0)
+    done = rehearsal.world.done
+    told = {event.task: event for event in events(watch.record()) if event.kind == "done"}
+    assert {key: event.robots for key, event in told.items()} == {
+        key: deed.robots for key, deed in done.items()
+    }
+    assert all(0 <= event.step - done[key].at < 2 for key, event in told.items())
+
+
+def test_a_mission_goes_on_as_long_as_the_robot_says_that_knows_it_longest() -> None:
+    clock = MissionClock(longest=1000.0)
+    assert not clock.is_set
+    clock.hear(0.0, 5.0)
+    clock.hear(30.0, 7.0)
+    clock.hear(2.0, 8.0)
+    assert (clock.is_set, clock.age(9.0), clock.listened(9.0)) == (True, 32.0, 4.0)
+    clock.hear(1e9, 9.0)
+    assert clock.age(9.0) == 1000.0
+
+
+def test_who_does_the_last_task_and_leaves_at_once_has_done_it() -> None:
+    """All leave in the step in which it is heard that 0 and 2 did t1; they are lost in the next."""
+    watch = Watch(MISSION)
+    serving = Word(2, 1, 7, 0.0, 0, 1, phase=SERVE)
+    mate = Word(0, 1, 7, 0.0, 0, 1, phase=SERVE)
+    watch.hear(message(Beat(serving, (mate, word(1, 1, 1, 1))), sender=2))
     watch.step()
     gone = [word(robot, LOST + 2, 7, robot) for robot in range(3)]
     watch.hear(message(Beat(gone[2], (gone[0], gone[1]), news=(1,)), sender=2))
     last = watch.step()
-    assert (last.done, last.lost) == (((1, 2),), (0, 1))
+    assert (last.done, last.lost) == (((1, 0),), (1,))
     watch.hear(message(Beat(word(2, LOST + 3, 7, 2), news=(0,)), sender=2))
-    assert (watch.step().lost, watch.steps[-1].done) == ((2,), ())  # by nobody that is there
+    assert (watch.step().lost, watch.steps[-1].done) == ((0, 2), ())  # by nobody that is there
     list(events(watch.record()))
+
+
+AGE = 2.0
+"""Seconds that the mission of the robots behind a loopback has been going on."""
 
 
 class Loopback:
     """A transport to three robots that hold whatever they are offered, and say so."""
 
     def __init__(self, holders: int) -> None:
-        self._post = Post(MISSION.number, MISSION.robots)
+        self._post = Post(FAST.number, FAST.robots)
         self._holders = holders
         self.offered: list[TaskFact] = []
         self._waiting: list[bytes] = []
@@ -142,6 +216,7 @@ class Loopback:
             bodies: list[Body] = [Receipt(said.body.task.key)]
             is_own = said.body.task.key < 1 << 24  # known: then they say what else is
             bodies.append(FactsNote((0,)) if is_own else FactsNote((), (said.body.task,)))
+            bodies.append(Beat(Word(sender, 1, sender, 0.0, sender), age=AGE))
             sealed = [self._post.seal(sender, Notice(OPERATOR, body)) for body in bodies]
             self._waiting += sealed
 
@@ -157,8 +232,8 @@ class Loopback:
 
 
 def watching(transport: Loopback, folder: Path) -> ObserverSession:
-    post = Post(MISSION.number, MISSION.robots)
-    return ObserverSession(Watch(MISSION), transport, post, folder)
+    post = Post(FAST.number, FAST.robots)
+    return ObserverSession(Watch(FAST), transport, post, folder)
 
 
 def heard_by_a_page(session: ObserverSession, *asked: Any) -> list[dict[str, Any]]:
@@ -169,7 +244,7 @@ def heard_by_a_page(session: ObserverSession, *asked: Any) -> list[dict[str, Any
         watcher = session.join()
         for message in asked:
             await session.act(watcher, message if isinstance(message, str) else json.dumps(message))
-        while not session.watch.steps or not session.watch.has_facts:
+        while len(session.watch.steps) <= AGE / FAST.step or not session.watch.is_told:
             await asyncio.sleep(0.01)
         running.cancel()
         told = []
@@ -185,9 +260,7 @@ def test_a_task_that_a_page_adds_is_published_and_told_once_it_is_held(
 ) -> None:
     monkeypatch.setattr("teamformer.fleet.observer.session.AGAIN", 0.02)
     transport = Loopback(holders=3)
-    session = ObserverSession(
-        Watch(MISSION), transport, Post(MISSION.number, MISSION.robots), tmp_path
-    )
+    session = watching(transport, tmp_path)
     new = {"at": [4, 0], "needs": ["b"], "name": "late"}
     told = heard_by_a_page(session, {"do": "happen", "task": new}, {"do": "save"})
     assert told[0]["kind"] == "mission"
@@ -206,17 +279,18 @@ def test_who_comes_late_asks_what_has_been_done(tmp_path: Path) -> None:
     session = watching(transport, tmp_path)
     heard_by_a_page(session)
     assert {task.key for task in transport.offered} == {0}
-    session.watch.step()
+    while not session.watch.steps[-1].done:
+        session.watch.step()
     assert session.watch.record().end.tasks_done == 1
 
 
 def test_others_may_follow_what_is_seen(tmp_path: Path) -> None:
-    """Each step is given as the record so far, longer by one each time."""
+    """Each step is given as the record so far, longer by one each time, from when it came."""
     session = watching(Loopback(holders=1), tmp_path)
     lengths: list[int] = []
     session.on_step = lambda record: lengths.append(len(record.steps))
     heard_by_a_page(session)
-    assert lengths == list(range(1, len(session.watch.steps) + 1))
+    assert lengths == list(range(1 + round(AGE / FAST.step), len(session.watch.steps) + 1))
     assert lengths
 
 
@@ -237,9 +311,7 @@ def test_what_a_page_may_not_do_is_refused(
 ) -> None:
     monkeypatch.setattr("teamformer.fleet.observer.session.AGAIN", 0.02)
     monkeypatch.setattr("teamformer.fleet.observer.session.PATIENCE", 0.1)
-    session = ObserverSession(
-        Watch(MISSION), Loopback(holders=1), Post(MISSION.number, MISSION.robots), tmp_path
-    )
+    session = watching(Loopback(holders=1), tmp_path)
     told = heard_by_a_page(session, asked)
     assert [said in message["text"] for message in told if message["kind"] == "refused"] == [True]
 
@@ -277,8 +349,8 @@ def test_page_and_terminal_are_told_which_robots_are_not_heard(
     """Nobody answers here, and only messages come that are none."""
     monkeypatch.setattr("teamformer.fleet.observer.silence.SILENCE", 0.0)
     said: list[str] = []
-    post = Post(MISSION.number, MISSION.robots)
-    session = ObserverSession(Watch(MISSION), Loopback(holders=0), post, tmp_path, said.append)
+    post = Post(FAST.number, FAST.robots)
+    session = ObserverSession(Watch(FAST), Loopback(holders=0), post, tmp_path, said.append)
 
     async def listen() -> dict[str, Any]:
         running, watcher = asyncio.create_task(session.run()), session.join()

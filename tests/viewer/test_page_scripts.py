@@ -446,3 +446,18 @@ def test_a_load_whose_carrier_is_about_to_be_lost_lies_where_it_is(scripts: Any)
     tree = load_of_two([TAKEN, {"teams": [[0, 4, 3, 0]]}])
     tree["end"]["status"] = "running"
     assert scripts.evaluate(ask, tree) == [None, [4, 3], True]
+
+
+def test_a_task_of_a_fleet_that_nobody_knows_who_did_is_told_so(scripts: Any) -> None:
+    """Robot b is lost, and has not done it."""
+    tree = two_robots([{"lost": [1]}, {"done": [[0, None]]}])
+    ask = """(tree) => { const history = frames(tree);
+      const done = history.events.find(({kind}) => kind === "done");
+      return [describeEvent(history, done), history.doers[0],
+        describeStanding(history, 0, sceneAt(history, 2)), sceneAt(history, 2).teams.get(0).activity]; }"""  # noqa: E501
+    assert scripts.evaluate(ask, tree) == [
+        "t done by then, nobody heard by whom",
+        [],
+        "done by step 2, nobody heard by whom",
+        "idle",
+    ]

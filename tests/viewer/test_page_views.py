@@ -494,3 +494,18 @@ def test_what_cannot_be_drawn_is_left_out_and_told_once(open_page: Opener) -> No
     assert told.startswith("Not all of the order can be shown: ")
     assert told.endswith(". Please report it with this record.")
     assert [error.split(":")[0] for error in opened.errors] == ["TypeError"]
+
+
+def test_a_page_of_a_fleet_shows_all_views_though_nobody_knows_who_did_a_task(
+    open_page: Opener,
+) -> None:
+    record = three_in_one_cell()
+    for step in record["steps"]:
+        step["done"] = [[task, None] for task, _ in step.get("done", [])]
+    opened = open_page(record, f"#step={len(record['steps'])}")
+    for view in ("gantt", "tasks", "robots", "plots", "map"):
+        opened.page.evaluate(f"location.hash = 'view={view}&task=inspect'")
+        opened.wait_for_a_frame()
+        assert "nobody heard by whom" in opened.details()
+    opened.page.evaluate("window.teamformer.criticalPath()")
+    assert opened.errors == []

@@ -16,7 +16,8 @@ from pathlib import Path
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.fleet_mission import row_of
-from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
+from teamformer.fleet.messages import EVERYBODY, OPERATOR, Beat, Notice, Offer, Post, TaskFact
+from teamformer.fleet.observer.mission_clock import MissionClock
 from teamformer.fleet.observer.silence import Silence
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.operator import AGAIN, Operator
@@ -27,6 +28,12 @@ from teamformer.live.page_trees import Tree, record_so_far
 from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import step_to_tree, write_replay
+
+PATIENT = 3.0
+"""Seconds that agents have to tell what was done before."""
+
+MOST_PAST = 1_000_000
+"""Steps that are written down of the time before it came."""
 
 PATIENCE = 20.0
 """Seconds until a task that too few robots hold is given up."""
@@ -58,20 +65,24 @@ class ObserverSession:
         self.on_step: Callable[[Replay], None] | None = None  # given what was seen so far
         names = [robot.name for robot in watch.mission.scenario.robots]
         self._silence = Silence(names, time.monotonic())
+        self._step, self._clock = watch.mission.step, MissionClock(MOST_PAST * watch.mission.step)
+        self._has_begun = False  # to write down steps
         transport.listen_to(range(watch.mission.robots))
 
     async def run(self) -> None:
         """Hear and tell until cancelled."""
-        due = asked = time.monotonic()
+        asked = time.monotonic()
         while True:
             came = await asyncio.to_thread(self._transport.receive, min(0.1, AGAIN))
             now = time.monotonic()
             self._hear(came, now)
-            if not self.watch.has_facts and now >= asked:
+            is_to_ask = self.watch.wonders if self._has_begun else not self.watch.is_told
+            if is_to_ask and now >= asked:
                 asked = now + AGAIN
                 self._ask_for_facts()
-            if now >= due and self._silence.was_any_heard:
-                due = max(due + self.watch.mission.step, now)
+            if self._clock.is_set and not self._has_begun:
+                self._begin(now)
+            while self._has_begun and len(self.watch.steps) < self._clock.age(now) // self._step:
                 self._make_step()
 
     def join(self) -> Watcher:
@@ -159,10 +170,12 @@ class ObserverSession:
                 continue
             if message.sender != OPERATOR:
                 self._silence.hear(message.sender, now)
+                body = message.body
+                self._clock.hear(body.age if type(body) is Beat else 0.0, now)
             for operator in self._operators.values():
                 operator.hear(message)
             for task in self.watch.hear(message):
-                if task.key not in self._operators:  # that one is told once it is accepted
+                if self._has_begun and task.key not in self._operators:  # or told once accepted
                     self._tell_of_task(f"task {task.name} added by an operator")
         if self._silence.was_any_heard != was_any_heard:
             self._tell_all("state", self._state())
@@ -182,6 +195,15 @@ class ObserverSession:
 
     def _say(self, notice: Notice) -> None:
         self._transport.send(notice.to, self._post.seal(OPERATOR, notice))
+
+    def _begin(self, now: float) -> None:
+        """Begin to write down steps, once agents have told what was done before, if it was long."""
+        age = self._clock.age(now)
+        if age >= self._step and not self.watch.is_told and self._clock.listened(now) < PATIENT:
+            return
+        self._has_begun = True
+        self.watch.begin(age)
+        self._tell_all("mission", {"record": self._record()} | self._state())
 
     def _make_step(self) -> None:
         step = self.watch.step()

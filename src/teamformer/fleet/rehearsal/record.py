@@ -50,7 +50,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     tasks, number = _tasks_of(rehearsal)
     done = rehearsal.world.done.values()
     by_key = {it.key: deed_of(number[it.key], tasks, it.robots) for it in done}
-    deeds = _deeds_by_step(events, by_key, mission.step)
+    deeds = deeds_by_step(events, by_key, mission.step)
     deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
     robots = _robots_of(rehearsal, deeds)
     scenario = replace(mission.scenario, tasks=tasks, robots=robots, teams=())
@@ -238,8 +238,8 @@ class _Teller:
         return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
 
 
-def _deeds_by_step(
-    events: Sequence[Event], deeds: Mapping[int, Deed], step: float
+def deeds_by_step(
+    events: Iterable[Event], deeds: Mapping[int, Deed], step: float
 ) -> list[list[Deed]]:
     """Return what each step shows as done, from the first step to the last that shows anything.
 

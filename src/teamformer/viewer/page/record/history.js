@@ -353,10 +353,11 @@ function recordHeadings({ events, headings }, state, change, step) {
 }
 
 function recordCompletions(history, state, change, step) {
-  for (const [task, slot] of change.done ?? []) {
+  for (const [task, doer] of change.done ?? []) {
+    const slot = doer ?? NOBODY; // of a fleet nobody may know who did it
     history.doneAt[task] = history.overAt[task] = step;
     history.doneBy[task] = slot;
-    history.doers[task] = robotsOfTeam(state, slot);
+    history.doers[task] = slot === NOBODY ? [] : robotsOfTeam(state, slot);
     history.events.push({ step, kind: "done", task, slot, size: history.doers[task].length });
   }
 }

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -37,9 +38,11 @@ from teamformer.fleet.messages import (
     TaskFact,
     Word,
 )
+from teamformer.fleet.observer.alerts import Alert, Alerts
 from teamformer.fleet.observer.mission_clock import MissionClock
 from teamformer.fleet.observer.session import ObserverSession
 from teamformer.fleet.observer.silence import Silence
+from teamformer.fleet.observer.troubles import troubles
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.process.fleet import free_ports
 from teamformer.fleet.rehearsal.faults import Faults
@@ -317,30 +320,74 @@ def test_what_a_page_may_not_do_is_refused(
 
 
 def test_robots_that_are_not_heard_are_named_until_they_are() -> None:
-    silence = Silence(["atlas", "bolt"], now=5.0)
-    assert not silence.changes(15.0)
-    assert silence.changes(15.1)
-    warning = silence.warning(17.2)
-    assert warning is not None
-    assert warning.is_of_all
-    assert warning.text().startswith(
-        "no robot heard for 12 s; what is drawn is only where the robots start; does the fleet run"
+    silence = Silence(("atlas", "bolt"), now=5.0)
+    assert silence.alerts(15.0) == []
+    [alert] = silence.alerts(15.1)
+    assert (alert.key, alert.since) == ("all", 5.0)
+    assert alert.text() == (
+        "no robot heard: nothing comes here; what is drawn is only where the robots start; "
+        "does the fleet run, and are its scenario, endpoint and --keys the same here?"
     )
     silence.refuse("another mission")
-    assert "10 s (what came was refused: another mission); what" in text_at(silence, 15.1)
+    assert silence.alerts(15.1)[0].why.startswith("what came was refused: another mission; what")
     silence.hear(0, 16.0)
-    assert silence.changes(16.0)
-    assert text_at(silence, 16.0) == "not heard for 11 s: bolt"
-    assert not silence.changes(17.0)
+    [alert] = silence.alerts(16.0)
+    assert (alert.key, alert.what, alert.since) == ("robot 1", "bolt not heard", 5.0)
     silence.hear(1, 17.0)
-    assert silence.changes(17.0)
-    assert silence.warning(17.0) is None
+    assert silence.alerts(17.0) == []
 
 
-def text_at(silence: Silence, now: float) -> str:
-    warning = silence.warning(now)
-    assert warning is not None
-    return warning.text()
+DEADLINE = Mission(
+    replace(SMALL, tasks=(SMALL.tasks[0], replace(SMALL.tasks[1], between=(0, 30)))), step=2.0
+)
+"""t1, which needs a and b, is due after 30 steps, which are 60 s."""
+
+
+def told_by(watch: Watch, age: float) -> list[tuple[str, str]]:
+    return [(alert.key, alert.text()) for alert in troubles(watch, age)]
+
+
+def test_lost_and_unfit_robots_late_tasks_and_a_mission_without_an_end_are_alerts() -> None:
+    """Robot 2 alone has the b that t1 needs."""
+    watch = Watch(DEADLINE)
+    watch.hear(message(Beat(word(0, 1, 7, 0, 1), (word(1, 1, 1, 1), word(2, 1, 9, 2)))))
+    assert told_by(watch, 60.0) == []
+    late = "t1 is late: it was due at 60 s and is not done; look at r0, on the way to it"
+    assert told_by(watch, 61.0) == [("task 1", late)]
+    assert troubles(watch, 61.0)[0].since == 60.0
+    end = (
+        "the mission cannot end: t1: for t1 the robots that are left lack b; bring r2 back",
+        "r2 is unfit: it says so: it wants to move and has not for 5 s, or has heard nobody for "
+        "6 s; free its way, or look at its radio",
+    )
+    watch.hear(message(Beat(Word(2, 2, 9, 0.0, 2, is_fit=False)), sender=2))
+    assert told_by(watch, 9.0) == [("robot 2", end[1]), ("end", end[0])]
+    watch.hear(message(Beat(word(2, LOST + 3, 9, 2)), sender=2))
+    assert [key for key, _ in told_by(watch, 9.0)] == ["robot 2", "end"]
+    assert told_by(watch, 9.0)[0][1].startswith("r2 is lost: it has left, or the others have not")
+    watch.hear(message(Beat(word(2, LIFE, 9, 2), news=(1,)), sender=2))
+    assert told_by(watch, 61.0) == []
+
+
+def test_an_alert_holds_since_it_began_and_a_robot_that_is_back_until_it_is_seen() -> None:
+    alerts = Alerts(["atlas", "bolt"])
+    lost = Alert("robot 1", "bolt is lost", "why", "do")
+    assert alerts.find([lost], 5.0) == ([lost._replace(since=5.0)], [])
+    assert alerts.find([lost], 6.0) == ([], [])
+    alerts.acknowledge("robot 1")
+    alerts.acknowledge("nothing")
+    assert alerts.acknowledged == {"robot 1"}
+    new, past = alerts.find([], 9.0)
+    assert [(it.key, it.what, it.since) for it in new] == [("back 1", "bolt is back", 9.0)]
+    assert new[0].why == "it was not there, or not fit, for 4 s"
+    assert [it.key for it in past] == ["robot 1"]
+    assert alerts.find([], 10.0) == ([], [])
+    assert (alerts.held, alerts.acknowledged) == (tuple(new), set())
+    alerts.acknowledge("back 1")
+    assert alerts.find([], 11.0) == ([], new)
+    assert alerts.held == ()
+    new, _ = alerts.find([lost, lost._replace(what="bolt not heard")], 12.0)
+    assert [(it.what, it.since) for it in new] == [("bolt is lost", 12.0)]
 
 
 def test_page_and_terminal_are_told_which_robots_are_not_heard(
@@ -361,10 +408,11 @@ def test_page_and_terminal_are_told_which_robots_are_not_heard(
         return next(message for message in reversed(told) if message["kind"] == "state")
 
     state = run_apart(listen())
-    assert said[0].startswith("no robot heard for 0 s (what came was refused: bad seal)")
-    warning = state["warning"]
-    assert f"{warning['before']}{warning['seconds']} s{warning['after']}" == said[0]
-    assert (warning["is_of_all"], state["is_heard"], state["is_playing"]) == (True, False, False)
+    assert said[0].startswith("no robot heard: what came was refused: bad seal; what is drawn")
+    [alert] = state["alerts"]
+    assert f"{alert['what']}: {alert['why']}; {alert['do']}" == said[0]
+    assert (alert["key"], state["is_heard"], state["is_playing"]) == ("all", False, False)
+    assert (alert["since"], alert["is_acknowledged"]) == (None, False)
     assert session.watch.steps == []  # no time passes before anybody is heard
 
 
@@ -400,7 +448,7 @@ def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
 def test_the_page_of_a_fleet_that_is_not_there_says_so(
     browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, width: int, height: int
 ) -> None:
-    """A banner counts, the pill says it, no time passes, and nothing offers to pause a fleet."""
+    """Banner and panel count alike, the pill and the title say it, until it is acknowledged."""
     pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
     monkeypatch.setattr("teamformer.fleet.observer.silence.SILENCE", 1.0)
     with serving_session(watching(Loopback(holders=0), tmp_path)) as server:
@@ -412,10 +460,19 @@ def test_the_page_of_a_fleet_that_is_not_there_says_so(
         for seconds in counted:
             opened.wait_until(seconds, 10)
         assert page.is_visible("#notice")
-        assert "does the fleet run" in page.inner_text("#outlook")
+        both = (
+            "['#notice', '#alerts'].map((part) => document.querySelector(`${part} [data-begun]`))"
+        )
+        assert page.evaluate(f"new Set({both}.map((it) => it.dataset.begun)).size") == 1
+        assert "Does the fleet run" in page.inner_text("#alerts")
+        assert page.title() == "(1) small, live"
         for part in ("#play", "#speed", "#start"):
             assert page.is_hidden(part)
         assert page.evaluate("window.teamformer.last") == 0
+        page.click("#alerts >> text=Acknowledge")
+        opened.wait_until("document.title === 'small, live'")
+        assert page.inner_text("#notice") == "All alerts are acknowledged."
+        assert "Acknowledged" in page.inner_text("#alerts")
         page.close()
 
 

@@ -31,7 +31,7 @@ SCRIPTS = (
 """The scripts of every page in the order in which they are put together."""
 
 LIVE_SCRIPTS = (
-    *("live/link", "live/player", "live/panel", "live/app", "live/starting"),
+    *("live/link", "live/player", "live/alerts", "live/panel", "live/app", "live/starting"),
     *("editor/draft", "editor/panel", "editor/app", "live/main"),
 )
 """What the page of a live mission has besides; they open it, as `main` opens that of a record."""

@@ -17,8 +17,10 @@ from pathlib import Path
 from teamformer.errors import TeamformerError
 from teamformer.fleet.fleet_mission import row_of
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Beat, Notice, Offer, Post, TaskFact
+from teamformer.fleet.observer.alerts import Alerts
 from teamformer.fleet.observer.mission_clock import MissionClock
 from teamformer.fleet.observer.silence import Silence
+from teamformer.fleet.observer.troubles import troubles
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.transports.transport import Transport
@@ -42,7 +44,7 @@ PATIENCE = 20.0
 class ObserverSession:
     """Hears a fleet, writes down a step each so many seconds and tells everybody.
 
-    `say` tells the person who started it of robots that are not heard, which pages show as well.
+    `say` tells the person who started it of alerts, which pages show as well.
     """
 
     def __init__(
@@ -63,8 +65,8 @@ class ObserverSession:
         self._incidents: list[tuple[int, str]] = []
         self._say_aloud = say
         self.on_step: Callable[[Replay], None] | None = None  # given what was seen so far
-        names = [robot.name for robot in watch.mission.scenario.robots]
-        self._silence = Silence(names, time.monotonic())
+        names = tuple(robot.name for robot in watch.mission.scenario.robots)
+        self._silence, self._alerts = Silence(names, time.monotonic()), Alerts(names)
         self._step, self._clock = watch.mission.step, MissionClock(MOST_PAST * watch.mission.step)
         self._has_begun = False  # to write down steps
         transport.listen_to(range(watch.mission.robots))
@@ -129,6 +131,9 @@ class ObserverSession:
                     "a fleet's robots are lost and back by themselves; end or start their agents"
                 )
             await self._add(incident)
+        elif command == "acknowledge":
+            self._alerts.acknowledge(str(message.get("alert")))
+            self._tell_all("state", self._state())
         elif command == "save":
             saved = {"kind": "saved", "paths": [str(p) for p in self.save()], "note": self.note}
             watcher.tell(json.dumps(saved))
@@ -179,13 +184,23 @@ class ObserverSession:
                     self._tell_of_task(f"task {task.name} added by an operator")
         if self._silence.was_any_heard != was_any_heard:
             self._tell_all("state", self._state())
-        self._listen_for_silence(now)
+        self._find_alerts(now)
 
-    def _listen_for_silence(self, now: float) -> None:
-        """Tell everybody when other robots than before are not heard, until all is done."""
-        if self._silence.changes(now) and not self.watch.is_over:  # then they leave
-            warning = self._silence.warning(now)
-            self._say_aloud(warning.text() if warning else "all robots are heard again")
+    def _find_alerts(self, now: float) -> None:
+        """Tell everybody what is wrong, and what no longer is, until all is done."""
+        if self.watch.is_over:  # then robots leave
+            self._alerts.clear()
+            return
+        found = troubles(self.watch, self._clock.age(now)) if self._has_begun else []
+        born = now - self._clock.age(now)
+        found = [it if it.since is None else it._replace(since=born + it.since) for it in found]
+        new, past = self._alerts.find([*found, *self._silence.alerts(now)], now)
+        for alert in new:
+            self._say_aloud(alert.text())
+        for alert in past:
+            if not alert.is_return:
+                self._say_aloud(f"no longer: {alert.what}")
+        if new or past:
             self._tell_all("state", self._state())
 
     def _ask_for_facts(self) -> None:
@@ -225,9 +240,19 @@ class ObserverSession:
         speed, is_over = 1 / self.watch.mission.step, self.watch.is_over
         is_heard = self._silence.was_any_heard
         watched = {"is_playing": is_heard, "speed": speed, "watchers": len(self._watchers)}
-        warning = None if is_over else self._silence.warning(time.monotonic())
-        told = {"is_heard": is_heard, "is_over": is_over, "warning": warning and warning._asdict()}
+        told = {"is_heard": is_heard, "is_over": is_over, "alerts": self._alerts_told()}
         return watched | {"incidents": self._incidents, "is_fleet": True} | told
+
+    def _alerts_told(self) -> list[Tree]:
+        """Return the alerts as pages are told: since which second of the mission, for how long."""
+        now, is_set = time.monotonic(), self._clock.is_set
+        return [
+            {"key": it.key, "what": it.what, "why": it.why, "do": it.do}
+            | {"since": self._clock.age(it.since or now) if is_set else None}
+            | {"seconds": now - (it.since or now)}
+            | {"is_acknowledged": it.key in self._alerts.acknowledged}
+            for it in self._alerts.held
+        ]
 
     def _tell_all(self, kind: str, news: Tree) -> None:
         text = json.dumps({"kind": kind} | news, separators=(",", ":"))

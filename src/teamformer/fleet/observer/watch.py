@@ -87,6 +87,11 @@ class Watch:
         """Say whether all tasks that it knows are done, and told."""
         return len(self._done) == len(self.tasks) and not self._news
 
+    def open_tasks(self) -> list[tuple[int, TaskFact]]:
+        """Return the tasks that are not done, with their numbers."""
+        undone = (task for task in self.tasks.values() if task.key not in self._done)
+        return [(self._number[task.key], task) for task in undone]
+
     def hear(self, message: Message) -> list[TaskFact]:
         """Take in a message; return the operators' tasks in it that were not known."""
         body = message.body

@@ -26,6 +26,7 @@ from teamformer.fleet.messages import (
     LOST,
     OPERATOR,
     SERVE,
+    WALK,
     Beat,
     Body,
     DeedFact,
@@ -352,7 +353,9 @@ def test_lost_and_unfit_robots_late_tasks_and_a_mission_without_an_end_are_alert
     watch = Watch(DEADLINE)
     watch.hear(message(Beat(word(0, 1, 7, 0, 1), (word(1, 1, 1, 1), word(2, 1, 9, 2)))))
     assert told_by(watch, 60.0) == []
-    late = "t1 is late: it was due at 60 s and is not done; look at r0, on the way to it"
+    late = (
+        "t1 is late: it was due at 60 s and is not done; look at r0, which head for it or are there"
+    )
     assert told_by(watch, 61.0) == [("task 1", late)]
     assert troubles(watch, 61.0)[0].since == 60.0
     end = (
@@ -367,6 +370,20 @@ def test_lost_and_unfit_robots_late_tasks_and_a_mission_without_an_end_are_alert
     assert told_by(watch, 9.0)[0][1].startswith("r2 is lost: it has left, or the others have not")
     watch.hear(message(Beat(word(2, LIFE, 9, 2), news=(1,)), sender=2))
     assert told_by(watch, 61.0) == []
+
+
+def test_a_service_that_takes_ten_seconds_too_long_is_an_alert() -> None:
+    """Robot 0 is at work on t0, which takes no time, since step 2, which ends at 4 s."""
+    watch = Watch(DEADLINE)
+    for version in range(1, 5):
+        phase = SERVE if version > 2 else WALK
+        watch.hear(message(Beat(Word(0, version, 3.0, 0.0, 0, 0, phase))))
+        watch.step()
+    assert told_by(watch, 14.0) == []
+    [alert] = troubles(watch, 14.5)
+    assert (alert.key, alert.what, alert.since) == ("task 0", "t0 takes too long", 14.0)
+    assert alert.why == "robots are at work since 4 s, and it should take 0 s"
+    assert alert.do == "look at r0, which head for it or are there"
 
 
 def test_an_alert_holds_since_it_began_and_a_robot_that_is_back_until_it_is_seen() -> None:

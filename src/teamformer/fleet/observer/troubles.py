@@ -9,6 +9,9 @@ from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.observer.alerts import END, Alert, robot_key
 from teamformer.fleet.observer.watch import Watch
 
+SLACK = 10.0
+"""Seconds by which a service may take longer than its task says."""
+
 MOST_NAMED = 3
 """Names that are written out."""
 
@@ -37,19 +40,26 @@ def _robots(watch: Watch) -> Iterator[Alert]:
 
 
 def _late_tasks(watch: Watch, age: float) -> Iterator[Alert]:
+    step = watch.mission.step
     for number, task in watch.open_tasks():
         between = watch.scenario.tasks[number].between
-        due = float("inf") if between is None else between[1] * watch.mission.step
+        due = float("inf") if between is None else between[1] * step
+        begun = min(watch.at_work(task.key).values(), default=float("inf")) * step
+        ends = begun + task.duration + SLACK if task.to is None else float("inf")
+        do = _who_does(watch, task)
         if age > due:
             why = f"it was due at {due:g} s and is not done"
-            yield Alert(f"task {number}", f"{task.name} is late", why, _who_does(watch, task), due)
+            yield Alert(f"task {number}", f"{task.name} is late", why, do, due)
+        elif age > ends:
+            why = f"robots are at work since {begun:g} s, and it should take {task.duration:g} s"
+            yield Alert(f"task {number}", f"{task.name} takes too long", why, do, ends)
 
 
 def _who_does(watch: Watch, task: TaskFact) -> str:
     """Return where to look for who is to do a task."""
     robots = [r for r, word in sorted(watch.words.items()) if word.goal == task.key]
     names = _names(watch.scenario.robots[robot].name for robot in robots)
-    return f"look at {names}, on the way to it" if robots else "nobody is on the way to it"
+    return f"look at {names}, which head for it or are there" if robots else "nobody heads for it"
 
 
 def _end(watch: Watch) -> Iterator[Alert]:

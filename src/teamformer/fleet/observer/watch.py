@@ -47,10 +47,11 @@ ANSWERS = 1.5
 
 
 class _Service(NamedTuple):
-    """What a robot was at work on by its word, in which team, after how many steps."""
+    """What a robot was at work on by its word, in which team; after how many steps it said so."""
 
     task: int
     team: int
+    since: int
     step: int
 
 
@@ -91,6 +92,10 @@ class Watch:
         """Return the tasks that are not done, with their numbers."""
         undone = (task for task in self.tasks.values() if task.key not in self._done)
         return [(self._number[task.key], task) for task in undone]
+
+    def at_work(self, key: int) -> dict[int, int]:
+        """Return the robots that say they are at work on a task, and in which step they began."""
+        return {r: it.since for r, it in self._served.items() if self._is_serving(r, key)}
 
     def hear(self, message: Message) -> list[TaskFact]:
         """Take in a message; return the operators' tasks in it that were not known."""
@@ -156,7 +161,9 @@ class Watch:
         self._news = [key for key in self._news if self._number[key] not in written]
         self.steps += [Step()] * (past - len(rows))
         self._done = dict.fromkeys(self._done, past + 1)
-        self._served = {r: service._replace(step=past) for r, service in self._served.items()}
+        self._served = {
+            r: service._replace(since=past, step=past) for r, service in self._served.items()
+        }
 
     def step(self) -> Step:
         """Write down what has changed since the last step, and return it.
@@ -245,7 +252,10 @@ class Watch:
         if known is None or word.version > known.version:
             self.words[word.robot] = word
             if word.phase == SERVE:
-                self._served[word.robot] = _Service(word.goal, word.team, len(self.steps))
+                now = since = len(self.steps)
+                if known is not None and (known.phase, known.goal) == (SERVE, word.goal):
+                    since = self._served[word.robot].since
+                self._served[word.robot] = _Service(word.goal, word.team, since, now)
 
     def _note_load(self, load: LoadFact) -> None:
         """Note that a load was set down."""

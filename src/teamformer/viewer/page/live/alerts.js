@@ -13,6 +13,11 @@ function alertsToSee(alerts) {
   return alerts.filter((alert) => !alert.is_acknowledged).reverse();
 }
 
+// What an alert says; the name of a robot or a task stays as it is.
+function headOf({ key, what }) {
+  return ["all", "end"].includes(key) ? capitalised(what) : what;
+}
+
 // For how long an alert has been so, in seconds that go on counting; those who listen hear them once.
 function countedSeconds({ begun }) {
   const count = element("span", { "aria-live": "off", "data-begun": String(begun) });
@@ -30,19 +35,19 @@ setInterval(() => document.querySelectorAll("[data-begun]").forEach(tellSeconds)
 function bannerOfAlerts(alerts) {
   const [latest, ...more] = alertsToSee(alerts);
   if (!latest) return [];
-  return [`${capitalised(latest.what)} for `, countedSeconds(latest), more.length ? `; ${plural(more.length, "more alert")}` : ""];
+  return [`${headOf(latest)} for `, countedSeconds(latest), more.length ? `; ${plural(more.length, "more alert")}` : ""];
 }
 
 // All alerts, the latest first, with a button for each that nobody has acknowledged.
 function alertItems(app, alerts) {
   return [...alerts].reverse().map((alert) => {
-    const { key, what, why, do: remedy, since, is_acknowledged: isSeen } = alert;
+    const { key, why, do: remedy, since, is_acknowledged: isSeen } = alert;
     const begun = since === null ? "" : `since ${Math.floor(since)} s of the mission, `;
     const acknowledge = () => app.ask({ do: "acknowledge", alert: key });
     return element(
       "li",
       { class: isSeen ? "seen" : "" },
-      element("strong", {}, capitalised(what)),
+      element("strong", {}, headOf(alert)),
       element("p", { class: "muted" }, begun, "for ", countedSeconds(alert)),
       element("p", {}, `${capitalised(why)}.`),
       element("p", {}, `${capitalised(remedy)}${remedy.endsWith("?") ? "" : "."}`),

@@ -31,7 +31,7 @@ from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import step_to_tree, write_replay
 
-PATIENT = 3.0
+LISTENS = 3.0
 """Seconds that agents have to tell what was done before."""
 
 MOST_PAST = 1_000_000
@@ -189,7 +189,9 @@ class ObserverSession:
     def _find_alerts(self, now: float) -> None:
         """Tell everybody what is wrong, and what no longer is, until all is done."""
         if self.watch.is_over:  # then robots leave
-            self._alerts.clear()
+            if self._alerts.held:
+                self._alerts.clear()
+                self._tell_all("state", self._state())
             return
         found = troubles(self.watch, self._clock.age(now)) if self._has_begun else []
         born = now - self._clock.age(now)
@@ -214,7 +216,7 @@ class ObserverSession:
     def _begin(self, now: float) -> None:
         """Begin to write down steps, once agents have told what was done before, if it was long."""
         age = self._clock.age(now)
-        if age >= self._step and not self.watch.is_told and self._clock.listened(now) < PATIENT:
+        if age >= self._step and not self.watch.is_told and self._clock.listened(now) < LISTENS:
             return
         self._has_begun = True
         self.watch.begin(age)

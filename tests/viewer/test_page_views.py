@@ -477,3 +477,35 @@ EMPTY_PART = """() => {
   for (let at = 0; at < data.length; at += 4) empty += data[at] > 200 && data[at + 2] > 200;
   return empty / (right - left);
 }"""
+
+
+def test_what_cannot_be_drawn_is_left_out_and_told_once(open_page: Opener) -> None:
+    """The order names a task that is not there. All else is drawn, in frame after frame."""
+    record = three_in_one_cell()
+    record["orders"][0][1].append(99)
+    opened = open_page(record)
+    opened.page.click("#order")
+    for step in (1, 2, 3):
+        frames = opened.page.evaluate("window.teamformer.framesDrawn()")
+        opened.page.keyboard.press("ArrowRight")
+        opened.wait_until(f"window.teamformer.framesDrawn() > {frames}")
+        assert opened.shown_step() == step
+    told = opened.page.inner_text("#notice")
+    assert told.startswith("Not all of the order can be shown: ")
+    assert told.endswith(". Please report it with this record.")
+    assert [error.split(":")[0] for error in opened.errors] == ["TypeError"]
+
+
+def test_a_page_of_a_fleet_shows_all_views_though_nobody_knows_who_did_a_task(
+    open_page: Opener,
+) -> None:
+    record = three_in_one_cell()
+    for step in record["steps"]:
+        step["done"] = [[task, None] for task, _ in step.get("done", [])]
+    opened = open_page(record, f"#step={len(record['steps'])}")
+    for view in ("gantt", "tasks", "robots", "plots", "map"):
+        opened.page.evaluate(f"location.hash = 'view={view}&task=inspect'")
+        opened.wait_for_a_frame()
+        assert "nobody heard by whom" in opened.details()
+    opened.page.evaluate("window.teamformer.criticalPath()")
+    assert opened.errors == []

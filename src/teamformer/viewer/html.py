@@ -22,7 +22,7 @@ SCRIPTS = (
     *("draw/teams", "draw/groups", "draw/legend", "draw/extras", "draw/names", "draw/map"),
     *("views/time_canvas", "views/bars", "views/critical_path", "views/gantt"),
     *("views/plots", "views/columns", "views/table", "panel/dom", "panel/notice"),
-    *("panel/chips", "panel/waiting"),
+    *("panel/attempt", "panel/chips", "panel/waiting"),
     *("panel/inspector", "panel/rows", "panel/lists", "panel/header", "panel/playback"),
     *("panel/timeline", "panel/files", "panel/controls"),
     *("compared/curves", "compared/panel", "compared/companion"),
@@ -31,7 +31,7 @@ SCRIPTS = (
 """The scripts of every page in the order in which they are put together."""
 
 LIVE_SCRIPTS = (
-    *("live/link", "live/player", "live/panel", "live/app", "live/starting"),
+    *("live/link", "live/player", "live/alerts", "live/panel", "live/app", "live/starting"),
     *("editor/draft", "editor/panel", "editor/app", "live/main"),
 )
 """What the page of a live mission has besides; they open it, as `main` opens that of a record."""

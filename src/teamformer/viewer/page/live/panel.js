@@ -8,6 +8,7 @@ class MissionPanel {
     this.app = app;
     this.head = element("h2", {});
     this.outlook = element("p", { role: "status", id: "outlook" });
+    this.alerts = element("ul", { id: "alerts", "aria-label": "Alerts" });
     this.answer = element("p", { role: "status", id: "answer" });
     this.luck = element("p", { role: "status", id: "luck" });
     this.offer = element("div", { class: "acts", id: "offer" });
@@ -28,7 +29,7 @@ class MissionPanel {
       this.restart,
       this.edit,
     );
-    box.replaceChildren(this.head, this.outlook, acts, this.question, this.form, this.answer, this.luck, this.offer, this.incidents);
+    box.replaceChildren(this.head, this.alerts, this.outlook, acts, this.question, this.form, this.answer, this.luck, this.offer, this.incidents);
     box.hidden = false;
   }
 
@@ -41,9 +42,10 @@ class MissionPanel {
     const pages = state.watchers > 1 ? `, ${state.watchers} pages` : "";
     this.planAnew.hidden = history.replay.method !== "plan" || history.end.status !== "running";
     this.head.replaceChildren(
-      element("span", { class: `pulse ${isOn && !state.warning ? "on" : ""}` }),
+      element("span", { class: `pulse ${isOn && !state.alerts.length ? "on" : ""}` }),
       `${status}${this.app.isCutOff ? ", connection lost" : doing || pages}`,
     );
+    this.showAlerts();
     this.showOutlook();
     this.restart.hidden = state.isFleet;
     this.edit.hidden = !state.hasEditor;
@@ -51,6 +53,14 @@ class MissionPanel {
     const items = state.incidents.map(([step, text]) => element("li", {}, `${shortMoment(world, step)}: ${text}`));
     if (items.length && !state.isFleet) items.at(-1).append(" ", link("Undo", () => this.undo(), "undo"));
     refill(this.incidents, items.reverse()); // the latest first
+  }
+
+  // Made anew only if there are others, so that no click is lost.
+  showAlerts() {
+    const { alerts } = this.app.state;
+    if (this.shownAlerts === alerts) return;
+    this.shownAlerts = alerts;
+    refill(this.alerts, alertItems(this.app, alerts));
   }
 
   // At once where no step has been made since; else these steps are undone with it.
@@ -115,9 +125,7 @@ class MissionPanel {
     const { state, history } = this.app;
     const { world } = history.scenario;
     stopWork(this.outlook);
-    this.outlook.classList.toggle("bad", Boolean(state.warning));
-    if (state.warning) showSeconds(this.outlook, state.warning); // which robots are not heard
-    else if (state.isFleet) this.outlook.textContent = "";
+    if (state.isFleet) this.outlook.textContent = "";
     else if (history.end.status !== "running") this.outlook.textContent = `${capitalised(describeOutcome(world, history.end))}.`;
     else if (this.ahead) this.outlook.textContent = `If nothing more happens: ${describeOutcome(world, this.ahead)}.`;
     else showWork(this.outlook, "Working out how it ends …");

@@ -169,6 +169,7 @@ function describeStanding(history, task, scene) {
     case "hidden":
       return `appears after ${describeMoment(scenario.world, appears)}`;
     case "done":
+      if (history.doneBy[task] === NOBODY) return `done by ${describeMoment(scenario.world, history.doneAt[task])}, nobody heard by whom`;
       return `done ${describeWhen(scenario.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "cancelled":
       return `called off ${describeWhen(scenario.world, cancelled)}`;
@@ -199,7 +200,7 @@ function describeEvent(history, event) {
 function eventText(history, event) {
   const { scenario } = history;
   const task = event.task === undefined ? "" : taskName(scenario, event.task);
-  const team = event.slot === undefined ? "" : teamName(scenario, event.slot, event.size);
+  const team = event.slot === undefined || event.slot === NOBODY ? "" : teamName(scenario, event.slot, event.size);
   switch (event.kind) {
     case "join":
       return describeJoin(scenario, event);
@@ -226,7 +227,7 @@ function eventText(history, event) {
     case "left":
       return `${task} is set down at ${describePlace(scenario.world, event.at)}`;
     case "done":
-      return `${task} done by ${team}`;
+      return team ? `${task} done by ${team}` : `${task} done by then, nobody heard by whom`;
     default:
       return describeEnd(history);
   }

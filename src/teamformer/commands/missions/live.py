@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from teamformer.fleet.observer.session import ObserverSession
     from teamformer.live.workshop import Workshop
 
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
-
-
 SPEED = 4.0
 """Steps a second at first; the page changes it."""
 
@@ -58,17 +55,19 @@ def live(path: Path | None, options: Options) -> int:
 
 def serve_page(session: Workshop | ObserverSession, name: str, at: Address) -> None:
     """Serve a mission's page until Ctrl-C, and save."""
-    from teamformer.live.server import Doors, make_app, serve
+    from teamformer.live.doors import Doors
+    from teamformer.live.server import make_app, serve
     from teamformer.viewer.html import live_page
 
-    token = None if at.host in LOOPBACK else secrets.token_urlsafe(16)
-    doors = Doors(_names(at.host, at.port), token)
-    address = f"http://{_bracketed(at.host)}:{at.port}/"
-    if token is not None:
-        address += f"?token={token}"
+    token = None if at.is_here_only else secrets.token_urlsafe(16)
+    doors = Doors(at.names, token, frozenset(at.further))
+    ending = "" if token is None else f"?token={token}"
 
     def tell() -> None:
-        say(f"live: {address}")
+        for address in at.to_open():
+            say(f"live: {address}{ending}")
+        if at.further:
+            say(f"live: as {', '.join(at.further)} with /{ending} at the end")
         say("Ctrl-C ends it and saves what was done")
 
     def save() -> None:
@@ -102,12 +101,3 @@ def _prepare(path: Path | None, options: Options) -> tuple[Workshop, str]:
     text = path.read_text(encoding="utf-8") if path.suffix.lower() != ".json" else ""
     draft = Draft(draft_of_file(path, path.stem), path.name, text)
     return Workshop(start, options.folder, SPEED, draft, scenario, say), scenario.name
-
-
-def _names(host: str, port: int) -> frozenset[str]:
-    hosts = LOOPBACK if host in LOOPBACK else (host,)
-    return frozenset(f"{_bracketed(name)}:{port}".lower() for name in hosts)
-
-
-def _bracketed(host: str) -> str:
-    return f"[{host}]" if ":" in host else host

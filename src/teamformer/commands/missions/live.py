@@ -45,7 +45,7 @@ def live(path: Path | None, options: Options) -> int:
 
     What was done by then is saved.
     """
-    require("live", "starlette", "uvicorn", "websockets")
+    require("live")
     prepare_folder(options.folder)
     check_address(options.address)
     session, name = _prepare(path, options)

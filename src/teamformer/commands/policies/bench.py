@@ -35,6 +35,7 @@ from teamformer.commands.console import (
 )
 from teamformer.commands.policies.bench_others import WORLDS, Asked, bench_others
 from teamformer.errors import TeamformerError
+from teamformer.extras import require
 from teamformer.scenarios.authors import read_worlds
 from teamformer.trials.methods import Method
 
@@ -179,6 +180,7 @@ def _table(summaries: list[Summary]) -> Table:
 
 
 def _fly_missions(options: BenchOptions, as_json: bool) -> int:
+    require("robotarium")
     from teamformer.commands.robots.robotarium import fly_missions
 
     method = options.methods[0] if options.methods else "plan"

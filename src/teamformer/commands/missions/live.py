@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.commands.addresses import Address, check_address
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import chosen_method
 from teamformer.extras import require
@@ -90,7 +90,7 @@ def _prepare(path: Path | None, options: Options) -> tuple[Workshop, str]:
     scenario = None if path is None else read_scenario(path, rules_of_live_missions)
     name = options.method
     chosen = chosen_method(name, scenario or smallest_scenario(), TIME_LIMIT)
-    announce_compiling([chosen], scenario)
+    compile_ahead([chosen], scenario)
 
     def start(mission: Scenario) -> Mission:
         chosen = chosen_method(name, mission, TIME_LIMIT).name

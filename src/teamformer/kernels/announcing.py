@@ -41,16 +41,16 @@ class Announcer:
 
     def end(self) -> None:
         """Note that nothing is compiled any more for now."""
-        self._ended = time.monotonic()
+        self._ended = _now()
 
     def say(self, text: str) -> None:
         """Say something on stderr, unless that was said while the same went on."""
-        if time.monotonic() - self._ended > PAUSE:
+        if _now() - self._ended > PAUSE:
             self._said.clear()
         if text not in self._said and sys.stderr is not None and not os.environ.get(QUIET):
             print(text, file=sys.stderr, flush=True)
         self._said.add(text)
-        self._ended = time.monotonic()
+        self._ended = _now()
 
 
 def _announcement(part: str, is_kept: bool) -> str:
@@ -60,6 +60,10 @@ def _announcement(part: str, is_kept: bool) -> str:
         f"compiling {part}, at every run, as it cannot be kept (a minute, more if busy); "
         "set NUMBA_CACHE_DIR to a folder that you may write to ..."
     )
+
+
+def _now() -> float:
+    return time.monotonic()
 
 
 ANNOUNCER = Announcer()

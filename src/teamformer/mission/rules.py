@@ -79,24 +79,15 @@ def rules_not_known_beforehand(scenario: Scenario) -> Iterator[Problem]:
             yield Problem(("tasks", number, "cancelled"), f"{message}; {remedy}")
 
 
-def rules_of_live_missions(scenario: Scenario) -> Iterator[Problem]:
-    """Return why a scenario cannot run where people may change it; nothing if it can."""
-    yield from rules_not_played(scenario)
-    if scenario.arrivals is not None:
-        message = "tasks appear at random, which only `run` and `compare` know"
-        yield Problem(("arrivals",), f"{message}; drop arrivals, or use one of these")
-
-
 def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
     """Return why a scenario cannot be played where everything has to be known; nothing if it can.
 
     So it is where missions are to be done by robots that are real.
     """
-    yield from rules_of_live_missions(scenario)
+    yield from rules_not_played(scenario)
     for where, what in find_surprises(scenario):
-        if where == ("arrivals",):
-            continue  # told above
-        remedy = f"make {where[-1]} sure, or use one of these"
+        change = "drop arrivals" if where == ("arrivals",) else f"make {where[-1]} sure"
+        remedy = f"{change}, or use one of these"
         yield Problem(where, f"{what}, which only `run`, `compare` and `live` know; {remedy}")
 
 

@@ -13,7 +13,7 @@ from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import chosen_method
 from teamformer.extras import require
-from teamformer.mission.rules import rules_of_live_missions
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.smallest import smallest_scenario
@@ -87,7 +87,7 @@ def _prepare(path: Path | None, options: Options) -> tuple[Workshop, str]:
     from teamformer.live.mission_with_past import Mission
     from teamformer.live.workshop import Draft, Workshop
 
-    scenario = None if path is None else read_scenario(path, rules_of_live_missions)
+    scenario = None if path is None else read_scenario(path, rules_not_played)
     name = options.method
     chosen = chosen_method(name, scenario or smallest_scenario(), TIME_LIMIT)
     compile_ahead([chosen], scenario)

@@ -106,7 +106,7 @@ def test_a_folder_that_nobody_can_make_cannot_be_written(tmp_path: Path) -> None
 
 def test_a_folder_that_the_user_names_is_the_only_one(tmp_path: Path) -> None:
     """Else a wheel would be built without what has been compiled in the sources' folders."""
-    code = answer_kernel(tmp_path / "oracle.py", 1)._cache._cache_file
+    code = answer_kernel(tmp_path / "oracle.py", 1).files
     assert code.home.parent == tmp_path / "kept"
     assert list(code._folders()) == [code.home]
 

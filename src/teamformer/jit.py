@@ -51,5 +51,5 @@ def allocating_kernel(function: Callable[..., Any]) -> Any:
 
 def needs_compiling(function: Any) -> bool:
     """Say whether calling a compiled function for the first time will take its time."""
-    files = getattr(getattr(function, "_cache", None), "_cache_file", None)
+    files = getattr(function, "files", None)  # absent where numba is switched off
     return isinstance(files, KernelFiles) and files.is_empty()

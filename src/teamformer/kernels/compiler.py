@@ -246,12 +246,18 @@ class _InnerCache(_EntryCache):
 class _Kernel(CPUDispatcher):
     """A function that is compiled by one process at a time."""
 
+    @property
+    def files(self) -> KernelFiles | None:
+        """Return where its code is kept; a copy of it that was sent to a process has none."""
+        return getattr(self._cache, "_cache_file", None)
+
     def compile(self, sig: Any) -> Any:
         """Compile for types, or take what is kept, and let processes go on that wait for it."""
         try:
             return super().compile(sig)
         finally:
-            self._cache._cache_file.end_turn()
+            if self.files is not None:
+                self.files.end_turn()
 
 
 class Inner(_Kernel):
@@ -301,7 +307,7 @@ class _CompileListener(event.Listener):
         """Note when compiling begins; numba holds a lock while it compiles."""
         function = event.data["dispatcher"]
         if begin_compiling() and isinstance(function, _Kernel):
-            is_kept = function._cache._cache_file.home is not None
+            is_kept = function.files is not None and function.files.home is not None
             ANNOUNCER.begin(function.py_func.__module__, is_kept)
 
     def on_end(self, event: Any) -> None:

@@ -12,7 +12,7 @@ import time
 QUIET = "TEAMFORMER_QUIET"
 """The variable of the environment that, if it is set, has nothing said."""
 
-PAUSE = 2.0
+PAUSE = 5.0
 """Seconds without compiling after which what was said is said again."""
 
 PARTS = {

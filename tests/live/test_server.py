@@ -6,6 +6,7 @@ import http.client
 import io
 import json
 import re
+import socket
 import threading
 import time
 import zipfile
@@ -18,6 +19,7 @@ from typing import Any
 import pytest
 
 from live_server import Served, serving, serving_editor, serving_session, small_mission
+from teamformer.commands import addresses
 from teamformer.commands.addresses import Address, address_of
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
@@ -37,6 +39,8 @@ from teamformer.trials.methods import load_method
 from teamformer.viewer.html import write_page
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
+from teamformer.live.doors import PromptRequests
+
 client = pytest.importorskip("websockets.sync.client")
 closed = pytest.importorskip("websockets.exceptions")
 
@@ -92,23 +96,94 @@ def test_the_page_comes_to_its_own_host_only(served: Served) -> None:
     assert status == 200
     assert "connect-src 'self'" in page
     assert get(served, "evil.example") == (
-        403, "this server is not asked for as 'evil.example'\n",
-    )  # fmt: skip
+        403,
+        "this server is not asked for as 'evil.example'; if it is yours, name it with --host\n",
+    )
 
 
 def test_pages_of_other_sites_cannot_speak_to_it(served: Served) -> None:
-    with pytest.raises(closed.InvalidStatus), Page(served, origin="http://evil.example"):
-        pass
+    for origin in ("http://evil.example", "http://localhost:80", "null", "http://["):
+        with pytest.raises(closed.InvalidStatus), Page(served, origin=origin):
+            pass
 
 
 def test_a_server_with_a_token_wants_it(tmp_path: Path) -> None:
     with serving(small_mission(), tmp_path, token="secret") as server:
         assert get(server, server.address)[0] == 403
         assert get(server, server.address, "/?token=secret")[0] == 200
-        with pytest.raises(closed.InvalidStatus), Page(server, query="?token=guess"):
-            pass
+        for guess in ("?token=guess", "?token=%C3%A9"):
+            assert get(server, server.address, f"/{guess}")[0] == 403
+            with pytest.raises(closed.InvalidStatus), Page(server, query=guess):
+                pass
         with Page(server, query="?token=secret") as page:
             assert page.hear("mission")["record"]["steps"] == []
+
+
+def test_at_a_wildcard_address_the_token_decides_under_every_name(tmp_path: Path) -> None:
+    """As at the machine's own address, a container's published port, or a name of the network."""
+    anywhere = Address("0.0.0.0")
+    with serving(small_mission(), tmp_path, token="secret", address=anywhere) as server:
+        for host in (server.address, "192.168.1.5:8765", "localhost:9000", "desk.lan", "[fe80::1]"):
+            assert get(server, host, "/?token=secret")[0] == 200
+            assert get(server, host)[0] == 403
+        with Page(server, query="?token=secret") as page:
+            assert page.hear("mission")
+        with (
+            pytest.raises(closed.InvalidStatus),
+            Page(server, "http://evil.example", "?token=secret"),
+        ):
+            pass
+
+
+def test_a_tunnel_and_a_proxy_are_let_in_under_the_names_given(tmp_path: Path) -> None:
+    """One leaves the name as it is, the other asks for the server's own."""
+    behind = address_of("8765", ("Teams.Example",))
+    with serving(small_mission(), tmp_path, token="secret", address=behind) as server:
+        for host in ("teams.example", "teams.example:8443", server.address):
+            assert get(server, host, "/?token=secret")[0] == 200
+        assert get(server, "other.example", "/?token=secret")[0] == 403
+        with Page(server, "https://teams.example", "?token=secret") as page:
+            assert page.hear("mission")
+
+
+def test_a_tunnel_may_end_at_another_port(served: Served) -> None:
+    """As `ssh -L 9000:localhost:8765` makes one."""
+    assert get(served, "localhost:9000")[0] == 200
+
+
+@pytest.mark.parametrize("path", ["/", "/download/mission.yaml", "/download/none", "/none"])
+def test_no_other_page_may_frame_an_answer_or_guess_its_type(served: Served, path: str) -> None:
+    connection = http.client.HTTPConnection("127.0.0.1", served.port)
+    with closing(connection):
+        connection.request("GET", path)
+        headers = connection.getresponse().headers
+    assert headers["Content-Security-Policy"] == "frame-ancestors 'none'"
+    assert headers["X-Frame-Options"] == "DENY"
+    assert headers["X-Content-Type-Options"] == "nosniff"
+
+
+@pytest.mark.parametrize("sent", [b"", b"GET / HTTP/1.1\r\nHost: ", b"GET / HTTP/1.1\r\n\r\nGET"])
+def test_a_connection_that_asks_for_nothing_is_closed(
+    served: Served, monkeypatch: pytest.MonkeyPatch, sent: bytes
+) -> None:
+    """Whether it says nothing, begins a first request, or a second one."""
+    monkeypatch.setattr(PromptRequests, "limit", 0.05)
+    with socket.create_connection(("127.0.0.1", served.port), timeout=20) as connection:
+        connection.sendall(sent)
+        while connection.recv(1000):
+            pass
+
+
+def test_a_page_that_only_listens_is_not_closed(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waiting: list[PromptRequests] = []
+    monkeypatch.setattr(PromptRequests, "_wait", lambda connection: waiting.append(connection))
+    with Page(served) as page:
+        [connection] = waiting
+        connection.loop.call_soon_threadsafe(connection._close_if_idle)
+        page.ask(do="step")
+        assert page.hear("step")["at"] == 1
 
 
 def test_a_mission_is_played_and_everybody_is_told(served: Served) -> None:
@@ -467,8 +542,6 @@ def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
 
 
 def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
-    import socket
-
     from teamformer.commands.missions.live import Options, live
     from teamformer.scenarios.files import write_scenario
 
@@ -491,6 +564,23 @@ def test_an_address_is_a_port_with_or_without_a_host() -> None:
     for wrong in ("", "web", "0", "65536", "8765:"):
         with pytest.raises(TeamformerError, match="is no port"):
             address_of(wrong)
+    for wrong in ("http://teams.example", "teams.example:80", "[", ""):
+        with pytest.raises(TeamformerError, match="is no name of a host"):
+            address_of("80", (wrong,))
+
+
+def test_an_address_that_is_printed_can_be_opened(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(addresses, "_own_address", lambda family: "192.168.1.5")
+    assert address_of("0.0.0.0:80").to_open() == ["http://127.0.0.1:80/", "http://192.168.1.5:80/"]
+    assert address_of("desk:80").to_open() == ["http://desk:80/"]
+    monkeypatch.setattr(addresses, "_own_address", lambda family: None)  # without a network
+    assert address_of("[::]:80").to_open() == ["http://[::1]:80/"]
+
+
+def test_only_a_server_for_this_machine_alone_needs_no_token() -> None:
+    assert address_of("localhost:80").is_here_only
+    assert not address_of("0.0.0.0:80").is_here_only
+    assert not address_of("80", ("teams.example",)).is_here_only
 
 
 def test_an_incident_is_undone_and_the_mission_restarted(served: Served) -> None:

@@ -11,6 +11,7 @@ from teamformer.cli.app import (
     AsJson,
     Folder,
     Foxglove,
+    Host,
     Method,
     MissionPath,
     Port,
@@ -18,6 +19,7 @@ from teamformer.cli.app import (
     TimeLimit,
     app,
     is_given,
+    split_names,
 )
 from teamformer.errors import TeamformerError
 
@@ -154,6 +156,7 @@ def live(
     method: Method = None,
     seed: Seed = 0,
     port: Port = "8765",
+    host: Host = "",
     out: Folder = Path("out/live"),
     resume: Annotated[
         bool,
@@ -168,4 +171,5 @@ def live(
     from teamformer.commands.missions.live import Options
     from teamformer.commands.missions.live import live as command
 
-    raise typer.Exit(command(mission, Options(method, seed, address_of(port), out, resume)))
+    at = address_of(port, split_names(host))
+    raise typer.Exit(command(mission, Options(method, seed, at, out, resume)))

@@ -14,7 +14,7 @@ from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.live.comments import rewrite
-from teamformer.mission.rules import rules_of_live_missions
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
 from teamformer.scenarios.maps.formats import is_map, read_coarse_map
@@ -67,7 +67,7 @@ FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
 def problems_of(tree: object) -> list[Tree]:
     """Return what is wrong with a draft, each with its place in the tree; nothing if it is good."""
     try:
-        problems = list(rules_of_live_missions(scenario_from_tree(tree)))
+        problems = list(rules_not_played(scenario_from_tree(tree)))
     except ScenarioError as error:
         problems = list(error.problems)
     return [{"where": list(p.where), "message": p.message} for p in problems]

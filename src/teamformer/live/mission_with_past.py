@@ -25,7 +25,8 @@ from teamformer.coordinators.reordered import Reordered
 from teamformer.coordinators.replayed import Replayed
 from teamformer.errors import TeamformerError
 from teamformer.live.forecasts import Past, replayed
-from teamformer.live.incidents import Happening, Incident, NewWeight, plan_of
+from teamformer.live.incidents import Happening, Incident, NewWeight, PlanTakenOver, plan_of
+from teamformer.mission.arrivals import once_appeared
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.protocol import Planner
@@ -119,7 +120,9 @@ class Mission:
             return False
         latest = self.latest
         shown = latest.shown or latest.found or latest.moved or latest.done
-        return bool(shown or latest.lost or latest.back)
+        tasks = self._env.scenarios[0].tasks
+        has_arrived = any(it.has_arrived and it.appears == self.steps for it in tasks)
+        return bool(shown or latest.lost or latest.back or has_arrived)
 
     def step(self) -> Step:
         """Make one step and return what it changed."""
@@ -154,14 +157,18 @@ class Mission:
     def scenario_with(self, happening: Happening) -> Scenario:
         """Return the scenario if something happened now; TeamformerError says why it cannot.
 
-        Nothing is planned or played for it.
+        Nothing is planned or played for it. What has appeared at random until now is known then, as
+        its tasks, which stand before the one that an operator adds.
         """
         if self._method.needs_everything:
             raise TeamformerError(
                 f"'{self.method_name}' plans with all that the mission says, so that nothing can "
                 "happen to it; run it by another method"
             )
-        return happening.apply(self.scenario, self._env)
+        if isinstance(happening, PlanTakenOver):
+            return self.scenario
+        known = once_appeared(self.scenario, self._env.truths[0], self.steps)
+        return happening.apply(known, self._env)
 
     def work_out_bound(self) -> int | None:
         """Return the steps that no plan can beat, as `run` tells them; the record has them then."""

@@ -1,28 +1,28 @@
 """The local server of a live mission: its page, and the socket that tells and hears.
 
-Bound to loopback it needs no password; another address needs the token that is printed. Pages of
-other sites are refused by their Host and Origin, so that no web page steers a mission.
+Bound to loopback it needs no password; elsewhere the token that is printed is needed. Pages of
+other sites are refused (`doors.py`), so that no web page steers a mission.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import hmac
 import json
 import socket
 from collections.abc import AsyncIterator, Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import uvicorn
 from starlette.applications import Starlette
-from starlette.requests import HTTPConnection, Request
+from starlette.middleware import Middleware
+from starlette.requests import Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from teamformer.errors import TeamformerError
+from teamformer.live.doors import Doors, KeepApart, PromptRequests
 from teamformer.live.downloads import DOWNLOADS, make_download
 from teamformer.live.errands import Conversation
 from teamformer.live.messages import LARGEST
@@ -59,26 +59,6 @@ class Watched(Protocol):
 
     async def record(self) -> Replay | None:
         """Return the record so far; None while nothing runs."""
-
-
-@dataclass(frozen=True)
-class Doors:
-    """Who is let in: the hosts that the page may be asked for under, the token if needed."""
-
-    hosts: frozenset[str]
-    token: str | None = None
-
-    def refusal(self, connection: HTTPConnection) -> str | None:
-        """Return why a request is refused, or None."""
-        host, origin = connection.headers.get("host", ""), connection.headers.get("origin")
-        if host.lower() not in self.hosts:
-            return f"this server is not asked for as '{host}'"
-        if origin is not None and origin.lower() not in {f"http://{name}" for name in self.hosts}:
-            return f"pages of {origin} may not steer this mission"
-        given = connection.query_params.get("token", "")
-        if self.token is not None and not hmac.compare_digest(given, self.token):
-            return "the token is missing or wrong; use the address that was printed"
-        return None
 
 
 def make_app(
@@ -132,7 +112,7 @@ def make_app(
         Route("/download/{name}", download),
         WebSocketRoute("/socket", talk),
     ]
-    return Starlette(routes=routes, lifespan=lifespan)
+    return Starlette(routes=routes, lifespan=lifespan, middleware=[Middleware(KeepApart)])
 
 
 async def _download(session: Watched, name: str) -> Response:
@@ -160,6 +140,7 @@ def configure(app: Starlette, host: str, port: int) -> uvicorn.Config:
         app,
         host=host,
         port=port,
+        http=PromptRequests,
         log_level="critical",
         ws="websockets-sansio",
         ws_max_size=LARGEST + 1000,

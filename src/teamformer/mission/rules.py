@@ -93,19 +93,11 @@ def rules_not_planned(scenario: Scenario) -> Iterator[Problem]:
         yield from rules_not_known_beforehand(scenario)
 
 
-def rules_of_live_missions(scenario: Scenario) -> Iterator[Problem]:
-    """Return why a scenario cannot run where people may change it; nothing if it can."""
-    yield from rules_not_played(scenario)
-    if scenario.arrivals is not None:
-        message = "tasks appear at random, which only `run` and `compare` know"
-        yield Problem(("arrivals",), f"{message}; drop arrivals, or use one of these")
-
-
 VERBS = {
     "run": rules_not_played,
     "compare": rules_not_played,
     "plan": rules_not_planned,
-    "live": rules_of_live_missions,
+    "live": rules_not_played,
 }
 """What refuses a scenario, by verb."""
 
@@ -121,14 +113,14 @@ def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
 
     So it is where missions are to be done by robots that are real.
     """
-    yield from rules_of_live_missions(scenario)
+    yield from rules_not_played(scenario)
     verbs = _verbs_for(scenario)
-    found = [(where, what) for where, what in find_surprises(scenario) if where != ("arrivals",)]
 
     def rest(key: str) -> str:
-        return f"which {REAL_ROBOTS} do not know; make {key} sure, drop it, or use {verbs}"
+        change = "drop it" if key == "arrivals" else f"make {key} sure, drop it"
+        return f"which {REAL_ROBOTS} do not know; {change}, or use {verbs}"
 
-    yield from told_once(scenario, found, rest)
+    yield from told_once(scenario, find_surprises(scenario), rest)
 
 
 REAL_ROBOTS = "fleets and the Robotarium"

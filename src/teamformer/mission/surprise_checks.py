@@ -49,6 +49,9 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
     if not 0 <= arrivals.until <= LONGEST_ARRIVALS:
         message = f"tasks appear until step {arrivals.until}; use 0 to {LONGEST_ARRIVALS:,}"
         yield Problem(("arrivals", "until"), message)
+    if not 0 <= arrivals.since <= LONGEST_ARRIVALS:
+        message = f"tasks appear since step {arrivals.since}; use 0 to {LONGEST_ARRIVALS:,}"
+        yield Problem(("arrivals", "since"), message)
     if not 0 <= arrivals.duration <= LARGEST:
         message = f"tasks that appear take {arrivals.duration} steps; use 0 to {LARGEST:,}"
         yield Problem(("arrivals", "duration"), message)

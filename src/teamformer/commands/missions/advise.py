@@ -11,7 +11,7 @@ from rich.text import Text
 from teamformer.advice.advise import advise_on
 from teamformer.advice.changes import FEWER
 from teamformer.advice.suggestions import Advice
-from teamformer.commands.compiling import announce_compiling, announce_planner
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import (
     Counting,
     out,
@@ -22,7 +22,6 @@ from teamformer.commands.console import (
 )
 from teamformer.commands.interruption import Interruption
 from teamformer.errors import Problem, TeamformerError
-from teamformer.mission.links import is_linked
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
@@ -42,7 +41,8 @@ def advise(path: Path, page: Path | None, as_json: bool) -> int:
         if page.suffix.lower() not in (".html", ".htm"):
             raise TeamformerError(f"{page}: the advice is a page", "name a file that ends in .html")
         prepare_file(page)
-    _announce(mission)
+    if mission.time != "continuous":
+        _prepare(mission)
     with Interruption(), Counting("searches") as counting:
         advice = advise_on(mission, SECONDS, processors(), counting.update)
     if page is not None:
@@ -60,14 +60,11 @@ def _rules_not_advised_on(mission: Scenario) -> Iterator[Problem]:
         yield from rules_not_played(mission)
 
 
-def _announce(mission: Scenario) -> None:
-    """Say what the user has to wait for, and what is measured."""
-    if mission.time != "continuous":
-        announce_compiling([load_method(default_for(mission))], mission)
-        if mission.has_surprises:
-            say("not everything is known: this is measured for what is to be expected")
-    else:
-        announce_planner(is_linked(mission))
+def _prepare(mission: Scenario) -> None:
+    """Compile what planning in steps needs, and say what is measured."""
+    compile_ahead([load_method(default_for(mission))], mission)
+    if mission.has_surprises:
+        say("not everything is known: this is measured for what is to be expected")
 
 
 def _show(advice: Advice) -> None:

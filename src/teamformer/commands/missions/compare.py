@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import out, prepare_folder, print_json, say, wide
 from teamformer.commands.interruption import Interruption
 from teamformer.commands.missions.run import plan_line, watch_trial
@@ -56,7 +56,7 @@ def compare(
     methods = [load_method(name, time_limit) for name in names]
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling(methods, mission)
+    compile_ahead(methods, mission)
     with Interruption() as interruption:
         compared = compare_methods(mission, methods, seeds, _run_one)
         interruption.hold()  # what was run is told and written first

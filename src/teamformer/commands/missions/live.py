@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.commands.addresses import Address, check_address
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import chosen_method
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.extras import require
-from teamformer.mission.rules import rules_of_live_missions
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.smallest import smallest_scenario
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
     from teamformer.live.mission_with_past import Mission
     from teamformer.live.resuming import StartMission
     from teamformer.live.workshop import Workshop
-
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
-
 
 SPEED = 4.0
 """Steps a second at first; the page changes it."""
@@ -55,7 +52,7 @@ def live(path: Path | None, options: Options) -> int:
 
     What was done by then is saved.
     """
-    require("live", "starlette", "uvicorn", "websockets")
+    require("live")
     prepare_folder(options.folder)
     check_address(options.address)
     if options.resumes:
@@ -69,17 +66,19 @@ def live(path: Path | None, options: Options) -> int:
 
 def serve_page(session: Workshop | ObserverSession, name: str, at: Address) -> None:
     """Serve a mission's page until Ctrl-C, and save."""
-    from teamformer.live.server import Doors, make_app, serve
+    from teamformer.live.doors import Doors
+    from teamformer.live.server import make_app, serve
     from teamformer.viewer.html import live_page
 
-    token = None if at.host in LOOPBACK else secrets.token_urlsafe(16)
-    doors = Doors(_names(at.host, at.port), token)
-    address = f"http://{_bracketed(at.host)}:{at.port}/"
-    if token is not None:
-        address += f"?token={token}"
+    token = None if at.is_here_only else secrets.token_urlsafe(16)
+    doors = Doors(at.names, token, frozenset(at.further))
+    ending = "" if token is None else f"?token={token}"
 
     def tell() -> None:
-        say(f"live: {address}")
+        for address in at.to_open():
+            say(f"live: {address}{ending}")
+        if at.further:
+            say(f"live: as {', '.join(at.further)} with /{ending} at the end")
         say("Ctrl-C ends it and saves what was done")
 
     def save() -> None:
@@ -116,7 +115,7 @@ def _prepare_to_go_on(path: Path | None, options: Options) -> tuple[Workshop, st
     kept = read_autosave(path or find_autosave(options.folder))
     drop_half_line(kept)
     chosen = chosen_method(kept.method, kept.scenario, TIME_LIMIT)
-    announce_compiling([chosen], kept.scenario)
+    compile_ahead([chosen], kept.scenario)
     say(f"goes on: {kept.text()}")
     start = _starting(kept.method, kept.seed)
     return Workshop(start, options.folder, SPEED, say=say, kept=kept), kept.scenario.name
@@ -138,21 +137,12 @@ def _prepare(path: Path | None, options: Options) -> tuple[Workshop, str]:
     from teamformer.live.drafts import Draft, draft_of_file
     from teamformer.live.workshop import Workshop
 
-    scenario = None if path is None else read_scenario(path, rules_of_live_missions)
+    scenario = None if path is None else read_scenario(path, rules_not_played)
     chosen = chosen_method(options.method, scenario or smallest_scenario(), TIME_LIMIT)
-    announce_compiling([chosen], scenario)
+    compile_ahead([chosen], scenario)
     start = _starting(options.method, options.seed)
     if path is None or scenario is None:
         return Workshop(start, options.folder, SPEED, say=say), "editor"
     text = path.read_text(encoding="utf-8") if path.suffix.lower() != ".json" else ""
     draft = Draft(draft_of_file(path, path.stem), path.name, text)
     return Workshop(start, options.folder, SPEED, draft, scenario, say), scenario.name
-
-
-def _names(host: str, port: int) -> frozenset[str]:
-    hosts = LOOPBACK if host in LOOPBACK else (host,)
-    return frozenset(f"{_bracketed(name)}:{port}".lower() for name in hosts)
-
-
-def _bracketed(host: str) -> str:
-    return f"[{host}]" if ":" in host else host

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.capabilities import describe
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import (
     StepProgress,
     out,
@@ -84,7 +84,7 @@ def run(
         check_foxglove(foxglove)
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling([method], mission)
+    compile_ahead([method], mission)
     with Interruption() as interruption:
         trial = watch_trial(mission, method, seed, interruption)
         interruption.hold()  # what was played is told and written first

@@ -8,9 +8,8 @@ from itertools import islice
 
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
-from teamformer.jit import needs_compiling
-from teamformer.planning.arcs.annealing import ArcSearch, anneal_arcs
-from teamformer.planning.arcs.linked.search import LinkedSearch, anneal_links
+from teamformer.planning.arcs.annealing import ArcSearch
+from teamformer.planning.arcs.linked.search import LinkedSearch
 from teamformer.planning.arcs.linked.solve import LinkedSolution, plan_linked, solve_linked
 from teamformer.planning.continuous.bounds.makespan import improving_bounds
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, refuse_no_way
@@ -39,7 +38,7 @@ LINKED_PLANNERS: dict[str, LinkedPlanner] = {
 }
 """The same where starts are linked or plans have a cost of their own."""
 
-__all__ = ["PLANNERS", "is_compiled", "plan_continuous", "warm_up"]
+__all__ = ["PLANNERS", "plan_continuous", "warm_up"]
 
 
 def plan_continuous(
@@ -69,13 +68,6 @@ def plan_continuous(
     plan = mission.tell(solution)
     refuse_no_way(mission, plan)
     return plan
-
-
-def is_compiled(is_linked: bool = False) -> bool:
-    """Say whether the search was compiled before, so that nobody has to wait for it."""
-    if is_linked:
-        return not needs_compiling(anneal_links)
-    return not needs_compiling(anneal_arcs)
 
 
 @cache

@@ -58,7 +58,9 @@ KEYS_OF_METHODS = {
 }
 """What files said before methods did: how a mission is solved, not what it is; and what to do."""
 
-ARRIVALS_KEYS = {"rate": True, "until": True, "needs": False, "duration": False}
+ARRIVALS_KEYS = {
+    "rate": True, "until": True, "needs": False, "duration": False, "since": False,
+}  # fmt: skip
 
 
 def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None:
@@ -201,6 +203,7 @@ def _read_arrivals(reader: Reader, value: Any) -> Arrivals:
         reader.whole(("arrivals", "until"), said.get("until", 0)),
         most,
         reader.whole(("arrivals", "duration"), said.get("duration", 0)),
+        reader.whole(("arrivals", "since"), said.get("since", 0)),
     )
 
 

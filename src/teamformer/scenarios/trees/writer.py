@@ -62,7 +62,8 @@ def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
 def _arrivals_to_tree(arrivals: Arrivals) -> dict[str, Any]:
     tree: dict[str, Any] = {"rate": arrivals.rate, "until": arrivals.until}
     tree |= {"needs": arrivals.most_needs} if arrivals.most_needs else {}
-    return tree | ({"duration": arrivals.duration} if arrivals.duration else {})
+    tree |= {"duration": arrivals.duration} if arrivals.duration else {}
+    return tree | ({"since": arrivals.since} if arrivals.since else {})
 
 
 def world_to_tree(world: World) -> dict[str, Any]:

@@ -41,7 +41,7 @@ class Table {
       item,
       cells: this.shown.map(({ of }) => of(moment, item)),
     }));
-    return all.filter(({ cells }) => !wanted || cells.some(({ text }) => text.toLowerCase().includes(wanted)));
+    return all.filter(({ cells }) => !wanted || cells.some((cell) => wholeText(cell).toLowerCase().includes(wanted)));
   }
 
   ordered(rows) {
@@ -75,9 +75,9 @@ class Table {
     return { class: app.selection[kind] === item ? "now" : "", cells, on: () => app.select({ [kind]: item }) };
   }
 
-  // What the table shows, in its order.
+  // What the table shows, in its order; each cell has all that it says.
   save() {
-    const rows = [this.shown.map(({ name }) => name), ...this.items.map(({ cells }) => cells.map(({ text }) => text))];
+    const rows = [this.shown.map(({ name }) => name), ...this.items.map(({ cells }) => cells.map(wholeText))];
     const text = rows.map((row) => row.map(csvField).join(",")).join("\r\n");
     const name = `${fileName(this.app.history.scenario.name)}-${this.kind}s-${this.app.player.step}.csv`;
     download(new Blob([`${text}\r\n`], { type: "text/csv" }), name);
@@ -100,9 +100,9 @@ function csvField(text) {
 // A row whose first cell is the button that selects it.
 function tableRow({ class: kind, cells, on }, index) {
   const button = element("button", { type: "button", class: "link" }, cells[0].text);
-  const others = cells.slice(1).map(({ text, isAhead, isBad }) => {
-    const looks = [isAhead ? "ahead" : "", isBad ? "bad" : ""].join(" ");
-    return element("div", { role: "cell", class: looks, title: text }, text);
+  const others = cells.slice(1).map((cell) => {
+    const looks = [cell.isAhead ? "ahead" : "", cell.isBad ? "bad" : ""].join(" ");
+    return element("div", { role: "cell", class: looks, title: wholeText(cell) }, cell.text);
   });
   const first = element("div", { role: "rowheader", title: cells[0].text }, button);
   const looks = { class: `cells ${kind}`, "aria-current": String(kind === "now") };

@@ -11,7 +11,7 @@ const TASK_COLUMNS = [
   { name: "State", of: (moment, task) => stateCell(stateOfTask(moment, task)) },
   { name: "Who", of: whoCell },
   { name: "End", of: endCell },
-  { name: "Late", of: lateCell, isShown: ({ tasks }) => tasks.some(({ due }) => due < Infinity) },
+  { name: "Late", of: lateCell, isShown: hasDueTimes },
   { name: "Needs", of: needsCell },
 ];
 

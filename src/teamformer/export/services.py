@@ -24,6 +24,7 @@ class Services:
         self._is_over = [False] * len(self._mission.tasks)
         self._lies = [task.at for task in self._mission.tasks]  # loads where they were taken up
         self._believed = believed_places(replay)  # where teams head for
+        self.begun: dict[int, int] = {}  # task -> the step in which it was begun last
         self._up: dict[int, Place] = {}  # load that is carried -> where it is brought to
 
     def work(self, number: int) -> dict[int, str]:
@@ -75,7 +76,7 @@ class Services:
                 self._end(task)
         let_go = {row.task for row in step.left}
         for task in sorted(self._waiting(number) - let_go, key=lambda k: (not self._is_load(k), k)):
-            self._begin(task)
+            self._begin(task, number)
         for task, _ in step.taken:
             to = self._mission.tasks[task].to
             if not self._is_over[task] and to is not None:
@@ -110,13 +111,14 @@ class Services:
             and task not in self._serving
         }
 
-    def _begin(self, task: int) -> None:
+    def _begin(self, task: int, number: int) -> None:
         """Let the first team begin that can; who has a load does nothing else."""
         busy = {self._slot_of(other) for other in self._serving if self._is_load(other)}
         for slot in sorted(self._teams.robots.keys() - busy):
             is_meant = not self._is_load(task) or self._teams.task[slot] == task
             if is_meant and self._can_serve(slot, task):
                 self._serving[task] = set(self._teams.robots[slot])
+                self.begun[task] = number
                 return
 
     def _can_serve(self, slot: int, task: int) -> bool:
@@ -127,3 +129,16 @@ class Services:
             return False
         robots = (self._mission.robots[robot] for robot in self._teams.robots[slot])
         return covers(total(robot.can for robot in robots), self._mission.tasks[task].needs)
+
+
+def begun_steps(replay: Replay) -> dict[int, int]:
+    """Return the step in which each task was begun last that was, by number.
+
+    A task without a duration begins in the step in which it is done.
+    """
+    teams = Teams(replay)
+    services = Services(replay, teams)
+    for number, step in enumerate(replay.steps, start=1):
+        teams.follow(step)
+        services.go_on(step, number)
+    return done_steps(replay) | services.begun

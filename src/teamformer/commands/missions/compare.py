@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,7 +15,7 @@ from teamformer.commands.interruption import Interruption
 from teamformer.commands.missions.run import plan_line, watch_trial
 from teamformer.errors import TeamformerError
 from teamformer.mission.costs import LATENESS, judged_by
-from teamformer.mission.rules import latest_end, rules_not_played
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.record import Replay
@@ -162,7 +161,7 @@ def _extra_cells(mission: Scenario, replay: Replay | None) -> dict[str, str]:
     if mission.cost:
         cost = None if replay is None else cost_of_record(replay)
         cells["cost"] = "" if cost is None else f"{cost:g}"
-    if any(latest_end(task.between) < math.inf for task in mission.tasks):
+    if any(task.between for task in mission.tasks):
         late = {} if replay is None else lateness(replay)
         cells["late"] = f"{len(late)} by {sum(late.values()):g}" if late else "-"
     return cells

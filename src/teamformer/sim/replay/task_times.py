@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.mission.costs import cost_in_steps, judged_by, weighed
 from teamformer.mission.precedence import tasks_before
-from teamformer.mission.rules import latest_end, window_opens
+from teamformer.mission.windows import latest_end, window_opens
 from teamformer.rules.constants import NEVER
 from teamformer.sim.replay.record import Replay
 

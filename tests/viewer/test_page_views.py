@@ -477,3 +477,67 @@ EMPTY_PART = """() => {
   for (let at = 0; at < data.length; at += 4) empty += data[at] > 200 && data[at + 2] > 200;
   return empty / (right - left);
 }"""
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+def test_long_names_push_nothing_off_the_screen(open_page: Opener, width: int, height: int) -> None:
+    """A robot with a long name that is lost stands in the header; all of the name is its title."""
+    scenario = small_scenario()
+    name = "the robot with the long name " * 6
+    scenario["robots"][3]["name"] = name.strip()
+    scenario["name"] = name.strip()
+    opened = open_page(toy_replay(scenario), "#step=40")
+    opened.page.set_viewport_size({"width": width, "height": height})
+    opened.wait_for_a_frame()
+    assert opened.page.evaluate("document.documentElement.scrollWidth") == width
+    status = opened.page.locator("#status").bounding_box()
+    assert status["x"] + status["width"] <= width
+    assert opened.page.locator("#name").bounding_box()["width"] > 100
+    assert opened.page.get_attribute("#figures .lost dd", "title") == name.strip()
+
+
+def test_the_list_of_robots_says_who_is_lost_and_all_that_robots_bring(
+    open_page: Opener, dock: Tree
+) -> None:
+    opened = open_page(dock, "#step=40")
+    opened.page.click("#tab-robots")
+    opened.details()
+    rows = opened.page.locator("#rows .row")
+    assert rows.nth(3).locator(".text > span").all_inner_texts() == ["r4", "lost in step 36"]
+    assert rows.nth(1).locator(".swatch").all_inner_texts() == ["S", "P"]
+
+
+def test_the_gantt_chart_is_drawn_once_while_the_moment_goes_on(
+    open_page: Opener, dock: Tree
+) -> None:
+    """Only the line of the moment moves; what is selected or stretched is drawn anew."""
+    opened = open_page(dock, "#step=5&view=gantt")
+    opened.details()
+    opened.page.evaluate(COUNT_TEXTS)
+    for _ in range(3):
+        opened.page.keyboard.press("ArrowRight")
+        opened.details()
+        opened.wait_for_a_frame()
+    assert opened.page.evaluate("window.textsDrawn") == 0
+    opened.page.click("#zoom-in")
+    opened.wait_for_a_frame()
+    opened.wait_for_a_frame()
+    drawn = opened.page.evaluate("window.textsDrawn")
+    assert drawn > 0
+    opened.page.keyboard.press("End")
+    opened.page.click("#tab-robots")
+    opened.page.click("#rows .row >> nth=0")
+    opened.details()
+    opened.wait_for_a_frame()
+    assert opened.page.evaluate("window.textsDrawn") > drawn
+    assert opened.errors == []
+
+
+COUNT_TEXTS = """() => {
+  window.textsDrawn = 0;
+  const { fillText } = CanvasRenderingContext2D.prototype;
+  CanvasRenderingContext2D.prototype.fillText = function (...words) {
+    if (this.canvas.id !== "marks") window.textsDrawn++;
+    return fillText.apply(this, words);
+  };
+}"""

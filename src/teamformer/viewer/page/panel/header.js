@@ -147,6 +147,6 @@ function figure(title, value, note) {
     "div",
     { class: title.toLowerCase().replaceAll(" ", "-") },
     element("dt", {}, title),
-    element("dd", {}, value, element("small", {}, note)),
+    element("dd", { title: value }, value, element("small", {}, note)),
   );
 }

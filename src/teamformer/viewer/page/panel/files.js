@@ -105,12 +105,6 @@ function savePicture(app) {
   canvas.toBlob((blob) => download(blob, `${fileName(scenario.name)}-${app.player.step}.png`));
 }
 
-function download(blob, name) {
-  const url = URL.createObjectURL(blob);
-  element("a", { href: url, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
-}
-
 // The page as it came, with room for a record: what a page that is saved can do by itself.
 const [PAGE_BEFORE, PAGE_AFTER] = emptyPage();
 
@@ -154,10 +148,6 @@ function downloadButton(text, make) {
     make();
   };
   return element("button", { type: "button", on }, text);
-}
-
-function fileName(name) {
-  return name.replace(/[^\p{L}\p{N}-]+/gu, "-").slice(0, 60) || "mission";
 }
 
 const FRAMES_A_SECOND = 30;

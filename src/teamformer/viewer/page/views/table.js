@@ -78,9 +78,8 @@ class Table {
   // What the table shows, in its order; each cell has all that it says.
   save() {
     const rows = [this.shown.map(({ name }) => name), ...this.items.map(({ cells }) => cells.map(wholeText))];
-    const text = rows.map((row) => row.map(csvField).join(",")).join("\r\n");
     const name = `${fileName(this.app.history.scenario.name)}-${this.kind}s-${this.app.player.step}.csv`;
-    download(new Blob([`${text}\r\n`], { type: "text/csv" }), name);
+    download(csvOf(rows), name);
   }
 }
 
@@ -89,12 +88,6 @@ function compareKeys(one, other, sign) {
   if (one === null || other === null) return (one === null) - (other === null);
   if (typeof one !== typeof other) return typeof one === "number" ? -1 : 1;
   return sign * (typeof one === "number" ? one - other : one.localeCompare(other, undefined, { numeric: true }));
-}
-
-// An apostrophe keeps spreadsheets from taking a name for a formula, as in the tables of `export`.
-function csvField(text) {
-  const harmless = /^[=+\-@']/.test(text) ? `'${text}` : text;
-  return /[",\r\n]/.test(harmless) ? `"${harmless.replaceAll('"', '""')}"` : harmless;
 }
 
 // A row whose first cell is the button that selects it.

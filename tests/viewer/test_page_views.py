@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay
 
 from browsers import Opened, Opener
+from teamformer.errors import TeamformerError
+from teamformer.sim.replay.reading import replay_from_tree
 
 
 def three_in_one_cell() -> Tree:
@@ -291,6 +294,43 @@ def test_what_is_no_record_is_refused_and_nothing_is_lost(
     opened.wait_until("!document.querySelector('#notice-box').hidden")
     assert message in opened.page.inner_text("#notice")
     assert opened.shown_step() == 7
+    assert opened.errors == []
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "told"),
+    [
+        (("steps", 9, "teams"), [[99, 1, 1, None]], "step 10, teams: [99,1,1,null]"),
+        (("steps", 9, "teams"), [[0, None, 1, None]], "step 10, teams: [0,null,1,null]"),
+        (("steps", 39, "done"), [[2]], "step 40, done: [2]"),
+        (("steps", 9, "dones"), [], "step 10 has an unknown key 'dones'"),
+        (("steps", 9), [], "step 10 is no mapping"),
+        (("orders",), 3, "orders: this is no list"),
+        (("end", "status"), "over", 'the status is "over"'),
+        (("end", "steps"), 12, "it has 61 steps, and its end says 12"),
+        (("scenario", "tasks"), None, "its mission has no lists of robots, tasks and capabilities"),
+    ],
+)
+def test_a_damaged_record_is_refused_as_a_whole(
+    open_page: Opener, dock: Tree, keys: tuple[str | int, ...], value: object, told: str
+) -> None:
+    """Wherever it is damaged; `view` refuses the same, and the page stays as it was."""
+    tree: Any = json.loads(json.dumps(dock))
+    part = tree
+    for key in keys[:-1]:
+        part = part[key]
+    part[keys[-1]] = value
+    with pytest.raises(TeamformerError):
+        replay_from_tree(tree, "record")
+    opened = open_page(dock, "#step=7")
+    for is_beside in (False, True):
+        opened.drop(json.dumps(tree), is_beside)
+        opened.wait_until("!document.querySelector('#notice-box').hidden")
+        assert f"it is damaged ({told})" in opened.page.inner_text("#notice")
+        opened.page.click("#notice-close")
+    assert opened.shown_step() == 7
+    assert opened.page.locator(".beside").count() == 0
+    assert opened.page.inner_text("#name") == "Dock, early shift"
     assert opened.errors == []
 
 

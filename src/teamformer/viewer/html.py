@@ -17,7 +17,7 @@ from teamformer.whole_files import own_number, write_whole
 SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "record/critical_path", "record/over_time"),
+    *("record/reasons", "record/critical_path", "record/over_time", "record/checking"),
     *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
     *("draw/teams", "draw/groups", "draw/legend", "draw/extras", "draw/names", "draw/map"),
     *("views/time_canvas", "views/bars", "views/critical_path", "views/gantt"),

@@ -64,7 +64,8 @@ function readRecord(text) {
     throw new Error(`it has format ${record.teamformer_replay}, and this page knows ${KNOWN_FORMAT}${remedy}`);
   }
   try {
-    frames(record);
+    checkRecord(record);
+    tryReading(record);
   } catch (error) {
     throw new Error(`it is damaged (${error.message})`);
   }

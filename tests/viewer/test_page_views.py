@@ -389,7 +389,7 @@ def test_on_a_plane_moments_are_in_seconds(open_page: Opener, dock: Tree) -> Non
         "world": {"plane": [9, 6], "step": 0.5, "arrival_radius": 0.05, "unit": 1.0},
     }
     opened = open_page({**dock, "scenario": scenario}, "#step=36&robot=r4")
-    assert opened.details().startswith("r4\nClose\nLost at 18 s")
+    assert opened.details().startswith("r4\nDeselect\nLost at 18 s")
     assert opened.page.inner_text("#counter") == "Step 36 of 61\n18 s"
     opened.page.keyboard.press("End")
     opened.shown_step()

@@ -12,7 +12,7 @@ from teamformer.errors import ScenarioError
 from teamformer.grid import FREE, Grid, Place
 from teamformer.mission.checks import find_problems
 from teamformer.mission.places import possible_places
-from teamformer.mission.rules import opening_step
+from teamformer.mission.windows import opening_step
 from teamformer.plane import Plane
 from teamformer.regions import flood
 from teamformer.roads import AIR, GROUND, Roads

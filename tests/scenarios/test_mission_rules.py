@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -91,6 +92,32 @@ def test_usual_missions_are_played() -> None:
         MISSION, tasks=(Task("x", (3, 3), {"a": 1}),), time="steps", ends=None, forming=0
     )
     assert list(rules_not_played(usual)) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "where"),
+    [
+        ({"duration": 1_000_000}, "duration"),
+        ({"appears": 1_000_000}, "appears"),
+        ({"between": (999_999.5, 2e6)}, "between"),
+        ({"lasts": (1_000_000, 1_000_000)}, "duration"),
+        ({"duration": 999_999}, None),
+        ({"duration": 1_000_000, "cancelled": 5}, None),
+        ({"lasts": (1, 10**9)}, None),
+    ],
+)
+def test_missions_are_played_for_a_million_steps_at_most(
+    changes: dict[str, Any], where: str | None
+) -> None:
+    """A task that comes after such a one is not blamed; a lower step limit ends the mission."""
+    first, second = (replace(task, between=None, after=(), duration=1) for task in MISSION.tasks)
+    tasks = (replace(first, **changes), second)
+    usual = replace(MISSION, tasks=tasks, time="steps", ends=None, forming=0, step_limit=0)
+    told = [problem.where for problem in rules_not_played(usual)]
+    assert told == ([] if where is None else [("tasks", 0, where)])
+    assert list(rules_not_played(replace(usual, step_limit=100))) == []
+    chain = replace(usual, tasks=(tasks[0], replace(second, after=("x",))), step_limit=0)
+    assert [problem.where for problem in rules_not_played(chain)][: len(told)] == told
 
 
 def test_losses_and_unreachable_ends_are_refused() -> None:

@@ -97,7 +97,7 @@ def test_what_was_worked_out_before_an_incident_is_not_shown_after_it(opened: Op
     texts = page.evaluate("window.outlooks")
     assert any(text.startswith("Working out how it ends") for text in texts)
     assert "Incident in step 5: robot r1 lost." in page.inner_text("#notice")
-    assert opened.details().startswith("r1\nClose\nLost in step 5")
+    assert opened.details().startswith("r1\nDeselect\nLost in step 5")
 
 
 WATCH_OUTLOOK = """() => {

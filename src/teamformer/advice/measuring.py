@@ -41,17 +41,17 @@ class Found(NamedTuple):
     """How long a mission takes, or what it costs if it has a cost; None if it is not done."""
 
     value: float | None
-    seconds: float  # of processor time that the search took
+    seconds: float  # that the search took
     path: tuple[Stretch, ...] = ()
 
 
 def search(job: Search) -> Found:
     """Make a search."""
-    begun = time.process_time()
+    begun = time.perf_counter()
     mission = in_order(job.mission, job.order)
     make = _planned if mission.time == "continuous" else _played
     value, path = make(mission, job.method, job.with_path)
-    return Found(value, time.process_time() - begun, path)
+    return Found(value, time.perf_counter() - begun, path)
 
 
 def _played(
@@ -94,5 +94,5 @@ def searched(jobs: Iterable[Search], workers: int) -> Generator[tuple[Search, Fo
             yield given[number], result
 
 
-Progress = Callable[[int, int], None]
-"""Is told how many searches are made, and of how many."""
+Progress = Callable[[int, float], None]
+"""Is told how many searches are made, and for how many seconds more it is expected to go on."""

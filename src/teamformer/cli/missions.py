@@ -140,12 +140,15 @@ def advise(
     page: Annotated[
         Path | None, typer.Argument(metavar="[PAGE]", help="a picture of it to write, an .html")
     ] = None,
+    time_limit: Annotated[
+        float, typer.Option(min=0, help="seconds that all of it may take")
+    ] = 60.0,
     as_json: AsJson = False,
 ) -> None:
-    """Say what would help most and who could be spared, by planning again; takes a minute."""
+    """Say what would help most and who could be spared, by planning again."""
     from teamformer.commands.missions.advise import advise as command
 
-    raise typer.Exit(command(mission, page, as_json))
+    raise typer.Exit(command(mission, page, time_limit, as_json))
 
 
 @app.command()

@@ -25,6 +25,7 @@ class Services:
         self._is_over = [False] * len(self._mission.tasks)
         self._lies = [task.at for task in self._mission.tasks]  # loads where they were taken up
         self._believed = believed_places(replay)  # where teams head for
+        self.begun: dict[int, int] = {}  # task -> the step in which it was begun last
         self._up: dict[int, Place] = {}  # load that is carried -> where it is brought to
 
     def work(self, number: int) -> dict[int, str]:
@@ -71,7 +72,7 @@ class Services:
         let_go = {row.task for row in step.left}
         waiting = (self._waiting(number) - let_go) | (taken.keys() - self._serving.keys())
         for task in sorted(waiting, key=lambda k: (not self._is_load(k), k)):
-            self._begin(task, taken.get(task))
+            self._begin(task, taken.get(task), number)
         for task in taken:
             self._up[task] = self._mission.tasks[task].to or self._lies[task]
 
@@ -124,7 +125,7 @@ class Services:
             and task not in self._serving
         }
 
-    def _begin(self, task: int, taker: int | None) -> None:
+    def _begin(self, task: int, taker: int | None, number: int) -> None:
         """Let the taker of a load begin, or the first team that can of those that have no load."""
         if taker is None:
             loads = (robots for other, robots in self._serving.items() if self._is_load(other))
@@ -133,6 +134,7 @@ class Services:
             taker = min((slot for slot in able if self._can_begin(slot, task)), default=None)
         if taker is not None:
             self._serving[task] = set(self._teams.robots[taker])
+            self.begun[task] = number
 
     def _can_begin(self, slot: int, task: int) -> bool:
         is_meant = not self._is_load(task) or self._teams.task[slot] == task
@@ -149,3 +151,16 @@ class Services:
     def _is_able(self, slot: int, task: int) -> bool:
         robots = (self._mission.robots[robot] for robot in self._teams.robots[slot])
         return covers(total(robot.can for robot in robots), self._mission.tasks[task].needs)
+
+
+def begun_steps(replay: Replay) -> dict[int, int]:
+    """Return the step in which each task was begun last that was, by number.
+
+    A task without a duration begins in the step in which it is done.
+    """
+    teams = Teams(replay)
+    services = Services(replay, teams)
+    for number, step in enumerate(replay.steps, start=1):
+        teams.follow(step)
+        services.go_on(step, number)
+    return done_steps(replay) | services.begun

@@ -11,6 +11,7 @@ from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_c
 from teamformer.mission.links import find_link_problems, find_links
 from teamformer.mission.loads import find_flown_loads
 from teamformer.mission.reach import can_reach, way_for
+from teamformer.mission.windows import find_endless_play
 from teamformer.roads import AIR, GROUND, Roads
 
 if TYPE_CHECKING:
@@ -77,6 +78,8 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("cost", ONLY_IN_CONTINUOUS_TIME), message)
     for problem in find_links(scenario):
         yield Problem(problem.where, f"{problem.message}; {remedy}")
+    for problem in find_endless_play(scenario):
+        yield Problem(problem.where, f"{problem.message}, or {remedy}")
 
 
 def rules_not_known_beforehand(scenario: Scenario) -> Iterator[Problem]:
@@ -204,21 +207,6 @@ def find_surprises(scenario: Scenario) -> Iterator[Found]:
             yield ("tasks", number, "within"), f"task '{task.name}' has no sure place"
 
 
-def opening_step(task: Task) -> int:
-    """Return how many steps have been made when a task may begin, those before it being done."""
-    return max(task.appears, window_opens(task))
-
-
-def window_opens(task: Task) -> int:
-    """Return how many steps have been made when the window of a task begins."""
-    return math.ceil(task.between[0]) if task.between else 0
-
-
-def may_begin_at_once(task: Task) -> bool:
-    """Say whether a task may begin in the first step."""
-    return not task.after and opening_step(task) == 0
-
-
 def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
     ends, world = scenario.ends, scenario.world
     if ends is None or ends == HOME:
@@ -341,8 +329,3 @@ def _circle(scenario: Scenario) -> list[str]:
                 path.append(other)
                 branches.append(iter(before[other]))
     return []
-
-
-def latest_end(between: tuple[float, float] | None) -> float:
-    """Return when a task must have ended not to be late."""
-    return math.inf if between is None else between[1]

@@ -13,7 +13,7 @@ from teamformer.advice.changes import FEWER
 from teamformer.advice.suggestions import Advice
 from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import (
-    Counting,
+    Timing,
     out,
     prepare_file,
     print_json,
@@ -28,13 +28,10 @@ from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import default_for, load_method
 from teamformer.viewer.advice_page import write_advice
 
-SECONDS = 60.0
-"""Processor time that searches may take in all; `tf.advise(mission, seconds=...)` takes longer."""
-
 MOST_LINES = 15
 
 
-def advise(path: Path, page: Path | None, as_json: bool) -> int:
+def advise(path: Path, page: Path | None, time_limit: float, as_json: bool) -> int:
     """Measure what would help a mission and show it; return the exit status."""
     mission = read_scenario(path, _rules_not_advised_on)
     if page is not None:
@@ -43,8 +40,8 @@ def advise(path: Path, page: Path | None, as_json: bool) -> int:
         prepare_file(page)
     if mission.time != "continuous":
         _prepare(mission)
-    with Interruption(), Counting("searches") as counting:
-        advice = advise_on(mission, SECONDS, processors(), counting.update)
+    with Interruption(), Timing("searches", time_limit) as timing:
+        advice = advise_on(mission, time_limit, processors(), timing.update)
     if page is not None:
         write_advice(advice.row, page)
         say(f"page: {page}")
@@ -52,6 +49,9 @@ def advise(path: Path, page: Path | None, as_json: bool) -> int:
         print_json(advice.row)
     else:
         _show(advice)
+    if advice.unmeasured:
+        count = len(advice.unmeasured)
+        say(f"there was no time for {count} changes; a longer --time-limit measures more")
     return 0
 
 
@@ -87,8 +87,6 @@ def _show(advice: Advice) -> None:
         out.print(f"and {len(helpful) - MOST_LINES} more; --json tells all")
     for line in _lines_on_sparing(advice):
         out.print(line, markup=False)
-    if advice.unmeasured:
-        say(f"there was no time for {len(advice.unmeasured)} changes; tf.advise takes longer")
 
 
 def _told(value: float) -> str:

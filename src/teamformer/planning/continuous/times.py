@@ -8,8 +8,7 @@ import numpy as np
 
 from teamformer.arrays import Floats, Int32s, Ints
 from teamformer.mission.costs import cost_of, parts_of_ends
-from teamformer.mission.rules import latest_end
-from teamformer.mission.windows import release_of
+from teamformer.mission.windows import latest_end, release_of
 from teamformer.model import Scenario
 from teamformer.planning.continuous.routes import MissionPlan, Route, Stop
 from teamformer.planning.continuous.schedule import CoalitionPlan

@@ -20,9 +20,9 @@ function nameOfTeam(scenario, team) {
   return teamName(scenario, team.slot, team.robots.length);
 }
 
-// A few names are written out; of many, the first stands for all.
-function listRobots(scenario, robots) {
-  const shown = robots.length <= MANY ? robots : robots.slice(0, 1);
+// A few names are written out; of more than `most`, the first stands for all.
+function listRobots(scenario, robots, most = MANY) {
+  const shown = robots.length <= most ? robots : robots.slice(0, 1);
   const names = shown.map((robot) => robotName(scenario, robot)).join(", ");
   return shown.length < robots.length ? `${names} + ${robots.length - 1} more` : names;
 }
@@ -115,11 +115,11 @@ function describeDuration(world, { duration, lasts }) {
 }
 
 // What a task needs, and what it may need while nobody knows.
-function describeNeeds(history, task, step) {
+function describeNeeds(history, task, step, most = MANY_NEEDS) {
   const { scenario, shownAt } = history;
-  if (shownAt[task] <= step) return describeCounts(scenario, needsAt(history, task, step), MANY_NEEDS);
+  if (shownAt[task] <= step) return describeCounts(scenario, needsAt(history, task, step), most);
   const { sure, mayNeed } = scenario.tasks[task];
-  return `${describeCounts(scenario, sure, MANY_NEEDS)}, may need ${describeChances(scenario, mayNeed)}`;
+  return `${describeCounts(scenario, sure, most)}, may need ${describeChances(scenario, mayNeed)}`;
 }
 
 function describeChances(scenario, mayNeed) {

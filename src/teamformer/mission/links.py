@@ -33,6 +33,17 @@ def groups_of(tasks: Sequence[Task]) -> list[list[int]]:
     return list(groups.values())
 
 
+def linked_with(tasks: Sequence[Task]) -> list[set[int]]:
+    """Return the tasks whose starts are linked with that of each directly: others do them."""
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    linked: list[set[int]] = [set() for _ in tasks]
+    for number, task in enumerate(tasks):
+        for name in task.starts:
+            linked[number].add(number_of[name])
+            linked[number_of[name]].add(number)
+    return linked
+
+
 def find_link_problems(scenario: Scenario) -> Iterator[Problem]:
     """Return what is wrong with linked starts."""
     problems = [*_problems_of_names(scenario), *_problems_of_gaps(scenario)]
@@ -99,20 +110,16 @@ def _all_apart(tasks: Sequence[Task], group: Sequence[int]) -> list[list[int]]:
 
     Each task is in the one that it begins, or in one with all of these.
     """
-    found: list[list[int]] = []
+    found: list[set[int]] = []
+    linked = linked_with(tasks)
     for first in group:
-        apart = [first]
+        apart = {first}
         for other in group:
-            if all(_are_linked(tasks[other], tasks[number]) for number in apart):
-                apart.append(other)
-        if not any(set(apart) <= set(known) for known in found):
-            found.append(sorted(apart))
-    return found
-
-
-def _are_linked(one: Task, other: Task) -> bool:
-    """Say whether two tasks are linked directly."""
-    return other.name in one.starts or one.name in other.starts
+            if apart <= linked[other]:
+                apart.add(other)
+        if not any(apart <= known for known in found):
+            found.append(apart)
+    return [sorted(apart) for apart in found]
 
 
 def _problems_of_robots(scenario: Scenario, apart: Sequence[int]) -> Iterator[Problem]:

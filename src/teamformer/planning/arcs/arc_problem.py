@@ -39,6 +39,8 @@ class ArcProblem(NamedTuple):
     kind: Int32s  # (robots,)
     mixed: Int32s  # (robots,) all robots, those of a kind far from each other
     counts: Int32s  # (types, caps) what robots of each type bring
+    duration: Ints  # (tasks,) of the fastest coalition
+    slower: Ints  # (paces, tasks) how much longer loads take where somebody of a pace carries them
     needs: Int32s  # (needs, caps) the different needs
     useful: Int32s  # (needs, types) how many of a type a coalition has at most
     covers: Int32s  # (needs, covers, width, 2) types and how many of each, then NOBODY
@@ -101,6 +103,8 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
         kind=problem.kind,
         mixed=_mixed(problem),
         counts=np.ascontiguousarray(counts, np.int32),
+        duration=least_durations(problem, steps),
+        slower=problem.slower,
         needs=needs,
         useful=useful,
         covers=covers,
@@ -116,6 +120,14 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
         weights=_weights(len(problem.needs), steps),
     )
+
+
+def least_durations(problem: CoalitionProblem, steps: StepRules | None = None) -> Ints:
+    """Return how long tasks take with the fastest coalition, (tasks,).
+
+    In continuous time what takes no time takes a tick, so that all that follows starts later.
+    """
+    return np.maximum(problem.duration, 1 if steps is None else 0)
 
 
 def _weights(tasks: int, steps: StepRules | None) -> Ints:

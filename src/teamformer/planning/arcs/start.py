@@ -30,7 +30,7 @@ BALANCINGS = 10
 MEAN_LOAD = 1000
 """What the load of a type is if all are loaded alike."""
 
-WAITER = np.dtype([("comes", np.int64), ("robot", np.int64)])
+WAITER = np.dtype([("comes", np.int64), ("slower", np.int64), ("robot", np.int64)])
 
 
 class Dispatch(NamedTuple):
@@ -78,15 +78,15 @@ def balance(problem: ArcProblem, graph: Graph, room: Dispatch, rounds: int) -> N
             way += problem.ways[0, task, problem.near[task, problem.near.shape[1] // 2]]
         way //= tasks
     for task in range(tasks):
-        total += graph.nodes[task].duration + way
+        total += problem.duration[task] + way
     scale = max(1, total // tasks)
     for task in range(tasks):
         room.cover[task] = 0
-        work = (graph.nodes[task].duration + way) * MEAN_LOAD // scale
+        work = (problem.duration[task] + way) * MEAN_LOAD // scale
         _load(problem, graph, room, task, work)
     for _ in range(rounds):
         for task in range(tasks):
-            work = (graph.nodes[task].duration + way) * MEAN_LOAD // scale
+            work = (problem.duration[task] + way) * MEAN_LOAD // scale
             _load(problem, graph, room, task, -work)
             best, least = 0, 0
             for cover in range(problem.listed[graph.nodes[task].need]):
@@ -181,7 +181,7 @@ def _is_ready(problem: ArcProblem, room: Dispatch, task: int) -> bool:
 
 @kernel
 def _look(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, which: int) -> None:
-    """Work out which robots of a type would come to a task first."""
+    """Work out which robots of a type would come to a task first, or have its load there."""
     keeps, found, first = problem.useful[graph.nodes[task].need, which], 0, room.first[task, which]
     if keeps == 0:
         return
@@ -190,15 +190,23 @@ def _look(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, which: i
             break
         pace = problem.kinds[problem.kind[robot]].pace
         comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
-        if found == keeps and first[found - 1].comes <= comes:
+        slower = problem.slower[pace, task]
+        if found == keeps and _score(first[found - 1]) <= comes + slower:
             continue
         if found < keeps:
             found += 1
         index = found - 1
-        while index > 0 and first[index - 1].comes > comes:
+        while index > 0 and _score(first[index - 1]) > comes + slower:
             first[index].comes, first[index].robot = first[index - 1].comes, first[index - 1].robot
+            first[index].slower = first[index - 1].slower
             index -= 1
-        first[index].comes, first[index].robot = comes, robot
+        first[index].comes, first[index].slower, first[index].robot = comes, slower, robot
+
+
+@kernel
+def _score(waiter: Records) -> int:
+    """Return when a robot comes, and what a load takes longer with it."""
+    return waiter.comes + waiter.slower
 
 
 @kernel
@@ -215,17 +223,19 @@ def _evaluate(
         if not room.is_open[other]:
             released = max(released, room.ends[other])
     for cover in range(problem.listed[graph.nodes[task].need]):
-        start = released
+        start, slower = released, 0
         for part in range(problem.covers.shape[2]):
             which, count = covers[cover, part, 0], covers[cover, part, 1]
             if which == NOBODY:
                 break
-            start = max(start, first[which, count - 1].comes)
-            if start >= room.value[task]:
+            for index in range(count):
+                start = max(start, first[which, index].comes)
+                slower = max(slower, first[which, index].slower)
+            if start + slower >= room.value[task]:
                 break
-        if start >= room.value[task]:
+        if start + slower >= room.value[task]:
             continue
-        value = start
+        value = start + slower
         for part in range(problem.covers.shape[2]):
             which, count = covers[cover, part, 0], covers[cover, part, 1]
             if which == NOBODY:
@@ -249,6 +259,7 @@ def _do(
     """Have a task done next by its best cover."""
     need, cover, first = graph.nodes[task].need, room.cover[task], room.first[task]
     size, start, there, comes_apart = 0, graph.nodes[task].release, 0, False
+    slower = 0
     for other in problem.before[task]:
         if other == NOBODY:
             break
@@ -263,9 +274,10 @@ def _do(
             first_place = room.place[plan.coalition[task, 0]]
             comes_apart |= problem.site[room.place[robot]] != problem.site[first_place]
             there = max(there, first[which, index].comes)
+            slower = max(slower, first[which, index].slower)
             size += 1
     start = max(start, there + problem.forming[0] * comes_apart)
-    end = start + graph.nodes[task].duration
+    end = start + problem.duration[task] + slower
     for seat in range(size):
         robot = plan.coalition[task, seat]
         room.place[robot], room.free[robot] = task, end
@@ -308,7 +320,7 @@ def _is_first(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, robo
             return True
     pace = problem.kinds[problem.kind[robot]].pace
     comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
-    return keeps > 0 and comes < first[keeps - 1].comes
+    return keeps > 0 and comes + problem.slower[pace, task] < _score(first[keeps - 1])
 
 
 def first_plan(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> CoalitionPlan:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.arrays import Floats, Int32s, Ints
+from teamformer.arrays import Floats, Ints
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
@@ -67,22 +67,16 @@ class ContinuousMission:
         """Return a solution in the mission's unit; its times are worked out from the true ways.
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
-        Loads are carried as fast as can be there, so that a plan in which one goes slower is not
-        proven to be the best. Where starts are linked they are carried as slowly as can be: so
-        the true times are earlier, and no start comes too late for another.
         """
         timed = self.time(solution.plan)
         if isinstance(solution, LinkedSolution):
             return replace(timed, curve=self._weighed(solution.curve))
         rounding = len(self.scenario.tasks) + 2  # ways and durations in a chain, half a tick each
         bound = max(0.0, (solution.bound - rounding) / self.scale)
-        is_as_timed = (
-            not self._has_slow_loads or timed.makespan <= bound + 2 * rounding / self.scale
-        )
         return replace(
             timed,
             bound=min(timed.makespan, bound),
-            is_proven=solution.is_proven and is_as_timed,
+            is_proven=solution.is_proven,
             curve=tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve),
         )
 
@@ -102,11 +96,6 @@ class ContinuousMission:
         if self.scenario.cost is None:
             return ()
         return tuple((seconds, cost / self.scale) for seconds, cost in curve)
-
-    @property
-    def _has_slow_loads(self) -> bool:
-        """Say whether loads may be carried at several paces."""
-        return len(self.carry) > 1 and bool(self.carry.any())
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules."""
@@ -133,11 +122,8 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     scale = _scale(scenario, ways, home, carry)
     counts = count_table([robot.can for robot in robots], scenario)
     needs = count_table([task.needs for task in tasks], scenario)
-    carried = _most_carried if any(task.starts for task in tasks) else least_carried
-    takes = [
-        task.duration + carried(counts, carry[pace, number], needs[number]) + task.unload
-        for number, task in enumerate(tasks)
-    ]
+    carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
+    takes = np.array([task.duration + task.unload for task in tasks]) + carried
     origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
     problem = pose_problem(
         ways=_ticks(ways, scale),
@@ -147,6 +133,7 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         counts=counts,
         needs=needs,
         duration=_ticks(takes, scale),
+        slower=np.maximum(0, _ticks(carry, scale) - _ticks(carried, scale)),
         release=_ticks([release_of(task) for task in tasks], scale),
         due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
         precedence=[(k, task) for task, before in tasks_before(tasks).items() for k in before],
@@ -155,15 +142,6 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     )
     linked = _link(scenario, problem, scale) if is_linked(scenario) else problem
     return ContinuousMission(scenario, ways, home, origin, pace, carry, scale, linked)
-
-
-def _most_carried(counts: Int32s, takes: Floats, need: Int32s) -> float:
-    """Return how long a load is carried at most: by the slowest robot that can help and get there.
-
-    `takes` (robots,) is how long each of them takes for the way, inf where there is none.
-    """
-    helps = ((counts > 0) & (need > 0)).any(axis=1) & np.isfinite(takes)
-    return float(takes[helps].max(initial=0.0)) if helps.any() else float(takes.max())
 
 
 def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> LinkedProblem:

@@ -2,7 +2,8 @@
 
 A task starts when its release has come, all tasks before it have ended and the last robot of its
 coalition is there (and, where its robots do not come together, it has formed); it stays until the
-task ends. Robots go straight on, and home at the end.
+task ends. Robots go straight on, and home at the end. A load goes as fast as the slowest of those
+who carry it: its task takes longer with some robots than with others.
 Times are ticks, whole numbers, so that a plan is the same on every processor.
 """
 
@@ -43,7 +44,8 @@ class CoalitionProblem(NamedTuple):
     counts: Int32s  # (robots, caps)
     needs: Int32s  # (tasks, caps)
     able: Int32s  # (caps, robots) the robots with each capability, then NOBODY
-    duration: Ints  # (tasks,)
+    duration: Ints  # (tasks,) of the fastest coalition that there can be
+    slower: Ints  # (paces, tasks) how much longer a load takes where somebody of a pace carries it
     release: Ints  # (tasks,) no task starts before
     due: Ints  # (tasks,) tasks that end later are late; NEVER
     before: Int32s  # (tasks, most) the tasks that must have ended before each, then NOBODY
@@ -59,6 +61,7 @@ def pose_problem(
     counts: npt.ArrayLike,
     needs: npt.ArrayLike,
     duration: npt.ArrayLike,
+    slower: npt.ArrayLike | None = None,
     release: npt.ArrayLike | None = None,
     due: npt.ArrayLike | None = None,
     precedence: Sequence[tuple[int, int]] = (),
@@ -69,8 +72,8 @@ def pose_problem(
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
     `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
-    `site` no two places lie at the same position. Robots with different numbers in `apart`
-    (robots,) are of different kinds.
+    `site` no two places lie at the same position; without `slower` all carry loads equally fast.
+    Robots with different numbers in `apart` (robots,) are of different kinds.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
@@ -92,6 +95,9 @@ def pose_problem(
         needs=needs,
         able=listed([np.flatnonzero(column) for column in counts.T]),
         duration=np.asarray(duration, np.int64),
+        slower=np.zeros((len(ways), tasks), np.int64)
+        if slower is None
+        else np.ascontiguousarray(slower, np.int64),
         release=np.zeros(tasks, np.int64) if release is None else np.asarray(release, np.int64),
         due=np.full(tasks, NEVER) if due is None else np.asarray(due, np.int64),
         before=listed([[i for i, j in precedence if j == task] for task in range(tasks)]),

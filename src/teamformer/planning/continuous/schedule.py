@@ -95,6 +95,7 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
     """Time the task at a position of the order."""
     task, last, end = schedule.plan.order[position], schedule.last, schedule.end
     start, there, comes_apart = released(problem, end, task), 0, False
+    slower = 0
     copy_row(last, position, position + 1)
     for seat in range(schedule.plan.size[task]):
         robot = schedule.plan.coalition[task, seat]
@@ -102,11 +103,12 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
         there = max(there, end[place] + problem.ways[problem.pace[robot], place, task])
         first = last[position, schedule.plan.coalition[task, 0]]
         comes_apart |= problem.site[place] != problem.site[first]
+        slower = max(slower, problem.slower[problem.pace[robot], task])
         last[position + 1, robot] = task
     start = max(start, there + problem.forming[0] * comes_apart)
     schedule.rank[task] = position
     schedule.start[task] = start
-    end[task] = start + problem.duration[task]
+    end[task] = start + problem.duration[task] + slower
 
 
 @kernel

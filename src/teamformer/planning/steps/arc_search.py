@@ -145,7 +145,7 @@ def _near_of(tasks: int, types: int) -> int:
 def _pose(situation: Situation, robots: Ints) -> CoalitionProblem:
     """Return a situation as a coalition problem: depots are teams, nobody goes home."""
     problem = situation.problem
-    tasks = len(problem.appears)
+    tasks, carried = len(problem.appears), problem.steps[:, problem.carry]  # (paces, tasks)
     leaders, origin = np.unique(situation.company, return_inverse=True)
     places = np.concatenate([np.arange(tasks), tasks + leaders])
     steps = problem.steps[:, problem.cells[:, places]]  # (paces, tasks, places)
@@ -158,6 +158,7 @@ def _pose(situation: Situation, robots: Ints) -> CoalitionProblem:
         counts=problem.counts[robots],
         needs=problem.needs,
         duration=problem.duration.astype(np.int64) * TICKS,
+        slower=np.maximum(0, carried - problem.quickest).astype(np.int64) * TICKS,
         release=(problem.appears.astype(np.int64) + 1) * TICKS,
         precedence=pairs_before(problem.before),
         forming=situation.forming_steps,

@@ -137,7 +137,8 @@ def _cost_of(
     """
     node, weight, pace = graph.nodes[task], links.weight, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
-    end = max(graph.nodes[place].end + way, node.release) + node.duration
+    takes = problem.duration[task] + problem.slower[pace, task]
+    end = max(graph.nodes[place].end + way, node.release) + takes
     late, push = max(0, end - graph.worth[task].due), 0
     if to >= problem.ways.shape[1]:
         detour = way + problem.home[kind, task] - problem.home[kind, place]

@@ -36,7 +36,8 @@ def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | N
         while tasks:
             task = _draw(tasks, draws) if draws else tasks[0]
             comes = np.maximum(free + base.ways[base.pace, place, task], base.release[task])
-            coalition = _able_coalition(problem, task, taken, comes, draws)
+            slower = base.slower[base.pace, task]
+            coalition = _able_coalition(problem, task, taken, comes + slower, draws)
             if coalition is None:
                 return None
             plan.size[task] = len(coalition)
@@ -44,7 +45,8 @@ def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | N
             taken |= set(coalition)
             tasks.remove(task)
             place[coalition] = task
-            free[coalition] = comes[coalition].max() + base.duration[task]
+            takes = base.duration[task] + slower[coalition].max()
+            free[coalition] = comes[coalition].max() + takes
         order += members[group]
     plan.order[:] = order
     return plan

@@ -18,6 +18,7 @@ from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.graph import Graph, back_of, start_of
 from teamformer.planning.arcs.judging import (
     BACK,
+    DURATION,
     END,
     HOMES,
     KEY,
@@ -27,6 +28,7 @@ from teamformer.planning.arcs.judging import (
     begin_trial,
     connect,
     empty_trial,
+    fit_duration,
     follow,
     follow_on,
     record,
@@ -142,6 +144,7 @@ def propagate(
         for other in members:
             if other == NOBODY:
                 break
+            fit_duration(problem, graph, trial, other)
             start[other] = start_of(problem, graph, other, nodes[other].first)
         if members[1] != NOBODY:
             _keep_gaps(links, members, start)
@@ -228,7 +231,8 @@ def sum_up_change(
 def accept_change(graph: Graph, trial: Trial, ledger: Ledger) -> None:
     """Give tasks the keys of their starts."""
     for place in range(trial.number[LOGGED]):
-        if trial.log[place].what == END or trial.log[place].what == KEY:
+        what = trial.log[place].what
+        if what == END or what == KEY or what == DURATION:
             node = graph.nodes[trial.log[place].index]
             node.key = 2 * (node.end - node.duration) + 1
     for part in range(len(ledger.part)):

@@ -101,7 +101,7 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
     start = node.end - node.duration
     if draw < IN_WINDOW:
         due = graph.worth[task].due
-        latest = due - node.duration if due < NEVER else start + 4 * leg
+        latest = due - problem.duration[task] if due < NEVER else start + 4 * leg
         return 2 * (node.release + draw_below(random, max(1, latest - node.release)))
     if draw < IN_WINDOW + IN_PLACE:
         return 2 * max(0, start - leg + draw_below(random, 2 * leg + 1))

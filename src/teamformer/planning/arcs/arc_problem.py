@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from teamformer.arrays import Int32s, Ints
+from teamformer.jit import kernel
 from teamformer.planning.arcs.covers import list_covers
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, different_rows
 from teamformer.planning.prices import SHARES, Prices
@@ -31,7 +32,8 @@ class ArcProblem(NamedTuple):
     """What does not change: the places, the kinds of robots, who covers what."""
 
     ways: Ints  # (paces, places, tasks)
-    ways_to: Ints  # (paces, tasks, places) the same, so that all ways to a task lie together
+    ways_to: Ints  # (paces, tasks, places + 1) the same, so that all ways to a task lie together;
+    # last how long the task takes at least where somebody of the pace takes part
     home: Ints  # (kinds, places)
     site: Int32s  # (places,) the same number for places that lie at the same position
     kinds: Records  # (kinds,) KIND
@@ -39,8 +41,6 @@ class ArcProblem(NamedTuple):
     kind: Int32s  # (robots,)
     mixed: Int32s  # (robots,) all robots, those of a kind far from each other
     counts: Int32s  # (types, caps) what robots of each type bring
-    duration: Ints  # (tasks,) of the fastest coalition
-    slower: Ints  # (paces, tasks) how much longer loads take where somebody of a pace carries them
     needs: Int32s  # (needs, caps) the different needs
     useful: Int32s  # (needs, types) how many of a type a coalition has at most
     covers: Int32s  # (needs, covers, width, 2) types and how many of each, then NOBODY
@@ -90,12 +90,15 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
     kinds.pace, kinds.type = problem.pace[first], kind_type
     kinds.lost = NEVER if steps is None else steps.lost[first]
     needs, _ = different_needs(problem)
+    takes = least_durations(problem, steps) + problem.slower  # (paces, tasks)
     counts = brings[first_kind]
     number = np.bincount(kind_type[problem.kind], minlength=len(counts)).astype(np.int32)
     useful, covers, listed = list_covers(counts, number, needs)
     return ArcProblem(
         ways=problem.ways,
-        ways_to=np.ascontiguousarray(problem.ways.transpose(0, 2, 1)),
+        ways_to=np.ascontiguousarray(
+            np.concatenate([problem.ways.transpose(0, 2, 1), takes[:, :, None]], axis=2)
+        ),
         home=problem.home,
         site=problem.site,
         kinds=kinds,
@@ -103,8 +106,6 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
         kind=problem.kind,
         mixed=_mixed(problem),
         counts=np.ascontiguousarray(counts, np.int32),
-        duration=least_durations(problem, steps),
-        slower=problem.slower,
         needs=needs,
         useful=useful,
         covers=covers,
@@ -120,6 +121,12 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
         weights=_weights(len(problem.needs), steps),
     )
+
+
+@kernel
+def takes_with(problem: ArcProblem, pace: int, task: int) -> int:
+    """Return how long a task takes at least where somebody of a pace takes part."""
+    return problem.ways_to[pace, task, problem.ways.shape[1]]
 
 
 def least_durations(problem: CoalitionProblem, steps: StepRules | None = None) -> Ints:

@@ -12,7 +12,7 @@ import numpy as np
 
 from teamformer.arrays import Array, Int32s, Ints
 from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem, Records
+from teamformer.planning.arcs.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.arcs.graph import Graph, leave
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.continuous.problem import NEVER, NOBODY
@@ -43,8 +43,7 @@ CANDIDATE = np.dtype(
         ("seat", np.int64),  # whose arc out it is
         ("kind", np.int64),
         ("comes", np.int64),
-        ("slower", np.int64),  # how much longer a load takes with it
-        ("leaves", np.int64),
+        ("leaves", np.int64),  # its chain from there on, for a load from when it takes that up
         ("score", np.int64),
     ]
 )
@@ -150,7 +149,10 @@ def _consider(
     head: int,
     by_chain: bool,
 ) -> None:
-    """Put an arc among the best of its type, if it is of use."""
+    """Put an arc among the best of its type, if it is of use.
+
+    Of loads it also counts how fast the robot carries them.
+    """
     nodes, seats = graph.nodes, graph.seats
     kind = seats[tail].kind
     which = problem.kinds[kind].type
@@ -162,12 +164,13 @@ def _consider(
     comes = nodes[place].end + way
     if place == choice.number[FELLOWS_FROM] and seats[head].node == choice.number[FELLOWS_TO]:
         comes -= TOGETHER
-    slower = problem.slower[pace, task]
-    score = comes + slower
     found, best = choice.found[which], choice.candidates[which]
-    if found == keeps and best[found - 1].score <= score:
+    if found == keeps and best[found - 1].score <= comes:
         return
     leaves = leave(problem, graph, kind, task, head)
+    if nodes[task].is_load:
+        leaves += takes_with(problem, pace, task)
+    score = comes
     if by_chain:
         straight = leave(problem, graph, kind, place, head)
         score += leaves + (way + leaves - straight) * DETOUR // 64
@@ -190,7 +193,6 @@ def _consider(
         index -= 1
     best[index].seat, best[index].kind = tail, kind
     best[index].comes, best[index].leaves, best[index].score = comes, leaves, score
-    best[index].slower = slower
 
 
 @kernel
@@ -198,7 +200,6 @@ def _copy(source: Array, index: int, into: Array, to: int) -> None:
     into[to].seat = source[index].seat
     into[to].kind = source[index].kind
     into[to].comes = source[index].comes
-    into[to].slower = source[index].slower
     into[to].leaves = source[index].leaves
     into[to].score = source[index].score
 
@@ -235,11 +236,8 @@ def choose(problem: ArcProblem, choice: Choice, random: Array, need: int, by_cha
 def _value_of(
     problem: ArcProblem, choice: Choice, need: int, index: int, by_chain: bool, least: int
 ) -> int:
-    """Return when the last robot of a cover comes, and its longest chain goes on; NEVER if none.
-
-    What a load takes longer with them is added.
-    """
-    comes, slower, leaves = 0, 0, 0
+    """Return when the last robot of a cover comes, and its longest chain goes on; NEVER if none."""
+    comes, leaves = 0, 0
     for part in range(problem.covers.shape[2]):
         which, count = problem.covers[need, index, part, 0], problem.covers[need, index, part, 1]
         if which == NOBODY:
@@ -248,11 +246,10 @@ def _value_of(
             return NEVER
         for place in range(count):
             comes = max(comes, choice.candidates[which, place].comes)
-            slower = max(slower, choice.candidates[which, place].slower)
             leaves = max(leaves, choice.candidates[which, place].leaves)
-        if comes + slower + leaves * by_chain >= least:
+        if comes + leaves * by_chain >= least:
             return NEVER
-    return comes + slower + leaves * by_chain
+    return comes + leaves * by_chain
 
 
 @kernel
@@ -283,8 +280,9 @@ def pick_seat(
     pick.seat, pick.kind = tail, kind
     pace = problem.kinds[kind].pace
     pick.comes = graph.nodes[place].end + problem.ways[pace, place, task]
-    pick.slower = problem.slower[pace, task]
     pick.leaves = leave(problem, graph, kind, task, head)
+    if graph.nodes[task].is_load:
+        pick.leaves += takes_with(problem, pace, task)
     for cap in range(len(choice.lacking)):
         choice.lacking[cap] -= problem.counts[problem.kinds[kind].type, cap]
     choice.number[PICKS] += 1
@@ -299,7 +297,7 @@ def _choose_greedily(problem: ArcProblem, choice: Choice, need: int, by_chain: b
     number = choice.number
     for cap in range(len(choice.lacking)):
         choice.lacking[cap] = problem.needs[need, cap]
-    comes, slower, leaves = 0, 0, 0
+    comes, leaves = 0, 0
     while True:
         best, least, at = NOBODY, NEVER, 0
         for index in range(number[TYPES]):
@@ -310,15 +308,13 @@ def _choose_greedily(problem: ArcProblem, choice: Choice, need: int, by_chain: b
             if place >= choice.found[which] or not helps(problem.counts[which], choice.lacking):
                 continue
             candidate = choice.candidates[which, place]
-            value = max(comes, candidate.comes) + max(slower, candidate.slower)
-            value += max(leaves, candidate.leaves) * by_chain
+            value = max(comes, candidate.comes) + max(leaves, candidate.leaves) * by_chain
             if value < least:
                 best, least, at = which, value, place
         if best == NOBODY:
             return False
         _add(choice, best, at)
         comes = max(comes, choice.candidates[best, at].comes)
-        slower = max(slower, choice.candidates[best, at].slower)
         leaves = max(leaves, choice.candidates[best, at].leaves)
         is_lacking = False
         for cap in range(len(choice.lacking)):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.arrays import Array
 from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem
+from teamformer.planning.arcs.arc_problem import ArcProblem, takes_with
 from teamformer.planning.arcs.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.arcs.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
@@ -114,7 +114,7 @@ def cut_beside_near(
             continue
         pace = problem.kinds[kind].pace
         comes = nodes[place].end + problem.ways_to[pace, task, place]
-        takes = problem.duration[task] + problem.slower[pace, task]
+        takes = takes_with(problem, pace, task)
         latest = limit - takes - leave(problem, graph, kind, task, head)
         if comes <= latest:
             least, past = max(least, min(comes, past - 1)), min(past, latest + 1)

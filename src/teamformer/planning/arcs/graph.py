@@ -26,6 +26,7 @@ from teamformer.planning.arcs.arc_problem import (
     different_needs,
     least_durations,
     most_seats,
+    takes_with,
 )
 from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways, start_in_steps
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
@@ -160,16 +161,14 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
 
 @kernel
 def takes(problem: ArcProblem, graph: Graph, task: int) -> int:
-    """Return how long a task takes with its coalition: a load goes as fast as the slowest."""
+    """Return how long a load takes with its coalition: it goes as fast as the slowest."""
     node = graph.nodes[task]
-    if not node.is_load:
-        return node.duration
-    pace, slower = problem.kinds[graph.seats[node.first].kind].pace, 0
+    pace, longest = problem.kinds[graph.seats[node.first].kind].pace, 0
     for seat in range(node.first, node.first + node.taken):
         own = problem.kinds[graph.seats[seat].kind].pace
         pace = problem.together[pace, own] if is_in_steps(graph) else own
-        slower = max(slower, problem.slower[pace, task])
-    return problem.duration[task] + slower
+        longest = max(longest, takes_with(problem, pace, task))
+    return longest
 
 
 @kernel
@@ -254,7 +253,8 @@ def time_anew(problem: ArcProblem, graph: Graph) -> None:
     for depot in range(tasks, problem.ways.shape[1]):
         _send(problem, graph, depot)
     for task in order:
-        nodes[task].duration = takes(problem, graph, task)
+        if nodes[task].is_load:
+            nodes[task].duration = takes(problem, graph, task)
         start = start_of(problem, graph, task, nodes[task].first)
         nodes[task].end, nodes[task].key = start + nodes[task].duration, 2 * start + 1
         _send(problem, graph, task)

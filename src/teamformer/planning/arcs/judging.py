@@ -151,7 +151,8 @@ def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bo
         node.is_waiting = 0
         start, end, is_fit = 0, node.end, True
         if task < len(problem.near):
-            is_fit = fit_duration(problem, graph, trial, task)
+            if node.is_load:
+                is_fit = fit_duration(problem, graph, trial, task)
             start = start_of(problem, graph, task, node.first)
             end = start + node.duration
         if end == node.end and is_fit and not is_parting:
@@ -170,7 +171,7 @@ def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bo
 
 @kernel
 def fit_duration(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> bool:
-    """Have a task take as long as it does with its coalition; say whether it did before."""
+    """Have a load take as long as it does with its coalition; say whether it did before."""
     node = graph.nodes[task]
     duration = takes(problem, graph, task)
     if duration == node.duration:
@@ -315,9 +316,10 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
         total[LATEST] = latest
         total[MAKESPAN] = back[latest]
     for place in range(number[LOGGED]):
-        what, node = trial.log[place].what, trial.log[place].index
-        if what == NEXT or what == DURATION:
-            if what == NEXT:
+        is_longer = trial.log[place].what == DURATION
+        if is_longer or trial.log[place].what == NEXT:
+            node = trial.log[place].index
+            if not is_longer:
                 node = seats[node].node
             if node < len(problem.near) and not nodes[node].is_waiting:
                 nodes[node].key = 2 * (nodes[node].end - nodes[node].duration) + 1

@@ -12,7 +12,7 @@ import numpy as np
 
 from teamformer.arrays import Int32s, Ints
 from teamformer.jit import entry, kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem, Records
+from teamformer.planning.arcs.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.arcs.graph import Graph
 from teamformer.planning.continuous.first_plan import draw_plan
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
@@ -78,15 +78,15 @@ def balance(problem: ArcProblem, graph: Graph, room: Dispatch, rounds: int) -> N
             way += problem.ways[0, task, problem.near[task, problem.near.shape[1] // 2]]
         way //= tasks
     for task in range(tasks):
-        total += problem.duration[task] + way
+        total += graph.nodes[task].duration + way
     scale = max(1, total // tasks)
     for task in range(tasks):
         room.cover[task] = 0
-        work = (problem.duration[task] + way) * MEAN_LOAD // scale
+        work = (graph.nodes[task].duration + way) * MEAN_LOAD // scale
         _load(problem, graph, room, task, work)
     for _ in range(rounds):
         for task in range(tasks):
-            work = (problem.duration[task] + way) * MEAN_LOAD // scale
+            work = (graph.nodes[task].duration + way) * MEAN_LOAD // scale
             _load(problem, graph, room, task, -work)
             best, least = 0, 0
             for cover in range(problem.listed[graph.nodes[task].need]):
@@ -190,7 +190,7 @@ def _look(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, which: i
             break
         pace = problem.kinds[problem.kind[robot]].pace
         comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
-        slower = problem.slower[pace, task]
+        slower = takes_with(problem, pace, task) - graph.nodes[task].duration
         if found == keeps and _score(first[found - 1]) <= comes + slower:
             continue
         if found < keeps:
@@ -277,7 +277,7 @@ def _do(
             slower = max(slower, first[which, index].slower)
             size += 1
     start = max(start, there + problem.forming[0] * comes_apart)
-    end = start + problem.duration[task] + slower
+    end = start + graph.nodes[task].duration + slower
     for seat in range(size):
         robot = plan.coalition[task, seat]
         room.place[robot], room.free[robot] = task, end
@@ -320,7 +320,8 @@ def _is_first(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, robo
             return True
     pace = problem.kinds[problem.kind[robot]].pace
     comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
-    return keeps > 0 and comes + problem.slower[pace, task] < _score(first[keeps - 1])
+    slower = takes_with(problem, pace, task) - graph.nodes[task].duration
+    return keeps > 0 and comes + slower < _score(first[keeps - 1])
 
 
 def first_plan(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> CoalitionPlan:
@@ -333,6 +334,7 @@ def first_plan(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> Coa
         assert drawn is not None, "the caller has seen that every task has an able coalition"
         return drawn
     tasks = len(problem.needs)
+    graph.nodes.duration[:tasks] = arcs.ways_to[:, :, -1].min(axis=0)  # of the fastest coalitions
     room, plan, best = empty_dispatch(problem, arcs), empty_plan(problem), empty_plan(problem)
     balance(arcs, graph, room, BALANCINGS)
     least = NEVER

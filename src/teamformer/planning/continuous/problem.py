@@ -78,6 +78,8 @@ def pose_problem(
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
     pace, tasks = np.asarray(pace, np.int32), len(needs)
+    slower = np.zeros((len(ways), tasks)) if slower is None else slower
+    slower = np.ascontiguousarray(slower, np.int64)
     apart = np.zeros(len(counts)) if apart is None else apart
     traits = np.column_stack([counts, pace, home, apart])  # (robots, traits)
     first, kind = different_rows(traits)
@@ -95,9 +97,7 @@ def pose_problem(
         needs=needs,
         able=listed([np.flatnonzero(column) for column in counts.T]),
         duration=np.asarray(duration, np.int64),
-        slower=np.zeros((len(ways), tasks), np.int64)
-        if slower is None
-        else np.ascontiguousarray(slower, np.int64),
+        slower=slower,
         release=np.zeros(tasks, np.int64) if release is None else np.asarray(release, np.int64),
         due=np.full(tasks, NEVER) if due is None else np.asarray(due, np.int64),
         before=listed([[i for i, j in precedence if j == task] for task in range(tasks)]),

@@ -53,7 +53,7 @@ def replace_member(
             candidate = choice.candidates[which, place]
             if _is_in(graph, task, candidate.seat):
                 continue
-            value = candidate.comes + candidate.slower + candidate.leaves
+            value = candidate.comes + candidate.leaves
             if value < least:
                 best, at, least = which, place, value
             break

@@ -144,7 +144,8 @@ def propagate(
         for other in members:
             if other == NOBODY:
                 break
-            fit_duration(problem, graph, trial, other)
+            if nodes[other].is_load:
+                fit_duration(problem, graph, trial, other)
             start[other] = start_of(problem, graph, other, nodes[other].first)
         if members[1] != NOBODY:
             _keep_gaps(links, members, start)

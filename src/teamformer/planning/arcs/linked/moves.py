@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.arrays import Array
 from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem
+from teamformer.planning.arcs.arc_problem import ArcProblem, takes_with
 from teamformer.planning.arcs.draws import cut_beside_near, keeps_order
 from teamformer.planning.arcs.graph import LAST, Graph
 from teamformer.planning.arcs.judging import KEY, KIND, TAKEN, Trial, connect, record
@@ -101,7 +101,7 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
     start = node.end - node.duration
     if draw < IN_WINDOW:
         due = graph.worth[task].due
-        latest = due - problem.duration[task] if due < NEVER else start + 4 * leg
+        latest = due - takes_with(problem, 0, task) if due < NEVER else start + 4 * leg
         return 2 * (node.release + draw_below(random, max(1, latest - node.release)))
     if draw < IN_WINDOW + IN_PLACE:
         return 2 * max(0, start - leg + draw_below(random, 2 * leg + 1))

@@ -24,8 +24,8 @@ SWAP, REPLACE, RIDE, ANYWHERE, IN_PLACE, BUNDLE, SMOOTH, SLACK, STRETCH = range(
 how many are to any moment, in place, or try a bundle; how many percent the mean end of tasks weighs
 in steps; by how many ticks chains may be longer than allowed."""
 
-CONTINUOUS = (40, 0, 0, 5, 0, 0, 0, 0, 0)
-"""The habits in continuous time."""
+CONTINUOUS, WITH_SPARES = (40, 0, 0, 5, 0, 0, 0, 0, 0), (40, 0, 15, 5, 0, 0, 0, 0, 0)
+"""The habits in continuous time, and where coalitions with more robots than they need may pay."""
 
 
 class ArcProblem(NamedTuple):
@@ -70,7 +70,6 @@ class StepRules(NamedTuple):
     together: Int32s  # (paces, paces) the pace of those who go together
     prices: Prices  # if more than the makespan counts
     near: int  # how many tasks are near to each
-    riders: int  # how many robots more than it needs come to a task at most
     habits: tuple[int, ...]
     passed: Int32s  # (ways + 1,) as in ArcProblem
     passes: Int32s
@@ -114,8 +113,8 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
         before=problem.before,
         after=problem.after,
         forming=problem.forming,
-        most=np.array([most_seats(problem, steps)]),
-        habits=np.array(CONTINUOUS if steps is None else steps.habits, np.int32),
+        most=np.array([most_seats(problem)]),
+        habits=np.array(_habits(problem, steps), np.int32),
         passed=np.zeros(1, np.int32) if steps is None else steps.passed,
         passes=np.zeros(0, np.int32) if steps is None else steps.passes,
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
@@ -149,6 +148,12 @@ def _weights(tasks: int, steps: StepRules | None) -> Ints:
     return np.array([100 * tasks, steps.habits[SMOOTH], 100 * tasks, 0])
 
 
+def _habits(problem: CoalitionProblem, steps: StepRules | None) -> tuple[int, ...]:
+    if steps is not None:
+        return steps.habits
+    return WITH_SPARES if problem.spares > 0 else CONTINUOUS
+
+
 def _mixed(problem: CoalitionProblem) -> Int32s:
     """Return the first robots of all kinds, then the second ones, and so on."""
     columns = problem.like.T.ravel()
@@ -163,10 +168,9 @@ def different_needs(problem: CoalitionProblem) -> tuple[Int32s, Int32s]:
     return np.ascontiguousarray(needs[first]), number
 
 
-def most_seats(problem: CoalitionProblem, steps: StepRules | None = None) -> int:
-    """Return how many robots come to a task at most: none to spare, and riders in steps."""
-    riders = 0 if steps is None else steps.riders
-    return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1) + riders))
+def most_seats(problem: CoalitionProblem) -> int:
+    """Return how many robots come to a task at most: all that it may need, and spares."""
+    return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1) + problem.spares))
 
 
 def near_tasks(ways: Ints, count: int) -> Int32s:

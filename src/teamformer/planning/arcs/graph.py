@@ -104,7 +104,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     nodes.need[:tasks] = different_needs(problem)[1]
     linked = (problem.before[:, 0] != NOBODY) | (problem.after[:, 0] != NOBODY)
     nodes.has_links[:tasks] = linked
-    most = most_seats(problem, steps)
+    most = most_seats(problem)
     nodes.first[:tasks] = np.arange(tasks) * most
     if steps is not None:
         nodes.end[tasks:places] = steps.ready

@@ -30,6 +30,7 @@ from teamformer.planning.continuous.links import (
 )
 from teamformer.planning.continuous.problem import (
     NEVER,
+    SPARES,
     CoalitionProblem,
     pose_problem,
     without_spares,
@@ -45,6 +46,9 @@ from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
 MOST_TICKS = 2 * 10**9
 """About how many ticks everything takes at most, one task after the other."""
+
+STRAIGHT = 1 - 1e-9
+"""A way is shorter than another if it is by more than what rounding makes of equal ones."""
 
 NO_WAY = 1000
 """Where no way is, it takes this many times longer than everything."""
@@ -81,12 +85,16 @@ class ContinuousMission:
         )
 
     def as_arrays(self, plan: Plan) -> CoalitionPlan:
-        """Return a plan of all tasks as searches have it: nobody is in it who can be spared."""
+        """Return a plan of all tasks as searches have it.
+
+        Nobody is in it who can be spared, but where that may pay.
+        """
         problem = self.problem.base if isinstance(self.problem, LinkedProblem) else self.problem
         made = empty_plan(problem)
         made.order[:] = plan.order
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
-            needed = without_spares(problem, task, coalition)
+            is_kept = problem.spares > 0
+            needed = list(coalition) if is_kept else without_spares(problem, task, coalition)
             made.size[task] = len(needed)
             made.coalition[task, : len(needed)] = needed
         return made
@@ -138,10 +146,39 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
         precedence=[(k, task) for task, before in tasks_before(tasks).items() for k in before],
         forming=round(scenario.forming * scale),
+        spares=SPARES if _may_spare_pay(scenario, ways, home, pace, takes) else 0,
         site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
     )
     linked = _link(scenario, problem, scale) if is_linked(scenario) else problem
     return ContinuousMission(scenario, ways, home, origin, pace, carry, scale, linked)
+
+
+def _may_spare_pay(
+    scenario: Scenario, ways: Floats, home: Floats, pace: Ints, takes: Floats
+) -> bool:
+    """Say whether it may pay that a robot takes part in a task that can be done without it.
+
+    It forms no coalition later if it comes along; or the way by the task is the quicker one, as it
+    may be on roads, or the one that costs less, as nothing does on which a load is carried.
+    """
+    is_road, has_loads = isinstance(scenario.world, Roads), any(t.to for t in scenario.tasks)
+    costs_travel = scenario.cost is not None and scenario.cost.get("travel", 0.0) > 0
+    if scenario.forming > 0:
+        return True
+    if costs_travel and (is_road or has_loads):
+        return _has_detour(ways, home, pace, np.zeros_like(takes))
+    return is_road and _has_detour(ways, home, pace, takes)
+
+
+def _has_detour(ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
+    """Say whether some way by a task, which takes so long, is shorter than the straight one."""
+    for task, spent in enumerate(takes):
+        by_task = ways[:, :, task] + spent  # (paces, places)
+        is_shorter = by_task[:, :, None] + ways[:, None, task] < ways * STRAIGHT
+        back = by_task[pace] + home[:, task, None]  # (robots, places)
+        if is_shorter.any() or (back < home * STRAIGHT).any():
+            return True
+    return False
 
 
 def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> LinkedProblem:

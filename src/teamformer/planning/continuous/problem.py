@@ -21,6 +21,7 @@ from teamformer.rules.constants import NOBODY
 __all__ = [
     "NEVER",
     "NOBODY",
+    "SPARES",
     "CoalitionProblem",
     "different_rows",
     "pose_problem",
@@ -29,6 +30,10 @@ __all__ = [
 
 NEVER = 2**60
 """A due time that no task has; ticks of real times stay far below."""
+
+
+SPARES = 4
+"""How many robots more than it needs come to a task at most, where that may pay."""
 
 
 class CoalitionProblem(NamedTuple):
@@ -51,6 +56,7 @@ class CoalitionProblem(NamedTuple):
     before: Int32s  # (tasks, most) the tasks that must have ended before each, then NOBODY
     after: Int32s  # (tasks, most) the tasks that each must have ended before, then NOBODY
     forming: Ints  # (1,) what a coalition takes whose robots do not all come from one site
+    spares: int  # how many robots more than it needs come to a task at most
 
 
 def pose_problem(
@@ -68,6 +74,7 @@ def pose_problem(
     forming: int = 0,
     site: npt.ArrayLike | None = None,
     apart: npt.ArrayLike | None = None,
+    spares: int = 0,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
@@ -103,6 +110,7 @@ def pose_problem(
         before=listed([[i for i, j in precedence if j == task] for task in range(tasks)]),
         after=listed([[j for i, j in precedence if i == task] for task in range(tasks)]),
         forming=np.array([forming]),
+        spares=spares,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.arrays import Int32s, Ints
 from teamformer.jit import entry, kernel
-from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem
+from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem, without_spares
 
 if TYPE_CHECKING:
     from teamformer.arrays import Array
@@ -80,6 +80,17 @@ def time_plan(problem: CoalitionProblem, schedule: Schedule) -> None:
     for position in range(len(schedule.rank)):
         time_one(problem, schedule, position)
     sum_up(problem, schedule)
+
+
+def with_seats(problem: CoalitionProblem, plan: CoalitionPlan, most: int) -> CoalitionPlan:
+    """Return a plan in which no task has more than so many robots, but for those that it needs."""
+    if (plan.size <= most).all():
+        return plan
+    seated = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
+    for task in np.flatnonzero(plan.size > most).tolist():
+        kept = without_spares(problem, task, plan.coalition[task, : plan.size[task]].tolist(), most)
+        seated.size[task], seated.coalition[task, : len(kept)] = len(kept), kept
+    return seated
 
 
 def schedule_of(problem: CoalitionProblem, plan: CoalitionPlan) -> Schedule:

@@ -9,7 +9,9 @@ from teamformer.planning.arcs.draws import cut_beside_near, keeps_order
 from teamformer.planning.arcs.graph import LAST, Graph
 from teamformer.planning.arcs.judging import KEY, KIND, TAKEN, Trial, connect, record
 from teamformer.planning.arcs.linked.candidates import PICKS, STAMP, Room, choose, gather
-from teamformer.planning.arcs.linked.judging import Ledger, Links, lead, way_out
+from teamformer.planning.arcs.linked.judging import Ledger, Links, lead, travel_of, way_out
+from teamformer.planning.arcs.riders import change_riders
+from teamformer.planning.arcs.task_moves import Moved
 from teamformer.planning.continuous.links import FREE, TRAVEL
 from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
@@ -64,6 +66,28 @@ def move(
             if not _put_in(problem, links, graph, trial, ledger, room, random, other, beside, was):
                 return False
     return are_apart(links, graph, members)
+
+
+@kernel
+def ride(
+    problem: ArcProblem,
+    links: Links,
+    graph: Graph,
+    trial: Trial,
+    ledger: Ledger,
+    moved: Moved,
+    random: Array,
+    task: int,
+) -> bool:
+    """Change who comes along without need; say if no robot does two tasks of a group then."""
+    if not change_riders(problem, graph, trial, moved, random, task):
+        return False
+    ledger.then[TRAVEL] = travel_of(problem, graph)
+    for place in range(moved.number[0]):
+        members = links.members[links.group[moved.task[place]]]
+        if members[1] != NOBODY and not are_apart(links, graph, members):
+            return False
+    return True
 
 
 @kernel

@@ -64,7 +64,8 @@ def solve_linked(
     race = Race(_judge, shared, begun, begun + time_limit)
     first = (time.perf_counter() - begun, shared.cost)
     if start is not None:
-        given = LinkedSearch(problem, seed)
+        everybody = problem.base._replace(spares=len(problem.base.counts))
+        given = LinkedSearch(problem._replace(base=everybody), seed)
         if given.begin_at(start):
             race.offer(_solution(given))
     race.run([partial(_search, problem, seed + n + 1, race) for n in range(workers)], workers)

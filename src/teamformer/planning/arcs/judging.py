@@ -44,9 +44,9 @@ ARRIVING, PARTING = 1, 2
 
 LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED = range(7)
 """Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
-key of a node whose arcs out, or duration, have changed: behind it tails still hold; the seats by which what the
-makespan hangs on comes to the task at hand and leaves it, or NOBODY; and the length of the chain,
-or NOBODY if the plan has changed since it was listed."""
+key of a node whose arcs out, or duration, have changed: behind it tails still hold; the seats by
+which what the makespan hangs on comes to the task at hand and leaves it, or NOBODY; and the length
+of the chain, or NOBODY if the plan has changed since it was listed."""
 
 
 class Trial(NamedTuple):

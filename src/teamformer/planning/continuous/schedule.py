@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -91,6 +92,26 @@ def with_seats(problem: CoalitionProblem, plan: CoalitionPlan, most: int) -> Coa
         kept = without_spares(problem, task, plan.coalition[task, : plan.size[task]].tolist(), most)
         seated.size[task], seated.coalition[task, : len(kept)] = len(kept), kept
     return seated
+
+
+def without_riders(
+    problem: CoalitionProblem, plan: CoalitionPlan, cost_of: Callable[[CoalitionPlan], Any]
+) -> CoalitionPlan:
+    """Return a plan without the robots that a task can be done without, where it costs no more."""
+    if problem.spares == 0:
+        return plan
+    cost = cost_of(plan)
+    for task in plan.order.tolist():
+        for robot in plan.coalition[task, : plan.size[task]][::-1].tolist():
+            crew = plan.coalition[task, : plan.size[task]]
+            rest = crew[crew != robot]
+            if (problem.counts[rest].sum(axis=0) < problem.needs[task]).any():
+                continue
+            fewer = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
+            fewer.size[task], fewer.coalition[task, : len(rest)] = len(rest), rest
+            if cost_of(fewer) <= cost:
+                plan, cost = fewer, cost_of(fewer)
+    return plan
 
 
 def schedule_of(problem: CoalitionProblem, plan: CoalitionPlan) -> Schedule:

@@ -9,7 +9,7 @@ from functools import partial
 
 from teamformer.planning.arcs.linked.search import COOLER, COOLINGS, LinkedSearch
 from teamformer.planning.continuous.links import LinkedProblem
-from teamformer.planning.continuous.schedule import CoalitionPlan
+from teamformer.planning.continuous.schedule import CoalitionPlan, without_riders
 from teamformer.planning.race import Judgement, Race
 
 ROUNDS_EACH, MOST_ROUNDS = 20_000, 600_000
@@ -43,7 +43,7 @@ def plan_linked(problem: LinkedProblem, seed: int = 0) -> LinkedSolution | None:
     for _ in range(COOLINGS):
         search.anneal(heat, rounds)
         heat *= COOLER
-    return _solution(search)
+    return _without_riders(problem, _solution(search))
 
 
 def solve_linked(
@@ -64,12 +64,30 @@ def solve_linked(
     race = Race(_judge, shared, begun, begun + time_limit)
     first = (time.perf_counter() - begun, shared.cost)
     if start is not None:
-        everybody = problem.base._replace(spares=len(problem.base.counts))
-        given = LinkedSearch(problem._replace(base=everybody), seed)
+        given = _with_all_seats(problem)
         if given.begin_at(start):
             race.offer(_solution(given))
     race.run([partial(_search, problem, seed + n + 1, race) for n in range(workers)], workers)
-    return replace(race.plan, curve=(first, *race.curve))
+    return replace(_without_riders(problem, race.plan), curve=(first, *race.curve))
+
+
+def _with_all_seats(problem: LinkedProblem) -> LinkedSearch:
+    """Return a search that can stand at any plan: all robots may come to a task."""
+    everybody = problem.base._replace(spares=len(problem.base.counts))
+    return LinkedSearch(problem._replace(base=everybody), 0)
+
+
+def _without_riders(problem: LinkedProblem, solution: LinkedSolution) -> LinkedSolution:
+    """Return a solution without robots that only come along."""
+    if problem.base.spares == 0:
+        return solution
+    search = _with_all_seats(problem)
+
+    def cost_of(plan: CoalitionPlan) -> float:
+        return search.cost if search.begin_at(plan) else math.inf
+
+    plan = without_riders(problem.base, solution.plan, cost_of)
+    return LinkedSolution(plan, cost_of(plan))
 
 
 def _judge(solution: LinkedSolution) -> Judgement:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import strategies as st
 
-from missions import continuous_missions
+from missions import continuous_missions, missions
 from plain_times import Times, Ways, all_plans, times_of
 from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.errors import TeamformerError
@@ -16,14 +16,21 @@ from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.scenarios.files import scenario_from_tree
+from tiny import (
+    MOST_PLANS_IN_STEPS,
+    NEAR,
+    ROBOTS,
+    TASKS,
+    count_plans,
+    gap_in_continuous_time,
+    gap_in_steps,
+    worth_of,
+)
 from watching import fuzzed
 
 METHODS = st.sampled_from(["plan", "reactive", "central"])
 PLAN = "plan FILE --method {method} --time-limit 0.05"
 SECONDS = 0.05
-
-NEAR = 1e-5
-"""Times are told in whole ticks, of which there are a million and more in all."""
 
 
 def planned(scenario: Scenario, method: str) -> MissionPlan | None:
@@ -91,19 +98,26 @@ def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: 
 @fuzzed(6, "plan FILE --method central", mission=continuous_missions())
 def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
     scenario = scenario_from_tree(mission)
-    if len({robot.speed for robot in scenario.robots}) > 1 and any(t.to for t in scenario.tasks):
-        return  # plans count on the fastest carriers that there can be, and are timed by the true
     plan, best = (planned(scenario, method) for method in ("plan", "central"))
     if plan is None:
         return
     assert best is not None, "central finds no plan where there is one"
-    judged = [one.cost if one.cost is not None else _weighed(one) for one in (plan, best)]
-    assert judged[1] <= judged[0] + NEAR
+    assert worth_of(best) <= worth_of(plan) + NEAR
 
 
-def _weighed(made: MissionPlan) -> float:
-    """Return what a plan without a cost is judged by: a late tick weighs two of the makespan."""
-    return made.makespan + 2 * sum(made.late.values())
+@fuzzed(6, "plan FILE --method central", mission=continuous_missions(ROBOTS, TASKS))
+def test_no_tiny_mission_has_a_better_plan(mission: Any) -> None:
+    """Orders, and coalitions with robots to spare or without."""
+    scenario = scenario_from_tree(mission)
+    if count_plans(scenario) <= MOST_PLANS_IN_STEPS:
+        assert gap_in_continuous_time(scenario, "central", 10 * SECONDS) == 0.0
+
+
+@fuzzed(6, "run FILE --method central", mission=missions(is_plain=True))
+def test_no_tiny_mission_in_steps_has_a_better_plan(mission: Any) -> None:
+    scenario = scenario_from_tree(mission)
+    if count_plans(scenario) <= MOST_PLANS_IN_STEPS:
+        assert gap_in_steps(scenario, 10 * SECONDS) == 0.0
 
 
 @fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)

@@ -1,8 +1,8 @@
 """How much better than the planner's a plan of a tiny mission can be, of all that there are.
 
 `python tests/fuzz/tiny.py continuous 2000 1` draws so many missions in continuous time, and gives
-`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps, which
-`central` plans.
+`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps,
+which `central` plans.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Any
 
 from hypothesis import HealthCheck, given, seed, settings
 
-from missions import continuous_missions
+from missions import continuous_missions, missions
 from plain_times import Times, Ways, able_crews, all_plans
 from teamformer.errors import TeamformerError
 from teamformer.mission.links import is_linked

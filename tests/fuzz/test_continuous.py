@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import strategies as st
 
-from missions import continuous_missions, missions
+from missions import continuous_missions
 from plain_times import Times, Ways, all_plans, times_of
 from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.errors import TeamformerError
@@ -23,7 +23,6 @@ from tiny import (
     TASKS,
     count_plans,
     gap_in_continuous_time,
-    gap_in_steps,
     worth_of,
 )
 from watching import fuzzed
@@ -111,13 +110,6 @@ def test_no_tiny_mission_has_a_better_plan(mission: Any) -> None:
     scenario = scenario_from_tree(mission)
     if count_plans(scenario) <= MOST_PLANS_IN_STEPS:
         assert gap_in_continuous_time(scenario, "central", 10 * SECONDS) == 0.0
-
-
-@fuzzed(6, "run FILE --method central", mission=missions(is_plain=True))
-def test_no_tiny_mission_in_steps_has_a_better_plan(mission: Any) -> None:
-    scenario = scenario_from_tree(mission)
-    if count_plans(scenario) <= MOST_PLANS_IN_STEPS:
-        assert gap_in_steps(scenario, 10 * SECONDS) == 0.0
 
 
 @fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)

@@ -1,8 +1,8 @@
 """How much better than the planner's a plan of a tiny mission can be, of all that there are.
 
 `python tests/fuzz/tiny.py continuous 2000 1` draws so many missions in continuous time, and gives
-`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps,
-which `central` plans.
+`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps, for
+which one thread of its search stands alone.
 """
 
 from __future__ import annotations

@@ -446,7 +446,7 @@ def called_interrupted(replay: Replay) -> Iterator[Replay]:
 
 
 def exchanged(key: str) -> Forge:
-    """The joiner was the partner, or those left who stayed; where teams do not meet on their way."""
+    """The joiner was the partner, or those left who stayed; of teams that met in one place."""
 
     def forge(replay: Replay) -> Iterator[Replay]:
         if are_followed(replay) and (key == "splits" or replay.scenario.forming_steps):

@@ -32,6 +32,7 @@ class RecordedTeam:
     due: int | None = None  # the task that the plan gives it
     is_named: bool = False  # its decision named its task
     was_serving: bool = False  # when tasks were given
+    may_seek: bool = True  # it may walk to a partner
     had_task: bool = False  # and it kept the one that it had, or another was named
     is_pursuit_sure: bool = True  # whether it is known what it has pursued in this step
     pursues: int | None = None  # the task, if it is; None for none

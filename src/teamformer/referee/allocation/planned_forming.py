@@ -26,7 +26,7 @@ class _Forming(NamedTuple):
 
     splits: set[Split]
     joins: set[Join]  # of teams in one place
-    meetings: set[Join]  # of teams that may meet on their way
+    walks: set[Join]  # to a partner elsewhere
 
 
 def check_forming(
@@ -40,7 +40,7 @@ def check_forming(
 ) -> None:
     """Check, before teams form in a step, that those part and join that the plan wants to.
 
-    `goals` says where the tasks are believed to be.
+    Writes down which teams may walk to a partner. `goals` says where the tasks are believed to be.
     """
     if not lists.decide:
         return
@@ -49,7 +49,11 @@ def check_forming(
     for stay, leave in sorted(wanted.splits ^ set(step.splits)):
         parts = f"{list_robots(fleet, stay)} stay and {list_robots(fleet, leave)} leave"
         notes.note(_otherwise(parts, (stay, leave) in wanted.splits))
-    for joiner, partner in sorted(wanted.joins ^ (set(step.joins) - wanted.meetings)):
+    joiners = {joiner for joiner, _ in wanted.walks}
+    for slot, team in fleet.teams.items():
+        team.may_seek = slot in joiners
+    on_the_way = set[Join]() if fleet.scenario.forming_steps else wanted.walks
+    for joiner, partner in sorted(wanted.joins ^ (set(step.joins) - on_the_way)):
         one, other = (fleet.scenario.robots[slot].name for slot in (joiner, partner))
         how = f"the team of robot {one} joins that of robot {other}"
         notes.note(_otherwise(how, (joiner, partner) in wanted.joins))
@@ -74,7 +78,7 @@ def _due_forming(
     found = (_due_split(fleet, free[slot], next_of, lists) for slot in parting)
     splits = {split for split in found if split is not None}
     formed = {min(part) for split in splits for part in split}
-    joins, meetings = set[Join](), set[Join]()
+    joins, walks = set[Join](), set[Join]()
     for joiner, wanted in _who_joins(fleet, free, parting, goals).items():
         partner = _partner_of(fleet, free, joiner, wanted)
         if partner is None or {joiner, partner} & formed:
@@ -82,9 +86,9 @@ def _due_forming(
         if fleet.is_at(free[joiner], free[partner].at):
             joins.add((joiner, partner))
             formed |= {joiner, partner}
-        elif fleet.scenario.forming_steps == 0:
-            meetings.add((joiner, partner))
-    return _Forming(splits, joins, meetings)
+        else:
+            walks.add((joiner, partner))
+    return _Forming(splits, joins, walks)
 
 
 def _due_split(

@@ -14,7 +14,8 @@ from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
-from teamformer.trials.methods import METHODS, load_method
+from teamformer.trials.listings import our_method_names
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial, run_trials
 
 STEPS = 60
@@ -33,19 +34,17 @@ class Dice:
 
 
 LISTED = [
-    listing.name
-    for listing in METHODS
-    if load_method(listing.name).policy is not None and not listing.name.endswith("-ppo")
+    name
+    for name in our_method_names()
+    if load_method(name).policy is not None and not name.endswith("-ppo")
 ]
 """Without those that are others with other weights."""
 NAMES = [*LISTED, "test_conformance:Dice"]
 
 
 def load(name: str) -> Policy:
-    policy = load_method(name).policy
+    policy = load_method(name, time_limit=0.0).policy  # so that no clock decides on plans
     assert policy is not None
-    if hasattr(policy, "time_limit"):
-        policy.time_limit = 0.0  # its first plan does, and no clock decides what it is
     return policy
 
 

@@ -16,7 +16,8 @@ from teamformer.errors import TeamformerError
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
 from teamformer.planning.continuous.rules import warm_up
-from teamformer.trials.methods import DEFAULT, default_for
+from teamformer.trials.listings import DEFAULT
+from teamformer.trials.methods import default_for
 
 ROUNDS = 7
 """So many times every change is searched if there is time."""

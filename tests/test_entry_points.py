@@ -5,11 +5,10 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
-from fleets import pair
 from packages import add_package, packages_in
 from small_worlds import two_robots_one_task
 from teamformer import entry_points
@@ -18,6 +17,7 @@ from teamformer.entry_points import GROUPS, brought, find_brought, names_of
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Report
 from teamformer.fleet.bodies.by_name import body_maker
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.scenarios.imports import import_missions
 from teamformer.sim.replay.writing import write_replay
 from teamformer.trials.listings import method_listings, method_names, our_method_names
@@ -138,10 +138,11 @@ def test_what_a_package_does_wrong_is_told_by_file_and_line() -> None:
 
 
 def test_bodies_importers_and_exporters_of_packages(tmp_path: Path) -> None:
-    line: Any = None
-    assert body_maker("still:here")(pair(), 1, line).report() == Report(4.0, 0.0)
+    line, fleet = cast(Any, None), Mission(two_robots_one_task())
+    at = fleet.scenario.robots[1].at
+    assert body_maker("still:here")(fleet, 1, line).report() == Report(*map(float, at))
     with pytest.raises(TeamformerError, match="returned str, not a Report"):
-        body_maker("still")(pair(), 1, line).report()
+        body_maker("still")(fleet, 1, line).report()
     [mission] = import_missions("ours", tmp_path / "a.good")
     assert mission.tasks
     with pytest.raises(TeamformerError, match="'ours' of package 'eager-robots' returned some"):

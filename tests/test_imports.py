@@ -64,6 +64,7 @@ SEES = {
     "robotarium": {*BELOW_POLICIES, "policies", "trials"},
     "fleet": {*BELOW_POLICIES, "policies", "trials", "live"},  # whose pages may watch it
     "api": {*BELOW_POLICIES, "policies", "critical_path", "trials", "referee", "viewer", "advice"},
+    "testing": {*BELOW_POLICIES, "policies", "trials", "referee", "fleet"},
     "commands": {*BELOW_COMMANDS, "train", "robotarium", "fleet"},
     "cli": {*BELOW_COMMANDS, "commands"},
 }

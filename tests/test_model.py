@@ -284,6 +284,20 @@ EDGES: list[tuple[dict[str, Any], dict[str, Any] | None, tuple[str | int, ...], 
         "task 'x' has duration 1000000001; use a whole number up to 1,000,000,000",
     ),
     (
+        tasks(appears=10**9 + 1),
+        tasks(appears=10**9),
+        (*TASK, "appears"),
+        "task 'x' has appears 1000000001; use a whole number up to 1,000,000,000, counted from the "
+        "mission's start",
+    ),
+    (
+        tasks(between=(0, 1.5e9)),
+        tasks(between=(0, 1e9)),
+        (*TASK, "between"),
+        "task 'x' is to be done between 0 and 1.5e+09; use [begin, end], up to 1e9, counted from "
+        "the mission's start",
+    ),
+    (
         tasks(appears=math.nan),
         tasks(appears=1),
         (*TASK, "appears"),

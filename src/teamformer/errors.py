@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 
 class TeamformerError(Exception):
@@ -17,6 +19,11 @@ class TeamformerError(Exception):
         self.hint = hint
         if hint:
             self.add_note(f"hint: {hint}")  # who calls from Python sees it under the message
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what it holds, whatever a subclass is made from; else pools of processes hang."""
+        made = (type(self), *self.args)
+        return copyreg.__newobj__, made, vars(self)  # type: ignore[attr-defined]
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
+import numpy as np
+
 GROUND, AIR = "ground", "air"
 """How robots move: on the ground if they do not say how."""
 
@@ -69,10 +71,24 @@ class Roads:
         """Return by how much a robot is faster than the times say."""
         return speed
 
+    @cached_property
+    def ways(self) -> Mapping[str, Rows]:
+        """Return how long robots take from each place to each other one, infinite if they cannot.
+
+        That is by `times` where there is a direct way, else by way of other places.
+        """
+        return {mover: _fill_gaps(rows) for mover, rows in self.times.items()}
+
+    def leads(self, mover: str, here: tuple[float, float], there: tuple[float, float]) -> bool:
+        """Say whether a mover gets from one place to another; one without a table, everywhere."""
+        rows = self.ways.get(mover)
+        return rows is None or math.isfinite(rows[int(here[0])][int(there[0])])
+
     @property
     def longest_way(self) -> float:
         """Return the longest time between two places, whatever moves."""
-        return max((max(row) for rows in self.times.values() for row in rows), default=0.0)
+        times = (time for rows in self.ways.values() for row in rows for time in row)
+        return max(filter(math.isfinite, times), default=0.0)
 
     def problems(self) -> Iterator[str]:
         """Return what is wrong with the roads themselves."""
@@ -88,6 +104,24 @@ class Roads:
                 yield f"the times by {mover} are no square matrix of {len(self.places)} places"
             for a, row in enumerate(rows):
                 for b, time in enumerate(row):
-                    if not (0 <= time <= LONGEST_WAY and math.isfinite(time)):
+                    if not is_way(time):
                         yield f"the time by {mover} from place {a} to {b} is {time:g}; use 0 to 1e9"
                         return
+
+
+def is_way(time: float) -> bool:
+    """Say whether this can be the time of a way; infinity says that there is none."""
+    return 0 <= time <= LONGEST_WAY or time == math.inf
+
+
+def _fill_gaps(times: Rows) -> Rows:
+    """Return times with the quickest way by other places where there is no direct one."""
+    direct = np.array(times)
+    has_way = np.isfinite(direct)
+    if has_way.all():
+        return times
+    quickest = direct.copy()
+    np.fill_diagonal(quickest, 0.0)
+    for by in range(len(direct)):
+        np.minimum(quickest, quickest[:, by, None] + quickest[by], out=quickest)
+    return tuple(map(tuple, np.where(has_way, direct, quickest).tolist()))

@@ -347,8 +347,9 @@ def _write_pins(draw: st.DrawFn, tree: Tree, world: Drawn) -> None:
         if near and room >= 2 and now_and_then(draw, 2):
             task["with"] = [names[id(robot)] for robot in some(draw, near, 2)]
             room -= len(task["with"])
-        elif len(robots) == len(tree["robots"]) and room >= wanted:
-            task["only"] = [names[id(robot)] for robot in near]
+        elif all("count" not in r or "name" in r for r in tree["robots"]) and room >= wanted:
+            near = [r for r in tree["robots"] if "moves" in r or world.part(r["at"]) == part]
+            task["only"] = [names[id(robot)] for robot in near]  # alike ones by their one name
             room -= wanted
 
 

@@ -46,7 +46,7 @@ class Ways:
     def time(self, robot: Robot, here: Place, there: Place) -> float:
         """Return how long a robot takes for a way; infinity where there is none."""
         if isinstance(self._world, Roads):
-            return self._world.times[robot.moves][int(here[0])][int(there[0])] / robot.speed
+            return self._by_road(robot.moves, int(here[0]), int(there[0])) / robot.speed
         if not hasattr(self._world, "neighbours"):
             return math.dist(here, there) / robot.speed
         if robot.flies:
@@ -54,6 +54,17 @@ class Ways:
         if there not in self._fields:
             self._fields[there] = self._field(there)
         return self._fields[there].get(here, math.inf) / robot.speed
+
+    def _by_road(self, moves: str, here: int, there: int) -> float:
+        """Return the time of the direct way or, where there is none, of the quickest walk."""
+        times = self._world.times[moves]
+        if times[here][there] < math.inf:
+            return times[here][there]
+        best = [0.0 if place == here else math.inf for place in range(len(times))]
+        for _ in times:
+            for one, row in enumerate(times):
+                best = [min(was, best[one] + time) for was, time in zip(best, row, strict=True)]
+        return best[there]
 
     def _field(self, there: Place) -> dict[Place, int]:
         field, frontier = {there: 0}, [there]

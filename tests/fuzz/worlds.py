@@ -86,14 +86,22 @@ def plane(draw: st.DrawFn) -> Drawn:
 
 
 def roads(draw: st.DrawFn) -> Drawn:
-    """Return roads as a text, some by air too; ways back may differ, and detours be shorter."""
+    """Return roads as a text, some by air too; ways back may differ, and detours be shorter.
+
+    Some direct ways are not there, but never those from each place to the next, and round.
+    """
     names = [f"p{number}" for number in range(1 + draw(SIDES))]
     tables = {}
     for mover in ("ground", "air")[: 1 + now_and_then(draw, 2)]:
         rows = [",".join(["from", *names])]
-        for name in names:
-            times = [0 if other == name else pick(draw, WAYS) for other in names]
-            rows.append(",".join([name, *(f"{time:g}" for time in times)]))
+        has_gaps = now_and_then(draw)
+        for number, name in enumerate(names):
+            after = names[(number + 1) % len(names)]
+            times = ["0" if other == name else f"{pick(draw, WAYS):g}" for other in names]
+            if has_gaps:
+                is_kept = [other == after or now_and_then(draw, 2) for other in names]
+                times = [time if kept else "" for time, kept in zip(times, is_kept, strict=True)]
+            rows.append(",".join([name, *times]))
         tables[mover] = "\n".join([*rows, ""])
     is_one = len(tables) == 1
     return Drawn({"roads": tables["ground"] if is_one else tables}, names, movers=tuple(tables))

@@ -164,7 +164,7 @@ CASES = [
     ("sensing_radius: 1", "foresight: absent", 10, "'foresight' says how to solve the mission, "
      "not what it is; delete it; suites of bench can set it, under method_settings"),
     ("speed: 0.5", "lost: 1000000001", 7,
-     "lost of robot 2 is 1000000001; write a number up to 1,000,000,000"),
+     "lost of robot 2 is 1000000001; write a number up to 1,000,000,000, counted from the"),
     ("speed: 0.5", "lost: 9, back: 2000000001", 7,
      "back of robot 2 is 2000000001; write a number up to 2,000,000,000"),
     # unknown, repeated, missing and misplaced keys
@@ -202,6 +202,12 @@ CASES = [
     ("at: [0, 0]", "at: [0, 0, 0]", 6, "at of robot 1 has 3 numbers instead of 2; write a cell"),
     ("sensing_radius: 1", "ends: [0]", 10, "ends lacks one number; write a cell as [x, y]"),
     ("at: [0, 0]", "at: 3", 6, "at of robot 1 is 3; write a cell as [x, y]"),
+    ("at: [3, 2]", "at: [3, 2], appears: 1738915200", 9,
+     "appears of task 1 is 1738915200; write a number up to 1,000,000,000, counted from the mission"
+     "'s start"),
+    ("at: [3, 2]", "at: [3, 2], between: [1738915200, 1738918800]", 9,
+     "entry 1 of between of task 1 is 1738915200; write a number up to 1,000,000,000, counted from "
+     "the mission's start"),
     ("at: [0, 0]", "at: [0, 99999999999]", 6, "write a number up to 1,000,000,000"),
     ("can: [scan]", "can: {scan: 1.0005}", 7, "scan of can of robot 2 is 1.0005; round it to 3"),
     ("can: [scan]", "can: {scan: 100000.5}", 7, "write a number up to 100,000"),
@@ -275,9 +281,21 @@ CASES = [
             ("bay, 5, 0", "bay, 5, 0\n    x, 1, 2", "4: the table is not square: the row of 'x' "),
             ("bay, 5, 0", "bay, -1, 0", "3: the time from 'bay' to 'dock' is -1; write 0 to 1e9"),
             ("bay, 5, 0", "bay, nan, 0", "3: the time from 'bay' to 'dock' is nan; write 0 to"),
-            ("bay, 5, 0", "bay, , 0", "3: the time from 'bay' to 'dock' is missing; write a num"),
-            ("bay, 5, 0", "bay, far, 0", "3: the time from 'bay' to 'dock' is 'far'; write a num"),
+            ("bay, 5, 0", "bay, -inf, 0", "3: the time from 'bay' to 'dock' is -inf; write 0 to"),
+            ("bay, 5, 0", "bay, far, 0", "3: the time from 'bay' to 'dock' is 'far'; write 0 to"),
         )
+    ),
+    (
+        FROM_WORLD,
+        ON_ROADS.replace("dock, 0, 4", "dock, 0, inf"),
+        13,
+        "task 'x' cannot be reached by robots that bring lift; move it, give such a way a time",
+    ),
+    (
+        FROM_WORLD,
+        ON_ROADS.replace("bay, 5", "bay, ").replace("at: dock", "at: bay") + "ends: dock\n",
+        11,
+        "robot 'a' has no way to where the mission ends; move it, give such a way a time under",
     ),
     (FROM_WORLD, ON_ROADS.replace("at: dock", "at: docc"), 11, "at of robot 1 is 'docc', which"),
     (FROM_WORLD, ON_ROADS.replace("at: dock", "at: [0, 1]"), 11, "is a list; on roads name a"),

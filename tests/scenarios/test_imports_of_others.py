@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import yaml
 
+import teamformer as tf
 from home_care import HHCRSP
 from teamformer.errors import TeamformerError
 from teamformer.roads import Roads
@@ -32,6 +33,17 @@ SADCHER = {
     "loc": [[0, 0], [3, 4], [6, 8], [9, 9]],
     "prec": [[1, 2]],
 }
+
+
+PUBLISHED = {
+    "Q": [[1, 0], [0, 1]],
+    "R": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0]],
+    "T_e": [0, 5, 6, 0],
+    "task_locations": [[0, 0], [3, 4], [6, 8], [9, 12]],
+    "precedence_constraints": [[1, 2]],
+    "T_t": [[0, 5, 10, 15], [5, 0, 5, 10], [10, 5, 0, 5], [15, 10, 5, 0]],
+}
+"""The form in which SADCHER's authors publish their instances."""
 
 
 def write(path: Path, tree: Any) -> Path:
@@ -55,6 +67,40 @@ def test_sadcher(tmp_path: Path) -> None:
     assert one.tasks[1].after == ("t1",)
     assert one.tasks[1].at == (6, 8)
     assert {robot.at for robot in one.robots} == {(0, 0)}
+
+
+def test_sadcher_as_its_authors_publish_it(tmp_path: Path) -> None:
+    [mission] = import_missions("sadcher", write(tmp_path / "p_1.json", PUBLISHED))
+    short = SADCHER | {"loc": PUBLISHED["task_locations"]}
+    [same] = import_missions("sadcher", write(tmp_path / "p_1.json", short))
+    assert mission == same
+    assert [(task.name, task.at, task.duration) for task in mission.tasks] == [
+        ("t1", (3, 4), 5),
+        ("t2", (6, 8), 6),
+    ]
+    made = tf.plan(mission, method="reactive")
+    assert made is not None
+    assert made.makespan == pytest.approx(26)  # r0 walks 15 in all and serves 5 and 6
+
+
+def test_sadcher_goes_by_the_times_that_its_file_has(tmp_path: Path) -> None:
+    rounded = PUBLISHED | {"T_t": [[0, 5, 9, 15], [5, 0, 4, 10], [10, 5, 0, 5], [15, 10, 5, 0]]}
+    [mission] = import_missions("sadcher", write(tmp_path / "p_1.json", rounded))
+    assert isinstance(mission.world, Roads)
+    assert mission.world.places == ("start", "t1", "t2", "end")
+    assert (mission.robots[0].at, mission.ends) == ((0, 0), (3, 0))
+    made = tf.plan(mission, method="reactive")
+    assert made is not None
+    assert made.makespan == pytest.approx(25)
+    tf.save(mission, tmp_path / "p_1.yaml")
+    assert tf.load(tmp_path / "p_1.yaml") == mission
+
+
+@pytest.mark.parametrize("precedence", [None, []])
+def test_sadcher_without_precedence(precedence: Any, tmp_path: Path) -> None:
+    free = PUBLISHED | {"precedence_constraints": precedence}
+    [mission] = import_missions("sadcher", write(tmp_path / "p_1.json", free))
+    assert [task.after for task in mission.tasks] == [(), ()]
 
 
 def test_hhcrsp(tmp_path: Path) -> None:
@@ -92,7 +138,7 @@ def test_simultaneous_services_start_at_once(tmp_path: Path) -> None:
         (("distances", 1), [5, 0], "distances is not square: row 1 has 2 of 3 numbers"),
         (("distances", 1), [5, 0, -9], "distances has -9 from p1 to p2; here should be 0 or more"),
         (("patients", 0, "id"), "d", "patients has 'd' twice, as a patient or the office"),
-        (("distances",), [[0, 5], [5, 0]], "has 2 rows; with 2 patients it should be 3"),
+        (("distances",), [[0, 5], [5, 0]], "has 2 rows; here should be one for each of 3 places"),
         (("patients", 0), {"id": "p1"}, "patients[0] lacks 'required_caregivers'"),
         (("patients", 0, "time_window"), [9, 2], "time_window goes from 9 to 2; the smaller one"),
         (("patients", 0, "time_window"), [9], "time_window has 1 entries; here should be two"),
@@ -232,6 +278,29 @@ def test_sadcher_files_that_are_broken(key: str, value: Any, told: str, tmp_path
     with pytest.raises(TeamformerError) as caught:
         import_missions("sadcher", write(tmp_path / "one.json", SADCHER | {key: value}))
     assert told in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("R", [[0, 0], [1, 0], [1, 1]], "T_e has 4 entries; with 1 tasks it should be 3"),
+        ("R", [[0, 0], [0, 0]], "R has no tasks between the start and the end"),
+        ("R", [[0, 1], [1, 0], [1, 1], [0, 0]], "R[0][1] is 1; here is the start, so 0"),
+        ("R", [[0, 0], [1, 0], [1, 1], [1, 0]], "R[3][0] is 1; here is the end, so 0"),
+        ("T_e", [0, 5, 6, 7], "T_e[3] is 7; here is the end, so 0"),
+        ("task_locations", [[0, 0]] * 3, "task_locations has 3 entries; with 2 tasks it should be"),
+        ("precedence_constraints", [[1, 3]], "precedence_constraints[0] names task 3; there are 2"),
+        ("T_t", [[0, 1], [1, 0]], "T_t has 2 rows; here should be one for each of 4 places"),
+        ("T_t", [[0, -1, 1, 1]] * 4, "T_t has -1 from start to t1; here should be 0 or more"),
+    ],
+)
+def test_published_sadcher_files_that_are_broken(
+    key: str, value: Any, told: str, tmp_path: Path
+) -> None:
+    with pytest.raises(TeamformerError) as caught:
+        import_missions("sadcher", write(tmp_path / "one.json", PUBLISHED | {key: value}))
+    assert told in str(caught.value)
+    assert caught.value.hint
 
 
 def test_files_that_are_cut_off_and_formats_that_are_unknown(tmp_path: Path) -> None:

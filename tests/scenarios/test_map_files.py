@@ -152,9 +152,9 @@ def test_raw_images_of_two_bytes_a_pixel(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("image", "message"),
     [
-        (b"", "this is neither a PGM image"),
-        (b"\x89PNG\r\n", "this is neither a PGM image"),
-        (b"P5 #" + b" " * 100_000, "this is neither a PGM image"),
+        (b"", "this is no PGM"),
+        (b"\x89PNG\r\n", "this is no PGM"),
+        (b"P5 #" + b" " * 100_000, "this is no PGM"),
         (b"P5 0 1 255\n", "no image has 0 x 1 pixels"),
         (b"P5 1 1 0\n0", "pixels up to 0"),
         (b"P5 2 2 255\nabc", "4 pixels are announced and 3 are there"),
@@ -182,6 +182,11 @@ def test_a_broken_image(tmp_path: Path, image: bytes, message: str) -> None:
         ("resolution: 0.05", "resolution: .nan", r"floor.yaml:2: resolution is nan"),
         ("negate: 0", "negate: 2", r"floor.yaml:4: negate is 2; write 0 or 1"),
         ("free_thresh: 0.196", "free_thresh: low", r"floor.yaml:6: free_thresh is the text 'low'"),
+        ("0.65", "65", r"floor.yaml:5: occupied_thresh is 65; write it as a share, 0.65$"),
+        ("0.196", "25", r"floor.yaml:6: free_thresh is 25; write it as a share, 0.25$"),
+        ("0.196", "1.5", r"floor.yaml:6: free_thresh is 1.5; write it as a share, 0.015$"),
+        ("0.65", "101", r"floor.yaml:5: occupied_thresh is 101; write a share from 0 to 1$"),
+        ("0.65", "-0.1", r"floor.yaml:5: occupied_thresh is -0.1; write a share from 0 to 1$"),
         ("negate: 0", "mode: raw", r"floor.yaml:4: the mode is the text 'raw'; only trinary"),
         ("negate: 0", "negate: [", r"floor.yaml:\d+: this is not YAML"),
     ],
@@ -291,30 +296,112 @@ tasks: [{{at: [1, 0], needs: [a]}}]
     assert "mission.yaml:3: " in str(error.value)
 
 
-def png(folder: Path, pixels: np.ndarray) -> Path:
-    """Write a map whose image is a PNG of these pixels."""
+def drawn(folder: Path, pixels: np.ndarray, ending: str = "png", **how: object) -> Path:
+    """Write a map whose image Pillow makes of these pixels."""
     pillow = pytest.importorskip("PIL.Image")
-    pillow.fromarray(pixels).save(folder / "floor.png")
-    (folder / "floor.yaml").write_text(ABOUT.replace("floor.pgm", "floor.png"))
+    pillow.fromarray(pixels).save(folder / f"floor.{ending}", **how)
+    (folder / "floor.yaml").write_text(ABOUT.replace("floor.pgm", f"floor.{ending}"))
     return folder / "floor.yaml"
 
 
 def test_png_maps_are_what_pgm_maps_are(tmp_path: Path) -> None:
-    """Grey, coloured (206 + 206 + 205 of 765 is 0.193, free), with transparency, and 16 bits."""
+    """Grey, coloured (206 + 206 + 205 of 765 is 0.193, free), opaque throughout, and 16 bits."""
     grey = np.array([[254, 206, 205, 0]], np.uint8)
-    assert read_ros_map(png(tmp_path, grey)).rows == ("..@@",)
+    assert read_ros_map(drawn(tmp_path, grey)).rows == ("..@@",)
     coloured = np.array(
         [[[255, 255, 255], [206, 206, 206], [205, 205, 205], [255, 0, 0]]], np.uint8
     )
-    assert read_ros_map(png(tmp_path, coloured)).rows == ("..@@",)
-    clear = np.concatenate([coloured, np.full((1, 4, 1), 9, np.uint8)], axis=2)
-    assert read_ros_map(png(tmp_path, clear)).rows == ("..@@",)
+    assert read_ros_map(drawn(tmp_path, coloured)).rows == ("..@@",)
+    opaque = np.concatenate([coloured, np.full((1, 4, 1), 255, np.uint8)], axis=2)
+    assert read_ros_map(drawn(tmp_path, opaque)).rows == ("..@@",)
     deep = np.array([[65535, 53000, 52600, 0]], np.uint16)  # 52687 is at the threshold
-    assert read_ros_map(png(tmp_path, deep)).rows == ("..@@",)
+    assert read_ros_map(drawn(tmp_path, deep)).rows == ("..@@",)
+
+
+@pytest.mark.parametrize("mode", ["trinary", "scale"])
+@pytest.mark.parametrize("shade", [0, 255])
+def test_pixels_that_are_erased_are_unknown(tmp_path: Path, mode: str, shade: int) -> None:
+    """White, erased to nothing, to a half and a little; what colour is left does not matter."""
+    for clear in (0, 128, 254):
+        pixels = np.full((1, 3, 4), 255, np.uint8)
+        pixels[0, 1] = (shade, shade, shade, clear)
+        path = drawn(tmp_path, pixels)
+        path.write_text(f"{path.read_text()}mode: {mode}\n")
+        assert read_ros_map(path).rows == (".@.",)
+        path.write_text(path.read_text().replace("negate: 0", "negate: 1"))
+        assert read_ros_map(path).rows == ("@@@",)
+
+
+@pytest.mark.parametrize(("kind", "clear"), [(np.uint8, 254), (np.uint16, 65000)])
+def test_a_shade_that_a_png_calls_transparent_is_unknown(
+    tmp_path: Path, kind: type, clear: int
+) -> None:
+    pixels: np.ndarray = np.array([[np.iinfo(kind).max, clear, 0]], kind)
+    assert read_ros_map(drawn(tmp_path, pixels)).rows == ("..@",)
+    assert read_ros_map(drawn(tmp_path, pixels, transparency=clear)).rows == (".@@",)
+
+
+def test_colours_of_a_palette_may_be_transparent(tmp_path: Path) -> None:
+    pillow = pytest.importorskip("PIL.Image")
+    path = drawn(tmp_path, np.zeros((1, 3), np.uint8))
+    image = pillow.fromarray(np.array([[0, 1, 2]], np.uint8), "P")
+    image.putpalette([255, 255, 255, 254, 254, 254, 0, 0, 0])
+    image.save(tmp_path / "floor.png", transparency=bytes([255, 0, 255]))
+    assert read_ros_map(path).rows == (".@@",)
+
+
+@pytest.mark.parametrize(("ending", "how"), [("bmp", {}), ("jpg", {"quality": 100})])
+def test_jpeg_and_bmp_maps_are_read(tmp_path: Path, ending: str, how: dict[str, object]) -> None:
+    pixels = np.full((8, 16), 254, np.uint8)  # JPEG keeps squares of eight
+    pixels[:, 8:] = 0
+    path = drawn(tmp_path, pixels, ending, **how)
+    assert read_ros_map(path).rows == ("." * 8 + "@" * 8,) * 8
+    data = (tmp_path / f"floor.{ending}").read_bytes()
+    (tmp_path / f"floor.{ending}").write_bytes(data[: len(data) // 2])
+    with pytest.raises(TeamformerError, match=rf"floor.{ending}: this \w+ cannot be read"):
+        read_ros_map(path)
+
+
+def test_a_robot_does_not_walk_through_a_column_that_was_erased(tmp_path: Path) -> None:
+    pixels = np.full((3, 7, 4), 255, np.uint8)
+    pixels[:, 3, 3] = 0
+    drawn(tmp_path, pixels)
+    text = """
+teamformer: 1
+world: {map: floor.yaml}
+capabilities: [lift]
+robots: [{name: a, at: [0, 1], can: [lift]}]
+tasks: [{name: x, at: [6, 1], needs: [lift]}]
+"""
+    (tmp_path / "mission.yaml").write_text(text)
+    with pytest.raises(ScenarioError, match="task 'x' cannot be reached"):
+        read_scenario(tmp_path / "mission.yaml")
+
+
+@pytest.mark.parametrize("mode", ["TRINARY", "Trinary", "Scale"])
+def test_modes_are_read_in_any_case(tmp_path: Path, mode: str) -> None:
+    path = ros_map(tmp_path, b"P5 2 1 255\n" + bytes([254, 0]), f"{ABOUT}mode: {mode}\n")
+    assert read_ros_map(path).rows == (".@",)
+
+
+def test_thresholds_of_a_quarter_make_the_usual_unknown_free(tmp_path: Path) -> None:
+    """Go by the file, as map_server does: 205 is an occupancy of 0.196."""
+    path = ros_map(tmp_path, b"P5 2 1 255\n" + bytes([205, 0]), ABOUT.replace("0.196", "0.25"))
+    assert read_ros_map(path).rows == (".@",)
+
+
+def test_a_pointer_of_git_lfs_is_named(tmp_path: Path) -> None:
+    pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
+    path = ros_map(tmp_path, pointer)
+    (tmp_path / "mission.yaml").write_bytes(pointer)
+    for read, file in ((read_ros_map, path), (read_scenario, tmp_path / "mission.yaml")):
+        with pytest.raises(TeamformerError, match="this is a pointer of Git LFS") as error:
+            read(file)
+        assert error.value.hint == "fetch the file by `git lfs pull`"
 
 
 def test_a_broken_png_is_told(tmp_path: Path) -> None:
-    path = png(tmp_path, np.zeros((40, 40), np.uint8))
+    path = drawn(tmp_path, np.zeros((40, 40), np.uint8))
     whole = (tmp_path / "floor.png").read_bytes()
     for length in (8, 30, len(whole) - 25):
         (tmp_path / "floor.png").write_bytes(whole[:length])
@@ -325,7 +412,7 @@ def test_a_broken_png_is_told(tmp_path: Path) -> None:
 def test_without_pillow_a_png_is_refused_with_a_remedy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = png(tmp_path, np.zeros((2, 2), np.uint8))
+    path = drawn(tmp_path, np.zeros((2, 2), np.uint8))
     monkeypatch.setitem(sys.modules, "PIL", None)
     with pytest.raises(TeamformerError) as error:
         read_ros_map(path)

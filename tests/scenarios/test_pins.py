@@ -85,6 +85,25 @@ def test_pins_are_said_in_capabilities(tmp_path: Path) -> None:
     assert read_scenario(tmp_path / "again.yaml").tasks == pinned.tasks
 
 
+def test_a_name_stands_for_all_robots_of_its_entry(tmp_path: Path) -> None:
+    text = MISSION.replace("at: [3, 0], can: [lift]", "at: [3, 0], can: [lift], count: 2")
+    by_group = mission(tmp_path, "only: [near, eye], with: [near]", text)
+    by_robot = mission(tmp_path, "only: [near-1, near-2, eye], with: [near-2, near-1]", text)
+    assert by_group == by_robot
+    assert by_group.tasks[0].needs == {
+        "lift of near-1, near-2, eye": 1,
+        "robot near-1": 1,
+        "robot near-2": 1,
+    }
+    as_team = mission(tmp_path, "only: [near]", f"{text}teams: [[near]]\n")
+    assert as_team.teams == ((0, 1),)
+
+
+def test_a_robot_of_its_own_goes_before_a_group_of_that_name(tmp_path: Path) -> None:
+    text = MISSION.replace("name: far", "name: near, count: 2")
+    assert "lift of near" in mission(tmp_path, "only: [near]", text).tasks[0].needs
+
+
 @pytest.mark.parametrize(
     ("pins", "message"),
     [

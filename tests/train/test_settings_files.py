@@ -13,7 +13,7 @@ from teamformer.train.learning.ppo import PpoSettings
 from teamformer.train.learning.reward_streams import MissionReward, TeamReward
 from teamformer.train.settings_files import load_settings, names_of_settings, settings_of
 from teamformer.train.training_settings import TrainSettings
-from teamformer.train.training_worlds import Mixture
+from teamformer.train.training_worlds import Mixture, training_worlds
 
 
 def read(folder: Path, text: str) -> TrainSettings:
@@ -28,7 +28,7 @@ capabilities: 4
 method: ppo
 iterations: null
 minutes: 2.5
-mixture: {robots: [3, 5], walls: 0.25}
+mixture: {robots: [3, 5], capabilities: [2, 4], crowds: 0, walls: 0.25}
 team_reward: {fit: 2}
 ppo:
   clip: 0.1
@@ -39,7 +39,7 @@ device: cuda
         capabilities=4,
         method="ppo",
         minutes=2.5,
-        mixture=Mixture(robots=(3, 5), walls=0.25),
+        mixture=Mixture(robots=(3, 5), capabilities=(2, 4), crowds=0.0, walls=0.25),
         mission_reward=None,
         team_reward=TeamReward(fit=2.0),
         ppo=PpoSettings(clip=0.1),
@@ -79,6 +79,8 @@ def test_every_learned_method_has_its_settings() -> None:
         ("minutes: -1", "mine.yaml:1: minutes is -1; write 0 or more"),
         ("seed: -1", "mine.yaml:1: seed is -1; write 0 or more"),
         ("mixture: {robots: 3}", "write [least, most]"),
+        ("mixture: {robots: [9, 3]}", "mine.yaml:1: robots of mixture is 9 to 3; write [3, 9]"),
+        ("mixture:\n  grid: [5, 4]", "mine.yaml:2: grid of mixture is 5 to 4; write [4, 5]"),
         ("ppo: fast", "mine.yaml:1: ppo is the text 'fast'; write a mapping of clip"),
         ("device: tpu", "mine.yaml:1: device is 'tpu'; write cpu or cuda"),
         ("network: big", "mine.yaml: there is no network 'big'"),
@@ -91,6 +93,37 @@ def test_mistakes_are_told_by_line(text: str, told: str, tmp_path: Path) -> None
     with pytest.raises(TeamformerError) as error:
         read(tmp_path, text)
     assert told in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("mixture", "most"),
+    [("{capabilities: [2, 5], crowds: 0}", 5), ("{capabilities: [4, 4]}", 60), ("{}", 60)],
+)
+def test_worlds_with_more_capabilities_than_the_network_knows_are_refused(
+    tmp_path: Path, mixture: str, most: int
+) -> None:
+    text = f"network: deepset\ncapabilities: 4\nmethod: ppo\nmixture: {mixture}\n"
+    with pytest.raises(TeamformerError) as error:
+        read(tmp_path, text)
+    told = f"mixture has worlds of {most} capabilities, and the network is made for 4"
+    assert str(error.value) == f"{tmp_path / 'mine.yaml'}: {told}"
+    assert error.value.hint == "write capabilities: [4, 4] and crowds: 0 in mixture"
+    tried = text.replace(mixture, "{capabilities: [4, 4], crowds: 0}")
+    assert read(tmp_path, tried).worlds_from.most_capabilities == 4
+
+
+@pytest.mark.parametrize(
+    "smallest",
+    [
+        Mixture(crowds=1.0, crowd_robots=(1, 1)),
+        Mixture(
+            robots=(1, 1), capabilities=(1, 1), tasks=(1, 1), crowds=0.0, grid=(1, 1), walls=1.0
+        ),
+    ],
+)
+def test_the_smallest_worlds_that_settings_allow_can_be_drawn(smallest: Mixture) -> None:
+    worlds = training_worlds(smallest, 50, (0,))
+    assert {len(world.robots) for world in worlds} == {1}
 
 
 def test_an_unknown_name_is_told_with_the_nearest() -> None:

@@ -8,7 +8,7 @@ from teamformer.advice.advise import advise_on
 from teamformer.advice.experience import Experience
 from teamformer.advice.experience import learn as learn_from
 from teamformer.advice.suggestions import Advice
-from teamformer.api.arguments import refuse_no_mission
+from teamformer.api.arguments import known_seconds, refuse_no_mission
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
@@ -34,7 +34,7 @@ def advise(mission: Scenario, seconds: float = 60.0, workers: int = 1) -> Advice
     (True, ())
     """
     refuse_no_mission(mission, "advise")
-    return advise_on(mission, seconds, workers)
+    return advise_on(mission, known_seconds(seconds), workers)
 
 
 def learn(mission: Scenario, records: Sequence[Replay]) -> Experience:

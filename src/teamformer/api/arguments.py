@@ -27,3 +27,13 @@ def whole_seed(seed: int) -> int:
     if whole < 0 or isinstance(seed, bool):
         raise TeamformerError(f"seed is {seed!r}", "write a whole number from 0 on")
     return whole
+
+
+def known_seconds(seconds: float) -> float:
+    """Return for how long something may take; TeamformerError for what is no such time."""
+    try:
+        if float(seconds) >= 0:  # not so for NaN
+            return float(seconds)
+    except (TypeError, ValueError):
+        pass
+    raise TeamformerError(f"seconds is {seconds!r}", "write a number of seconds, 0 or more")

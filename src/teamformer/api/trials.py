@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.api.arguments import PathOrName, refuse_no_mission, whole_seed
+from teamformer.api.arguments import PathOrName, known_seconds, refuse_no_mission, whole_seed
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.critical_path.words import why_so_late
@@ -189,7 +189,7 @@ def plan(
     True
     """
     refuse_no_mission(mission, "plan")
-    return plan_mission(mission, method, seconds)
+    return plan_mission(mission, method, known_seconds(seconds))
 
 
 def check(record: Trial | Replay | PathOrName) -> Verdict:
@@ -212,7 +212,8 @@ def refuse_unplayed(mission: Scenario, verb: str) -> None:
 
 
 def _method(method: str | Player, seconds: float) -> Method:
-    return load_method(method, seconds) if isinstance(method, str) else as_method(method)
+    limit = known_seconds(seconds)
+    return load_method(method, limit) if isinstance(method, str) else as_method(method)
 
 
 def _refuse_wrong_truth(mission: Scenario, truth: Scenario) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -22,8 +23,8 @@ from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP, Grid, Place
 from teamformer.mission.loads import find_load_problems
 from teamformer.mission.places import believed_place, busiest_part, find_region_problems
-from teamformer.mission.reach import totals_by_region
-from teamformer.mission.rules import find_rule_problems
+from teamformer.mission.reach import totals_by_region, totals_there, way_for
+from teamformer.mission.rules import counted_from, find_rule_problems
 from teamformer.mission.surprise_checks import find_surprise_problems
 from teamformer.plane import Plane
 from teamformer.roads import Roads
@@ -224,7 +225,10 @@ def _problems_of_counts(
         yield Problem(where, f"{what} nothing; name at least one capability")
     for name, count in counts.items():
         if name not in known:
-            yield Problem(where, f"{what} '{name}', which is not under capabilities; add it there")
+            near = difflib.get_close_matches(name.casefold(), [cap.casefold() for cap in known], 1)
+            meant = [cap for cap in known if near and cap.casefold() == near[0]]
+            remedy = f"add it there, or write '{meant[0]}'" if meant else "add it there"
+            yield Problem(where, f"{what} '{name}', which is not under capabilities; {remedy}")
         if not 0 < count < math.inf:  # NaN too
             yield Problem((*where, name), f"{what} '{name}' {count} times; use more than 0")
         elif not is_exact(count):
@@ -244,7 +248,8 @@ def _problems_of_steps(
     if not steps >= least:  # NaN too
         yield Problem(where, f"{what} {steps}; {advice}")
     elif not is_whole(steps) or steps > most:
-        yield Problem(where, f"{what} {steps}; use a whole number up to {most:,}")
+        start = counted_from(where) if steps > most else ""
+        yield Problem(where, f"{what} {steps}; use a whole number up to {most:,}{start}")
 
 
 def is_whole(number: float) -> bool:
@@ -273,7 +278,7 @@ def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
 
 def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Problem]:
     everybody = total(robot.can for robot in scenario.robots)
-    near = totals_by_region(scenario.world, scenario.robots if places_are_good else ())
+    near = totals_there(scenario.world, scenario.robots if places_are_good else ())
     for number, task in enumerate(scenario.tasks):
         where, what = ("tasks", number), f"task '{task.name}'"
         yield from _problems_of_counts(
@@ -294,15 +299,15 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
         if not covers(everybody, known):
             yield Problem((*where, "needs"), _impossible(what, everybody, known))
         elif places_are_good:
-            have = near[scenario.world.region(believed_place(scenario.world, task))]
+            have = near(believed_place(scenario.world, task))
             worst = {name: n for name, n in task.worst_needs.items() if name in everybody}
             need = known if not covers(everybody, worst) else worst
             if not covers(have, need):
                 yield Problem(
                     (*where, "at"),
                     f"{what} cannot be reached by robots that bring "
-                    f"{describe(missing(have, need))}; move it, open the map, or let such robots "
-                    "fly with moves: air",
+                    f"{describe(missing(have, need))}; "
+                    f"move it, {way_for(scenario.world, 'such robots')}",
                 )
 
 

@@ -1,12 +1,16 @@
-"""Who gets where: walls part a map for robots on the ground; robots that fly get everywhere."""
+"""Who gets where: walls part a map for robots on the ground; robots that fly get everywhere.
+
+On roads a robot gets where the ways of its mover lead, which need not lead back.
+"""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from teamformer.capabilities import total
+from teamformer.capabilities import Counts, total
+from teamformer.roads import Roads
 
 if TYPE_CHECKING:
     from teamformer.grid import Place
@@ -15,7 +19,24 @@ if TYPE_CHECKING:
 
 def can_reach(world: World, robot: Robot, place: Place) -> bool:
     """Say whether a way leads a robot from its start to a place, alone."""
+    if isinstance(world, Roads):
+        return world.leads(robot.moves, robot.at, place)
     return robot.flies or world.region(robot.at) == world.region(place)
+
+
+def way_for(world: World, them: str) -> str:
+    """Return what to do about a way that robots, such as `them`, lack."""
+    if isinstance(world, Roads):
+        return "give such a way a time under roads"
+    return f"open the map, or let {them} fly with moves: air"
+
+
+def totals_there(world: World, robots: Sequence[Robot]) -> Callable[[Place], Counts]:
+    """Return what adds up, for any place, what the robots that get there can do together."""
+    if isinstance(world, Roads):
+        return lambda place: total(r.can for r in robots if can_reach(world, r, place))
+    by_region = totals_by_region(world, robots)
+    return lambda place: by_region[world.region(place)]
 
 
 def totals_by_region(world: World, robots: Iterable[Robot]) -> Mapping[int, dict[str, float]]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
 from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.links import find_link_problems, find_links
 from teamformer.mission.loads import find_flown_loads
-from teamformer.mission.reach import can_reach
+from teamformer.mission.reach import can_reach, way_for
 from teamformer.roads import AIR, GROUND, Roads
 
 if TYPE_CHECKING:
@@ -26,6 +26,15 @@ TIMES = ("steps", "continuous")
 HOME = "home"
 LONGEST_TIME = 1e9
 """In the unit of time of a mission in continuous time."""
+
+
+MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until"})
+"""Keys of a file whose values are moments of a mission."""
+
+
+def counted_from(where: tuple[str | int, ...]) -> str:
+    """Return what to say of the largest number that may stand somewhere: moments have a start."""
+    return "" if MOMENTS.isdisjoint(where) else ", counted from the mission's start"
 
 
 def is_time(value: float) -> bool:
@@ -72,11 +81,16 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
 
 def rules_not_known_beforehand(scenario: Scenario) -> Iterator[Problem]:
     """Return what a plan cannot count with that is made before the mission begins."""
-    for number, task in enumerate(scenario.tasks):
-        if task.cancelled is not None:
-            message = f"task '{task.name}' is cancelled, which nobody can know who plans beforehand"
-            remedy = "drop cancelled, or run the mission by another method, such as plan"
-            yield Problem(("tasks", number, "cancelled"), f"{message}; {remedy}")
+    remedy = "drop cancelled, or use `teamformer run` with its default method"
+    rest = f"which nobody can know who plans beforehand; {remedy}"
+    yield from told_once(scenario, _find_cancelled(scenario), lambda _: rest)
+
+
+def rules_not_planned(scenario: Scenario) -> Iterator[Problem]:
+    """Return why a scenario cannot be planned: in steps, rules that these do not know."""
+    if scenario.time != "continuous":
+        yield from rules_not_played(scenario)
+        yield from rules_not_known_beforehand(scenario)
 
 
 def rules_of_live_missions(scenario: Scenario) -> Iterator[Problem]:
@@ -87,17 +101,37 @@ def rules_of_live_missions(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("arrivals",), f"{message}; drop arrivals, or use one of these")
 
 
+VERBS = {
+    "run": rules_not_played,
+    "compare": rules_not_played,
+    "plan": rules_not_planned,
+    "live": rules_of_live_missions,
+}
+"""What refuses a scenario, by verb."""
+
+
+def _verbs_for(scenario: Scenario) -> str:
+    """Return in words which verbs take a scenario as it is."""
+    verbs = [f"`{verb}`" for verb, refuse in VERBS.items() if not any(refuse(scenario))]
+    return " or ".join(filter(None, (", ".join(verbs[:-1]), *verbs[-1:])))
+
+
 def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
     """Return why a scenario cannot be played where everything has to be known; nothing if it can.
 
     So it is where missions are to be done by robots that are real.
     """
     yield from rules_of_live_missions(scenario)
-    for where, what in find_surprises(scenario):
-        if where == ("arrivals",):
-            continue  # told above
-        remedy = f"make {where[-1]} sure, or use one of these"
-        yield Problem(where, f"{what}, which only `run`, `compare` and `live` know; {remedy}")
+    verbs = _verbs_for(scenario)
+    found = [(where, what) for where, what in find_surprises(scenario) if where != ("arrivals",)]
+
+    def rest(key: str) -> str:
+        return f"which {REAL_ROBOTS} do not know; make {key} sure, drop it, or use {verbs}"
+
+    yield from told_once(scenario, found, rest)
+
+
+REAL_ROBOTS = "fleets and the Robotarium"
 
 
 def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
@@ -106,20 +140,61 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
     Robots that are processes of their own, or stand in an arena, refuse such missions.
     """
     yield from rules_of_sure_missions(scenario)
-    for number, robot in enumerate(scenario.robots):
-        if robot.flies and scenario.world.rows:
-            message = f"robot '{robot.name}' flies over obstacles, which only `teamformer run` and"
-            remedy = "`teamformer plan` know; drop moves, or use one of these"
-            yield Problem(("robots", number, "moves"), f"{message} {remedy}")
-    for number, task in enumerate(scenario.tasks):
-        for key in ("after", "between", "cancelled"):
-            if getattr(task, key):
-                message = f"task '{task.name}' has {key}, which only `teamformer run` and"
-                remedy = "`teamformer plan` keep; drop it, or use one of these"
-                yield Problem(("tasks", number, key), f"{message} {remedy}")
+    verbs = _verbs_for(scenario)
+    found: list[Found] = [
+        (("robots", number, "moves"), f"robot '{robot.name}' flies over obstacles")
+        for number, robot in enumerate(scenario.robots)
+        if robot.flies and scenario.world.rows
+    ]
+    found += _find_cancelled(scenario)
+    found += [
+        (("tasks", number, key), f"task '{task.name}' has {key}")
+        for number, task in enumerate(scenario.tasks)
+        for key in ("after", "between")
+        if getattr(task, key)
+    ]
+
+    def rest(key: str) -> str:
+        return f"which {REAL_ROBOTS} do not know; drop {key}, or use {verbs}"
+
+    yield from told_once(scenario, found, rest)
 
 
-def find_surprises(scenario: Scenario) -> Iterator[tuple[tuple[str | int, ...], str]]:
+Found = tuple[tuple[str | int, ...], str]
+"""Where a robot or a task has something, and what in words."""
+
+MOST_NAMED = 5
+
+
+def told_once(
+    scenario: Scenario, found: Iterable[Found], rest: Callable[[str], str]
+) -> Iterator[Problem]:
+    """Return one problem for each key of robots or tasks, with the names of all that have it.
+
+    `rest` returns what is told after these, by key.
+    """
+    by_key: dict[tuple[str | int, str], list[Found]] = {}
+    for where, what in found:
+        by_key.setdefault((where[0], str(where[-1])), []).append((where, what))
+    for (group, key), alike in by_key.items():
+        where, what = alike[0]
+        things = scenario.robots if group == "robots" else scenario.tasks
+        names = [f"'{things[int(where[1])].name}'" for where, _ in alike[1:]]
+        if len(names) > MOST_NAMED:
+            names[MOST_NAMED:] = [f"{len(names) - MOST_NAMED} more"]
+        others = f" (likewise {', '.join(names)})" if names else ""
+        yield Problem(where, f"{what}{others}, {rest(key)}")
+
+
+def _find_cancelled(scenario: Scenario) -> list[Found]:
+    return [
+        (("tasks", number, "cancelled"), f"task '{task.name}' is cancelled")
+        for number, task in enumerate(scenario.tasks)
+        if task.cancelled is not None
+    ]
+
+
+def find_surprises(scenario: Scenario) -> Iterator[Found]:
     """Return where a scenario leaves something open, and what in words."""
     for number, robot in enumerate(scenario.robots):
         if robot.breaks is not None:
@@ -161,11 +236,12 @@ def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
     elif not world.is_inside(ends) or not world.is_free(ends):
         where = "inside an obstacle" if world.is_inside(ends) else "outside the map"
         yield Problem(("ends",), f"the mission ends at [{ends[0]}, {ends[1]}], {where}; move it")
-    elif world.rows:
+    elif world.rows or (isinstance(world, Roads) and not any(world.problems())):
         for number, robot in enumerate(scenario.robots):
             is_there = world.is_inside(robot.at) and world.is_free(robot.at)
             if is_there and not can_reach(world, robot, ends):
-                message = f"robot '{robot.name}' has no way to where the mission ends; move it"
+                message = f"robot '{robot.name}' has no way to where the mission ends"
+                message = f"{message}; move it, {way_for(world, 'it')}"
                 yield Problem(("robots", number, "at"), message)
 
 
@@ -191,14 +267,15 @@ def _problems_of_roads(scenario: Scenario) -> Iterator[Problem]:
 
 def _problems_of_what_happens(scenario: Scenario) -> Iterator[Problem]:
     """Return what happens to a mission in continuous time, whose plans are made beforehand."""
-    for number, robot in enumerate(scenario.robots):
-        if robot.absences:
-            message = f"robot '{robot.name}' is lost, which only missions in steps know; drop lost"
-            yield Problem(("robots", number, "lost"), message)
-    for number, task in enumerate(scenario.tasks):
-        if task.cancelled is not None:
-            message = f"task '{task.name}' is cancelled, which only missions in steps know"
-            yield Problem(("tasks", number, "cancelled"), f"{message}; drop cancelled")
+    found: list[Found] = [
+        (("robots", number, "lost"), f"robot '{robot.name}' is lost")
+        for number, robot in enumerate(scenario.robots)
+        if robot.absences
+    ]
+    found += _find_cancelled(scenario)
+    yield from told_once(
+        scenario, found, lambda key: f"which only missions in steps know; drop {key}"
+    )
 
 
 def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
@@ -212,7 +289,10 @@ def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
         begin, end = task.between
         if not (is_time(begin) and is_time(end) and begin < end):
             message = f"{what} is to be done between {begin:g} and {end:g}; use [begin, end]"
-            yield Problem((*where, "between"), f"{message}, 0 or more and in this order")
+            rule = "0 or more and in this order"
+            if max(begin, end) > LONGEST_TIME:
+                rule = f"up to 1e9{counted_from(('between',))}"
+            yield Problem((*where, "between"), f"{message}, {rule}")
         elif scenario.time == "continuous" and is_too_short(task):
             message = f"{what} takes {task.duration:g} but has only {end - begin:g} between"
             yield Problem(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.capabilities import Counts, covers, describe, missing, total
 from teamformer.errors import Problem
-from teamformer.mission.rules import find_surprises
+from teamformer.mission.rules import find_surprises, told_once
 
 if TYPE_CHECKING:
     from teamformer.model import Arrivals, Breakdown, Robot, Scenario, Task
@@ -58,9 +58,8 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
 
 
 def _only_in_steps(scenario: Scenario) -> Iterator[Problem]:
-    for where, what in find_surprises(scenario):
-        remedy = f"make {where[-1]} sure, or drop it"
-        yield Problem(where, f"{what}, which only missions in steps know; {remedy}")
+    rest = "which only missions in steps know; make {} sure, or drop it"
+    yield from told_once(scenario, find_surprises(scenario), rest.format)
 
 
 def _problems_of_range(

@@ -12,6 +12,9 @@ from teamformer.errors import TeamformerError
 LARGEST_SETTINGS = 1_000_000
 """Bytes of a file of settings."""
 
+POINTER = b"version https://git-lfs.github.com/spec/"
+"""What the pointers of Git LFS begin with, which stand for files that are not fetched yet."""
+
 
 def read_bytes(path: Path, largest: int, hint: str = "") -> bytes:
     """Return what a file holds, up to `largest` bytes; `hint` helps where there is no such file."""
@@ -29,6 +32,9 @@ def read_bytes(path: Path, largest: int, hint: str = "") -> bytes:
         raise TeamformerError(f"{path}: cannot be read: {reason}") from None
     if len(data) > largest:
         raise TeamformerError(f"{path}: larger than {largest // 10**6} MB; is it the right file?")
+    if data.startswith(POINTER):
+        what = f"{path}: this is a pointer of Git LFS and not the file itself"
+        raise TeamformerError(what, "fetch the file by `git lfs pull`")
     return data
 
 

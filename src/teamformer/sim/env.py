@@ -129,6 +129,10 @@ class TeamFormation:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out the threads: a copy in another process has none, and the same results."""
+        return vars(self) | {"_pool": None}
+
     def close(self) -> None:
         """End the threads; views and steps are then made without them."""
         if self._pool is not None:

@@ -71,10 +71,17 @@ def _value(reader: Reader, where: Where, value: Any, kind: Any) -> Any:
     if is_dataclass(kind):
         assert isinstance(kind, type)
         return kind(**_values(reader, where, value, kind))
-    if options:  # the ends of a range
-        pair = reader.pair(where, value, "write [least, most]") or [1, 1]
-        return tuple(reader.whole((*where, end), part, 1) for end, part in enumerate(pair))
+    if options:
+        return _range(reader, where, value)
     return READ[kind](reader, where, value)
+
+
+def _range(reader: Reader, where: Where, value: Any) -> tuple[int, int]:
+    pair = reader.pair(where, value, "write [least, most]") or [1, 1]
+    least, most = (reader.whole((*where, end), part, 1) for end, part in enumerate(pair))
+    if least > most:
+        reader.refuse(where, f"{name_of(where)} is {least} to {most}; write [{most}, {least}]")
+    return least, most
 
 
 def _whole(reader: Reader, where: Where, value: Any) -> int:

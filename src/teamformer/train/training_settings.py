@@ -48,6 +48,13 @@ class TrainSettings:
         if self.learns_by != "ppo" and self.mission_reward is None:
             hint = "leave the reward out, or use ppo"
             raise TeamformerError(f"learning by {self.learns_by} knows no reward", hint)
+        limit = self.capabilities
+        if limit is not None and self.mixture and self.mixture.most_capabilities > limit:
+            most = self.mixture.most_capabilities
+            what = f"mixture has worlds of {most} capabilities, and the network is made for {limit}"
+            raise TeamformerError(
+                what, f"write capabilities: [{limit}, {limit}] and crowds: 0 in mixture"
+            )
 
     @property
     def learns_by(self) -> str:

@@ -38,6 +38,11 @@ class Mixture:
     counted: float = 0.0  # share of worlds with robots that can do more and tasks that need more
     steps: int = 200  # a trial is cut off here
 
+    @property
+    def most_capabilities(self) -> int:
+        """Return how many capabilities a world has at most; a crowd has up to one a robot."""
+        return max(self.capabilities[1], self.crowd_robots[1] if self.crowds else 0)
+
 
 def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
     """Return a random training world."""
@@ -72,6 +77,7 @@ def _draw_grid(mixture: Mixture, rng: np.random.Generator) -> Grid:
     if rng.random() >= mixture.walls:
         return Grid(side, side)
     is_blocked = rng.random((side, side)) < 0.2
+    is_blocked[0, 0] &= not is_blocked.all()  # a map has a free cell
     return Grid(
         side, side, tuple("".join(BLOCKED if b else FREE for b in row) for row in is_blocked)
     )
@@ -132,7 +138,7 @@ def _draw_fleet(mixture: Mixture, rng: np.random.Generator) -> tuple[int, int]:
 def _draw_crowd(mixture: Mixture, rng: np.random.Generator) -> tuple[int, int]:
     """Return many robots, and half as many capabilities up to as many."""
     robots = _between(mixture.crowd_robots, rng)
-    return robots, _between((robots // 2, robots), rng)
+    return robots, _between((max(1, robots // 2), robots), rng)
 
 
 def training_worlds(mixture: Mixture, count: int, seed: tuple[int, ...]) -> list[Scenario]:

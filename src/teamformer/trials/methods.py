@@ -195,6 +195,9 @@ def _make_player(name: str) -> Policy | Coordinator:
         return _bare(name)
     if ":" in name:
         return _instance(name)
+    if not name:
+        hint = "write one, or drop a comma from a list of them"
+        raise TeamformerError("there is no method without a name", hint)
     near = difflib.get_close_matches(name, LISTED, 1)
     hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(LISTED)};"
     hint += " your own is module:Class or a folder"

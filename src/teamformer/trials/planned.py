@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,10 +10,10 @@ from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch, path_rows
 from teamformer.critical_path.words import why_so_late
-from teamformer.errors import Problem, ScenarioError, TeamformerError, UndoableError
+from teamformer.errors import ScenarioError, TeamformerError, UndoableError
 from teamformer.mission.costs import judged_by
 from teamformer.mission.links import is_linked
-from teamformer.mission.rules import rules_not_known_beforehand, rules_not_played
+from teamformer.mission.rules import rules_not_planned
 from teamformer.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.routes import MissionPlan
@@ -150,10 +149,3 @@ def refuse_unplannable(mission: Scenario, method: str) -> None:
         raise TeamformerError(
             f"method '{method}' plans missions in continuous time", f"in steps use {CENTRAL}"
         )
-
-
-def rules_not_planned(mission: Scenario) -> Iterator[Problem]:
-    """Yield what keeps a mission from being planned: in steps, rules that these do not know."""
-    if mission.time != "continuous":
-        yield from rules_not_played(mission)
-        yield from rules_not_known_beforehand(mission)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from teamformer.errors import TeamformerError
+from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import Grid, Place
 from teamformer.mission.costs import cost_of
 from teamformer.model import Robot, Scenario, Task
@@ -22,6 +24,7 @@ from teamformer.planning.continuous.schedule import COST, MAKESPAN, empty_plan, 
 from teamformer.planning.continuous.solve import judge, plan_together
 from teamformer.planning.race import Race
 from teamformer.roads import Roads
+from teamformer.scenarios.files import read_scenario, write_scenario
 
 POLICIES = pytest.mark.parametrize("policy", PLANNERS)
 WITH_COST = pytest.mark.parametrize("policy", ["central", "plan"])
@@ -239,6 +242,66 @@ def test_movers_have_roads_of_their_own() -> None:
     made = planned(replace(scenario, tasks=(both,)), "plan")
     assert [route.back for route in made.routes] == [9 + 0, 9 + 5]
     assert [route.stops[0].arrive for route in made.routes] == [9, 2]
+
+
+NONE = math.inf
+
+
+@POLICIES
+def test_where_there_is_no_direct_way_robots_go_by_other_places(policy: str) -> None:
+    """From p0 to p2 only by p1: 1 + 2 there, and 3 + 4 back; a direct way is taken, if longer."""
+    world = roads(ground=[[0, 1, NONE], [4, 0, 2], [NONE, 3, 0]])
+    robot = Robot("r", world.at("p0"), {"a": 1})
+    made = planned(on_roads(world, [robot], ["p2"], ends="home"), policy)
+    assert (made.makespan, made.is_proven) == (10, policy == "central")
+    assert world.ways == {"ground": ((0, 1, 3), (4, 0, 2), (7, 3, 0))}
+    assert world.longest_way == 7
+    longer = roads(ground=[[0, 1, 9], [4, 0, 2], [NONE, 3, 0]])
+    assert planned(on_roads(longer, [robot], ["p2"]), policy).makespan == 9
+
+
+@pytest.mark.parametrize("policy", ["plan", "central"])
+def test_no_robot_goes_first_to_where_no_way_leads_on(policy: str) -> None:
+    """p1 is near, but who is there stays there; round by p2 it is 5 + 7."""
+    world = roads(ground=[[0, 1, 5], [NONE, 0, NONE], [NONE, 7, 0]])
+    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1", "p2"])
+    made = planned(scenario, policy)
+    assert (made.makespan, made.order) == (12, (1, 0))
+
+
+def test_a_mission_that_nobody_comes_home_from_is_refused() -> None:
+    world = roads(ground=[[0, 1, 5], [NONE, 0, NONE], [NONE, 7, 0]])
+    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1"], ends="home")
+    with pytest.raises(TeamformerError, match="no plan was found in which all can get to") as told:
+        planned(scenario, "central")
+    assert "give ways a time under roads" in told.value.hint
+
+
+def test_a_lane_may_be_closed_to_a_mover() -> None:
+    """The narrow one has no way from p0 to p1, so it stays out of the task there."""
+    world = roads(
+        ground=[[0, 5, 5], [5, 0, 5], [5, 5, 0]], narrow=[[0, NONE, 1], [1, 0, 1], [1, NONE, 0]]
+    )
+    robots = [Robot("r", world.at("p0"), {"a": 1}), Robot("n", world.at("p0"), {"a": 1})]
+    robots[1] = replace(robots[1], moves="narrow")
+    made = planned(on_roads(world, robots, ["p1"]), "plan")
+    assert (made.makespan, made.coalitions) == (5, ((0,),))
+    needs_both = on_roads(world, robots, ["p2"])
+    both = replace(needs_both.tasks[0], at=world.at("p1"), needs={"a": 2})
+    with pytest.raises(ScenarioError, match="cannot be reached by robots that bring a"):
+        replace(needs_both, tasks=(both,))
+
+
+def test_roads_with_gaps_are_written_and_read_back(tmp_path: Path) -> None:
+    world = roads(ground=[[NONE, 1, NONE], [4.5, 0, 2], [NONE, 3, 0]])
+    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p2"])
+    for name in ("m.yaml", "m.json"):
+        write_scenario(scenario, tmp_path / name)
+        assert read_scenario(tmp_path / name).world == world
+    text = (tmp_path / "m.yaml").read_text()
+    for way in ("inf", ".inf", "Infinity"):
+        (tmp_path / "m.yaml").write_text(text.replace("p2,,3,0", f"p2, {way}, 3, 0"))
+        assert read_scenario(tmp_path / "m.yaml").world == world
 
 
 def test_no_bound_forgets_that_a_detour_may_be_shorter() -> None:

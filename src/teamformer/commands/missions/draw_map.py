@@ -9,6 +9,7 @@ from teamformer.commands.console import out, say
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.grid import BLOCKED, FREE, Grid, Place
 from teamformer.model import World
+from teamformer.roads import Roads
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.files import read_scenario, read_world_of
 from teamformer.scenarios.maps.formats import is_map, read_map
@@ -27,6 +28,9 @@ def draw_map(path: Path) -> int:
         name, marks = path.stem, dict[Place, str]()
     else:
         grid, name, marks = _of_mission(path)
+    if isinstance(grid, Roads):
+        hint = "`teamformer plan MISSION --out DIR` draws a plan as a Gantt chart"
+        raise TeamformerError(f"{path}: its world is of roads, which have no map", hint)
     if not isinstance(grid, Grid):
         raise TeamformerError(
             f"{path}: its world is a plane, which has no cells",

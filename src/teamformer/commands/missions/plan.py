@@ -12,15 +12,11 @@ from rich.text import Text
 from teamformer.commands.compiling import announce_compiling, announce_planner
 from teamformer.commands.console import out, prepare_folder, print_json, say
 from teamformer.mission.links import is_linked
+from teamformer.mission.rules import rules_not_planned
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import load_method
-from teamformer.trials.planned import (
-    PlannedMission,
-    plan_mission,
-    refuse_unplannable,
-    rules_not_planned,
-)
+from teamformer.trials.planned import PlannedMission, plan_mission, refuse_unplannable
 from teamformer.trials.start_plan import read_start_plan
 from teamformer.viewer.gantt import write_gantt
 

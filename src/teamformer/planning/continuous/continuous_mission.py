@@ -193,7 +193,7 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
     if math.isinf(plan.makespan):
         raise TeamformerError(
             f"{mission.scenario.name}: no plan was found in which all can get to their tasks",
-            "open the map, move robots or tasks, or drop a link between tasks",
+            "open the map, give ways a time under roads, move robots or tasks, or drop a link",
         )
 
 
@@ -204,7 +204,7 @@ def _distances(
     world = scenario.world
     if isinstance(world, Roads):
         here, there = ([int(number) for number, _ in some] for some in (origins, goals))
-        return np.array(world.times[moves])[np.ix_(here, there)]
+        return np.array(world.ways[moves])[np.ix_(here, there)]
     if not isinstance(world, Grid):
         return straight_ways(origins, goals)
     is_in_the_way = moves != AIR and world.rows

@@ -19,12 +19,17 @@ class OnnxNetwork:
     """
 
     def __init__(self, content: bytes, name: str, inputs: tuple[str, ...]) -> None:
+        self._content, self._name = content, name
         self._session = _start(content, name)
         self._inputs = inputs
         found = tuple(given.name for given in self._session.get_inputs())
         if found != inputs:
             hint = "it is another network or of another version; train or export it again"
             raise TeamformerError(f"{name} takes {found}, not {inputs}", hint)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the file: a session of onnxruntime cannot be."""
+        return type(self), (self._content, self._name, self._inputs)
 
     @property
     def about(self) -> dict[str, str]:

@@ -59,15 +59,7 @@ def _office(tree: Part) -> Part:
 
 
 def _read_roads(tree: Part, names: list[str]) -> Roads:
-    part = tree["distances"]
-    ways = part.matrix()
-    if len(ways) != len(names):
-        part.refuse(
-            f"has {len(ways)} rows; with {len(names) - 1} patients it should be {len(names)}"
-        )
-    if (ways < 0).any():
-        i, j = (int(place) for place in divmod(int(ways.argmin()), len(names)))
-        part.refuse(f"has {ways[i, j]:g} from {names[i]} to {names[j]}; here should be 0 or more")
+    ways = tree["distances"].ways(names)
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         tree["patients"].refuse(f"has '{twice}' twice, as a patient or the office")

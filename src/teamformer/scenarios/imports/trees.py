@@ -68,12 +68,23 @@ class Part:
             self.refuse(f"is {_shown(self.value)}; here should be a name")
         return self.value
 
-    def numbers(self) -> list[float]:
+    def numbers(self, least: float = -math.inf) -> list[float]:
         """Return a list of numbers."""
-        return [part.number() for _, part in self.parts()]
+        return [part.number(least) for _, part in self.parts()]
+
+    def ways(self, names: Sequence[str]) -> Floats:
+        """Return how long the way from each named place to each other one is, (from, to)."""
+        ways = self.matrix()
+        if len(ways) != len(names):
+            self.refuse(f"has {len(ways)} rows; here should be one for each of {len(names)} places")
+        if (ways < 0).any():
+            i, j = (int(place) for place in divmod(int(ways.argmin()), len(names)))
+            way = f"{ways[i, j]:g} from {names[i]} to {names[j]}"
+            self.refuse(f"has {way}; here should be 0 or more")
+        return ways
 
     def matrix(self) -> Floats:
-        """Return a square matrix of numbers that are not negative."""
+        """Return a square matrix of numbers."""
         rows = [row.numbers() for _, row in self.parts()]
         for number, row in enumerate(rows):
             if len(row) != len(rows):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -120,11 +121,14 @@ class MapDescription:
     free_thresh: float
 
     def is_free(self, image: Image) -> npt.NDArray[np.bool_]:
-        """Say which pixels are free, by map_server's trinary rule; unknown ones are not."""
+        """Say which pixels are free, by map_server's trinary rule; unknown ones are not.
+
+        Pixels through which one sees are unknown.
+        """
         dark = (image.white - np.arange(image.white + 1)) / image.white  # (shades,)
         occupancy = dark[::-1] if self.is_negated else dark
         is_free = (occupancy <= self.occupied_thresh) & (occupancy < self.free_thresh)
-        return np.asarray(is_free[image.shades])
+        return np.asarray(is_free[image.shades] & image.is_opaque)
 
 
 def _read_about(path: Path) -> MapDescription:
@@ -139,12 +143,12 @@ def _read_about(path: Path) -> MapDescription:
         resolution=reader.number(("resolution",), keys.get("resolution", 1)),
         origin=read_origin(reader, ("origin",), keys.get("origin", [0, 0, 0])),
         is_negated=_read_negate(reader, keys.get("negate", 0)),
-        occupied_thresh=reader.number(("occupied_thresh",), keys.get("occupied_thresh", 0)),
-        free_thresh=reader.number(("free_thresh",), keys.get("free_thresh", 0)),
+        occupied_thresh=_read_share(reader, "occupied_thresh", keys),
+        free_thresh=_read_share(reader, "free_thresh", keys),
     )
     if not about.resolution >= FINEST:
         reader.refuse(("resolution",), f"resolution is {about.resolution}; write {FINEST} or more")
-    if keys.get("mode", "trinary") not in ("trinary", "scale"):
+    if str(keys.get("mode", "trinary")).lower() not in ("trinary", "scale"):
         mode = describe(keys["mode"])
         reader.refuse(("mode",), f"the mode is {mode}; only trinary and scale are read")
     if tree.problems:
@@ -165,6 +169,7 @@ ABOUT_KEYS = {
     "mode": False,
 }
 FINEST = 1e-6  # metres
+PERCENT = 100
 
 
 def read_origin(reader: Reader, where: Where, value: Any) -> tuple[float, float, float]:
@@ -175,6 +180,16 @@ def read_origin(reader: Reader, where: Where, value: Any) -> tuple[float, float,
         return 0.0, 0.0, 0.0
     x, y, yaw = (reader.number((*where, i), part) for i, part in enumerate([*value, 0.0][:3]))
     return x, y, yaw
+
+
+def _read_share(reader: Reader, key: str, keys: Mapping[str, Any]) -> float:
+    share = reader.number((key,), keys.get(key, 0))
+    if not 0 <= share <= 1:
+        remedy = "write a share from 0 to 1"
+        if 1 < share <= PERCENT:
+            remedy = f"write it as a share, {share / PERCENT:g}"
+        reader.refuse((key,), f"{key} is {share:g}; {remedy}")
+    return share
 
 
 def _read_negate(reader: Reader, value: Any) -> bool:

@@ -1,4 +1,4 @@
-"""Grey images: PGM, plain (P2) and raw (P5), and PNG where Pillow is installed."""
+"""Grey images: PGM, plain (P2) and raw (P5), and PNG, JPEG and BMP where Pillow is installed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ from teamformer.scenarios.file_access import read_bytes
 
 LARGEST_FILE = 64_000_000  # bytes
 MOST_PIXELS = 80_000_000
-PNG = b"\x89PNG\r\n\x1a\n"
+BEGINNINGS = {"PNG": b"\x89PNG\r\n\x1a\n", "JPEG": b"\xff\xd8\xff", "BMP": b"BM"}
+"""What files begin with that Pillow decodes."""
+OPAQUE = 255
 
 _GAP = rb"(?:\s|#[^\n]*+\n)++"
 HEAD = re.compile(
@@ -27,41 +29,50 @@ HEAD = re.compile(
 
 @dataclass(frozen=True)
 class Image:
-    """A grey image: the shades of its pixels from 0, black, to `white`."""
+    """A grey image: the shades of its pixels from 0, black, to `white`.
+
+    A pixel that is not opaque has no shade of its own.
+    """
 
     shades: npt.NDArray[np.unsignedinteger[Any]]  # (height, width), row 0 at the top
     white: int
+    is_opaque: npt.NDArray[np.bool_] | bool = True  # (height, width)
 
 
 def read_image(path: Path) -> Image:
     """Read an image; raises `TeamformerError` where the file is broken."""
     data = read_bytes(path, LARGEST_FILE, "write 'image:' as it is seen from the folder of the map")
-    return _read_png(path, data) if data.startswith(PNG) else _read_pgm(path, data)
+    for kind, beginning in BEGINNINGS.items():
+        if data.startswith(beginning):
+            return _decode(path, data, kind)
+    return _read_pgm(path, data)
 
 
-def _read_png(path: Path, data: bytes) -> Image:
-    """Decode a PNG; the shade of a coloured pixel is the sum of its colours."""
+def _decode(path: Path, data: bytes, kind: str) -> Image:
+    """Decode an image by Pillow; the shade of a coloured pixel is the sum of its colours."""
     try:
         from PIL import Image as Decoder
     except ModuleNotFoundError:
         hint = f"{how_to_install('maps')}, or convert it to PGM"
-        raise TeamformerError(f"{path}: a PNG image needs Pillow", hint) from None
+        raise TeamformerError(f"{path}: a {kind} image needs Pillow", hint) from None
     try:
-        with Decoder.open(BytesIO(data), formats=("PNG",)) as image:
+        with Decoder.open(BytesIO(data), formats=(kind,)) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise ValueError(f"{image.width} x {image.height} pixels")
             if image.mode.startswith("I"):  # 16 bits
-                return Image(np.asarray(image, dtype=np.uint16), 65535)
-            colours = np.asarray(image.convert("RGB"), dtype=np.uint16)
+                shades = np.asarray(image, dtype=np.uint16)
+                return Image(shades, 65535, shades != image.info.get("transparency", -1))
+            pixels = np.asarray(image.convert("RGBA"))  # (height, width, 4)
     except (OSError, SyntaxError, ValueError, Decoder.DecompressionBombError) as error:
-        raise TeamformerError(f"{path}: this PNG cannot be read: {error}") from None
-    return Image(colours.sum(axis=2, dtype=np.uint16), 3 * 255)
+        raise TeamformerError(f"{path}: this {kind} cannot be read: {error}") from None
+    shades = pixels[..., :3].sum(axis=2, dtype=np.uint16)
+    return Image(shades, 3 * 255, pixels[..., 3] == OPAQUE)
 
 
 def _read_pgm(path: Path, data: bytes) -> Image:
     head = HEAD.match(data)
     if head is None:
-        what = f"{path}: this is neither a PGM image (P2 or P5) nor a PNG"
+        what = f"{path}: this is no PGM (P2 or P5), PNG, JPEG or BMP image"
         raise TeamformerError(what, "convert it to PGM")
     width, height, white = (int(head.group(i)) for i in (2, 3, 4))
     if not (0 < white < 65536 and width and height):

@@ -4,8 +4,10 @@
 from, depot, ward, lab
 depot, 0, 4, 7.5
 ward, 5, 0, 3
-lab, 7, 3, 0
+lab, 7, , 0
 ```
+
+A cell that is empty, or `inf`, says that no way leads there directly.
 """
 
 from __future__ import annotations
@@ -16,11 +18,13 @@ from collections.abc import Callable, Sequence
 from io import StringIO
 
 from teamformer.errors import TeamformerError
-from teamformer.roads import LONGEST_WAY, Roads, Rows
+from teamformer.roads import Roads, Rows, is_way
 from teamformer.scenarios.trees.reader import LONGEST_TEXT
 from teamformer.scenarios.yaml.words import shorten
 
 LARGEST_FILE = 20_000_000  # bytes
+
+NO_WAY = ("", ".inf")  # besides all that Python reads as infinity
 
 Line = Callable[[int], str]
 """Names a line of a table for people."""
@@ -55,7 +59,7 @@ def write_times(roads: Roads, mover: str) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["from", *roads.places])
     for name, row in zip(roads.places, roads.times[mover], strict=True):
-        writer.writerow([name, *(f"{time:.15g}" for time in row)])
+        writer.writerow([name, *("" if time == math.inf else f"{time:.15g}" for time in row)])
     return text.getvalue()
 
 
@@ -98,12 +102,11 @@ def _read_row(
 
 
 def _read_time(cell: str, what: str) -> float:
-    if not cell:
-        raise TeamformerError(f"{what} is missing", "write a number")
+    remedy = "write 0 to 1e9, or leave it empty where no way leads there"
     try:
-        time = float(cell)
+        time = math.inf if cell in NO_WAY else float(cell)
     except ValueError:
-        raise TeamformerError(f"{what} is '{cell[:40]}'", "write a number") from None
-    if not (0 <= time <= LONGEST_WAY and math.isfinite(time)):
-        raise TeamformerError(f"{what} is {time:g}", "write 0 to 1e9")
+        raise TeamformerError(f"{what} is '{cell[:40]}'", remedy) from None
+    if not is_way(time):
+        raise TeamformerError(f"{what} is {time:g}", remedy)
     return time

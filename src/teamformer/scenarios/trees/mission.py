@@ -16,13 +16,15 @@ from teamformer.plane import DECIMALS, Plane
 from teamformer.roads import Roads
 from teamformer.scenarios.trees.pins import Pinned, apply_pins, read_pins
 from teamformer.scenarios.trees.reader import Reader
-from teamformer.scenarios.trees.robots import read_robots
+from teamformer.scenarios.trees.robots import Fleet, read_robots
 from teamformer.scenarios.trees.tasks import read_tasks
 from teamformer.scenarios.trees.world import read_at, read_world
 from teamformer.scenarios.yaml.reader import Where
-from teamformer.scenarios.yaml.words import shorten
 
 VERSION = 1
+
+RECORD = "teamformer_replay"
+"""The key that only records have."""
 
 TOP_KEYS = {
     "teamformer": True,  # required
@@ -64,27 +66,31 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
 
     `name` is for a scenario without one; map files are looked for in `folder`.
     """
+    if isinstance(reader.tree.value, dict) and RECORD in reader.tree.value:
+        what = "this is the record of a run, and no mission"
+        reader.refuse((RECORD,), f"{what}; name a mission, or use `view`, `check` or `export`")
+        return None
     top = reader.mapping((), _without_methods(reader), TOP_KEYS)
     if not _knows_version(reader, top):
         return None
     world = read_world(reader, top.get("world", {"grid": [1, 1]}), folder)
     rules = _read_rules(reader, top, world)
-    robots, entries = read_robots(reader, top.get("robots", []), world)
+    fleet = read_robots(reader, top.get("robots", []), world)
     if isinstance(world, Plane) and "arrival_radius" not in top["world"]:
-        world = _with_usual_radius(world, robots)
+        world = _with_usual_radius(world, fleet.robots)
     mission = Pinned(
         capabilities=tuple(reader.names(("capabilities",), top.get("capabilities", []))),
-        robots=robots,
+        robots=fleet.robots,
         tasks=read_tasks(reader, top.get("tasks", []), world, rules.get("time")),
     )
-    mission = _with_pins(reader, top, world, mission)
+    mission = _with_pins(reader, top, world, mission, fleet)
     parts = {
         "name": reader.text(("name",), top.get("name", name)),
         "world": world,
         "capabilities": mission.capabilities,
         "robots": mission.robots,
         "tasks": mission.tasks,
-        "teams": _read_teams(reader, top.get("teams", []), [robot.name for robot in robots]),
+        "teams": _read_teams(reader, top.get("teams", []), fleet),
         **rules,
     }
     if not reader.is_faithful:  # the model would complain about what stands in for the mistakes
@@ -92,8 +98,11 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
     try:
         return Scenario(**parts)
     except ScenarioError as error:
+        told: dict[Where, Where] = {}
         for problem in error.problems:
-            reader.refuse(_in_file(problem.where, entries), problem.message)
+            where = _in_file(problem.where, fleet.entries)
+            if told.setdefault(where, problem.where) == problem.where:  # of robots alike, of one
+                reader.refuse(where, problem.message)
         return None
 
 
@@ -124,15 +133,16 @@ def _with_usual_radius(plane: Plane, robots: tuple[Robot, ...]) -> Plane:
     return replace(plane, arrival_radius=round(slowest, DECIMALS))
 
 
-def _with_pins(reader: Reader, top: Mapping[str, Any], world: World, mission: Pinned) -> Pinned:
+def _with_pins(
+    reader: Reader, top: Mapping[str, Any], world: World, mission: Pinned, fleet: Fleet
+) -> Pinned:
     """Return a mission with the pins of its tasks said in capabilities."""
     pins, any_are = [], False
     listed = top.get("tasks")
-    number_of = {robot.name: number for number, robot in enumerate(mission.robots)}
     for number, keys in enumerate(listed if isinstance(listed, list) else ()):
         said = keys if isinstance(keys, dict) else {}
         any_are |= "only" in said or "with" in said
-        pins.append(read_pins(reader, ("tasks", number), said, number_of))
+        pins.append(read_pins(reader, ("tasks", number), said, fleet))
     if not any_are or not reader.is_faithful:
         return mission
     if "arrivals" in top:
@@ -141,19 +151,9 @@ def _with_pins(reader: Reader, top: Mapping[str, Any], world: World, mission: Pi
     return apply_pins(reader, world, mission, pins)
 
 
-def _read_teams(reader: Reader, value: Any, robots: list[str]) -> tuple[tuple[int, ...], ...]:
-    number_of = {name: number for number, name in reversed(list(enumerate(robots)))}
-    teams = []
-    for number, part in enumerate(reader.sequence(("teams",), value)):
-        where = ("teams", number)
-        names = reader.names(where, part)
-        for entry, name in enumerate(names):
-            if name not in number_of and name != "?":
-                reader.refuse(
-                    (*where, entry), f"there is no robot '{shorten(name)}'; write the name of one"
-                )
-        teams.append(tuple(number_of.get(name, 0) for name in names))
-    return tuple(teams)
+def _read_teams(reader: Reader, value: Any, fleet: Fleet) -> tuple[tuple[int, ...], ...]:
+    parts = enumerate(reader.sequence(("teams",), value))
+    return tuple(fleet.read_names(reader, ("teams", number), part) for number, part in parts)
 
 
 def _without_methods(reader: Reader) -> Any:

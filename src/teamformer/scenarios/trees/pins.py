@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.mission.places import possible_places
-from teamformer.mission.reach import can_reach
+from teamformer.mission.reach import can_reach, way_for
 from teamformer.model import Robot, Task, World
 from teamformer.scenarios.trees.reader import LONGEST_TEXT, Reader
+from teamformer.scenarios.trees.robots import Fleet
 from teamformer.scenarios.yaml.reader import Where
-from teamformer.scenarios.yaml.words import shorten
 
 
 @dataclass(frozen=True)
@@ -36,23 +36,13 @@ class Pinned:
     tasks: tuple[Task, ...]
 
 
-def read_pins(
-    reader: Reader, where: Where, keys: Mapping[str, object], number_of: Mapping[str, int]
-) -> Pins:
-    """Return the pins of a task; robots that are none are refused.
-
-    `number_of` has the number of each robot by its name.
-    """
-    read: dict[str, tuple[int, ...]] = {}
-    for key in ("only", "with"):
-        names = reader.names((*where, key), keys[key]) if key in keys else []
-        if key in keys and keys[key] == []:
+def read_pins(reader: Reader, where: Where, keys: Mapping[str, object], fleet: Fleet) -> Pins:
+    """Return the pins of a task; robots that are none are refused."""
+    read: dict[str, tuple[int, ...]] = {"only": (), "with": ()}
+    for key in read.keys() & keys.keys():
+        if keys[key] == []:
             reader.refuse((*where, key), f"{key} names no robot; name one, or drop it")
-        for entry, name in enumerate(names):
-            if name not in number_of and name != "?":
-                message = f"there is no robot '{shorten(name)}'; write the name of one"
-                reader.refuse((*where, key, entry), message)
-        read[key] = tuple(sorted({number_of[name] for name in names if name in number_of}))
+        read[key] = tuple(sorted(set(fleet.read_names(reader, (*where, key), keys[key]))))
     return Pins(read["only"], read["with"])
 
 
@@ -136,7 +126,7 @@ def _refuse_impossible(
     for robot in pin.having:
         if not can_reach(world, robots[robot], places[0]):
             message = f"{what} is with '{robots[robot].name}', which no way leads there"
-            remedy = "move one of them, open the map, or let it fly with moves: air"
+            remedy = f"move one of them, {way_for(world, 'it')}"
             reader.refuse((*where, "with"), f"{message}; {remedy}")
     coming = [robots[robot] for robot in pin.only if can_reach(world, robots[robot], places[0])]
     have = total(robot.can for robot in coming)

@@ -10,6 +10,7 @@ from typing import Any
 from teamformer.capabilities import PLACES, exact, is_exact
 from teamformer.grid import Place
 from teamformer.mission.checks import LARGEST_NUMBER
+from teamformer.mission.rules import counted_from
 from teamformer.scenarios.yaml.reader import Tree, Where
 from teamformer.scenarios.yaml.words import Misread, describe, kind_of, misread, shorten
 
@@ -95,7 +96,7 @@ class Reader:
         if not _is_number(value):
             self.refuse(where, f"{name_of(where)} is {describe(value)}; write a number")
         elif not abs(value) <= LARGEST_NUMBER:  # nan too
-            most = f"write a number up to {LARGEST_NUMBER:,}"
+            most = f"write a number up to {LARGEST_NUMBER:,}{counted_from(where)}"
             self.refuse(where, f"{name_of(where)} is {describe(value)}; {most}")
         else:
             return float(value)
@@ -109,7 +110,7 @@ class Reader:
         if not isinstance(value, int) or isinstance(value, bool):
             self.refuse(where, f"{what}; write a whole number")
         elif abs(value) > most:
-            self.refuse(where, f"{what}; write a number up to {most:,}")
+            self.refuse(where, f"{what}; write a number up to {most:,}{counted_from(where)}")
         elif least is not None and value < least:
             self.refuse(where, f"{what}; write {least} or more")
         else:
@@ -191,8 +192,28 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
+MEANT = {
+    **dict.fromkeys(("deadline", "due", "due_date", "window", "time_window"), "between"),
+    **dict.fromkeys(("priority", "importance"), "weight"),
+    **dict.fromkeys(("depends_on", "predecessors"), "after"),
+    **dict.fromkeys(("position", "location", "pose", "start"), "at"),
+    **dict.fromkeys(("skills", "abilities"), "can"),
+    **dict.fromkeys(("requires", "requirements"), "needs"),
+}
+"""Keys by the words that others have for them."""
+
+HOW = {
+    "between": "between: [0, 20] if it is late after 20",
+    "weight": "weight: 2 if its end and lateness count twice in the mission's cost",
+}
+"""What helps with a key besides its name."""
+
+
 def _suggest(key: Any, keys: Mapping[str, bool]) -> str:
     shown = shorten(str(key))
+    meant = MEANT.get(shown.lower())
+    if meant is not None and meant in keys:
+        return f"'{shown}'; write {HOW.get(meant, meant)}"
     near = difflib.get_close_matches(shown, list(keys), 1)
     return f"'{shown}'; " + (f"did you mean '{near[0]}'?" if near else f"known are {_list(keys)}")
 

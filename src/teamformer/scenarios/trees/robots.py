@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import Any
 
@@ -13,6 +13,7 @@ from teamformer.roads import AIR, GROUND, Roads
 from teamformer.scenarios.trees.reader import LONGEST_TEXT, Reader, name_of, read_range
 from teamformer.scenarios.trees.world import read_at
 from teamformer.scenarios.yaml.reader import Where
+from teamformer.scenarios.yaml.words import shorten
 
 MOST_ALIKE = 1000
 """Robots that one entry of a file stands for."""
@@ -37,10 +38,33 @@ BREAKS_KEYS = {"rate": True, "repair": False}
 DELAYS_KEYS = {"chance": True, "seed": True}
 
 
-def read_robots(reader: Reader, value: Any, world: World) -> tuple[tuple[Robot, ...], list[int]]:
-    """Return the robots, and for each the entry of the file that it comes from."""
+@dataclass(frozen=True)
+class Fleet:
+    """The robots of a file, by number, and the entry that each comes from.
+
+    A name stands for one robot, or for all that an entry with `count` makes.
+    """
+
+    robots: tuple[Robot, ...]
+    entries: tuple[int, ...]
+    named: Mapping[str, tuple[int, ...]]
+
+    def read_names(self, reader: Reader, where: Where, value: Any) -> tuple[int, ...]:
+        """Return the robots in a list of names; those that are none are refused."""
+        found: list[int] = []
+        for entry, name in enumerate(reader.names(where, value)):
+            if name not in self.named and name != "?":
+                message = f"there is no robot '{shorten(name)}'; write the name of one"
+                reader.refuse((*where, entry), message)
+            found += self.named.get(name, ())
+        return tuple(found)
+
+
+def read_robots(reader: Reader, value: Any, world: World) -> Fleet:
+    """Return the robots; problems are noted in the reader."""
     robots: list[Robot] = []
     entries: list[int] = []
+    groups: dict[str, tuple[int, ...]] = {}
     for number, part in enumerate(reader.sequence(("robots",), value)):
         where = ("robots", number)
         keys = reader.mapping(where, part, ROBOT_KEYS)
@@ -62,11 +86,13 @@ def read_robots(reader: Reader, value: Any, world: World) -> tuple[tuple[Robot, 
             alike = [robot]
         elif "name" in keys:
             alike = [replace(robot, name=f"{robot.name}-{n + 1}") for n in range(count)]
+            groups[robot.name] = tuple(range(len(robots), len(robots) + count))
         else:
             alike = [replace(robot, name=f"r{len(robots) + n + 1}") for n in range(count)]
         robots += alike
         entries += [number] * len(alike)
-    return tuple(robots), entries
+    one = {robot.name: (number,) for number, robot in reversed(list(enumerate(robots)))}
+    return Fleet(tuple(robots), tuple(entries), groups | one)
 
 
 def _read_moves(reader: Reader, where: Where, value: Any, world: World) -> str:

@@ -16,6 +16,7 @@ from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.files import scenario_from_tree
+from teamformer.scenarios.trees.mission import RECORD
 from teamformer.sim.replay.record import (
     HEARD,
     STATUSES,
@@ -53,7 +54,7 @@ RUN_AGAIN = "run the scenario again to have it written anew"
 STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
-REPLAY_KEYS = ("teamformer_replay", *(field.name for field in fields(Replay)))
+REPLAY_KEYS = (RECORD, *(field.name for field in fields(Replay)))
 OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight", "heeds")
 NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in OPTIONAL_KEYS)
 
@@ -123,10 +124,10 @@ def replay_from_tree(tree: Any, source: str) -> Replay:
 
 
 def _check_version(tree: Any, source: str) -> None:
-    if not isinstance(tree, dict) or "teamformer_replay" not in tree:
+    if not isinstance(tree, dict) or RECORD not in tree:
         hint = "name the replay.json that `teamformer run` wrote"
-        raise ReplayError(f"{source}: this is not a replay: it has no 'teamformer_replay'", hint)
-    version = tree["teamformer_replay"]
+        raise ReplayError(f"{source}: this is not a replay: it has no '{RECORD}'", hint)
+    version = tree[RECORD]
     if not is_whole(version) or version < 1:
         what = f"the format version is {short(version)}, not a number from 1 on"
         raise ReplayError(f"{source}: {what}", RUN_AGAIN)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.scenarios.files import scenario_to_tree
+from teamformer.scenarios.trees.mission import RECORD
 from teamformer.sim.replay.record import VERSION, Replay, Step
 from teamformer.sim.replay.truths import truth_to_tree
 from teamformer.whole_files import own_number, write_whole
@@ -16,7 +17,7 @@ from teamformer.whole_files import own_number, write_whole
 def replay_to_tree(replay: Replay) -> dict[str, Any]:
     """Return the replay as the tree of its file."""
     tree = {
-        "teamformer_replay": VERSION,
+        RECORD: VERSION,
         "scenario": scenario_to_tree(replay.scenario),
         "method": replay.method,
         "seed": replay.seed,

@@ -186,7 +186,7 @@ class EditorPanel {
   }
 
   openFile() {
-    const accept = ".yaml,.yml,.json,.map,.pgm,.png";
+    const accept = ".yaml,.yml,.json,.map,.pgm,.png,.jpg,.jpeg,.bmp";
     const field = element("input", { type: "file", accept, multiple: "" });
     field.addEventListener("change", () => this.send([...field.files]));
     field.click();

@@ -11,6 +11,7 @@ from teamformer.capabilities import Counts, in_units, out_of_units, total, units
 from teamformer.errors import ScenarioError
 from teamformer.grid import FREE, Grid, Place
 from teamformer.mission.checks import find_problems
+from teamformer.mission.keys.robot_keys import SLOWEST
 from teamformer.mission.places import possible_places
 from teamformer.mission.rules import opening_step
 from teamformer.plane import Plane
@@ -30,9 +31,6 @@ LEAST_WALKED = 0.01
 """The share of its steps that a team walks in at least, by step limits, whatever happens to it."""
 
 World = Grid | Plane | Roads
-
-SLOWEST = 0.001
-"""Cells a step, on a plane metres a second: slower ones would overflow the step counts."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from drawing import are_more, now_and_then, pick, some
-from teamformer.scenarios.trees.reader import LONGEST_TEXT
+from teamformer.mission.keys.kinds import LONGEST_TEXT
 from words import draw_names
 from worlds import Drawn, Place, draw_world
 

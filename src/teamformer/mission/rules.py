@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
 from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
+from teamformer.mission.keys.mission_keys import HOME, TIMES
 from teamformer.mission.links import find_link_problems, find_links
 from teamformer.mission.loads import find_flown_loads
 from teamformer.mission.reach import can_reach, way_for
@@ -22,12 +24,6 @@ LEAST_CHANCE = {"needed": 0.0, "absent": math.inf, "scouting": LIKELY}
 """By foresight, from which probability on needs that nobody knows are expected."""
 FORESIGHTS = tuple(LEAST_CHANCE)
 
-TIMES = ("steps", "continuous")
-HOME = "home"
-LONGEST_TIME = 1e9
-"""In the unit of time of a mission in continuous time."""
-
-
 MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until"})
 """Keys of a file whose values are moments of a mission."""
 
@@ -39,7 +35,7 @@ def counted_from(where: tuple[str | int, ...]) -> str:
 
 def is_time(value: float) -> bool:
     """Say whether a number can be a time."""
-    return 0 <= value <= LONGEST_TIME
+    return 0 <= value <= LARGEST_NUMBER
 
 
 def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
@@ -290,7 +286,7 @@ def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
         if not (is_time(begin) and is_time(end) and begin < end):
             message = f"{what} is to be done between {begin:g} and {end:g}; use [begin, end]"
             rule = "0 or more and in this order"
-            if max(begin, end) > LONGEST_TIME:
+            if max(begin, end) > LARGEST_NUMBER:
                 rule = f"up to 1e9{counted_from(('between',))}"
             yield Problem((*where, "between"), f"{message}, {rule}")
         elif scenario.time == "continuous" and is_too_short(task):

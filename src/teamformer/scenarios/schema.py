@@ -129,15 +129,16 @@ def _pair(of: Schema) -> Schema:
 
 def _of_number(kind: kinds.Number | kinds.Whole) -> Schema:
     """Return the schema of a number within bounds."""
-    if isinstance(kind, kinds.Whole):
-        least = -kind.most if kind.least is None else kind.least
-        return {"type": "integer", "minimum": least, "maximum": kind.most}
-    below = {"exclusiveMaximum" if kind.is_below else "maximum": kind.most}
-    if kind.can_be_infinite:
-        number = {"type": "number", "minimum": kind.least}
-        return {"anyOf": [number, {"const": kinds.INFINITE}]}
     least = -kinds.LARGEST_NUMBER if kind.least is None else kind.least
-    return {"type": "number", "exclusiveMinimum" if kind.is_above else "minimum": least} | below
+    if isinstance(kind, kinds.Whole):
+        return {"type": "integer", "minimum": least, "maximum": kind.most}
+    if kind.can_be_infinite:
+        return {"anyOf": [{"type": "number", "minimum": least}, {"const": kinds.INFINITE}]}
+    return {
+        "type": "number",
+        "exclusiveMinimum" if kind.is_above else "minimum": least,
+        "exclusiveMaximum" if kind.is_below else "maximum": kind.most,
+    }
 
 
 def _of_part(kind: kinds.Part) -> Schema:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from teamformer.capabilities import Counts, covers, describe, missing, total
 from teamformer.errors import Problem
+from teamformer.mission.keys.key import CONTINUOUS
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.mission_keys import LONGEST_ARRIVALS
-from teamformer.mission.rules import find_surprises, told_once
+from teamformer.mission.unknown_keys import find_unknown, told_once
 
 if TYPE_CHECKING:
     from teamformer.model import Arrivals, Breakdown, Robot, Scenario, Task
@@ -55,7 +56,9 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
 
 def _only_in_steps(scenario: Scenario) -> Iterator[Problem]:
     rest = "which only missions in steps know; make {} sure, or drop it"
-    yield from told_once(scenario, find_surprises(scenario), rest.format)
+    yield from told_once(
+        scenario, find_unknown(scenario, CONTINUOUS, is_surprise=True), rest.format
+    )
 
 
 def _problems_of_range(

@@ -86,6 +86,7 @@ class Robot:
     breaks: Breakdown | None = None
     delays: Delays | None = None
     moves: str = GROUND
+    note: str = ""  # for people
 
     @property
     def flies(self) -> bool:
@@ -165,6 +166,7 @@ class Task:
     within: float = 0.0
     weight: float = 1.0  # of its lateness and its end in the cost
     has_arrived: bool = field(default=False, compare=False)
+    note: str = ""  # for people
 
     def __post_init__(self) -> None:
         if self.lasts is not None:

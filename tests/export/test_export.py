@@ -198,6 +198,20 @@ def test_tables_hold_what_was_recorded(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+def test_tables_have_notes_where_there_are_some(tmp_path: Path) -> None:
+    replay = two_lifters()
+    scenario = replay.scenario
+    robots = (replace(scenario.robots[0], note="leaks, =oil"), *scenario.robots[1:])
+    tasks = (scenario.tasks[0], replace(scenario.tasks[1], note="=dock 3"))
+    write_tables(replace(replay, scenario=replace(scenario, robots=robots, tasks=tasks)), tmp_path)
+    head, *robot_rows = rows_of(tmp_path / "robots.csv")
+    assert head[-1] == "note"
+    assert [row[-1] for row in robot_rows] == ["leaks, =oil", ""]
+    head, *task_rows = rows_of(tmp_path / "tasks.csv")
+    column = head.index("note")
+    assert [row[column] for row in task_rows] == ["", "'=dock 3"]
+
+
 def carried() -> Replay:
     """A robot that walks 2 to a load, takes 3 to load it, carries it 4 and unloads it for 2."""
     load = replace(task("a", 2, duration=3), to=(6, 0), unload=2)

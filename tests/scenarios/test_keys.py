@@ -17,7 +17,7 @@ from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
 from teamformer.model import Arrivals, Breakdown, Delays, Robot, Scenario, Task
 from teamformer.plane import Plane
-from teamformer.scenarios.files import scenario_from_tree
+from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 
 TABLES: dict[type[Any], tuple[tuple[Key, ...], dict[str, str]]] = {
     Robot: (ROBOT_KEYS, robot_keys.NOT_ALIKE),
@@ -82,3 +82,13 @@ def test_a_key_without_a_value_is_refused(thing: str, key: str, told: str) -> No
     [was] = MISSION[thing]
     with pytest.raises(ScenarioError, match=f"^scenario: {re.escape(told)}$"):
         scenario_from_tree(MISSION | {thing: [was | {key: None}]})
+
+
+def test_notes_are_read_and_written() -> None:
+    [robot], [task] = MISSION["robots"], MISSION["tasks"]
+    noted = {"robots": [robot | {"note": "leaks oil"}], "tasks": [task | {"note": "door 3"}]}
+    scenario = scenario_from_tree(MISSION | noted)
+    assert (scenario.robots[0].note, scenario.tasks[0].note) == ("leaks oil", "door 3")
+    tree = scenario_to_tree(scenario)
+    assert (tree["robots"][0]["note"], tree["tasks"][0]["note"]) == ("leaks oil", "door 3")
+    assert "note" not in scenario_to_tree(scenario_from_tree(MISSION))["tasks"][0]

@@ -10,6 +10,9 @@ from pathlib import Path
 from teamformer.capabilities import describe
 from teamformer.export.events import events
 from teamformer.export.moments import Moment, moments
+from teamformer.mission.keys.key import Key
+from teamformer.mission.keys.robot_keys import ROBOT_KEYS
+from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.replay.phases import PHASES
 from teamformer.sim.replay.record import Replay
@@ -33,16 +36,33 @@ def write_tables(replay: Replay, folder: Path) -> tuple[Path, ...]:
 def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
     """Yield each robot with the steps it spent in each phase."""
     places = ("x", "y", "lost_in_step", "back_in_step")
-    yield ("robot", "capabilities", "speed", "moves", *places, *PHASES)
+    robots = replay.scenario.robots
+    more = _in_details(ROBOT_KEYS, robots)
+    yield ("robot", "capabilities", "speed", "moves", *places, *PHASES, *more)
     lost = _steps_by_robot(step.lost for step in replay.steps)
     back = _steps_by_robot(step.back for step in replay.steps)
-    for number, robot in enumerate(replay.scenario.robots):
+    for number, robot in enumerate(robots):
         steps = Counter(moment.phase[number] for moment in seen[1:])
         spent = [steps[phase] for phase in PHASES]
         can = describe(robot.can)
         away = (lost.get(number, ""), back.get(number, ""))
         moves = "air" if robot.flies else "ground"
-        yield (robot.name, can, robot.speed, moves, *robot.at, *away, *spent)
+        yield (
+            robot.name,
+            can,
+            robot.speed,
+            moves,
+            *robot.at,
+            *away,
+            *spent,
+            *(getattr(robot, key) for key in more),
+        )
+
+
+def _in_details(keys: Sequence[Key], things: Sequence[object]) -> tuple[str, ...]:
+    """Return the names of the keys that details show, such as notes, if some thing has them."""
+    shown = [key for key in keys if key.is_in_details]
+    return tuple(key.name for key in shown if any(getattr(it, key.field) for it in things))
 
 
 def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str]:
@@ -56,7 +76,8 @@ def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str
 
 def _tasks(replay: Replay) -> Iterable[Row]:
     steps = ("appears", "cancelled_in_step", "done_in_step")
-    yield ("task", "needs", "x", "y", "duration", *steps, "done_by")
+    more = _in_details(TASK_KEYS, replay.mission.tasks)
+    yield ("task", "needs", "x", "y", "duration", *more, *steps, "done_by")
     done = {event.task: event for event in events(replay) if event.kind == "done"}
     appeared, cancelled = known_steps(replay), cancelled_steps(replay)
     for number, task in enumerate(replay.mission.tasks):
@@ -65,7 +86,8 @@ def _tasks(replay: Replay) -> Iterable[Row]:
         when = "" if event is None else event.step
         needs, known = describe(task.needs), "" if appeared[number] == NEVER else appeared[number]
         called_off = cancelled.get(number, "")
-        yield (task.name, needs, *task.at, task.duration, known, called_off, when, who)
+        said = (getattr(task, key) for key in more)
+        yield (task.name, needs, *task.at, task.duration, *said, known, called_off, when, who)
 
 
 def _events(replay: Replay) -> Iterable[Row]:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Sequence
 from typing import Any
 
 from teamformer.mission.keys import kinds
-from teamformer.mission.keys.key import Key
+from teamformer.mission.keys.key import Key, plain
 from teamformer.mission.keys.mission_keys import MISSION_KEYS
 
 Schema = dict[str, Any]
@@ -51,7 +50,7 @@ def object_of(keys: Sequence[Key]) -> Schema:
 
 def schema_of_key(key: Key) -> Schema:
     """Return the schema of what stands under a key, with what it means, its default, an example."""
-    about: Schema = {"description": plain(key.means)}
+    about: Schema = {"description": key.in_words}
     if key.without:
         about["description"] += f". If left out: {plain(key.without)}"
     elif not key.is_required and key.default is not None:
@@ -59,11 +58,6 @@ def schema_of_key(key: Key) -> Schema:
     if key.example is not None:
         about["examples"] = [key.example]
     return about | schema_of(key.kind)
-
-
-def plain(text: str) -> str:
-    """Return Markdown without its links."""
-    return re.sub(r"\[([^]]+)\]\(#[^)]+\)", r"\1", re.sub(r" \(\[[^]]+\]\([^)]+\)\)", "", text))
 
 
 def schema_of(kind: kinds.Kind) -> Schema:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -31,13 +32,14 @@ class Unknown:
     field: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Key:
     """One key. `means` and `without` are Markdown; `without` says what holds if it is left out.
 
     `default` is what the model has then. `held_as` is the name of the field of the model, if that
     is another one. What `is_always_written` stands in written files even if it is the default.
-    `label` is the name of the key's field in the editor, which shows it then.
+    `label` is what pages call it; a key with a label has a field in the editor. One that
+    `is_in_details` is shown wherever its thing is in detail: in the page's side, in CSV tables.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Key:
     held_as: str = ""
     is_always_written: bool = False
     label: str = ""
+    is_in_details: bool = False
     example: Any = None
     unknown: Unknown | None = None
 
@@ -57,6 +60,16 @@ class Key:
         return self.held_as or self.name
 
     @property
+    def in_words(self) -> str:
+        """Return what the key means, without the links of Markdown."""
+        return plain(self.means)
+
+    @property
     def is_required(self) -> bool:
         """Say whether the key must be there."""
         return self.default is REQUIRED
+
+
+def plain(text: str) -> str:
+    """Return Markdown without its links."""
+    return re.sub(r"\[([^]]+)\]\(#[^)]+\)", r"\1", re.sub(r" \(\[[^]]+\]\([^)]+\)\)", "", text))

@@ -127,6 +127,15 @@ ROBOT_KEYS = (
         default=None,
         without="1, with its own name",
     ),
+    Key(
+        "note",
+        Text(),
+        "a text for people, which pages and tables show with the robot",
+        default="",
+        without="none",
+        label="Note",
+        is_in_details=True,
+    ),
 )
 
 NOT_ALIKE = {

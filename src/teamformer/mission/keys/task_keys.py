@@ -154,6 +154,15 @@ TASK_KEYS = (
         default=(),
         without="none",
     ),
+    Key(
+        "note",
+        Text(),
+        "a text for people, which pages and tables show with the task",
+        default="",
+        without="none",
+        label="Note",
+        is_in_details=True,
+    ),
 )
 
 NOT_ALIKE = {

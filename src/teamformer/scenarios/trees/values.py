@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import singledispatch
+from functools import lru_cache, singledispatch
 from typing import Any
 
 from teamformer.mission.keys import kinds
@@ -36,13 +36,19 @@ def read_part(
 
     What must be there and is not has been refused; something harmless stands in for it.
     """
-    known = {key.name: key for key in keys}
-    said = reader.mapping(where, value, {key.name: key.is_required for key in keys})
-    lacking = {key.field: stand_in(key.kind) for key in keys if key.is_required}
+    known, is_required, lacking = _by_name(tuple(keys))
     return lacking | {
         known[name].field: read(known[name].kind, reader, (*where, name), part, given)
-        for name, part in said.items()
+        for name, part in reader.mapping(where, value, is_required).items()
     }
+
+
+@lru_cache(maxsize=64)
+def _by_name(keys: tuple[Key, ...]) -> tuple[dict[str, Key], dict[str, bool], dict[str, Any]]:
+    """Return keys by name, whether each must be there, and by field what stands in for those."""
+    lacking = {key.field: stand_in(key.kind) for key in keys if key.is_required}
+    required = {key.name: key.is_required for key in keys}
+    return {key.name: key for key in keys}, required, lacking
 
 
 def stand_in(kind: kinds.Kind) -> Any:

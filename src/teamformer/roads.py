@@ -24,10 +24,11 @@ class Roads:
     """Named places, and the time of the way from each place to each other one.
 
     `times[mover][a][b]` is the time from place number a to place number b at speed 1, in the
-    mission's unit. The way back may take a different time. There is a matrix for each kind of
-    mover, and a robot's `moves` chooses its matrix. A robot or task at place number a is `at`
-    (a, 0); the method `at` turns a name into that. A world of roads has no coordinates and no
-    steps, so its missions are in continuous time.
+    mission's unit, or infinite where no way leads there directly. Then a robot goes by other
+    places, as quickly as can be; `ways` has how long it takes. The way back may take a different
+    time. There is a matrix for each kind of mover, and a robot's `moves` chooses its matrix. A
+    robot or task at place number a is `at` (a, 0); the method `at` turns a name into that. A world
+    of roads has no coordinates and no steps, so its missions are in continuous time.
     """
 
     places: tuple[str, ...]
